@@ -1,0 +1,65 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <absl/status/status.h>
+
+/// Errors that cross the wire. An `absl::Status` carries the code and the sentence for a person;
+/// its payloads carry what a program needs: a stable reason and the path of the offending field.
+/// `proto/convert` turns them into `google.rpc.ErrorInfo` and `google.rpc.BadRequest`.
+namespace steadymap {
+
+/// The stable reasons of the service contract. The spelling is part of the wire format.
+namespace reason {
+inline constexpr std::string_view kNonFinitePose = "NON_FINITE_POSE";
+inline constexpr std::string_view kNotARotation = "NOT_A_ROTATION";
+inline constexpr std::string_view kBadIntrinsics = "BAD_INTRINSICS";
+inline constexpr std::string_view kImageSizeMismatch = "IMAGE_SIZE_MISMATCH";
+inline constexpr std::string_view kBadDepthEncoding = "BAD_DEPTH_ENCODING";
+inline constexpr std::string_view kBadImageEncoding = "BAD_IMAGE_ENCODING";
+inline constexpr std::string_view kLabelOutOfRange = "LABEL_OUT_OF_RANGE";
+inline constexpr std::string_view kBadPageToken = "BAD_PAGE_TOKEN";
+inline constexpr std::string_view kBadName = "BAD_NAME";
+inline constexpr std::string_view kBadTimestamp = "BAD_TIMESTAMP";
+inline constexpr std::string_view kBadSequence = "BAD_SEQUENCE";
+inline constexpr std::string_view kBadValue = "BAD_VALUE";
+inline constexpr std::string_view kNotFound = "NOT_FOUND";
+inline constexpr std::string_view kAlreadyExists = "ALREADY_EXISTS";
+inline constexpr std::string_view kRevisionCompacted = "REVISION_COMPACTED";
+inline constexpr std::string_view kRevisionInFuture = "REVISION_IN_FUTURE";
+inline constexpr std::string_view kUploadSuperseded = "UPLOAD_SUPERSEDED";
+inline constexpr std::string_view kEtagMismatch = "ETAG_MISMATCH";
+inline constexpr std::string_view kQueueFull = "QUEUE_FULL";
+inline constexpr std::string_view kMapBytes = "MAP_BYTES";
+inline constexpr std::string_view kDiskLow = "DISK_LOW";
+inline constexpr std::string_view kMessageTooLarge = "MESSAGE_TOO_LARGE";
+inline constexpr std::string_view kDraining = "DRAINING";
+inline constexpr std::string_view kStoreReadOnly = "STORE_READ_ONLY";
+inline constexpr std::string_view kChecksum = "CHECKSUM";
+inline constexpr std::string_view kInternal = "INTERNAL";
+}  // namespace reason
+
+/// Makes a status with a reason and, where one field is to blame, its path in the request's proto
+/// spelling, such as `frames[3].depth.data`.
+absl::Status MakeError(absl::StatusCode code,
+                       std::string_view reason,
+                       std::string_view message,
+                       std::string_view field = {});
+
+/// `MakeError(kInvalidArgument, ...)`, the commonest kind.
+absl::Status InvalidField(std::string_view reason,
+                          std::string_view field,
+                          std::string_view message);
+
+/// The reason of a status made by `MakeError`; empty for any other.
+std::string ReasonOf(const absl::Status& status);
+
+/// The field path of a status made by `MakeError`; empty where none was given.
+std::string FieldOf(const absl::Status& status);
+
+/// Prefixes the field path of `status` with `prefix` and a dot (no dot before `[`). OK and statuses
+/// without a field path come back unchanged.
+absl::Status WithFieldPrefix(const absl::Status& status, std::string_view prefix);
+
+}  // namespace steadymap
