@@ -81,6 +81,16 @@ struct LeafVoxels {
   friend bool operator==(const LeafVoxels&, const LeafVoxels&) = default;
 };
 
+/// Write access to the arrays of one leaf. Null where there is no leaf.
+struct LeafEdit {
+  float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
+  float* weight = nullptr;         ///< `kLeafVoxels` values.
+  std::uint32_t* color = nullptr;  ///< As in LeafVoxels; null where the leaf has no colour.
+  LeafMask observed{};             ///< A copy: what is observed before the edit.
+
+  explicit operator bool() const { return distance_m != nullptr; }
+};
+
 /// Read access to one leaf of a volume, valid as long as the volume. Null where there is no leaf.
 struct LeafView {
   const float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
