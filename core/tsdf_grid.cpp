@@ -60,7 +60,7 @@ TsdfGrid& TsdfGrid::operator=(TsdfGrid&&) noexcept = default;
 
 std::unique_ptr<TsdfGrid> TsdfGrid::Clone() const {
   auto clone = std::make_unique<TsdfGrid>();
-  *clone->trees_ = *trees_;
+  clone->trees_ = std::make_unique<Trees>(*trees_);
   return clone;
 }
 

@@ -107,9 +107,9 @@ template <>
 struct std::hash<steadymap::LeafOrigin> {
   std::size_t operator()(const steadymap::LeafOrigin& origin) const noexcept {
     const auto mix = [](std::uint64_t value) { return value * 0x9E3779B97F4A7C15ULL; };
-    std::uint64_t hash = mix(static_cast<std::uint32_t>(origin.x >> 3));
-    hash = mix(hash ^ static_cast<std::uint32_t>(origin.y >> 3));
-    hash = mix(hash ^ static_cast<std::uint32_t>(origin.z >> 3));
-    return static_cast<std::size_t>(hash ^ (hash >> 32));
+    std::uint64_t mixed = mix(static_cast<std::uint32_t>(origin.x >> 3));
+    mixed = mix(mixed ^ static_cast<std::uint32_t>(origin.y >> 3));
+    mixed = mix(mixed ^ static_cast<std::uint32_t>(origin.z >> 3));
+    return static_cast<std::size_t>(mixed ^ (mixed >> 32));
   }
 };
