@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -97,9 +99,16 @@ class RocksStore final : public Store {
   absl::Status TrimLog(const MapEntry& entry,
                        MapSequence last,
                        Timestamp now,
-                       rocksdb::WriteBatch* batch);
-  absl::Status TrimChangeLists(const MapEntry& entry, Timestamp now, rocksdb::WriteBatch* batch);
-  absl::Status TrimSessions(MapKey map, Timestamp forget_before, rocksdb::WriteBatch* batch);
+                       rocksdb::WriteBatch* batch,
+                       std::uint64_t* dropped_bytes) const;
+  absl::Status TrimChangeLists(const MapEntry& entry,
+                               Timestamp now,
+                               rocksdb::WriteBatch* batch) const;
+  absl::Status TrimSessions(MapKey map, Timestamp forget_before, rocksdb::WriteBatch* batch) const;
+
+  /// Packed bytes of all frames before `sequence`, whose pose must be there unless it lies beyond
+  /// the head.
+  absl::StatusOr<std::uint64_t> BytesBefore(const MapEntry& entry, MapSequence sequence) const;
 
   /// The first frame from `first` on that retention wants, or the one after `last`.
   absl::StatusOr<MapSequence> FindLogCut(const MapEntry& entry,
@@ -112,6 +121,7 @@ class RocksStore final : public Store {
 
   std::unique_ptr<StoreDatabase> database_;
   const StoreOptions options_;
+  std::atomic<std::uint64_t> unreclaimed_bytes_ = 0;  ///< Trimmed from the log, still on disk.
   WriteTurns append_turns_;  ///< Log, poses, sessions, map records. Key 0: creation of maps.
   WriteTurns commit_turns_;  ///< Leaves, change lists, revisions. Taken after `append_turns_`.
 

@@ -231,7 +231,7 @@ absl::Status RocksStore::DeleteMap(MapKey map) {
     names_.erase(name);
     entries_.erase(map);
   }
-  for (const Family family : kMapFamilies) database_->Reclaim(family, range.begin, range.end);
+  for (const Family family : {Family::kLog, Family::kLeaf}) database_->Reclaim(family);
   return absl::OkStatus();
 }
 

@@ -94,7 +94,7 @@ struct StoreOptions {
   std::size_t block_cache_bytes = std::size_t{32} << 20;
 
   /// Bytes of RocksDB's write buffers, all column families together.
-  std::size_t write_buffer_bytes = std::size_t{64} << 20;
+  std::size_t write_buffer_bytes = std::size_t{32} << 20;
 
   /// Below this many free bytes on the data folder's disk, appends are refused with `DISK_LOW`.
   std::uint64_t min_free_disk_bytes = std::uint64_t{256} << 20;
@@ -170,7 +170,8 @@ class Store {
   /// Drops log frames up to and including `last` that retention no longer wants, change lists and
   /// poses beyond what `StoreOptions` keeps, and sessions idle since before
   /// `forget_sessions_before`. `last` must be integrated; what lies beyond the stored revision is
-  /// never dropped.
+  /// never dropped. Cost: some milliseconds, with disk space to give back some 100: not for a
+  /// thread that robots wait for.
   virtual absl::Status Trim(const MapRecord& map,
                             MapSequence last,
                             Timestamp now,

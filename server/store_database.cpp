@@ -66,10 +66,11 @@ rocksdb::ColumnFamilyOptions FamilyOptions(std::string_view name,
   table.cache_index_and_filter_blocks = true;
   table.format_version = 5;
   result.table_factory.reset(rocksdb::NewBlockBasedTableFactory(table));
-  result.write_buffer_size = options.write_buffer_bytes / 4;
+  result.write_buffer_size = options.write_buffer_bytes / 8;
   result.compression = rocksdb::kLZ4Compression;
   if (name == NameOf(Family::kLog)) {
     // Frames are written once and deleted in order: as blobs they are never copied by compactions.
+    result.write_buffer_size = options.write_buffer_bytes / 2;
     result.enable_blob_files = true;
     result.min_blob_size = 4096;
     result.blob_file_size = std::uint64_t{64} << 20;
@@ -187,11 +188,12 @@ std::unique_ptr<rocksdb::Iterator> StoreDatabase::Scan(Family family,
   return std::unique_ptr<rocksdb::Iterator>(database_->NewIterator(options, handle(family)));
 }
 
-void StoreDatabase::Reclaim(Family family, std::string_view begin, std::string_view end) {
-  const rocksdb::Slice first = ToSlice(begin);
-  const rocksdb::Slice last = ToSlice(end);
-  // Only a hint: what it misses, later compactions find.
-  rocksdb::experimental::SuggestCompactRange(database_.get(), handle(family), &first, &last)
+void StoreDatabase::Reclaim(Family family) {
+  // A deletion in a write buffer frees nothing, and on a full disk no write comes that would flush
+  // it. Neither step is more than a wish: what they miss, later compactions find; an error of the
+  // disk comes to the listener.
+  database_->Flush(rocksdb::FlushOptions(), handle(family)).PermitUncheckedError();
+  rocksdb::experimental::SuggestCompactRange(database_.get(), handle(family), nullptr, nullptr)
       .PermitUncheckedError();
 }
 

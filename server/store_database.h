@@ -68,8 +68,9 @@ class StoreDatabase {
                                           const rocksdb::Slice* upper_bound,
                                           const rocksdb::Snapshot* snapshot = nullptr) const;
 
-  /// Lets the space of deleted keys in the range be reclaimed in the background.
-  void Reclaim(Family family, std::string_view begin, std::string_view end);
+  /// Gives the space of deleted keys back to the disk: flushes now, which takes up to some 100 ms,
+  /// and compacts in the background.
+  void Reclaim(Family family);
 
   /// Free bytes for the daemon's user on the folder's disk. Errors: `Internal` if nobody can tell.
   absl::StatusOr<std::uint64_t> FreeDiskBytes() const;

@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
+// Reclaiming flushes and compacts: done when that much can be won.
+constexpr std::uint64_t kReclaimBytes = std::uint64_t{16} << 20;
+
 bool IsOlder(std::int64_t then_ns, Timestamp now, std::chrono::seconds age) {
   return (now.nanoseconds() - then_ns) / kNanosecondsPerSecond >= age.count();
 }
@@ -45,17 +48,20 @@ absl::Status RocksStore::Trim(const MapRecord& map,
   entry->record.frame_log_bytes = map.frame_log_bytes;
   const MapSequence integrated{std::min(last.value(), entry->revision_head.revision())};
   rocksdb::WriteBatch batch;
-  if (absl::Status status = TrimLog(*entry, integrated, now, &batch); !status.ok()) return status;
-  const bool log_shrinks = batch.HasDeleteRange();
+  std::uint64_t dropped_bytes = 0;
+  if (absl::Status status = TrimLog(*entry, integrated, now, &batch, &dropped_bytes);
+      !status.ok()) {
+    return status;
+  }
   if (absl::Status status = TrimChangeLists(*entry, now, &batch); !status.ok()) return status;
   if (absl::Status status = TrimSessions(map.key, forget_sessions_before, &batch); !status.ok()) {
     return status;
   }
   if (batch.Count() == 0) return absl::OkStatus();
   if (absl::Status status = database_->Write(&batch); !status.ok()) return status;
-  if (log_shrinks) {
-    const KeyRange range = MapRange(map.key);
-    database_->Reclaim(Family::kLog, range.begin, range.end);
+  if (unreclaimed_bytes_.fetch_add(dropped_bytes) + dropped_bytes >= kReclaimBytes) {
+    unreclaimed_bytes_ = 0;
+    database_->Reclaim(Family::kLog);
   }
   return absl::OkStatus();
 }
@@ -63,7 +69,8 @@ absl::Status RocksStore::Trim(const MapRecord& map,
 absl::Status RocksStore::TrimLog(const MapEntry& entry,
                                  MapSequence last,
                                  Timestamp now,
-                                 rocksdb::WriteBatch* batch) {
+                                 rocksdb::WriteBatch* batch,
+                                 std::uint64_t* dropped_bytes) const {
   const MapKey map = entry.record.key;
   const absl::StatusOr<std::optional<MapSequence>> first_frame = FirstFrame(Family::kLog, map);
   if (!first_frame.ok()) return first_frame.status();
@@ -73,6 +80,11 @@ absl::Status RocksStore::TrimLog(const MapEntry& entry,
     if (!cut.ok()) return cut.status();
     kept = *cut;
     if (kept > **first_frame) {
+      const absl::StatusOr<std::uint64_t> first_bytes = BytesBefore(entry, **first_frame);
+      const absl::StatusOr<std::uint64_t> kept_bytes = BytesBefore(entry, kept);
+      if (!first_bytes.ok()) return first_bytes.status();
+      if (!kept_bytes.ok()) return kept_bytes.status();
+      *dropped_bytes = *kept_bytes - *first_bytes;
       batch->DeleteRange(
           database_->handle(Family::kLog), FrameKey(map, **first_frame), FrameKey(map, kept));
     }
@@ -87,6 +99,15 @@ absl::Status RocksStore::TrimLog(const MapEntry& entry,
         database_->handle(Family::kPose), FrameKey(map, **first_pose), FrameKey(map, kept_pose));
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::uint64_t> RocksStore::BytesBefore(const MapEntry& entry,
+                                                      MapSequence sequence) const {
+  if (sequence.value() > entry.log_head.durable_map_seq()) return entry.log_head.total_bytes();
+  const absl::StatusOr<storage::v1::PoseRecord> pose =
+      ReadPoseRecord(*database_, entry.record.key, sequence);
+  if (!pose.ok()) return pose.status();
+  return pose->bytes_before();
 }
 
 absl::StatusOr<MapSequence> RocksStore::FindLogCut(const MapEntry& entry,
@@ -124,7 +145,7 @@ absl::StatusOr<std::optional<MapSequence>> RocksStore::FirstFrame(Family family,
 
 absl::Status RocksStore::TrimChangeLists(const MapEntry& entry,
                                          Timestamp now,
-                                         rocksdb::WriteBatch* batch) {
+                                         rocksdb::WriteBatch* batch) const {
   const KeyRange range = MapRange(entry.record.key);
   const rocksdb::Slice upper_bound(range.end);
   const std::unique_ptr<rocksdb::Iterator> scan = database_->Scan(Family::kChange, &upper_bound);
@@ -151,7 +172,7 @@ absl::Status RocksStore::TrimChangeLists(const MapEntry& entry,
 
 absl::Status RocksStore::TrimSessions(MapKey map,
                                       Timestamp forget_before,
-                                      rocksdb::WriteBatch* batch) {
+                                      rocksdb::WriteBatch* batch) const {
   const KeyRange range = MapRange(map);
   const rocksdb::Slice upper_bound(range.end);
   const std::unique_ptr<rocksdb::Iterator> scan = database_->Scan(Family::kDedup, &upper_bound);
