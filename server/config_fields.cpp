@@ -9,7 +9,7 @@ namespace {
 constexpr std::int64_t kKiB = std::int64_t{1} << 10;
 constexpr std::int64_t kMiB = std::int64_t{1} << 20;
 constexpr std::int64_t kTiB = std::int64_t{1} << 40;
-constexpr std::int64_t kDayS = 24 * 3600;
+constexpr std::int64_t kDayS = 86'400;
 constexpr std::int64_t kYearS = 365 * kDayS;
 
 constexpr std::array<std::string_view, 4> kLogLevels = {"debug", "info", "warning", "error"};

@@ -125,6 +125,7 @@ absl::StatusOr<std::unique_ptr<StoreDatabase>> StoreDatabase::Open(
   database_options.listeners.push_back(std::make_shared<ErrorListener>(result->health_));
   const std::shared_ptr<rocksdb::Cache> cache = rocksdb::NewLRUCache(options.block_cache_bytes);
   std::vector<rocksdb::ColumnFamilyDescriptor> families;
+  families.reserve(kFamilyNames.size() + 1);
   for (const std::string_view name : kFamilyNames) {
     families.emplace_back(std::string(name), FamilyOptions(name, options, cache));
   }

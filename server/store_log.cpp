@@ -56,6 +56,7 @@ absl::Status RocksStore::AppendFrames(const std::vector<LogAppend>& appends) {
   if (absl::Status status = database_->health(); !status.ok()) return status;
   if (absl::Status status = CheckDisk(); !status.ok()) return status;
   std::vector<MapKey> maps;
+  maps.reserve(appends.size());
   for (const LogAppend& append : appends) maps.push_back(append.map);
   std::sort(maps.begin(), maps.end());
   if (std::adjacent_find(maps.begin(), maps.end()) != maps.end()) {
