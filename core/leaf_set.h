@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -33,7 +33,7 @@ class LeafSet {
   void Insert(int step, const Eigen::Vector3f& point) {
     const auto at = static_cast<std::size_t>(step);
     const std::uint64_t key = KeyOf(point);
-    if (at < last_keys_.size()) {
+    if (at < kTrackedSteps) {
       if (last_keys_[at] == key) return;
       last_keys_[at] = key;
     }
@@ -44,12 +44,15 @@ class LeafSet {
   const std::vector<LeafOrigin>& Sorted();
 
  private:
-  static constexpr std::int64_t kBias = std::int64_t{1} << 20;
+  static constexpr std::int32_t kBias = 1 << 20;
   static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
-  static constexpr std::size_t kTrackedSteps = 64;
+  static constexpr std::size_t kTrackedSteps = 16;
 
+  /// The floor, biased to be positive. Without SSE4.1 std::floor is a call, and dear here.
   static std::uint64_t Biased(float coordinate) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(coordinate)) + kBias);
+    const auto truncated = static_cast<std::int32_t>(coordinate);
+    const std::int32_t floor = truncated - (coordinate < static_cast<float>(truncated) ? 1 : 0);
+    return static_cast<std::uint64_t>(floor + kBias);
   }
 
   static std::uint64_t KeyOf(const Eigen::Vector3f& point) {
@@ -60,7 +63,7 @@ class LeafSet {
   void Grow();
 
   LeafIndex base_;
-  std::vector<std::uint64_t> last_keys_ = std::vector<std::uint64_t>(kTrackedSteps, kNoKey);
+  std::array<std::uint64_t, kTrackedSteps> last_keys_;  ///< Of the ray before, by step.
   std::vector<std::uint64_t> table_ =
       std::vector<std::uint64_t>(4096, kNoKey);  ///< Open addressing.
   std::vector<std::uint64_t> keys_;

@@ -33,7 +33,15 @@ STEADYMAP_INLINE Floats Load(const float* from) {
 
 STEADYMAP_INLINE void Store(Floats value, float* to) { memcpy(to, &value, sizeof(value)); }
 
-STEADYMAP_INLINE Floats Select(Integers mask, Floats yes, Floats no) { return mask ? yes : no; }
+/// Every lane of `mask` must be all ones or all zeros, as comparisons make them.
+STEADYMAP_INLINE Floats Select(Integers mask, Floats yes, Floats no) {
+#ifdef __AVX2__
+  return __builtin_ia32_blendvps256(no, yes, reinterpret_cast<Floats>(mask));
+#else
+  return reinterpret_cast<Floats>((mask & reinterpret_cast<Integers>(yes)) |
+                                  (~mask & reinterpret_cast<Integers>(no)));
+#endif
+}
 
 STEADYMAP_INLINE Floats Min(Floats a, Floats b) { return a < b ? a : b; }
 
@@ -55,8 +63,7 @@ STEADYMAP_INLINE Floats Round(Floats value) {
 /// One bit a lane.
 STEADYMAP_INLINE uint32_t ToBits(Integers mask) {
 #ifdef __AVX2__
-  using Raw = float __attribute__((vector_size(32)));
-  return static_cast<uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Raw>(mask)));
+  return static_cast<uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Floats>(mask)));
 #else
   uint32_t bits = 0;
   for (int lane = 0; lane < kLanes; ++lane) bits |= (mask[lane] != 0 ? 1U : 0U) << lane;
@@ -301,6 +308,49 @@ STEADYMAP_INLINE uint32_t FuseColor(uint32_t old_color, uint32_t seen) {
   return moved ? fused : old_color;
 }
 
+/// What the loop over a leaf's rows keeps in registers: a copy, which stores to voxels cannot
+/// alias.
+struct RowConstants {
+  explicit STEADYMAP_INLINE RowConstants(const LeafKernelFrame& frame)
+      : cells(frame.cells),
+        cells_wide(frame.cells_wide),
+        fx(frame.fx),
+        fy(frame.fy),
+        image_x(frame.cx + 0.5F),
+        image_y(frame.cy + 0.5F),
+        image_width(static_cast<float>(frame.cells_wide)),
+        image_height(static_cast<float>(frame.cells_high)),
+        along_x(kLaneIndex * frame.step_z[0]),
+        along_y(kLaneIndex * frame.step_z[1]),
+        along_z(kLaneIndex * frame.step_z[2]),
+        truncation_m(frame.truncation_m),
+        fade_from_m(-frame.voxel_size_m),
+        fade_scale(1.0F / (frame.truncation_m - frame.voxel_size_m)),
+        dead_band_m(kDeadBandVoxels * frame.voxel_size_m),
+        color_band_m(kColorBandVoxels * frame.voxel_size_m),
+        distance_step_m(frame.distance_step_m),
+        steps_per_m(1.0F / frame.distance_step_m) {}
+
+  const SurfaceCell* cells;
+  int32_t cells_wide;
+  float fx;
+  float fy;
+  float image_x;  ///< Principal point, shifted so that truncation finds the nearest cell.
+  float image_y;
+  float image_width;
+  float image_height;
+  Floats along_x;  ///< From a row's first voxel to each of its voxels, camera frame.
+  Floats along_y;
+  Floats along_z;
+  float truncation_m;
+  float fade_from_m;
+  float fade_scale;
+  float dead_band_m;
+  float color_band_m;
+  float distance_step_m;
+  float steps_per_m;
+};
+
 /// What the frame says about eight voxels of a row.
 struct RowEvidence {
   Floats distance_m;
@@ -310,83 +360,103 @@ struct RowEvidence {
   int32_t cell[kLanes];
 };
 
+/// The first or second half of eight cells, as four columns.
+STEADYMAP_INLINE void LoadHalfCells(const SurfaceCell* cells,
+                                    const int32_t index[kLanes],
+                                    int half,
+                                    Floats columns[4]) {
+  using Quad = float __attribute__((vector_size(16)));
+  Quad quads[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const char* cell = reinterpret_cast<const char*>(cells + index[lane]);
+    memcpy(&quads[lane], cell + half * static_cast<int>(sizeof(Quad)), sizeof(Quad));
+  }
+  Floats rows[4];
+  for (int i = 0; i < 4; ++i) {
+    rows[i] = __builtin_shufflevector(quads[i], quads[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+  const Floats low01 = __builtin_shufflevector(rows[0], rows[1], 0, 8, 1, 9, 4, 12, 5, 13);
+  const Floats high01 = __builtin_shufflevector(rows[0], rows[1], 2, 10, 3, 11, 6, 14, 7, 15);
+  const Floats low23 = __builtin_shufflevector(rows[2], rows[3], 0, 8, 1, 9, 4, 12, 5, 13);
+  const Floats high23 = __builtin_shufflevector(rows[2], rows[3], 2, 10, 3, 11, 6, 14, 7, 15);
+  columns[0] = __builtin_shufflevector(low01, low23, 0, 1, 8, 9, 4, 5, 12, 13);
+  columns[1] = __builtin_shufflevector(low01, low23, 2, 3, 10, 11, 6, 7, 14, 15);
+  columns[2] = __builtin_shufflevector(high01, high23, 0, 1, 8, 9, 4, 5, 12, 13);
+  columns[3] = __builtin_shufflevector(high01, high23, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
 /// Looks up the surface at eight voxels; false if none of them lies in a truncation band.
-STEADYMAP_INLINE bool GatherEvidence(const LeafKernelFrame& frame,
+STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
                                      const float base[3],
                                      RowEvidence* evidence) {
-  const Floats x = base[0] + kLaneIndex * frame.step_z[0];
-  const Floats y = base[1] + kLaneIndex * frame.step_z[1];
-  const Floats z = base[2] + kLaneIndex * frame.step_z[2];
+  const Floats x = base[0] + constants.along_x;
+  const Floats y = base[1] + constants.along_y;
+  const Floats z = base[2] + constants.along_z;
   const Floats inverse_z = 1.0F / z;
   const Floats zero = Splat(0.0F);
-  const Floats u = frame.fx * x * inverse_z + (frame.cx + 0.5F);
-  const Floats v = frame.fy * y * inverse_z + (frame.cy + 0.5F);
+  const Floats u = constants.fx * x * inverse_z + constants.image_x;
+  const Floats v = constants.fy * y * inverse_z + constants.image_y;
   const Integers in_image = (z > Splat(kNearM)) & (u >= zero) & (v >= zero) &
-                            (u < Splat(static_cast<float>(frame.cells_wide))) &
-                            (v < Splat(static_cast<float>(frame.cells_high)));
+                            (u < Splat(constants.image_width)) &
+                            (v < Splat(constants.image_height));
   if (ToBits(in_image) == 0) return false;
 
   const Integers column = __builtin_convertvector(Select(in_image, u, zero), Integers);
   const Integers row = __builtin_convertvector(Select(in_image, v, zero), Integers);
-  const Integers cell = row * frame.cells_wide + column;
+  const Integers cell = row * constants.cells_wide + column;
   memcpy(evidence->cell, &cell, sizeof(cell));
-  Floats columns[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) {
-    memcpy(&columns[lane], frame.cells + evidence->cell[lane], sizeof(SurfaceCell));
-  }
-  Transpose(columns);
-  const Floats distance_m = columns[3] - (columns[0] * x + columns[1] * y + columns[2] * z);
+  Floats plane[4];
+  LoadHalfCells(constants.cells, evidence->cell, 0, plane);
+  const Floats distance_m = plane[3] - (plane[0] * x + plane[1] * y + plane[2] * z);
+  const Integers in_band = in_image & (Abs(distance_m) < Splat(constants.truncation_m));
+  if (ToBits(in_band) == 0) return false;
 
+  Floats look[4];
+  LoadHalfCells(constants.cells, evidence->cell, 1, look);
   // Behind the surface nothing was seen: trust fades from one voxel to the end of the band.
-  const float fade_from_m = -frame.voxel_size_m;
-  const float fade_scale = 1.0F / (frame.truncation_m - frame.voxel_size_m);
-  const Floats fade = Select(
-      distance_m < Splat(fade_from_m), (frame.truncation_m + distance_m) * fade_scale, Splat(1.0F));
+  const Floats fade = Select(distance_m < Splat(constants.fade_from_m),
+                             (constants.truncation_m + distance_m) * constants.fade_scale,
+                             Splat(1.0F));
   evidence->distance_m = distance_m;
-  evidence->weight = columns[5] * fade;
+  evidence->weight = look[1] * fade;
   evidence->depth_m = z;
-  evidence->valid = in_image & (Abs(distance_m) < Splat(frame.truncation_m)) &
-                    (Abs(columns[4] - z) < Splat(kMaxRayBand * frame.truncation_m)) &
+  evidence->valid = in_band & (Abs(look[0] - z) < Splat(kMaxRayBand * constants.truncation_m)) &
                     (evidence->weight >= Splat(kWeightUnit));
   return ToBits(evidence->valid) != 0;
 }
 
-/// Fuses evidence into eight voxels. Gives one bit a voxel: updated in `*updated`, changed as
-/// result.
-STEADYMAP_INLINE uint32_t FuseRow(const LeafKernelFrame& frame,
+/// Fuses evidence into eight voxels; one bit a voxel that changed.
+STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
                                   const RowEvidence& evidence,
                                   float* distance_m,
-                                  float* weight,
-                                  uint32_t* updated) {
+                                  float* weight) {
   const Floats old_distance_m = Load(distance_m);
   const Floats old_weight = Load(weight);
-  const Floats dead_band_m = Splat(kDeadBandVoxels * frame.voxel_size_m) +
-                             evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
+  const Floats dead_band_m =
+      Splat(constants.dead_band_m) + evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
   const Integers settled = (old_weight >= Splat(kSettledWeight)) &
                            (Abs(evidence.distance_m - old_distance_m) < dead_band_m);
   const Integers fuse = evidence.valid & ~settled;
   const Floats total = old_weight + evidence.weight;
   const Floats mean_m =
       (old_distance_m * old_weight + evidence.distance_m * evidence.weight) / total;
-  const Floats new_distance_m =
-      Round(mean_m * (1.0F / frame.distance_step_m)) * frame.distance_step_m;
+  const Floats new_distance_m = Round(mean_m * constants.steps_per_m) * constants.distance_step_m;
   const Floats new_weight = Min(Round(total * kWeightsPerUnit) * kWeightUnit, Splat(kMaxWeight));
   Store(Select(fuse, new_distance_m, old_distance_m), distance_m);
   Store(Select(fuse, new_weight, old_weight), weight);
-  *updated = ToBits(evidence.valid);
   return ToBits(fuse & ((new_distance_m != old_distance_m) | (new_weight != old_weight)));
 }
 
 /// Fuses the colours of eight voxels near the surface; true if any changed.
-STEADYMAP_INLINE bool FuseRowColors(const LeafKernelFrame& frame,
+STEADYMAP_INLINE bool FuseRowColors(const RowConstants& constants,
                                     const RowEvidence& evidence,
                                     uint32_t* color) {
   const Integers near_surface =
-      evidence.valid & (Abs(evidence.distance_m) < Splat(kColorBandVoxels * frame.voxel_size_m));
+      evidence.valid & (Abs(evidence.distance_m) < Splat(constants.color_band_m));
   bool changed = false;
   for (uint32_t bits = ToBits(near_surface); bits != 0; bits &= bits - 1) {
     const int lane = __builtin_ctz(bits);
-    const uint32_t seen = frame.cells[evidence.cell[lane]].color;
+    const uint32_t seen = constants.cells[evidence.cell[lane]].color;
     if ((seen >> 24) == 0) continue;
     const uint32_t fused = FuseColor(color[lane], seen);
     changed = changed || fused != color[lane];
@@ -396,6 +466,7 @@ STEADYMAP_INLINE bool FuseRowColors(const LeafKernelFrame& frame,
 }
 
 bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
+  const RowConstants constants(frame);
   bool changed = false;
   for (int x = 0; x < kLeafSide; ++x) {
     for (int y = 0; y < kLeafSide; ++y) {
@@ -405,15 +476,14 @@ bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
                      static_cast<float>(y) * frame.step_y[axis];
       }
       RowEvidence evidence;
-      if (!GatherEvidence(frame, base, &evidence)) continue;
+      if (!GatherEvidence(constants, base, &evidence)) continue;
       const int offset = (x * kLeafSide + y) * kLeafSide;
-      uint32_t updated = 0;
       const uint32_t moved =
-          FuseRow(frame, evidence, leaf.distance_m + offset, leaf.weight + offset, &updated);
+          FuseRow(constants, evidence, leaf.distance_m + offset, leaf.weight + offset);
       changed = changed || moved != 0;
-      leaf.observed[x] |= static_cast<uint64_t>(updated) << (y * kLeafSide);
+      leaf.observed[x] |= static_cast<uint64_t>(ToBits(evidence.valid)) << (y * kLeafSide);
       if (leaf.color != nullptr) {
-        changed = FuseRowColors(frame, evidence, leaf.color + offset) || changed;
+        changed = FuseRowColors(constants, evidence, leaf.color + offset) || changed;
       }
     }
   }
