@@ -275,6 +275,10 @@ constexpr float kNearM = 0.05F;
 // truncations the tangent plane is no longer to be trusted; nearer pixels see those voxels better.
 constexpr float kMaxRayBand = 2.0F;
 
+// Looks that say less than this are dropped: a voxel that only such looks reach would go on
+// changing for thousands of frames.
+constexpr float kMinLookWeight = 1.0F / 64.0F;
+
 // An old place must still be able to change: evidence is capped.
 constexpr float kMaxWeight = 64.0F;
 
@@ -421,7 +425,7 @@ STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
   evidence->weight = look[1] * fade;
   evidence->depth_m = z;
   evidence->valid = in_band & (Abs(look[0] - z) < Splat(kMaxRayBand * constants.truncation_m)) &
-                    (evidence->weight >= Splat(kWeightUnit));
+                    (evidence->weight >= Splat(kMinLookWeight));
   return ToBits(evidence->valid) != 0;
 }
 
