@@ -195,7 +195,7 @@ TEST(MapDelta, MayBeAppliedTwiceButNotOutOfOrder) {
 }
 
 TEST(MapDelta, RemovesLeavesThatAreGone) {
-  const MapSnapshot& full = *Map(CircleFrames(3), 3)[0].snapshot;
+  const MapSnapshot full = *Map(CircleFrames(3), 3)[0].snapshot;
   MapSnapshot empty;
   empty.scale = full.scale;
   empty.revision = full.revision.Next();
@@ -207,7 +207,7 @@ TEST(MapDelta, RemovesLeavesThatAreGone) {
 }
 
 TEST(WriteVdb, KeepsToTheBoxAndIsReproducible) {
-  const MapSnapshot& map = *Map(CircleFrames(3), 3)[0].snapshot;
+  const MapSnapshot map = *Map(CircleFrames(3), 3)[0].snapshot;
   EXPECT_EQ(Vdb(map), Vdb(map));
   const Box box(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.5, 0.5, 0.5));
   const std::string part = WriteVdb(map, &box).value();
