@@ -12,12 +12,8 @@
 namespace steadymap {
 namespace {
 
-// Along a ray the truncation band is walked in quarters of a leaf, so no leaf of it is stepped
-// over.
-constexpr float kWalkStepLeaves = 0.4F;
-
 // Rays are walked this far apart at the greatest depth, but no further than every fourth cell.
-constexpr double kRaySpacingLeaves = 1.0 / 3.0;
+constexpr double kRaySpacingLeaves = 0.26;
 constexpr int kMaxRayStrideCells = 4;
 
 // As in the kernel: the band along a ray is cut at this many truncations.
@@ -57,13 +53,9 @@ class BandWalk {
     const float slant = cell.offset_m / cell.depth_m;
     const float band_m = std::min(truncation_m_ / slant, kMaxRayBand * truncation_m_);
     const float from_m = std::max(cell.depth_m - band_m, kNearM);
-    const float length_m = cell.depth_m + band_m - from_m;
-    const float step_m = kWalkStepLeaves * leaf_size_m_ / ray_camera.norm();
-    const int steps = static_cast<int>(length_m / step_m) + 1;
     const Eigen::Vector3f ray = to_leaves_ * ray_camera;
-    const Eigen::Vector3f step = ray * (length_m / static_cast<float>(steps));
-    Eigen::Vector3f point = camera_leaves_ + from_m * ray;
-    for (int i = 0; i <= steps; ++i, point += step) leaves->Insert(i, point);
+    leaves->InsertSegment(camera_leaves_ + from_m * ray,
+                          camera_leaves_ + (cell.depth_m + band_m) * ray);
   }
 
  private:
@@ -129,7 +121,7 @@ void TsdfIntegrator::Scratch::ComputeSurface(const Frame& frame) {
     cells_wide = width_px / 2;
     cells_high = height_px / 2;
     const std::size_t padded = static_cast<std::size_t>(SurfaceStride(cells_wide)) *
-                               static_cast<std::size_t>(cells_high + 2 * kSurfaceReach);
+                               static_cast<std::size_t>(cells_high + 2 * kSurfaceMarginRows);
     inverse_depth.assign(padded, 0.0F);
     support.assign(padded, 0.0F);
     cells.assign(static_cast<std::size_t>(cells_wide) * static_cast<std::size_t>(cells_high), {});

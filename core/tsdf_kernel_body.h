@@ -94,9 +94,9 @@ STEADYMAP_INLINE void Transpose(Floats rows[kLanes]) {
 // ---------------------------------------------------------------------------------------------
 // From depth pixels to cells.
 
-// Pixels of a cell that lie further behind its nearest one than this share belong to something
-// else.
-constexpr float kCellJumpShare = 0.03F;
+// Pixels of a cell that lie further behind its nearest one than this, in inverse metres, belong to
+// something else: 3 cm at 1 m, 27 cm at 3 m.
+constexpr float kCellJump = 0.03F;
 
 /// Depth of one pixel of each of eight cells, `kFarM` where there is none.
 STEADYMAP_INLINE Floats PixelDepth(Words units, const SurfaceInput& input) {
@@ -121,7 +121,7 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
                             PixelDepth(rows[1] & 0xFFFFU, input),
                             PixelDepth(rows[1] >> 16, input)};
   const Floats nearest = Min(Min(pixels[0], pixels[1]), Min(pixels[2], pixels[3]));
-  const Floats limit = nearest * (1.0F + kCellJumpShare);
+  const Floats limit = nearest + nearest * nearest * kCellJump;
   Floats sum = Splat(0.0F);
   Floats count = Splat(0.0F);
   for (const Floats& pixel : pixels) {
@@ -160,32 +160,47 @@ constexpr float kPlanarBend = 0.02F;
 // Beyond 80 degrees from face on, depth says little about where a surface is.
 constexpr float kMinCosine = 0.17F;
 
-// A cell beside an edge may hold flying pixels.
+// A cell beside an edge may hold flying pixels, and its slope is known from one side only.
 constexpr float kEdgeWeight = 0.5F;
+
+// A thin thing in front of everything around it: nothing tells its slope, it is taken as face on.
+constexpr float kThinWeight = 0.1F;
 
 // A look from nearer than half a metre counts like one from there.
 constexpr float kMaxLookWeight = 4.0F;
 
-/// Slope of the inverse depth along one axis, and whether the surface is planar there.
+/// Slope of the inverse depth along one axis.
 struct Slope {
   Floats per_cell;
-  Integers planar;
+  Integers planar;  ///< Whether the surface goes on straight on both sides.
+  Floats trust;     ///< Factor of a look's weight.
 };
 
-STEADYMAP_INLINE Slope EstimateSlope(Floats before, Floats centre, Floats after) {
+/// Whether three inverse depths in a row lie on a plane. Missing ones are zero.
+STEADYMAP_INLINE Integers IsStraight(Floats a, Floats b, Floats c) {
+  const Floats zero = Splat(0.0F);
+  return (a > zero) & (c > zero) & (Abs(a - 2.0F * b + c) < Splat(kPlanarBend));
+}
+
+/// `neighbours` holds the inverse depths two reaches and one before, one and two after the centre.
+STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) {
   constexpr float kPerCell = 1.0F / static_cast<float>(kSurfaceReach);
   const Floats zero = Splat(0.0F);
-  const Floats bend = Splat(kPlanarBend);
-  const Integers has_before = before > zero;
-  const Integers has_after = after > zero;
-  const Floats rise_before = Select(has_before, centre - before, Splat(kFarM));
-  const Floats rise_after = Select(has_after, after - centre, Splat(kFarM));
-  const Integers planar = has_before & has_after & (Abs(rise_after - rise_before) < bend);
-  const Floats smaller = Select(Abs(rise_before) < Abs(rise_after), rise_before, rise_after);
-  const Floats one_sided = Select(Abs(smaller) < bend, smaller, zero);
+  const Integers planar = IsStraight(neighbours[1], centre, neighbours[2]);
+  const Integers before = IsStraight(neighbours[0], neighbours[1], centre) & (neighbours[1] > zero);
+  const Integers after = IsStraight(centre, neighbours[2], neighbours[3]) & (neighbours[2] > zero);
+  // A neighbour that is nearer by far hides where this surface goes; missing ones count as far.
+  const Floats nearer = centre + kPlanarBend;
+  const Integers thin = (neighbours[1] < nearer) & (neighbours[2] < nearer);
+  const Floats one_sided =
+      Select(before, centre - neighbours[1], Select(after, neighbours[2] - centre, zero));
   const Floats per_cell =
-      Select(planar, (rise_before + rise_after) * (0.5F * kPerCell), one_sided * kPerCell);
-  return {per_cell, planar};
+      Select(planar, (neighbours[2] - neighbours[1]) * (0.5F * kPerCell), one_sided * kPerCell);
+  const Floats trust =
+      Select(planar,
+             Splat(1.0F),
+             Select(before | after, Splat(kEdgeWeight), Select(thin, Splat(kThinWeight), zero)));
+  return {per_cell, planar, trust};
 }
 
 STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
@@ -198,18 +213,23 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
                                int count) {
   const Floats zero = Splat(0.0F);
   const Floats centre = Load(inverse_depth);
-  const Floats left = Load(inverse_depth - kSurfaceReach);
-  const Floats right = Load(inverse_depth + kSurfaceReach);
-  const Floats above = Load(inverse_depth - kSurfaceReach * stride);
-  const Floats below = Load(inverse_depth + kSurfaceReach * stride);
-  const Slope along_u = EstimateSlope(left, centre, right);
-  const Slope along_v = EstimateSlope(above, centre, below);
+  Floats beside[4];
+  Floats above_below[4];
+  for (int i = 0; i < 4; ++i) {
+    const int reach = (i < 2 ? i - 2 : i - 1) * kSurfaceReach;
+    beside[i] = Load(inverse_depth + reach);
+    above_below[i] = Load(inverse_depth + reach * stride);
+  }
+  const Slope along_u = EstimateSlope(beside, centre);
+  const Slope along_v = EstimateSlope(above_below, centre);
 
   // On a plane the neighbours' mean is the centre: they halve the noise.
   const Floats three = Splat(1.0F / 3.0F);
-  const Floats mean_u = (left + centre + right) * three;
-  const Floats mean_v = (above + centre + below) * three;
-  const Floats mean_all = (left + right + above + below + centre) * 0.2F;
+  const Floats sum_u = beside[1] + beside[2];
+  const Floats sum_v = above_below[1] + above_below[2];
+  const Floats mean_u = (sum_u + centre) * three;
+  const Floats mean_v = (sum_v + centre) * three;
+  const Floats mean_all = (sum_u + sum_v + centre) * 0.2F;
   const Floats inverse =
       Select(along_u.planar & along_v.planar,
              mean_all,
@@ -224,8 +244,10 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Floats ray_x = u * (1.0F / input.fx);
   const Floats ray_y = v * (1.0F / input.fy);
   const Floats cosine = inverse * inverse_norm / Sqrt(1.0F + ray_x * ray_x + ray_y * ray_y);
-  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * Load(support);
-  weight = Select(along_u.planar & along_v.planar, weight, weight * kEdgeWeight);
+  // Slanted looks weigh less twice over: they spread over more surface, and away from it the
+  // tangent plane strays from a curved one.
+  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * cosine * Load(support) *
+                  along_u.trust * along_v.trust;
   weight = Select((centre > zero) & (cosine > Splat(kMinCosine)), weight, zero);
 
   Floats columns[kLanes] = {nx * inverse_norm,
@@ -244,7 +266,7 @@ void ComputeSurface(const SurfaceInput& input, const SurfaceOutput& output) {
   const int cells_wide = input.width_px / 2;
   const int cells_high = input.height_px / 2;
   const int64_t stride = SurfaceStride(cells_wide);
-  const int64_t first = kSurfaceReach * stride + kSurfaceMargin;
+  const int64_t first = kSurfaceMarginRows * stride + kSurfaceMargin;
   for (int row = 0; row < cells_high; ++row) {
     const int64_t at = first + row * stride;
     ReduceRow(input, row, output.inverse_depth + at, output.support + at);

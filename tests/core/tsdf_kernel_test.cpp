@@ -39,7 +39,7 @@ Surface ComputeSurface(const TsdfKernels& kernels, const SurfaceInput& input) {
   const int cells_wide = input.width_px / 2;
   const int cells_high = input.height_px / 2;
   const auto padded =
-      static_cast<std::size_t>(SurfaceStride(cells_wide) * (cells_high + 2 * kSurfaceReach));
+      static_cast<std::size_t>(SurfaceStride(cells_wide) * (cells_high + 2 * kSurfaceMarginRows));
   Surface surface{std::vector<float>(padded),
                   std::vector<float>(padded),
                   std::vector<SurfaceCell>(static_cast<std::size_t>(cells_wide * cells_high))};
