@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "client/simulator/facet_raster.h"
 #include "client/simulator/scene.h"
 #include "client/simulator/sensor_model.h"
 #include "core/frame.h"
@@ -13,12 +14,10 @@
 
 namespace steadymap {
 
-/// What one pixel's ray meets first, before any noise.
+/// What the ray of each pixel meets first, before any noise.
 struct SurfaceImage {
-  /// 1 / depth along the camera's z axis [1/m]; 0 where nothing is in sight.
-  Image<float> inverse_depth_per_m;
-  /// Index into `surfaces`; 0 where nothing is in sight.
-  Image<std::uint32_t> surface;
+  /// Depths, and for each pixel the index into `surfaces`.
+  DepthBuffer pixels;
 
   /// A facet in view.
   struct Surface {
