@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "core/identifiers.h"
+
+namespace steadymap {
+
+/// How a map decides what to believe.
+enum class UpdatePolicy {
+  kStatic,  ///< Every frame is fused, nothing is ever removed.
+};
+
+/// Whether things of a class move on their own.
+enum class ClassMotion {
+  kStatic,      ///< Stays where it is until somebody rebuilds the place: walls, racks.
+  kSemiStatic,  ///< Stays for hours or days, then is moved: goods, carts.
+  kDynamic,     ///< Moves while it is looked at: people, vehicles. Its pixels are never fused.
+};
+
+/// One row of a map's class table.
+struct SemanticClass {
+  ClassId id;        ///< The value in label images.
+  std::string name;  ///< For people, 1 to 64 characters.
+  ClassMotion motion = ClassMotion::kStatic;
+
+  friend bool operator==(const SemanticClass&, const SemanticClass&) = default;
+};
+
+/// The classes of the TorWIC data set (pocd.md section 5), ids 0 to 15.
+std::vector<SemanticClass> TorwicClasses();
+
+/// How a map is built. Immutable after creation, so that a replay of its log gives the same map.
+struct MapConfig {
+  /// Edge of a voxel, metres, in [0.001, 1]. Memory grows with its inverse square. TorWIC: 0.05.
+  double voxel_size_m = 0.05;
+
+  /// Distances are kept within this of a surface, metres, in [2, 16] voxels. Wider bridges more
+  /// noise, narrower keeps the two sides of thin things apart.
+  double truncation_m = 0.15;
+
+  /// Depth beyond this is not fused, metres, in [0.1, 100]. TorWIC: 3.
+  double max_depth_m = 3.0;
+
+  UpdatePolicy policy = UpdatePolicy::kStatic;
+
+  /// Classes that label images may hold; unique ids. Ids that are not listed but lie below the
+  /// largest count as unnamed static classes. Never empty in a valid configuration.
+  std::vector<SemanticClass> classes = TorwicClasses();
+
+  /// Labels of a valid frame lie below this: the largest id plus one.
+  std::size_t label_limit() const;
+
+  friend bool operator==(const MapConfig&, const MapConfig&) = default;
+};
+
+/// OK if a map can be built so; else `InvalidArgument` with reason `BAD_VALUE` and the field path
+/// (proto spelling) of the first violation, and all violations in the message.
+absl::Status ValidateMapConfig(const MapConfig& config);
+
+}  // namespace steadymap

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/frame.h"
+#include "core/identifiers.h"
+#include "core/map_config.h"
+#include "core/map_delta.h"
+#include "core/map_snapshot.h"
+#include "core/tsdf_integrator.h"
+
+namespace steadymap {
+
+/// What a commit makes of the frames since the one before: the delta to be stored, and the snapshot
+/// to be published once it is.
+struct MapCommit {
+  MapDelta delta;
+  std::shared_ptr<const MapSnapshot> snapshot;
+};
+
+/// Builds one map from its frames. A function of the frames alone: the same frames in the same
+/// order give the same map, bit for bit, wherever commits and restarts fall.
+///
+/// One thread at a time. Snapshots that it handed out are never touched again.
+class Mapper {
+ public:
+  /// Errors: as `ValidateMapConfig`.
+  static absl::StatusOr<std::unique_ptr<Mapper>> Create(const MapConfig& config);
+
+  /// Continues from a stored map instead of an empty one. Call before the first `Integrate`.
+  /// `snapshot.scale` must be the configuration's (asserted).
+  void Restore(const MapSnapshot& snapshot);
+
+  /// Takes in the frame with sequence number `sequence`, the one after `head()` (asserted). The
+  /// frame must have passed `ValidateFrame` (asserted).
+  void Integrate(MapSequence sequence, const Frame& frame);
+
+  /// The newest frame taken in, committed or not.
+  MapSequence head() const { return head_; }
+
+  /// Frames taken in since the last commit.
+  std::size_t uncommitted_frames() const { return uncommitted_frames_; }
+
+  /// Closes the work since the last commit. With no frame since then: an empty delta.
+  MapCommit Commit();
+
+ private:
+  explicit Mapper(const MapConfig& config);
+
+  MapConfig config_;
+  TsdfIntegrator integrator_;
+  MapSnapshot map_;  ///< The working state; ahead of the last commit.
+  MapSequence head_;
+  Revision committed_;
+  std::size_t uncommitted_frames_ = 0;
+  std::vector<LeafOrigin> changed_leaves_;  ///< Since the last commit, with repetitions.
+};
+
+}  // namespace steadymap

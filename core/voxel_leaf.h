@@ -1,0 +1,115 @@
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+/// The smallest unit of a volume: 8 x 8 x 8 voxels. A volume changes, is stored and is sent leaf by
+/// leaf.
+///
+/// Voxel convention: voxel (i, j, k) of a volume has its centre at (i, j, k) times the voxel size
+/// in the volume's frame (the world frame for the background). Within a leaf, voxel (x, y, z)
+/// counted from the leaf's origin stands at offset `x * 64 + y * 8 + z`, as in an OpenVDB leaf
+/// node.
+///
+/// Canonical voxel (decisions.md 1): a distance is a whole multiple of `truncation / 32767`, a
+/// weight a whole multiple of `kWeightUnit`, so memory, disk and wire hold the same bits.
+namespace steadymap {
+
+inline constexpr int kLeafSide = 8;
+inline constexpr std::size_t kLeafVoxels = 512;
+
+/// Largest magnitude of a distance in steps of `truncation / 32767`.
+inline constexpr int kMaxDistanceSteps = 32767;
+
+/// Weights are fixed-point: 1.0 is one look from one metre.
+inline constexpr float kWeightUnit = 1.0F / 256.0F;
+
+/// The voxel size of a map and what follows from it.
+struct VoxelScale {
+  double voxel_size_m = 0.05;
+  double truncation_m = 0.15;
+
+  /// Metres that one step of a stored distance stands for.
+  float distance_step_m() const {
+    return static_cast<float>(truncation_m / static_cast<double>(kMaxDistanceSteps));
+  }
+
+  double leaf_size_m() const { return voxel_size_m * kLeafSide; }
+
+  friend bool operator==(const VoxelScale&, const VoxelScale&) = default;
+};
+
+/// Index of a leaf's lowest voxel; every coordinate is a multiple of `kLeafSide`.
+struct LeafOrigin {
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+  std::int32_t z = 0;
+
+  friend constexpr auto operator<=>(const LeafOrigin&, const LeafOrigin&) = default;
+};
+
+/// The leaf that holds voxel (`x`, `y`, `z`).
+constexpr LeafOrigin LeafOf(std::int32_t x, std::int32_t y, std::int32_t z) {
+  return {x & ~(kLeafSide - 1), y & ~(kLeafSide - 1), z & ~(kLeafSide - 1)};
+}
+
+/// Place of a voxel in its leaf's arrays, from its index in the volume.
+constexpr std::size_t OffsetInLeaf(std::int32_t x, std::int32_t y, std::int32_t z) {
+  return static_cast<std::size_t>(((x & (kLeafSide - 1)) << 6) | ((y & (kLeafSide - 1)) << 3) |
+                                  (z & (kLeafSide - 1)));
+}
+
+/// One bit a voxel; word `x` holds bits `y * 8 + z`. Set where the voxel was observed.
+using LeafMask = std::array<std::uint64_t, kLeafSide>;
+
+constexpr bool IsSet(const LeafMask& mask, std::size_t offset) {
+  return ((mask[offset >> 6] >> (offset & 63)) & 1U) != 0;
+}
+
+/// The voxels of one leaf, by value. Voxels that are not observed hold zeros.
+struct LeafVoxels {
+  alignas(32) std::array<float, kLeafVoxels> distance_m{};
+  alignas(32) std::array<float, kLeafVoxels> weight{};
+  /// Red, green, blue and the number of looks (at most 255) in bytes 0 to 3; 0 looks: not known.
+  alignas(32) std::array<std::uint32_t, kLeafVoxels> color{};
+  LeafMask observed{};
+  bool has_color = false;  ///< Whether any voxel has a colour.
+
+  friend bool operator==(const LeafVoxels&, const LeafVoxels&) = default;
+};
+
+/// Write access to the arrays of one leaf. Null where there is no leaf.
+struct LeafEdit {
+  float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
+  float* weight = nullptr;         ///< `kLeafVoxels` values.
+  std::uint32_t* color = nullptr;  ///< As in LeafVoxels; null where the leaf has no colour.
+  LeafMask observed{};             ///< A copy: what is observed before the edit.
+
+  explicit operator bool() const { return distance_m != nullptr; }
+};
+
+/// Read access to one leaf of a volume, valid as long as the volume. Null where there is no leaf.
+struct LeafView {
+  const float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
+  const float* weight = nullptr;         ///< `kLeafVoxels` values.
+  const std::uint32_t* color = nullptr;  ///< As in LeafVoxels; null where the leaf has no colour.
+  LeafMask observed{};
+
+  explicit operator bool() const { return distance_m != nullptr; }
+};
+
+}  // namespace steadymap
+
+template <>
+struct std::hash<steadymap::LeafOrigin> {
+  std::size_t operator()(const steadymap::LeafOrigin& origin) const noexcept {
+    const auto mix = [](std::uint64_t value) { return value * 0x9E3779B97F4A7C15ULL; };
+    std::uint64_t mixed = mix(static_cast<std::uint32_t>(origin.x >> 3));
+    mixed = mix(mixed ^ static_cast<std::uint32_t>(origin.y >> 3));
+    mixed = mix(mixed ^ static_cast<std::uint32_t>(origin.z >> 3));
+    return static_cast<std::size_t>(mixed ^ (mixed >> 32));
+  }
+};

@@ -1,0 +1,160 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "core/geometry.h"
+#include "core/identifiers.h"
+#include "core/map_config.h"
+#include "core/map_delta.h"
+#include "core/map_snapshot.h"
+#include "core/timestamp.h"
+#include "server/sequence_set.h"
+
+namespace steadymap {
+
+/// A map as the store knows it: its resource without its content.
+struct MapRecord {
+  MapKey key;
+  MapName name;
+  std::string display_name;
+  MapConfig config;
+  std::chrono::seconds frame_log_age{0};  ///< Retention of integrated frames.
+  std::uint64_t frame_log_bytes = 0;      ///< Retention of integrated frames.
+  std::uint64_t byte_budget = 0;          ///< Of the volumes in memory; 0: no limit.
+  Timestamp create_time;
+  std::string incarnation;
+  std::string request_id;     ///< Of the request that created it; may be empty.
+  std::uint64_t version = 1;  ///< Counts changes of this record; the source of its etag.
+};
+
+/// Names an upload session within a map.
+struct SessionName {
+  std::string robot;
+  std::string session;
+
+  friend auto operator<=>(const SessionName&, const SessionName&) = default;
+};
+
+/// What is remembered of an upload session, so that no frame counts twice.
+struct SessionRecord {
+  SessionName name;
+  SequenceSet settled;       ///< Client sequences that are durable or were refused.
+  MapSequence last_map_seq;  ///< Of the session's newest durable frame; 0: none.
+  Timestamp last_active;     ///< By the server's clock.
+};
+
+/// A frame on its way into the log.
+struct LogFrame {
+  MapSequence sequence;
+  std::string robot;
+  Timestamp capture_time;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  std::string packed_frame;  ///< Serialized `v1::Frame`, as it was uploaded.
+};
+
+/// All that becomes durable for one map in one append.
+struct LogAppend {
+  MapKey map;
+  std::vector<LogFrame> frames;         ///< Consecutive sequence numbers behind the map's head.
+  std::vector<SessionRecord> sessions;  ///< New state of the sessions that sent them.
+};
+
+/// Where a frame was taken.
+struct FramePose {
+  MapSequence sequence;
+  std::string robot;
+  Timestamp capture_time;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+};
+
+/// Everything a map needs to go on after a restart.
+struct StoredState {
+  MapSnapshot snapshot;      ///< At the newest committed revision.
+  MapSequence durable_head;  ///< Newest frame in the log; 0: none was ever.
+  std::vector<SessionRecord> sessions;
+};
+
+struct StoreOptions {
+  /// Bytes of RocksDB's block cache.
+  std::size_t block_cache_bytes = std::size_t{32} << 20;
+
+  /// Bytes of RocksDB's write buffers, all column families together.
+  std::size_t write_buffer_bytes = std::size_t{64} << 20;
+
+  /// Below this many free bytes on the data folder's disk, appends are refused with `DISK_LOW`.
+  std::uint64_t min_free_disk_bytes = std::uint64_t{256} << 20;
+};
+
+/// The durable side of all maps: RocksDB, embedded (service.md section 5).
+///
+/// Every write below is one atomic batch, synced before it returns. After a failed sync nothing is
+/// retried: the error is remembered, every later write fails with `STORE_READ_ONLY`, and `health()`
+/// reports it. Values carry a schema version and a checksum; a damaged one gives `DataLoss` with
+/// reason `CHECKSUM`, naming its key.
+///
+/// Thread-safe.
+class Store {
+ public:
+  /// Opens the store in `folder`, creating it if need be.
+  /// Errors: `FailedPrecondition` if another process holds it, or it was written by a newer schema;
+  /// `PermissionDenied`/`NotFound` if the folder cannot be written or made; `DataLoss` if damaged.
+  static absl::StatusOr<std::unique_ptr<Store>> Open(const std::filesystem::path& folder,
+                                                     const StoreOptions& options);
+  virtual ~Store() = default;
+
+  /// Creates a map; `record.key` is ignored and assigned. Errors: `AlreadyExists`.
+  virtual absl::StatusOr<MapRecord> CreateMap(const MapRecord& record) = 0;
+
+  /// Replaces the record of an existing map. Errors: `NotFound`.
+  virtual absl::Status UpdateMap(const MapRecord& record) = 0;
+
+  /// Deletes a map with everything stored for it. Errors: `NotFound`.
+  virtual absl::Status DeleteMap(MapKey map) = 0;
+
+  /// All maps in the order of their names.
+  virtual absl::StatusOr<std::vector<MapRecord>> ListMaps() = 0;
+
+  /// Reads a map's committed state. Cost: about 2 us a leaf.
+  virtual absl::StatusOr<StoredState> LoadMap(const MapRecord& record) = 0;
+
+  /// Makes frames durable, for several maps at once: their log entries, poses, sessions and heads.
+  /// Errors: `ResourceExhausted` with reason `DISK_LOW`; `Unavailable` with `STORE_READ_ONLY`.
+  virtual absl::Status AppendFrames(const std::vector<LogAppend>& appends) = 0;
+
+  /// Makes a commit durable: its leaves, its change list and the revision.
+  virtual absl::Status CommitRevision(MapKey map, const MapDelta& delta) = 0;
+
+  /// Calls `visit` for the frames of the log with `first` <= sequence, in order, until it returns
+  /// an error, which is returned. Frames below the retained part are left out.
+  virtual absl::Status ReadLog(MapKey map,
+                               MapSequence first,
+                               const std::function<absl::Status(LogFrame)>& visit) = 0;
+
+  /// At most `limit` poses of frames with `first` <= sequence <= `last`, in order.
+  virtual absl::StatusOr<std::vector<FramePose>> ReadPoses(MapKey map,
+                                                           MapSequence first,
+                                                           MapSequence last,
+                                                           std::size_t limit) = 0;
+
+  /// Drops log frames up to and including `last` that retention no longer wants, and sessions idle
+  /// since before `forget_sessions_before`. `last` must be integrated.
+  virtual absl::Status Trim(const MapRecord& map,
+                            MapSequence last,
+                            Timestamp now,
+                            Timestamp forget_sessions_before) = 0;
+
+  /// OK, or the error that made the store read-only.
+  virtual absl::Status health() const = 0;
+};
+
+}  // namespace steadymap
