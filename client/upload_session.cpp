@@ -127,7 +127,8 @@ absl::Status FrameUploader::Session::RunStream() {
 bool FrameUploader::Session::BeginStream(grpc::ClientContext* context) {
   const absl::MutexLock lock(&mutex_);
   if (cancelled_) return false;
-  stream_ = StreamState{context};
+  stream_ = StreamState();
+  stream_.context = context;
   return true;
 }
 

@@ -45,6 +45,14 @@ class TsdfGrid final : public VoxelReader {
   void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
+  /// Write access to the leaf at `origin`; null where there is none. `with_color` adds colours
+  /// where the leaf has none yet. Call `SetObserved` with the union of old and new voxels
+  /// afterwards.
+  LeafEdit EditLeaf(LeafOrigin origin, bool with_color);
+
+  /// Says which voxels of an existing leaf are observed.
+  void SetObserved(LeafOrigin origin, const LeafMask& observed);
+
   /// Replaces the leaf at `origin`; one without observed voxels removes it.
   void StoreLeaf(LeafOrigin origin, const LeafVoxels& voxels);
 

@@ -81,6 +81,16 @@ struct LeafVoxels {
   friend bool operator==(const LeafVoxels&, const LeafVoxels&) = default;
 };
 
+/// Write access to the arrays of one leaf. Null where there is no leaf.
+struct LeafEdit {
+  float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
+  float* weight = nullptr;         ///< `kLeafVoxels` values.
+  std::uint32_t* color = nullptr;  ///< As in LeafVoxels; null where the leaf has no colour.
+  LeafMask observed{};             ///< A copy: what is observed before the edit.
+
+  explicit operator bool() const { return distance_m != nullptr; }
+};
+
 /// Read access to one leaf of a volume, valid as long as the volume. Null where there is no leaf.
 struct LeafView {
   const float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
@@ -97,9 +107,9 @@ template <>
 struct std::hash<steadymap::LeafOrigin> {
   std::size_t operator()(const steadymap::LeafOrigin& origin) const noexcept {
     const auto mix = [](std::uint64_t value) { return value * 0x9E3779B97F4A7C15ULL; };
-    std::uint64_t hash = mix(static_cast<std::uint32_t>(origin.x >> 3));
-    hash = mix(hash ^ static_cast<std::uint32_t>(origin.y >> 3));
-    hash = mix(hash ^ static_cast<std::uint32_t>(origin.z >> 3));
-    return static_cast<std::size_t>(hash ^ (hash >> 32));
+    std::uint64_t mixed = mix(static_cast<std::uint32_t>(origin.x >> 3));
+    mixed = mix(mixed ^ static_cast<std::uint32_t>(origin.y >> 3));
+    mixed = mix(mixed ^ static_cast<std::uint32_t>(origin.z >> 3));
+    return static_cast<std::size_t>(mixed ^ (mixed >> 32));
   }
 };

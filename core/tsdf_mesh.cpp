@@ -1,0 +1,273 @@
+#include "core/tsdf_mesh.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace steadymap {
+namespace {
+
+constexpr Rgb kUnknownColor = {128, 128, 128};
+
+// A leaf's cells reach one voxel into the leaves above it, and its quads one cell below it.
+constexpr int kPatchSide = kLeafSide + 1;
+
+/// The voxels of a leaf and of the first layer of the leaves above it on each axis.
+class VoxelPatch {
+ public:
+  void Load(const VoxelReader& reader, LeafOrigin origin);
+
+  bool known(int x, int y, int z) const { return known_[At(x, y, z)]; }
+
+  float distance_m(int x, int y, int z) const { return distance_m_[At(x, y, z)]; }
+
+  std::uint32_t color(int x, int y, int z) const { return color_[At(x, y, z)]; }
+
+  bool has_color() const { return has_color_; }
+
+ private:
+  static std::size_t At(int x, int y, int z) {
+    return static_cast<std::size_t>((x * kPatchSide + y) * kPatchSide + z);
+  }
+
+  std::array<bool, kPatchSide * kPatchSide * kPatchSide> known_;
+  std::array<float, kPatchSide * kPatchSide * kPatchSide> distance_m_;
+  std::array<std::uint32_t, kPatchSide * kPatchSide * kPatchSide> color_;
+  bool has_color_ = false;
+};
+
+void VoxelPatch::Load(const VoxelReader& reader, LeafOrigin origin) {
+  known_.fill(false);
+  has_color_ = false;
+  for (int part = 0; part < 8; ++part) {
+    const int above_x = (part >> 2) & 1;
+    const int above_y = (part >> 1) & 1;
+    const int above_z = part & 1;
+    const LeafView leaf = reader.FindLeaf({origin.x + above_x * kLeafSide,
+                                           origin.y + above_y * kLeafSide,
+                                           origin.z + above_z * kLeafSide});
+    if (!leaf) continue;
+    has_color_ = has_color_ || leaf.color != nullptr;
+    const auto end = [](int above) { return above == 1 ? 1 : kLeafSide; };
+    for (int x = 0; x < end(above_x); ++x) {
+      for (int y = 0; y < end(above_y); ++y) {
+        for (int z = 0; z < end(above_z); ++z) {
+          const std::size_t offset = OffsetInLeaf(x, y, z);
+          const std::size_t at =
+              At(x + above_x * kLeafSide, y + above_y * kLeafSide, z + above_z * kLeafSide);
+          known_[at] = IsSet(leaf.observed, offset);
+          distance_m_[at] = leaf.distance_m[offset];
+          color_[at] = leaf.color == nullptr ? 0 : leaf.color[offset];
+        }
+      }
+    }
+  }
+}
+
+/// Sums colours with weights; voxels without a look count nothing.
+class ColorMean {
+ public:
+  void Add(std::uint32_t color, float weight) {
+    if ((color >> 24) == 0) return;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      sums_[channel] += weight * static_cast<float>((color >> (8 * channel)) & 0xFFU);
+    }
+    weight_ += weight;
+  }
+
+  Rgb mean() const {
+    if (weight_ <= 0.0F) return kUnknownColor;
+    Rgb rgb;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      rgb[channel] = static_cast<std::uint8_t>(std::lround(sums_[channel] / weight_));
+    }
+    return rgb;
+  }
+
+ private:
+  std::array<float, 3> sums_{};
+  float weight_ = 0.0F;
+};
+
+/// A cell's vertex: place within the cell in voxels, gradient and colour.
+struct CellVertex {
+  Eigen::Vector3f place;
+  Eigen::Vector3f normal;
+  Rgb color;
+};
+
+/// The twelve edges of a cell as pairs of corners; corner `x * 4 + y * 2 + z`.
+constexpr std::array<std::array<int, 2>, 12> kCellEdges = {{{0, 4},
+                                                            {1, 5},
+                                                            {2, 6},
+                                                            {3, 7},
+                                                            {0, 2},
+                                                            {1, 3},
+                                                            {4, 6},
+                                                            {5, 7},
+                                                            {0, 1},
+                                                            {2, 3},
+                                                            {4, 5},
+                                                            {6, 7}}};
+
+Eigen::Vector3f CornerPlace(int corner) {
+  return {static_cast<float>((corner >> 2) & 1),
+          static_cast<float>((corner >> 1) & 1),
+          static_cast<float>(corner & 1)};
+}
+
+/// Mean gradient of the cell's four edges along each axis.
+Eigen::Vector3f CellNormal(const std::array<float, 8>& distance_m) {
+  Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
+  for (std::size_t edge = 0; edge < kCellEdges.size(); ++edge) {
+    const auto [low, high] = kCellEdges[edge];
+    gradient[static_cast<Eigen::Index>(edge / 4)] +=
+        distance_m[static_cast<std::size_t>(high)] - distance_m[static_cast<std::size_t>(low)];
+  }
+  const float norm = gradient.norm();
+  return norm > 0.0F ? Eigen::Vector3f(gradient / norm) : Eigen::Vector3f::UnitZ();
+}
+
+/// The vertex of the cell with lowest corner (`x`, `y`, `z`); false if no surface crosses it.
+bool MakeCellVertex(const VoxelPatch& patch, int x, int y, int z, CellVertex* vertex) {
+  std::array<float, 8> distance_m;
+  int inside = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int cx = x + ((corner >> 2) & 1);
+    const int cy = y + ((corner >> 1) & 1);
+    const int cz = z + (corner & 1);
+    if (!patch.known(cx, cy, cz)) return false;
+    distance_m[static_cast<std::size_t>(corner)] = patch.distance_m(cx, cy, cz);
+    if (distance_m[static_cast<std::size_t>(corner)] <= 0.0F) ++inside;
+  }
+  if (inside == 0 || inside == 8) return false;
+
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  ColorMean color;
+  int crossings = 0;
+  for (const auto& [low, high] : kCellEdges) {
+    const float low_m = distance_m[static_cast<std::size_t>(low)];
+    const float high_m = distance_m[static_cast<std::size_t>(high)];
+    if ((low_m <= 0.0F) == (high_m <= 0.0F)) continue;
+    const float share = low_m / (low_m - high_m);
+    sum += CornerPlace(low) + share * (CornerPlace(high) - CornerPlace(low));
+    ++crossings;
+    if (!patch.has_color()) continue;
+    const auto color_at = [&](int corner) {
+      return patch.color(x + ((corner >> 2) & 1), y + ((corner >> 1) & 1), z + (corner & 1));
+    };
+    color.Add(color_at(low), 1.0F - share);
+    color.Add(color_at(high), share);
+  }
+  *vertex = {sum / static_cast<float>(crossings), CellNormal(distance_m), color.mean()};
+  return true;
+}
+
+/// Builds the mesh leaf by leaf: first all vertices, then the quads between them.
+class SurfaceNet {
+ public:
+  SurfaceNet(const VoxelReader& reader, const VoxelScale& scale, const Box* box)
+      : reader_(reader), scale_(scale), box_(box) {}
+
+  Mesh Extract() {
+    std::vector<LeafOrigin> leaves;
+    leaves.reserve(reader_.leaf_count());
+    reader_.ForEachLeaf([&](LeafOrigin origin, const LeafView&) { leaves.push_back(origin); });
+    for (const LeafOrigin& origin : leaves) AddVertices(origin);
+    for (const LeafOrigin& origin : leaves) AddQuads(origin);
+    if (!any_color_) mesh_.colors.clear();
+    return std::move(mesh_);
+  }
+
+ private:
+  static constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
+  using CellVertices = std::array<std::uint32_t, kLeafVoxels>;
+
+  void AddVertices(LeafOrigin origin) {
+    patch_.Load(reader_, origin);
+    CellVertices* cells = nullptr;
+    for (int x = 0; x < kLeafSide; ++x) {
+      for (int y = 0; y < kLeafSide; ++y) {
+        for (int z = 0; z < kLeafSide; ++z) {
+          CellVertex vertex;
+          if (!MakeCellVertex(patch_, x, y, z, &vertex)) continue;
+          const Eigen::Vector3d voxel = Eigen::Vector3d(origin.x + x, origin.y + y, origin.z + z) +
+                                        vertex.place.cast<double>();
+          const Eigen::Vector3d point_m = voxel * scale_.voxel_size_m;
+          if (box_ != nullptr && !box_->contains(point_m)) continue;
+          if (cells == nullptr) {
+            cells = &vertices_.try_emplace(origin).first->second;
+            cells->fill(kNoVertex);
+          }
+          (*cells)[OffsetInLeaf(x, y, z)] = static_cast<std::uint32_t>(mesh_.vertices_world.size());
+          mesh_.vertices_world.push_back(point_m.cast<float>());
+          mesh_.normals_world.push_back(vertex.normal);
+          mesh_.colors.push_back(vertex.color);
+        }
+      }
+    }
+    any_color_ = any_color_ || (cells != nullptr && patch_.has_color());
+  }
+
+  std::uint32_t VertexAt(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    const auto cells = vertices_.find(LeafOf(x, y, z));
+    return cells == vertices_.end() ? kNoVertex : cells->second[OffsetInLeaf(x, y, z)];
+  }
+
+  /// Two triangles for every edge from a voxel of this leaf along +x, +y or +z that changes sign.
+  void AddQuads(LeafOrigin origin) {
+    patch_.Load(reader_, origin);
+    for (int x = 0; x < kLeafSide; ++x) {
+      for (int y = 0; y < kLeafSide; ++y) {
+        for (int z = 0; z < kLeafSide; ++z) {
+          if (!patch_.known(x, y, z)) continue;
+          const bool inside = patch_.distance_m(x, y, z) <= 0.0F;
+          for (int axis = 0; axis < 3; ++axis) {
+            const int nx = x + (axis == 0 ? 1 : 0);
+            const int ny = y + (axis == 1 ? 1 : 0);
+            const int nz = z + (axis == 2 ? 1 : 0);
+            if (!patch_.known(nx, ny, nz)) continue;
+            if (inside == (patch_.distance_m(nx, ny, nz) <= 0.0F)) continue;
+            AddQuad({origin.x + x, origin.y + y, origin.z + z}, axis, inside);
+          }
+        }
+      }
+    }
+  }
+
+  /// The quad around the edge from `voxel` along `axis`; `inside` says that the voxel lies behind
+  /// the surface, which sets the winding.
+  void AddQuad(const Eigen::Vector3i& voxel, int axis, bool inside) {
+    const Eigen::Vector3i side = -Eigen::Vector3i::Unit((axis + 1) % 3);
+    const Eigen::Vector3i other = -Eigen::Vector3i::Unit((axis + 2) % 3);
+    std::array<std::uint32_t, 4> corners;
+    const std::array<Eigen::Vector3i, 4> cells = {
+        voxel, voxel + side, voxel + side + other, voxel + other};
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners[i] = VertexAt(cells[i].x(), cells[i].y(), cells[i].z());
+      if (corners[i] == kNoVertex) return;
+    }
+    if (!inside) std::swap(corners[1], corners[3]);
+    mesh_.triangles.push_back({corners[0], corners[1], corners[2]});
+    mesh_.triangles.push_back({corners[0], corners[2], corners[3]});
+  }
+
+  const VoxelReader& reader_;
+  const VoxelScale scale_;
+  const Box* box_;
+  VoxelPatch patch_;
+  Mesh mesh_;
+  bool any_color_ = false;
+  /// Index of the vertex of each cell, by the leaf of the cell's lowest corner.
+  std::unordered_map<LeafOrigin, CellVertices> vertices_;
+};
+
+}  // namespace
+
+Mesh ExtractMesh(const VoxelReader& reader, const VoxelScale& scale, const Box* box) {
+  return SurfaceNet(reader, scale, box).Extract();
+}
+
+}  // namespace steadymap

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/tsdf_sample.h"
+
+namespace steadymap {
+
+/// Where a ray met a surface.
+struct RayHit {
+  bool hit = false;      ///< Whether it met one; the other fields are zero if not.
+  double range_m = 0.0;  ///< From the ray's origin.
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Unit, towards the side that was observed.
+};
+
+/// The first surface that a ray meets from its front, in the volume's frame. `unit_direction` must
+/// have length one (asserted). Unknown space does not stop a ray.
+///
+/// Accuracy: the zero of the interpolated distance, to a thousandth of a voxel. Cost: about 0.1 us
+/// a leaf that the ray crosses, 0.1 us a voxel within leaves.
+RayHit CastRay(TsdfSampler& sampler,
+               const Eigen::Vector3d& origin_m,
+               const Eigen::Vector3d& unit_direction,
+               double max_range_m);
+
+}  // namespace steadymap

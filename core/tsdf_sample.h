@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+#include "core/tsdf_grid.h"
+#include "core/voxel_leaf.h"
+
+namespace steadymap {
+
+/// A volume at one point.
+struct DistanceSample {
+  bool known = false;       ///< Whether all eight voxels around the point were observed.
+  double distance_m = 0.0;  ///< Positive in front of the surface. 0 where not known.
+  /// Gradient of the distance, unit length, in the volume's frame: points away from the surface.
+  /// Zero where not known or where the field is flat.
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double weight = 0.0;  ///< Interpolated weight of the evidence.
+};
+
+/// Samples one volume by trilinear interpolation. Keeps the leaves it looked at, so points close to
+/// one another cost little (about 20 ns; a jump to another leaf 0.2 us).
+///
+/// The volume must outlive the sampler and not change meanwhile. One sampler a thread.
+class TsdfSampler {
+ public:
+  TsdfSampler(const VoxelReader& reader, const VoxelScale& scale);
+
+  /// The volume at a point of its frame, metres. A point further than 10^9 voxels from the origin
+  /// or not finite is unknown.
+  DistanceSample Sample(const Eigen::Vector3d& point_m);
+
+  /// The distance alone; false where not known.
+  bool SampleDistance(const Eigen::Vector3d& point_m, double* distance_m);
+
+  /// How far a ray may go from `point_m` along `unit_direction` before it leaves a leaf that does
+  /// not exist, metres; 0 if the leaf at the point exists or the point is out of range.
+  double EmptyRun(const Eigen::Vector3d& point_m, const Eigen::Vector3d& unit_direction);
+
+  const VoxelScale& scale() const { return scale_; }
+
+ private:
+  /// The eight voxels around a point, corner `x * 4 + y * 2 + z`, and the point's place among them.
+  struct Cell {
+    std::array<float, 8> distance_m;
+    std::array<float, 8> weight;
+    Eigen::Vector3d fraction;
+  };
+
+  bool LoadCell(const Eigen::Vector3d& point_m, bool with_weight, Cell* cell);
+  const LeafView& LeafAt(LeafOrigin origin);
+
+  const VoxelReader& reader_;
+  VoxelScale scale_;
+
+  /// The leaves looked at last, one a parity of the leaf's position: the eight leaves around any
+  /// point fall on different places.
+  struct CachedLeaf {
+    LeafOrigin origin;
+    LeafView view;
+    bool valid = false;
+  };
+
+  std::array<CachedLeaf, 8> cache_;
+};
+
+}  // namespace steadymap

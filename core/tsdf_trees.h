@@ -1,0 +1,24 @@
+#pragma once
+
+// Private to the tsdf_*.cpp and vdb_*.cpp files: the one header that includes OpenVDB.
+
+#include <openvdb/openvdb.h>
+
+#include "core/tsdf_grid.h"
+
+namespace steadymap {
+
+using FloatTree = openvdb::tree::Tree4<float, 3, 3, 3>::Type;
+using ColorTree = openvdb::tree::Tree4<openvdb::Int32, 3, 3, 3>::Type;
+
+/// The trees of one volume. `distance` and `weight` have the same leaves with the same active
+/// voxels; `color` has a leaf where colour was recorded. Inactive voxels hold zeros.
+struct TsdfGrid::Trees {
+  FloatTree distance{0.0F};
+  FloatTree weight{0.0F};
+  ColorTree color{0};
+};
+
+inline openvdb::Coord ToCoord(LeafOrigin origin) { return {origin.x, origin.y, origin.z}; }
+
+}  // namespace steadymap
