@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/tsdf_codec.h"
+#include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
 
 namespace steadymap {
@@ -36,17 +37,6 @@ absl::StatusOr<Response> Call(Stub* stub,
 
 void SetTimeout(grpc::ClientContext* context, std::chrono::milliseconds timeout) {
   context->set_deadline(std::chrono::system_clock::now() + timeout);
-}
-
-void FillVector(const Eigen::Vector3d& vector, v1::Vector3* message) {
-  message->set_x(vector.x());
-  message->set_y(vector.y());
-  message->set_z(vector.z());
-}
-
-void FillBox(const Box& box, v1::Box* message) {
-  FillVector(box.min(), message->mutable_min_m());
-  FillVector(box.max(), message->mutable_max_m());
 }
 
 absl::Status ProtocolError(const char* what) {
@@ -164,7 +154,7 @@ absl::StatusOr<v1::SampleDistanceResponse> MapClient::SampleDistance(
     const MapName& name, std::span<const Eigen::Vector3d> points_world) {
   v1::SampleDistanceRequest request;
   request.set_map(name.ToString());
-  for (const Eigen::Vector3d& point : points_world) FillVector(point, request.add_points_m());
+  for (const Eigen::Vector3d& point : points_world) *request.add_points_m() = ToProto(point);
   auto response = Call(queries_.get(), &QueryStub::SampleDistance, request, options_.call_timeout);
   if (response.ok() && response->samples_size() != request.points_m_size()) {
     return ProtocolError("the server answered with another number of samples than points");
@@ -180,8 +170,8 @@ absl::StatusOr<v1::CastRaysResponse> MapClient::CastRays(const MapName& name,
   request.set_max_range_m(max_range_m);
   for (const WorldRay& ray : rays) {
     v1::Ray& message = *request.add_rays();
-    FillVector(ray.origin_world, message.mutable_origin_m());
-    FillVector(ray.direction_world, message.mutable_direction());
+    *message.mutable_origin_m() = ToProto(ray.origin_world);
+    *message.mutable_direction() = ToProto(ray.direction_world);
   }
   auto response = Call(queries_.get(), &QueryStub::CastRays, request, options_.call_timeout);
   if (response.ok() && response->hits_size() != request.rays_size()) {
@@ -194,7 +184,7 @@ absl::StatusOr<MapSnapshot> MapClient::GetMapSection(const MapName& name,
                                                      const std::optional<Box>& box) {
   v1::GetMapSectionRequest request;
   request.set_map(name.ToString());
-  if (box) FillBox(*box, request.mutable_box());
+  if (box) *request.mutable_box() = ToProto(*box);
   grpc::ClientContext context;
   SetTimeout(&context, options_.stream_timeout);
   const auto stream = queries_->GetMapSection(&context, request);
@@ -212,7 +202,7 @@ absl::StatusOr<v1::ExportMapResponse::Header> MapClient::ExportMap(const MapName
   v1::ExportMapRequest request;
   request.set_map(name.ToString());
   request.set_format(format);
-  if (box) FillBox(*box, request.mutable_box());
+  if (box) *request.mutable_box() = ToProto(*box);
   grpc::ClientContext context;
   SetTimeout(&context, options_.stream_timeout);
   const auto stream = queries_->ExportMap(&context, request);

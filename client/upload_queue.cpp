@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "proto/batch_checksum.h"
-#include "proto/grpc_status.h"
+#include "proto/convert_status.h"
 
 namespace steadymap {
 namespace {
@@ -140,7 +140,7 @@ void UploadQueue::NoteRefused(const v1::RefusedFrame& refused) {
   if (refused.client_seq() <= integrated_ || refused.client_seq() >= next_to_send_) return;
   if (!refused_ahead_.insert(refused.client_seq()).second) return;
   if (refused_.size() < kMaxKeptRefusals) {
-    refused_.push_back({refused.client_seq(), FromRpcStatus(refused.status())});
+    refused_.push_back({refused.client_seq(), FromProto(refused.status())});
   }
 }
 

@@ -3,21 +3,13 @@
 #include <absl/status/status.h>
 #include <grpcpp/support/status.h>
 
-#include "google/rpc/status.pb.h"
-
-/// Statuses between core and the wire. Reason and field path of core/error.h travel as ErrorInfo
-/// (domain `steadymap`) and BadRequest; both directions keep code, message, reason and field.
 namespace steadymap {
 
-google::rpc::Status ToRpcStatus(const absl::Status& status);
-
-/// Details of other kinds or domains, and ones that do not parse, are ignored.
-absl::Status FromRpcStatus(const google::rpc::Status& status);
-
-/// The details travel in the `grpc-status-details-bin` trailer.
+/// A status for gRPC, with the details of `proto/convert_status.h` in its trailer. Any thread.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
-/// Statuses that gRPC itself made have no reason.
+/// What a gRPC call ended with: code, message, and where the server gave them the reason and the
+/// field path (`ReasonOf`, `FieldOf`). Any thread.
 absl::Status FromGrpcStatus(const grpc::Status& status);
 
 }  // namespace steadymap

@@ -28,13 +28,17 @@ struct MapRecord {
   MapName name;
   std::string display_name;
   MapConfig config;
-  std::chrono::seconds frame_log_age{0};  ///< Retention of integrated frames.
-  std::uint64_t frame_log_bytes = 0;      ///< Retention of integrated frames.
+  std::chrono::seconds frame_log_age{0};  ///< Retention of integrated frames; 0: drop at once.
+  std::uint64_t frame_log_bytes = 0;      ///< Retention of integrated frames; 0: drop at once.
   std::uint64_t byte_budget = 0;          ///< Of the volumes in memory; 0: no limit.
   Timestamp create_time;
   std::string incarnation;
   std::string request_id;     ///< Of the request that created it; may be empty.
   std::uint64_t version = 1;  ///< Counts changes of this record; the source of its etag.
+
+  /// OK, or `DataLoss` if the record is damaged on disk; then only `name`, and `key` unless 0,
+  /// hold. Such a map is quarantined: it can be deleted, nothing else.
+  absl::Status condition;
 };
 
 /// Names an upload session within a map.
@@ -65,6 +69,7 @@ struct LogFrame {
 /// All that becomes durable for one map in one append.
 struct LogAppend {
   MapKey map;
+  Timestamp append_time;                ///< By the server's clock; retention counts from here.
   std::vector<LogFrame> frames;         ///< Consecutive sequence numbers behind the map's head.
   std::vector<SessionRecord> sessions;  ///< New state of the sessions that sent them.
 };
@@ -93,6 +98,14 @@ struct StoreOptions {
 
   /// Below this many free bytes on the data folder's disk, appends are refused with `DISK_LOW`.
   std::uint64_t min_free_disk_bytes = std::uint64_t{256} << 20;
+
+  /// Newest poses of a map that are kept even when their frames have left the log.
+  std::uint64_t kept_poses = 100'000;
+
+  /// Change lists of a map are dropped when older than this or when there are more than
+  /// `kept_change_lists`: a reader that is further behind starts from a snapshot.
+  std::chrono::seconds change_list_age{3600};
+  std::uint64_t kept_change_lists = 100'000;
 };
 
 /// The durable side of all maps: RocksDB, embedded (service.md section 5).
@@ -102,7 +115,7 @@ struct StoreOptions {
 /// reports it. Values carry a schema version and a checksum; a damaged one gives `DataLoss` with
 /// reason `CHECKSUM`, naming its key.
 ///
-/// Thread-safe.
+/// Thread-safe. Writes of one map take turns; a caller that wants an order has to make it.
 class Store {
  public:
   /// Opens the store in `folder`, creating it if need be.
@@ -118,24 +131,32 @@ class Store {
   /// Replaces the record of an existing map. Errors: `NotFound`.
   virtual absl::Status UpdateMap(const MapRecord& record) = 0;
 
-  /// Deletes a map with everything stored for it. Errors: `NotFound`.
+  /// Deletes a map with everything stored for it, damaged or not. Errors: `NotFound`.
   virtual absl::Status DeleteMap(MapKey map) = 0;
 
-  /// All maps in the order of their names.
+  /// All maps in the order of their names. A damaged record is no error: see `condition`.
   virtual absl::StatusOr<std::vector<MapRecord>> ListMaps() = 0;
 
   /// Reads a map's committed state. Cost: about 2 us a leaf.
   virtual absl::StatusOr<StoredState> LoadMap(const MapRecord& record) = 0;
 
   /// Makes frames durable, for several maps at once: their log entries, poses, sessions and heads.
-  /// Errors: `ResourceExhausted` with reason `DISK_LOW`; `Unavailable` with `STORE_READ_ONLY`.
+  /// An append without frames stores its sessions. All or nothing.
+  /// Errors: `ResourceExhausted` with reason `DISK_LOW`; `Unavailable` with `STORE_READ_ONLY`;
+  /// `NotFound` for an unknown map; `FailedPrecondition` if the frames do not follow the head or a
+  /// map appears twice.
   virtual absl::Status AppendFrames(const std::vector<LogAppend>& appends) = 0;
 
-  /// Makes a commit durable: its leaves, its change list and the revision.
-  virtual absl::Status CommitRevision(MapKey map, const MapDelta& delta) = 0;
+  /// Makes a commit durable: its leaves, its change list and the revision. `now` is the server's
+  /// clock. A delta with `to == from` changes nothing.
+  /// Errors: `NotFound`; `FailedPrecondition` if `delta.from` is not the stored revision or
+  /// `delta.to` lies beyond the log's head; `Unavailable` with `STORE_READ_ONLY`.
+  virtual absl::Status CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) = 0;
 
   /// Calls `visit` for the frames of the log with `first` <= sequence, in order, until it returns
-  /// an error, which is returned. Frames below the retained part are left out.
+  /// an error, which is returned. Frames below the retained part are left out; frames that are
+  /// appended meanwhile may be.
+  /// Errors: `DataLoss` for a damaged or missing frame.
   virtual absl::Status ReadLog(MapKey map,
                                MapSequence first,
                                const std::function<absl::Status(LogFrame)>& visit) = 0;
@@ -146,8 +167,10 @@ class Store {
                                                            MapSequence last,
                                                            std::size_t limit) = 0;
 
-  /// Drops log frames up to and including `last` that retention no longer wants, and sessions idle
-  /// since before `forget_sessions_before`. `last` must be integrated.
+  /// Drops log frames up to and including `last` that retention no longer wants, change lists and
+  /// poses beyond what `StoreOptions` keeps, and sessions idle since before
+  /// `forget_sessions_before`. `last` must be integrated; what lies beyond the stored revision is
+  /// never dropped.
   virtual absl::Status Trim(const MapRecord& map,
                             MapSequence last,
                             Timestamp now,

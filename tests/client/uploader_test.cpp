@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "proto/convert_status.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_ingest_service.h"
 
@@ -164,7 +165,7 @@ TEST(FrameUploader, ReportsEachRefusedFrameWithReasonAndField) {
   v1::RefusedFrame refused;
   refused.set_client_seq(3);
   *refused.mutable_status() =
-      ToRpcStatus(InvalidField(reason::kNonFinitePose, "frames[2].pose", "it is NaN"));
+      ToProto(InvalidField(reason::kNonFinitePose, "frames[2].pose", "it is NaN"));
   Harness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 100);
