@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -18,6 +19,9 @@ namespace {
 
 constexpr int kFailed = 1;
 constexpr int kMisused = 2;
+
+// Says nothing that the rest of gRPC's sentence does not.
+constexpr std::string_view kGrpcPreamble = "failed to connect to all addresses; last error: ";
 
 constexpr char kFooter[] =
     "Maps are kept in metres in a right-handed frame with z up. A map's NAME is its id in the\n"
@@ -57,7 +61,7 @@ std::string MisuseLine(const CLI::App& app, const CLI::ParseError& error) {
     path += " " + command->get_name();
   }
   std::string line = error.what();
-  const std::vector<std::string> unknown = command->remaining();
+  const std::vector<std::string> unknown = app.remaining(true);
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !unknown.empty()) {
     line = "there is no command \"" + unknown.front() + "\"";
   }
@@ -76,6 +80,7 @@ std::string ErrorLine(const absl::Status& status, const std::string& server) {
   if (line.empty()) line = absl::StatusCodeToString(status.code());
   const std::string reason = ReasonOf(status);
   if (status.code() == absl::StatusCode::kUnavailable && reason.empty()) {
+    if (line.starts_with(kGrpcPreamble)) line.erase(0, kGrpcPreamble.size());
     line = "cannot reach a server at " + server + " (" + line + ")";
   }
   const std::string field = FieldOf(status);

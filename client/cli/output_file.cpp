@@ -11,7 +11,7 @@ namespace steadymap {
 namespace {
 
 absl::Status CannotWrite(const std::filesystem::path& path, std::error_code error) {
-  return absl::UnavailableError(
+  return absl::FailedPreconditionError(
       absl::StrCat("cannot write ", path.string(), ": ", error.message()));
 }
 

@@ -1,16 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include <grpcpp/server.h>
-#include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
 
 #include "proto/batch_checksum.h"
@@ -123,22 +119,13 @@ class ScriptedStream {
   std::vector<std::uint64_t> received_;
 };
 
-/// A server in this process that plays one script a stream, in order, and refuses further streams.
+/// Plays one script a stream, in order, and refuses further streams.
 class FakeIngestService final : public v1::IngestService::Service {
  public:
   using Script = std::function<grpc::Status(ScriptedStream&)>;
 
   explicit FakeIngestService(std::vector<Script> scripts)
-      : scripts_(scripts.begin(), scripts.end()) {
-    grpc::ServerBuilder builder;
-    builder.RegisterService(this);
-    builder.SetMaxReceiveMessageSize(-1);
-    server_ = builder.BuildAndStart();
-  }
-
-  ~FakeIngestService() override { server_->Shutdown(std::chrono::system_clock::now()); }
-
-  std::shared_ptr<grpc::Channel> channel() { return server_->InProcessChannel({}); }
+      : scripts_(scripts.begin(), scripts.end()) {}
 
   /// What GetUploadState answers.
   v1::UploadState state;
@@ -165,7 +152,6 @@ class FakeIngestService final : public v1::IngestService::Service {
   std::deque<Script>
       scripts_;  // One stream at a time: the uploader opens none before the last end.
   std::atomic<std::size_t> streams_opened_ = 0;
-  std::unique_ptr<grpc::Server> server_;
 };
 
 }  // namespace steadymap

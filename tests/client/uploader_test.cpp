@@ -12,6 +12,7 @@
 #include "proto/convert_status.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_ingest_service.h"
+#include "tests/client/fake_map_server.h"
 
 namespace steadymap {
 namespace {
@@ -47,7 +48,7 @@ struct Harness {
   }
 
   absl::StatusOr<UploadSummary> Upload(std::size_t frame_count, std::size_t frame_bytes = 100) {
-    FrameUploader uploader(service.channel(), kKitchen, options);
+    FrameUploader uploader(server.channel(), kKitchen, options);
     for (std::size_t i = 0; i < frame_count; ++i) {
       const absl::Status status = uploader.Push(FrameOfBytes(frame_bytes));
       if (!status.ok()) return status;
@@ -56,6 +57,7 @@ struct Harness {
   }
 
   FakeIngestService service;
+  FakeServer server{&service};
   UploaderOptions options;
   std::vector<milliseconds> delays;
 };
@@ -412,7 +414,7 @@ TEST(FrameUploader, DestructionEndsAnUploadThatHangs) {
     EXPECT_FALSE(stream.ReadBatch(&batch));
     return grpc::Status::OK;
   }});
-  FrameUploader uploader(harness.service.channel(), kKitchen, harness.options);
+  FrameUploader uploader(harness.server.channel(), kKitchen, harness.options);
   EXPECT_TRUE(uploader.Push(FrameOfBytes(10)).ok());
 }
 
@@ -422,7 +424,7 @@ TEST(FrameUploader, PushAfterFinishIsRefused) {
     stream.SendOpened(0, 10);
     return stream.AcceptRest();
   }});
-  FrameUploader uploader(harness.service.channel(), kKitchen, harness.options);
+  FrameUploader uploader(harness.server.channel(), kKitchen, harness.options);
   ASSERT_TRUE(uploader.Finish().ok());
   EXPECT_EQ(uploader.Push(FrameOfBytes(1)).code(), absl::StatusCode::kFailedPrecondition);
 }
@@ -453,7 +455,7 @@ TEST(UploadAll, LeavesOutWhatTheSourceCannotRead) {
     return status;
   }});
   DamagedSource source;
-  FrameUploader uploader(harness.service.channel(), kKitchen, harness.options);
+  FrameUploader uploader(harness.server.channel(), kKitchen, harness.options);
   std::vector<std::size_t> unreadable;
   const absl::StatusOr<UploadSummary> summary = UploadAll(
       &source, &uploader, [&](const UnreadableFrame& frame) { unreadable.push_back(frame.index); });
