@@ -127,6 +127,9 @@ class FakeIngestService final : public v1::IngestService::Service {
   explicit FakeIngestService(std::vector<Script> scripts)
       : scripts_(scripts.begin(), scripts.end()) {}
 
+  /// Replaces the scripts; before the first stream.
+  void SetScripts(std::vector<Script> scripts) { scripts_.assign(scripts.begin(), scripts.end()); }
+
   /// What GetUploadState answers.
   v1::UploadState state;
 

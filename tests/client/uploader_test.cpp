@@ -1,6 +1,7 @@
 #include "client/uploader.h"
 
 #include <algorithm>
+#include <future>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -407,15 +408,18 @@ TEST(FrameUploader, ReportsProgressThatNeverFalls) {
 }
 
 TEST(FrameUploader, DestructionEndsAnUploadThatHangs) {
+  std::promise<void> opened;
   Harness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 0);  // No credit, ever.
+    opened.set_value();
     v1::FrameBatch batch;
     EXPECT_FALSE(stream.ReadBatch(&batch));
     return grpc::Status::OK;
   }});
   FrameUploader uploader(harness.server.channel(), kKitchen, harness.options);
   EXPECT_TRUE(uploader.Push(FrameOfBytes(10)).ok());
+  opened.get_future().wait();
 }
 
 TEST(FrameUploader, PushAfterFinishIsRefused) {
