@@ -18,10 +18,10 @@ struct DatasetOptions {
   std::size_t stride = 1;  ///< Every how many frames one is kept, >= 1.
   /// A label map file (see `label_map.h`) that turns the recording's classes into the map's. Empty:
   /// labels pass unchanged.
-  std::filesystem::path label_map_file;
+  std::filesystem::path label_map_file = {};
   /// A text file with the 4x4 matrix `T_world_dataset`, row by row, which takes the recording's
   /// world to the map's (z up). Empty: what the format prescribes.
-  std::filesystem::path T_world_dataset_file;
+  std::filesystem::path T_world_dataset_file = {};
   bool include_color = true;  ///< Whether colour images are sent along.
 };
 

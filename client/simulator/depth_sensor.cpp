@@ -16,16 +16,9 @@ constexpr std::uint64_t kHoleStream = 2;
 
 constexpr float kMillimetresPerMetre = 1000.0F;
 
-// Holes are discs, at most one begins in each cell of this side.
-constexpr int kHoleCellPx = 16;
+// Holes are discs.
 constexpr double kMinHoleRadiusPx = 3.0;
 constexpr double kMaxHoleRadiusPx = 9.0;
-// pi E[r^2] of a uniform radius.
-constexpr double kMeanHoleAreaPx =
-    M_PI *
-    (kMinHoleRadiusPx * kMinHoleRadiusPx + kMinHoleRadiusPx * kMaxHoleRadiusPx +
-     kMaxHoleRadiusPx * kMaxHoleRadiusPx) /
-    3.0;
 
 // The pixel's 64 random bits are shared out: 12 for the Gaussian, 16 for each yes-or-no and for how
 // far a flying pixel is.
@@ -196,24 +189,22 @@ void DepthSensor::StoreRow(int v, Image<std::uint16_t>* depth) const {
 
 void DepthSensor::PunchHoles(std::uint64_t key, Image<std::uint16_t>* depth) const {
   const double share = UniformBetween(key, 0, sensor_.min_hole_share, sensor_.max_hole_share);
-  const double chance = -std::log1p(-share) * kHoleCellPx * kHoleCellPx / kMeanHoleAreaPx;
-  std::uint64_t cell = key;
-  for (int top = 0; top < camera_.height_px; top += kHoleCellPx) {
-    for (int left = 0; left < camera_.width_px; left += kHoleCellPx) {
-      cell = Combine(cell, 1);
-      if (UniformOf(cell) >= chance) continue;
-      const double center_u = left + UniformBetween(cell, 1, 0, kHoleCellPx);
-      const double center_v = top + UniformBetween(cell, 2, 0, kHoleCellPx);
-      const double radius = UniformBetween(cell, 3, kMinHoleRadiusPx, kMaxHoleRadiusPx);
-      const int first_v = std::max(0, static_cast<int>(std::ceil(center_v - radius)));
-      const int last_v = std::min(camera_.height_px - 1, static_cast<int>(center_v + radius));
-      for (int v = first_v; v <= last_v; ++v) {
-        const double half =
-            std::sqrt(std::max(0.0, radius * radius - (v - center_v) * (v - center_v)));
-        const int first_u = std::max(0, static_cast<int>(std::ceil(center_u - half)));
-        const int last_u = std::min(camera_.width_px - 1, static_cast<int>(center_u + half));
-        for (int u = first_u; u <= last_u; ++u) depth->At(u, v) = kNoDepth;
-      }
+  const double wanted_px = share * static_cast<double>(depth->size());
+  std::uint64_t hole = key;
+  for (double lost_px = 0.0; lost_px < wanted_px;) {
+    hole = Combine(hole, 1);
+    const double center_u = UniformBetween(hole, 1, 0, camera_.width_px - 1);
+    const double center_v = UniformBetween(hole, 2, 0, camera_.height_px - 1);
+    const double radius = UniformBetween(hole, 3, kMinHoleRadiusPx, kMaxHoleRadiusPx);
+    const int first_v = std::max(0, static_cast<int>(std::ceil(center_v - radius)));
+    const int last_v = std::min(camera_.height_px - 1, static_cast<int>(center_v + radius));
+    for (int v = first_v; v <= last_v; ++v) {
+      const double height = v - center_v;
+      const double half = std::sqrt(std::max(0.0, radius * radius - height * height));
+      const int first_u = std::max(0, static_cast<int>(std::ceil(center_u - half)));
+      const int last_u = std::min(camera_.width_px - 1, static_cast<int>(center_u + half));
+      for (int u = first_u; u <= last_u; ++u) depth->At(u, v) = kNoDepth;
+      lost_px += std::max(0, last_u - first_u + 1);
     }
   }
 }

@@ -16,12 +16,12 @@ namespace steadymap {
 
 /// How a route is played.
 struct SimulationOptions {
-  SensorModel sensor;      ///< `SensorModel::Ideal()` for a perfect sensor.
-  std::uint64_t seed = 1;  ///< Of all noise.
-  std::size_t stride = 1;  ///< Every how many frames one is kept, >= 1.
+  SensorModel sensor = {};  ///< `SensorModel::Ideal()` for a perfect sensor.
+  std::uint64_t seed = 1;   ///< Of all noise.
+  std::size_t stride = 1;   ///< Every how many frames one is kept, >= 1.
   bool include_color = false;
-  std::optional<bool> include_instances;  ///< Unset: as the route says.
-  std::string robot = "simulator";        ///< `Frame::robot` of every frame.
+  std::optional<bool> include_instances = std::nullopt;  ///< Unset: as the route says.
+  std::string robot = "simulator";                       ///< `Frame::robot` of every frame.
   /// Capture time of the first frame. Later sequences start a minute after the end of the one
   /// before.
   Timestamp start_time = Timestamp::FromNanoseconds(1'650'000'000'000'000'000);
