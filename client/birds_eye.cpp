@@ -1,13 +1,12 @@
 #include "client/birds_eye.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "client/birds_eye_legend.h"
 #include "client/birds_eye_scene.h"
 #include "client/canvas.h"
-#include "client/height_ramp.h"
+#include "client/surface_shading.h"
 
 namespace steadymap {
 namespace {
@@ -30,18 +29,6 @@ constexpr int kMinMapHeightPx = 320;
 constexpr double kTitlePx = 19.0;
 constexpr double kSubtitlePx = 11.0;
 constexpr double kGapPx = 20.0;
-
-// The surface is drawn this much larger and averaged down.
-constexpr int kOversampling = 2;
-
-// How much a pixel darkens for every metre that its surroundings stand above it, averaged over the
-// neighbours at this distance; a neighbour counts at most kMaxStepM.
-constexpr int kNeighbourPx = 3;
-constexpr double kDarkeningPerM = 1.6;
-constexpr double kMaxStepM = 0.6;
-
-// Light that reaches a surface turned away from the lamp.
-constexpr double kAmbientLight = 0.62;
 
 // Where the map lies in the picture.
 struct Layout {
@@ -78,59 +65,6 @@ TopDownView MapView(const BirdsEyeScene& scene, const Layout& layout) {
   return view;
 }
 
-// Share of its light that a pixel keeps among its neighbours: what stands beside something tall
-// lies in its shade, which is what makes steps in height visible from above.
-double Openness(const TopDownRaster& raster, int u, int v) {
-  static constexpr std::array<std::array<int, 2>, 8> kDirections = {
-      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
-  const double own_m = static_cast<double>(raster.height_m.At(u, v));
-  double above_m = 0.0;
-  for (const auto& [du, dv] : kDirections) {
-    const int side_u = std::clamp(u + du * kNeighbourPx, 0, raster.height_m.width_px() - 1);
-    const int side_v = std::clamp(v + dv * kNeighbourPx, 0, raster.height_m.height_px() - 1);
-    const double step_m = static_cast<double>(raster.height_m.At(side_u, side_v)) - own_m;
-    above_m += std::clamp(step_m, 0.0, kMaxStepM);
-  }
-  return std::exp(-kDarkeningPerM * above_m / static_cast<double>(kDirections.size()));
-}
-
-Eigen::Vector3d ShadedColor(const TopDownRaster& raster, const BirdsEyeScene& scene, int u, int v) {
-  const double height_m = static_cast<double>(raster.height_m.At(u, v));
-  const Rgb base =
-      raster.color.empty()
-          ? HeightColor((height_m - scene.lowest_m) / (scene.highest_m - scene.lowest_m))
-          : raster.color.At(u, v);
-  // A level floor keeps its colour; slopes towards the lamp get a little more.
-  const double light =
-      kAmbientLight + (1.0 - kAmbientLight) * static_cast<double>(raster.light.At(u, v)) * 1.25;
-  return Eigen::Vector3d(base[0], base[1], base[2]) * light * Openness(raster, u, v);
-}
-
-void PaintSurface(const TopDownRaster& raster,
-                  const BirdsEyeScene& scene,
-                  const TopDownView& view,
-                  Canvas* map) {
-  for (int v = 0; v < view.height_px; ++v) {
-    for (int u = 0; u < view.width_px; ++u) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      int hits = 0;
-      for (int i = 0; i < kOversampling * kOversampling; ++i) {
-        const int fine_u = u * kOversampling + i % kOversampling;
-        const int fine_v = v * kOversampling + i / kOversampling;
-        if (raster.height_m.At(fine_u, fine_v) == TopDownRaster::kNothing) continue;
-        sum += ShadedColor(raster, scene, fine_u, fine_v);
-        ++hits;
-      }
-      if (hits == 0) continue;
-      const Eigen::Vector3d mean = (sum / hits).cwiseMin(255.0);
-      const Rgb color = {static_cast<std::uint8_t>(mean.x()),
-                         static_cast<std::uint8_t>(mean.y()),
-                         static_cast<std::uint8_t>(mean.z())};
-      map->Blend(u, v, color, static_cast<double>(hits) / (kOversampling * kOversampling));
-    }
-  }
-}
-
 // The map's rectangle: grid, surface, paths.
 Canvas DrawMap(const Mesh& mesh,
                const std::vector<RobotPath>& paths,
@@ -139,13 +73,7 @@ Canvas DrawMap(const Mesh& mesh,
                bool use_mesh_colors) {
   Canvas map(view.width_px, view.height_px, kWhite);
   DrawGrid(view, RoundLength(view.metres_per_px * 150.0), &map);
-  TopDownView fine_view = view;
-  fine_view.metres_per_px /= kOversampling;
-  fine_view.width_px *= kOversampling;
-  fine_view.height_px *= kOversampling;
-  TopDownRaster raster = DrawTopDown(mesh, fine_view, scene.cut_height_m, kOversampling + 1);
-  if (!use_mesh_colors) raster.color = {};
-  PaintSurface(raster, scene, view, &map);
+  PaintSurface(mesh, scene, view, use_mesh_colors, &map);
   DrawPaths(paths, view, &map);
   if (!scene.has_surface) {
     const std::string message = "no surface: the map is empty";

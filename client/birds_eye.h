@@ -20,16 +20,16 @@ struct RobotPath {
   std::vector<Eigen::Vector3d> positions_world;  ///< Metres.
 };
 
-/// How a picture is made.
+/// How a picture is made. (The braces let designated initializers leave members out.)
 struct BirdsEyeOptions {
-  std::string title;     ///< One line, ASCII; cut where it does not fit.
-  std::string subtitle;  ///< One smaller line under it.
+  std::string title{};     ///< One line, ASCII; cut where it does not fit.
+  std::string subtitle{};  ///< One smaller line under it.
   /// Length of the picture's longer side, pixels, in [600, 8000].
   int longest_side_px = 1200;
   /// Surfaces show the mesh's colours, where it has any, instead of their height.
   bool use_mesh_colors = true;
   /// Surface above this is left out, metres. Absent: ChooseCutHeight.
-  std::optional<double> cut_height_m;
+  std::optional<double> cut_height_m{};
 };
 
 /// A picture and how to find things in it.
@@ -44,7 +44,7 @@ struct BirdsEyePicture {
 /// Draws a mesh and paths. Degenerate input gives a picture too: one without surface says so, and
 /// is sized by the paths or, without any, is 10 m wide. The view holds all paths and all surface
 /// but the outermost 0.05 % of vertices on each side, so that a few stray ones do not shrink the
-/// rest. Same input, same picture. Cost: about a second for a million triangles.
+/// rest. Same input, same picture. Cost: 0.2 s and about a second for a million triangles.
 BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
                              const std::vector<RobotPath>& paths,
                              const BirdsEyeOptions& options);
