@@ -1,16 +1,15 @@
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "client/cli/argument_text.h"
 #include "client/cli/class_table_file.h"
 #include "client/cli/number_text.h"
 #include "client/cli/output_file.h"
 #include "client/cli/progress_report.h"
+#include "tests/client/temporary_folder.h"
 
 namespace steadymap {
 namespace {
@@ -91,43 +90,24 @@ TEST(ParseBox, CornersInTheWrongOrderAreAnError) {
   EXPECT_EQ(ParseBox("0,0,1").status().code(), absl::StatusCode::kInvalidArgument);
 }
 
-/// A folder of its own for each test, removed at the end.
+/// Has a folder of its own for each test.
 class FileTest : public ::testing::Test {
  protected:
-  FileTest() {
-    std::string pattern =
-        (std::filesystem::temp_directory_path() / "steadymap-cli-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-
-  ~FileTest() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path Write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
-  }
-
-  static std::string Read(const std::filesystem::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
-
   std::size_t FileCount() const {
     return static_cast<std::size_t>(
-        std::distance(std::filesystem::directory_iterator(folder_), {}));
+        std::distance(std::filesystem::directory_iterator(folder_.path()), {}));
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 using LoadClassTableTest = FileTest;
 
 TEST_F(LoadClassTableTest, ReadsIdsNamesAndMotions) {
   const auto classes = LoadClassTable(
-      Write("classes.txt",
-            "# ids\n0 background\n\n7 stacked goods semi-static # boxes\n13 dynamic\n"
-            "14 fork truck dynamic\n"));
+      folder_.Write("classes.txt",
+                    "# ids\n0 background\n\n7 stacked goods semi-static # boxes\n13 dynamic\n"
+                    "14 fork truck dynamic\n"));
   ASSERT_TRUE(classes.ok()) << classes.status();
   EXPECT_EQ(*classes,
             (std::vector<SemanticClass>{{ClassId(0), "background", ClassMotion::kStatic},
@@ -137,18 +117,19 @@ TEST_F(LoadClassTableTest, ReadsIdsNamesAndMotions) {
 }
 
 TEST_F(LoadClassTableTest, ErrorsNameFileAndLine) {
-  const auto classes = LoadClassTable(Write("bad.txt", "0 floor\n70000 wall\n"));
+  const auto classes = LoadClassTable(folder_.Write("bad.txt", "0 floor\n70000 wall\n"));
   EXPECT_EQ(classes.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(std::string(classes.status().message()).find("bad.txt:2:"), std::string::npos);
-  EXPECT_FALSE(LoadClassTable(Write("no-name.txt", "3\n")).ok());
-  EXPECT_FALSE(LoadClassTable(Write("empty.txt", "# nothing\n")).ok());
-  EXPECT_EQ(LoadClassTable(folder_ / "missing").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_FALSE(LoadClassTable(folder_.Write("no-name.txt", "3\n")).ok());
+  EXPECT_FALSE(LoadClassTable(folder_.Write("empty.txt", "# nothing\n")).ok());
+  EXPECT_EQ(LoadClassTable(folder_.path() / "missing").status().code(),
+            absl::StatusCode::kNotFound);
 }
 
 using OutputFileTest = FileTest;
 
 TEST_F(OutputFileTest, AppearsWhenItIsCommitted) {
-  const std::filesystem::path path = folder_ / "map.ply";
+  const std::filesystem::path path = folder_.path() / "map.ply";
   {
     auto file = OutputFile::Create(path);
     ASSERT_TRUE(file.ok()) << file.status();
@@ -157,23 +138,24 @@ TEST_F(OutputFileTest, AppearsWhenItIsCommitted) {
     ASSERT_TRUE(file->Write("def").ok());
     ASSERT_TRUE(file->Commit().ok());
   }
-  EXPECT_EQ(Read(path), "abcdef");
+  EXPECT_EQ(ContentOf(path), "abcdef");
   EXPECT_EQ(FileCount(), 1U);
 }
 
 TEST_F(OutputFileTest, WithoutACommitTheOldFileStaysAndNothingElse) {
-  const std::filesystem::path path = Write("map.ply", "old");
+  const std::filesystem::path path = folder_.Write("map.ply", "old");
   {
     auto file = OutputFile::Create(path);
     ASSERT_TRUE(file.ok()) << file.status();
     ASSERT_TRUE(file->Write("new").ok());
   }
-  EXPECT_EQ(Read(path), "old");
+  EXPECT_EQ(ContentOf(path), "old");
   EXPECT_EQ(FileCount(), 1U);
 }
 
 TEST_F(OutputFileTest, WhatCannotBeWrittenIsAnErrorWithThePath) {
-  for (const std::filesystem::path& path : {folder_ / "missing" / "map.ply", folder_}) {
+  for (const std::filesystem::path& path :
+       {folder_.path() / "missing" / "map.ply", folder_.path()}) {
     const auto file = OutputFile::Create(path);
     ASSERT_FALSE(file.ok());
     EXPECT_NE(std::string(file.status().message()).find(path.string()), std::string::npos);

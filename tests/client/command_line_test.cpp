@@ -8,12 +8,12 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/error.h"
 #include "proto/convert_status.h"
 #include "tests/client/fake_ingest_service.h"
 #include "tests/client/fake_map_server.h"
+#include "tests/client/temporary_folder.h"
 
 namespace steadymap {
 namespace {
@@ -34,14 +34,6 @@ grpc::Status AcceptAll(ScriptedStream& stream) {
 /// Runs commands in this process against services in this process.
 class CommandLineTest : public ::testing::Test {
  protected:
-  CommandLineTest() {
-    std::string pattern =
-        (std::filesystem::temp_directory_path() / "steadymap-run-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-
-  ~CommandLineTest() override { std::filesystem::remove_all(folder_); }
-
   Outcome Run(const std::vector<std::string>& arguments) {
     std::ostringstream out;
     std::ostringstream err;
@@ -66,9 +58,9 @@ class CommandLineTest : public ::testing::Test {
     EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
   }
 
-  std::string PathOf(const std::string& name) const { return (folder_ / name).string(); }
+  std::string PathOf(const std::string& name) const { return (folder_.path() / name).string(); }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   std::string server_asked_;
   FakeMapService maps_;
   FakeQueryService queries_;
@@ -232,7 +224,7 @@ TEST_F(CommandLineTest, ExportWritesTheWholeFileOrNone) {
   queries_.SetFile({"ply\n"}, 8);
   ExpectFailure(
       {"export", "kitchen", "--format", "ply", "--output", PathOf("cut.ply")}, 1, "8 bytes");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
 
   ExpectFailure({"export", "kitchen", "--format", "ply", "--output", PathOf("no/map.ply")},
                 1,
