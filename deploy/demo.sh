@@ -41,7 +41,8 @@ daemon=""
 on_exit() {
   local status=$?
   if [[ -n "$daemon" ]]; then
-    kill -KILL "$daemon" 2>/dev/null && wait "$daemon" 2>/dev/null || true
+    kill -KILL "$daemon" 2>/dev/null || true
+    wait "$daemon" 2>/dev/null || true
   fi
   if ((status != 0)); then
     [[ -n "$log" && -s "$log" ]] && tail -n 30 "$log" >&2
