@@ -45,6 +45,8 @@ STEADYMAP_INLINE Floats Select(Integers mask, Floats yes, Floats no) {
 
 STEADYMAP_INLINE Floats Min(Floats a, Floats b) { return a < b ? a : b; }
 
+STEADYMAP_INLINE Floats Max(Floats a, Floats b) { return a > b ? a : b; }
+
 STEADYMAP_INLINE Floats Abs(Floats value) {
   return reinterpret_cast<Floats>(reinterpret_cast<Words>(value) & 0x7FFFFFFFU);
 }
@@ -102,7 +104,7 @@ constexpr float kCellJump = 0.03F;
 STEADYMAP_INLINE Floats PixelDepth(Words units, const SurfaceInput& input) {
   const Floats depth_m =
       __builtin_convertvector(reinterpret_cast<Integers>(units), Floats) * input.metres_per_unit;
-  const Integers valid = (units != 0U) & (units != 65535U) & (depth_m <= Splat(input.max_depth_m));
+  const Integers valid = (units != 0U) & (units != 65535U);
   return Select(valid, depth_m, Splat(kFarM));
 }
 
@@ -129,7 +131,8 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
     sum += Select(agrees, pixel, Splat(0.0F));
     count += Select(agrees, Splat(1.0F), Splat(0.0F));
   }
-  const Integers seen = nearest < Splat(kFarM);
+  // Cut by cell: cut by pixel, a slanted surface would lose the far pixels of its last cells.
+  const Integers seen = nearest <= Splat(input.max_depth_m);
   Store(Select(seen, count / sum, Splat(0.0F)), inverse_depth);
   Store(Select(seen, count * 0.25F, Splat(0.0F)), support);
 }
@@ -157,11 +160,15 @@ void ReduceRow(const SurfaceInput& input, int row, float* inverse_depth, float* 
 // 18 cm at 3.
 constexpr float kPlanarBend = 0.02F;
 
+// Stricter where only one side is seen: at the rim of a curved thing its bend would pass for a
+// slope.
+constexpr float kEdgeBend = 0.01F;
+
 // Beyond 80 degrees from face on, depth says little about where a surface is.
 constexpr float kMinCosine = 0.17F;
 
 // A cell beside an edge may hold flying pixels, and its slope is known from one side only.
-constexpr float kEdgeWeight = 0.5F;
+constexpr float kEdgeWeight = 0.25F;
 
 // A thin thing in front of everything around it: nothing tells its slope, it is taken as face on.
 constexpr float kThinWeight = 0.1F;
@@ -177,18 +184,20 @@ struct Slope {
 };
 
 /// Whether three inverse depths in a row lie on a plane. Missing ones are zero.
-STEADYMAP_INLINE Integers IsStraight(Floats a, Floats b, Floats c) {
+STEADYMAP_INLINE Integers IsStraight(Floats a, Floats b, Floats c, float max_bend) {
   const Floats zero = Splat(0.0F);
-  return (a > zero) & (c > zero) & (Abs(a - 2.0F * b + c) < Splat(kPlanarBend));
+  return (a > zero) & (c > zero) & (Abs(a - 2.0F * b + c) < Splat(max_bend));
 }
 
 /// `neighbours` holds the inverse depths two reaches and one before, one and two after the centre.
 STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) {
   constexpr float kPerCell = 1.0F / static_cast<float>(kSurfaceReach);
   const Floats zero = Splat(0.0F);
-  const Integers planar = IsStraight(neighbours[1], centre, neighbours[2]);
-  const Integers before = IsStraight(neighbours[0], neighbours[1], centre) & (neighbours[1] > zero);
-  const Integers after = IsStraight(centre, neighbours[2], neighbours[3]) & (neighbours[2] > zero);
+  const Integers planar = IsStraight(neighbours[1], centre, neighbours[2], kPlanarBend);
+  const Integers before =
+      IsStraight(neighbours[0], neighbours[1], centre, kEdgeBend) & (neighbours[1] > zero);
+  const Integers after =
+      IsStraight(centre, neighbours[2], neighbours[3], kEdgeBend) & (neighbours[2] > zero);
   // A neighbour that is nearer by far hides where this surface goes; missing ones count as far.
   const Floats nearer = centre + kPlanarBend;
   const Integers thin = (neighbours[1] < nearer) & (neighbours[2] < nearer);
@@ -244,9 +253,7 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Floats ray_x = u * (1.0F / input.fx);
   const Floats ray_y = v * (1.0F / input.fy);
   const Floats cosine = inverse * inverse_norm / Sqrt(1.0F + ray_x * ray_x + ray_y * ray_y);
-  // Slanted looks weigh less twice over: they spread over more surface, and away from it the
-  // tangent plane strays from a curved one.
-  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * cosine * Load(support) *
+  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * Load(support) *
                   along_u.trust * along_v.trust;
   weight = Select((centre > zero) & (cosine > Splat(kMinCosine)), weight, zero);
 
@@ -299,7 +306,7 @@ constexpr float kMaxRayBand = 2.0F;
 
 // Looks that say less than this are dropped: a voxel that only such looks reach would go on
 // changing for thousands of frames.
-constexpr float kMinLookWeight = 1.0F / 64.0F;
+constexpr float kMinLookWeight = 1.0F / 128.0F;
 
 // An old place must still be able to change: evidence is capped.
 constexpr float kMaxWeight = 64.0F;
@@ -352,6 +359,7 @@ struct RowConstants {
         truncation_m(frame.truncation_m),
         fade_from_m(-frame.voxel_size_m),
         fade_scale(1.0F / (frame.truncation_m - frame.voxel_size_m)),
+        inverse_voxel_size2(1.0F / (frame.voxel_size_m * frame.voxel_size_m)),
         dead_band_m(kDeadBandVoxels * frame.voxel_size_m),
         color_band_m(kColorBandVoxels * frame.voxel_size_m),
         distance_step_m(frame.distance_step_m),
@@ -371,6 +379,7 @@ struct RowConstants {
   float truncation_m;
   float fade_from_m;
   float fade_scale;
+  float inverse_voxel_size2;
   float dead_band_m;
   float color_band_m;
   float distance_step_m;
@@ -443,10 +452,16 @@ STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
   const Floats fade = Select(distance_m < Splat(constants.fade_from_m),
                              (constants.truncation_m + distance_m) * constants.fade_scale,
                              Splat(1.0F));
+  // Along a slanted ray the surface was seen beside the voxel's foot on it. The further beside, the
+  // more a curved surface has strayed from the tangent plane.
+  const Floats along_ray_m = look[0] - z;
+  const Floats beside_voxels2 =
+      (along_ray_m * along_ray_m - distance_m * distance_m) * constants.inverse_voxel_size2;
+  const Floats straying = 1.0F / (1.0F + Max(beside_voxels2, zero));
   evidence->distance_m = distance_m;
-  evidence->weight = look[1] * fade;
+  evidence->weight = look[1] * fade * straying;
   evidence->depth_m = z;
-  evidence->valid = in_band & (Abs(look[0] - z) < Splat(kMaxRayBand * constants.truncation_m)) &
+  evidence->valid = in_band & (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
                     (evidence->weight >= Splat(kMinLookWeight));
   return ToBits(evidence->valid) != 0;
 }

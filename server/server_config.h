@@ -12,7 +12,7 @@
 #include "server/store.h"
 
 /// The configuration of steadymapd: plain structs with their defaults in place, the only place
-/// where a default stands. `server/server_config_fields.h` lists every field once more, for
+/// where a default stands. `server/config_fields.h` lists every field once more, for
 /// loading, validation, printing and documentation.
 namespace steadymap {
 
@@ -102,5 +102,8 @@ void ApplyReloadable(const ServerConfig& fresh, ServerConfig* running);
 /// Whether `listen` names this machine's loopback interface: `localhost`, 127.0.0.0/8, `[::1]`, or
 /// a unix socket.
 bool IsLoopback(const std::string& listen);
+
+/// `listen` with `port` in place of the port it names; a unix socket is left as it is.
+std::string WithPort(const std::string& listen, int port);
 
 }  // namespace steadymap

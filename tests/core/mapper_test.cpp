@@ -114,12 +114,12 @@ TEST(Mapper, StopsChangingAPlaceThatStaysTheSame) {
   const Frame frame = CircleFrames(1)[0];
   const std::unique_ptr<Mapper> mapper = NewMapper();
   // Enough for the faintest look to settle.
-  for (int i = 0; i < 1100; ++i) mapper->Integrate(mapper->head().Next(), frame);
+  for (int i = 0; i < 2100; ++i) mapper->Integrate(mapper->head().Next(), frame);
   mapper->Commit();
   mapper->Integrate(mapper->head().Next(), frame);
   const MapCommit commit = mapper->Commit();
   EXPECT_TRUE(commit.delta.leaves.empty());
-  EXPECT_EQ(commit.snapshot->revision, Revision(1101));
+  EXPECT_EQ(commit.snapshot->revision, Revision(2101));
 }
 
 TEST(Mapper, FusesNothingOfDynamicClasses) {

@@ -49,11 +49,15 @@ Oracle Ball() {
   const Eigen::Vector3d center(0.31, -0.22, 0.83);
   constexpr double kRadiusM = 0.6;
   std::vector<Eigen::Isometry3d> poses;
-  for (int i = 0; i < 12; ++i) {
-    const double angle = i * M_PI / 6.0;
-    const double height = 0.7 * std::sin(1.7 * i);
-    poses.push_back(LookAt(
-        center + Eigen::Vector3d(1.7 * std::cos(angle), 1.7 * std::sin(angle), height), center));
+  // Spread evenly: a fused distance away from the surface is only as good as the best look at it is
+  // straight.
+  constexpr int kPoses = 40;
+  for (int i = 0; i < kPoses; ++i) {
+    const double height = 1.0 - (2.0 * i + 1.0) / kPoses;
+    const double angle = i * M_PI * (3.0 - std::sqrt(5.0));
+    const double radius = std::sqrt(1.0 - height * height);
+    const Eigen::Vector3d direction(radius * std::cos(angle), radius * std::sin(angle), height);
+    poses.push_back(LookAt(center + 1.7 * direction, center));
   }
   return {"sphere",
           Sphere(center, kRadiusM),

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "server/server_config.h"
+
+namespace steadymap {
+
+/// What steadymapd was asked for on its command line.
+struct CommandLine {
+  std::string config_file;              ///< Empty: none, all defaults.
+  std::optional<std::string> listen;    ///< Overrides the file's.
+  std::optional<std::string> data_dir;  ///< Overrides the file's.
+  std::string port_file;                ///< Where to write the port; empty: nowhere.
+  bool print_config = false;
+
+  /// Set when there is nothing to run: after `--help`, `--version` or a mistake, which has been
+  /// told already. The value is the exit code.
+  std::optional<int> exit_code;
+};
+
+/// Reads the arguments; help and version go to stdout, mistakes to stderr in one line.
+CommandLine ParseCommandLine(int argument_count, const char* const* arguments);
+
+/// The configuration that is asked for: file, then flags, not yet validated.
+/// Errors: as `LoadConfigFile`.
+absl::StatusOr<ServerConfig> ReadConfig(const CommandLine& command_line);
+
+}  // namespace steadymap

@@ -1,0 +1,186 @@
+// steadymapd: reads its configuration, opens the store, serves until it is told to stop.
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <spdlog/spdlog.h>
+
+#include "server/command_line.h"
+#include "server/config_file.h"
+#include "server/exit_deadline.h"
+#include "server/logging.h"
+#include "server/server.h"
+#include "server/service_manager_notifier.h"
+#include "server/store.h"
+
+namespace steadymap {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How often the daemon looks after itself, at most.
+constexpr std::chrono::milliseconds kLongestWait{1000};
+
+int Fail(const absl::Status& status) {
+  std::fprintf(stderr, "steadymapd: %s\n", std::string(status.message()).c_str());
+  return EXIT_FAILURE;
+}
+
+// Blocked in every thread, since this is called before there are others; `WaitForSignal` takes
+// them.
+sigset_t BlockSignals() {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::sigaddset(&signals, signal);
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+// The next of the signals, or 0 when there was none in time.
+int WaitForSignal(const sigset_t& signals, std::chrono::milliseconds timeout) {
+  const timespec wait{timeout.count() / 1000, timeout.count() % 1000 * 1'000'000};
+  const int signal = ::sigtimedwait(&signals, nullptr, &wait);
+  return signal > 0 ? signal : 0;
+}
+
+// Whoever waits for the file never sees half of it.
+absl::Status WritePortFile(const std::filesystem::path& file, int port) {
+  const std::filesystem::path fresh = file.string() + ".new";
+  {
+    std::ofstream stream(fresh);
+    stream << port << '\n';
+    if (!stream.flush()) return absl::NotFoundError("cannot write port file " + fresh.string());
+  }
+  std::error_code error;
+  std::filesystem::rename(fresh, file, error);
+  if (!error) return absl::OkStatus();
+  return absl::NotFoundError("cannot write port file " + file.string() + ": " + error.message());
+}
+
+// SIGHUP: takes over what may change, or keeps everything if the file is wrong.
+void Reload(const CommandLine& command_line, ServerConfig* config, Server* server) {
+  absl::StatusOr<ServerConfig> fresh = ReadConfig(command_line);
+  absl::Status status = fresh.ok() ? ValidateServerConfig(*fresh) : fresh.status();
+  if (!status.ok()) {
+    spdlog::error("configuration not reloaded: {}", std::string(status.message()));
+    return;
+  }
+  ApplyReloadable(*fresh, config);
+  SetLogLevel(config->log.level);
+  server->SetLimits(config->limits);
+  spdlog::info("log level and limits reloaded");
+}
+
+// Serves until a signal ends it (OK) or the store can no longer be written (its error).
+absl::Status Serve(const sigset_t& signals,
+                   const CommandLine& command_line,
+                   ServerConfig* config,
+                   Server* server,
+                   ServiceManagerNotifier* service_manager) {
+  const std::chrono::microseconds watchdog =
+      service_manager->watchdog_interval().value_or(kLongestWait * 4);
+  const auto wait = std::clamp(std::chrono::duration_cast<std::chrono::milliseconds>(watchdog / 4),
+                               std::chrono::milliseconds(1),
+                               kLongestWait);
+  while (true) {
+    const int signal = WaitForSignal(signals, wait);
+    if (signal == SIGTERM || signal == SIGINT) {
+      spdlog::info("{} received, draining", signal == SIGTERM ? "SIGTERM" : "SIGINT");
+      return absl::OkStatus();
+    }
+    if (signal == SIGHUP) {
+      service_manager->Reloading();
+      Reload(command_line, config, server);
+      service_manager->Ready();
+    }
+    if (absl::Status health = server->health(); !health.ok()) return health;
+    // A mapping thread that hangs stops the progress, and then systemd restarts the daemon.
+    if (Clock::now() - server->last_progress() < watchdog) service_manager->FeedWatchdog();
+  }
+}
+
+int Run(const CommandLine& command_line, ServerConfig config) {
+  StartLogging(config.log);
+  std::signal(SIGPIPE, SIG_IGN);
+  const sigset_t signals = BlockSignals();
+  absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(config.data_dir, config.store);
+  if (!store.ok()) {
+    spdlog::error("{}", std::string(store.status().message()));
+    return EXIT_FAILURE;
+  }
+  absl::StatusOr<std::unique_ptr<Server>> started = Server::Start(config, *std::move(store));
+  if (!started.ok()) {
+    spdlog::error("{}", std::string(started.status().message()));
+    return EXIT_FAILURE;
+  }
+  const std::unique_ptr<Server> server = *std::move(started);
+  if (!command_line.port_file.empty()) {
+    if (absl::Status status = WritePortFile(command_line.port_file, server->port()); !status.ok()) {
+      spdlog::error("{}", std::string(status.message()));
+      return EXIT_FAILURE;
+    }
+  }
+  // Programs look for this line: see the README.
+  spdlog::info("listening on {}", WithPort(config.listen, server->port()));
+  ServiceManagerNotifier service_manager;
+  service_manager.Ready();
+  const absl::Status ended = Serve(signals, command_line, &config, server.get(), &service_manager);
+
+  // The order of shutdown:
+  // 1. The service manager learns of it, and the time starts to run.
+  service_manager.Stopping();
+  const Clock::time_point end = Clock::now() + config.drain_timeout;
+  const ExitDeadline deadline(config.drain_timeout);
+  if (!ended.ok()) {
+    // A store that failed to sync can store no more: nothing to wait for.
+    spdlog::critical("stopping: {}", std::string(ended.message()));
+    server->Shutdown(std::chrono::milliseconds(0));
+    return EXIT_FAILURE;
+  }
+  // 2. Health says NOT_SERVING, no new work; what was taken is integrated, committed, acknowledged.
+  server->Drain();
+  // 3. Streams and calls end; those that do not are cancelled at the deadline.
+  const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+  server->Shutdown(std::max(left / 2, std::chrono::milliseconds(0)));
+  // 4. On return: threads are joined, the store is closed, the folder is let go.
+  spdlog::info("stopped");
+  return EXIT_SUCCESS;
+}
+
+int Main(int argument_count, const char* const* arguments) {
+  const CommandLine command_line = ParseCommandLine(argument_count, arguments);
+  if (command_line.exit_code) return *command_line.exit_code;
+  const absl::StatusOr<ServerConfig> config = ReadConfig(command_line);
+  if (!config.ok()) return Fail(config.status());
+  if (absl::Status status = ValidateServerConfig(*config); !status.ok()) return Fail(status);
+  if (command_line.print_config) {
+    std::fputs(PrintConfig(*config).c_str(), stdout);
+    return EXIT_SUCCESS;
+  }
+  return Run(command_line, *config);
+}
+
+}  // namespace
+}  // namespace steadymap
+
+int main(int argument_count, char** arguments) {
+  try {
+    return steadymap::Main(argument_count, arguments);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "steadymapd: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,151 @@
+#include "server/server_config.h"
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
+
+#include "server/config_fields.h"
+
+namespace steadymap {
+namespace {
+
+constexpr std::string_view kUnixPrefix = "unix:";
+constexpr int kMaxPort = 65535;
+
+/// Host without brackets, and port.
+struct Listener {
+  std::string_view host;
+  int port = 0;
+};
+
+// `host:port` or `[ipv6]:port`; none for anything else.
+std::optional<Listener> ParseListener(std::string_view listen) {
+  const std::size_t colon = listen.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return std::nullopt;
+  Listener listener{listen.substr(0, colon), 0};
+  const std::string_view port = listen.substr(colon + 1);
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), listener.port);
+  if (error != std::errc() || end != port.data() + port.size()) return std::nullopt;
+  if (listener.port < 0 || listener.port > kMaxPort) return std::nullopt;
+  if (listener.host.starts_with('[') && listener.host.ends_with(']')) {
+    listener.host = listener.host.substr(1, listener.host.size() - 2);
+    return listener.host.empty() ? std::nullopt : std::optional(listener);
+  }
+  // More colons are an IPv6 address without brackets, whose port nobody can tell.
+  if (listener.host.find(':') != std::string_view::npos) return std::nullopt;
+  return listener;
+}
+
+absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
+
+/// Collects the integers that are out of their range.
+class RangeChecker final : public FieldVisitor {
+ public:
+  explicit RangeChecker(std::vector<std::string>* violations) : violations_(violations) {}
+
+  void Section(std::string_view name, std::string_view /*documentation*/) override {
+    prefix_ = std::string(name) + ".";
+  }
+
+  void Text(const FieldName& /*field*/, std::string* /*value*/) override {}
+
+  void Flag(const FieldName& /*field*/, bool* /*value*/) override {}
+
+  void Integer(const FieldName& field, const IntegerRange& range, std::int64_t* value) override {
+    if (*value >= range.min && *value <= range.max) return;
+    violations_->push_back(absl::StrCat(prefix_,
+                                        Absl(field.name),
+                                        " must lie in [",
+                                        range.min,
+                                        ", ",
+                                        range.max,
+                                        "], got ",
+                                        *value));
+  }
+
+  void Choice(const FieldName& /*field*/,
+              std::span<const std::string_view> /*choices*/,
+              std::size_t* /*value*/) override {}
+
+ private:
+  std::string prefix_;
+  std::vector<std::string>* violations_;
+};
+
+void CheckListen(const ServerConfig& config, std::vector<std::string>* violations) {
+  const std::string_view listen = config.listen;
+  if (listen.starts_with(kUnixPrefix) && listen.size() > kUnixPrefix.size()) return;
+  if (!ParseListener(listen)) {
+    violations->push_back("listen must read HOST:PORT or unix:PATH, got \"" + config.listen + "\"");
+    return;
+  }
+  if (!IsLoopback(config.listen) && !config.allow_plaintext_remote) {
+    violations->push_back("listen = \"" + config.listen +
+                          "\" lets other machines in without encryption; listen on localhost, or "
+                          "set allow_plaintext_remote = true if that is meant");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> FindViolations(const ServerConfig& config) {
+  std::vector<std::string> violations;
+  ServerConfig copy = config;
+  RangeChecker checker(&violations);
+  VisitFields(&copy, &checker);
+  CheckListen(config, &violations);
+  if (config.data_dir.empty()) violations.emplace_back("data_dir must name a folder, got \"\"");
+  const LimitOptions& limits = config.limits;
+  const auto at_least = [&](const char* larger,
+                            std::size_t value,
+                            const char* smaller,
+                            std::size_t bound) {
+    if (value >= bound) return;
+    violations.push_back(absl::StrCat(
+        "limits.", larger, " must be at least limits.", smaller, " (", bound, "), got ", value));
+  };
+  at_least("upload_window_bytes",
+           limits.upload_window_bytes,
+           "max_message_bytes",
+           limits.max_message_bytes);
+  at_least("queue_bytes_per_map",
+           limits.queue_bytes_per_map,
+           "upload_window_bytes",
+           limits.upload_window_bytes);
+  at_least("queue_bytes_total",
+           limits.queue_bytes_total,
+           "queue_bytes_per_map",
+           limits.queue_bytes_per_map);
+  return violations;
+}
+
+absl::Status ValidateServerConfig(const ServerConfig& config) {
+  const std::vector<std::string> violations = FindViolations(config);
+  if (violations.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrJoin(violations, "\n"));
+}
+
+void ApplyReloadable(const ServerConfig& fresh, ServerConfig* running) {
+  running->log.level = fresh.log.level;
+  running->limits = fresh.limits;
+}
+
+bool IsLoopback(const std::string& listen) {
+  if (std::string_view(listen).starts_with(kUnixPrefix)) return true;
+  const std::optional<Listener> listener = ParseListener(listen);
+  if (!listener) return false;
+  if (listener->host == "localhost" || listener->host == "::1") return true;
+  // All of 127.0.0.0/8, but not a host name that only begins like it.
+  return listener->host.starts_with("127.") &&
+         listener->host.find_first_not_of("0123456789.") == std::string_view::npos;
+}
+
+std::string WithPort(const std::string& listen, int port) {
+  if (!ParseListener(listen)) return listen;
+  return listen.substr(0, listen.rfind(':') + 1) + std::to_string(port);
+}
+
+}  // namespace steadymap

@@ -1,0 +1,209 @@
+#include "server/store_records.h"
+
+#include <array>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/crc32c.h"
+#include "core/error.h"
+#include "server/store_keys.h"
+
+#include "steadymap/storage/v1/records.pb.h"
+
+namespace steadymap {
+namespace {
+
+constexpr std::size_t kEnvelopeBytes = 5;
+constexpr int kPoseNumbers = 12;
+constexpr int kPoseColumns = 4;
+
+std::uint32_t Checksum(const ValuePlace& place, char version, std::string_view payload) {
+  std::uint32_t crc = ExtendCrc32c(0, place.column_family);
+  crc = ExtendCrc32c(crc, std::string_view("\0", 1));
+  crc = ExtendCrc32c(crc, place.key);
+  crc = ExtendCrc32c(crc, std::string_view(&version, 1));
+  return ExtendCrc32c(crc, payload);
+}
+
+std::uint32_t ToNumber(UpdatePolicy policy) {
+  switch (policy) {
+    case UpdatePolicy::kStatic:
+      return 1;
+  }
+  return 0;
+}
+
+std::uint32_t ToNumber(ClassMotion motion) {
+  switch (motion) {
+    case ClassMotion::kStatic:
+      return 1;
+    case ClassMotion::kSemiStatic:
+      return 2;
+    case ClassMotion::kDynamic:
+      return 3;
+  }
+  return 0;
+}
+
+absl::Status Impossible(const char* what) {
+  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
+}
+
+absl::StatusOr<MapConfig> FromProto(const storage::v1::MapConfig& config) {
+  if (config.policy() != 1) return Impossible("a map record holds an unknown update policy");
+  MapConfig result;
+  result.voxel_size_m = config.voxel_size_m();
+  result.truncation_m = config.truncation_m();
+  result.max_depth_m = config.max_depth_m();
+  result.classes.clear();
+  for (const storage::v1::SemanticClass& row : config.classes()) {
+    if (row.motion() < 1 || row.motion() > 3 || row.id() > 0xFFFF) {
+      return Impossible("a map record holds an impossible class");
+    }
+    static constexpr std::array kMotions = {
+        ClassMotion::kStatic, ClassMotion::kSemiStatic, ClassMotion::kDynamic};
+    result.classes.push_back(
+        {ClassId{static_cast<std::uint16_t>(row.id())}, row.name(), kMotions.at(row.motion() - 1)});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string SealHeader(const ValuePlace& place, std::string_view payload) {
+  std::string header(1, static_cast<char>(kRecordVersion));
+  const std::uint32_t crc = Checksum(place, header.front(), payload);
+  for (int shift = 0; shift < 32; shift += 8) {
+    header.push_back(static_cast<char>(static_cast<unsigned char>(crc >> shift)));
+  }
+  return header;
+}
+
+std::string Seal(const ValuePlace& place, std::string_view payload) {
+  std::string value = SealHeader(place, payload);
+  value.append(payload);
+  return value;
+}
+
+absl::StatusOr<std::string_view> Unseal(const ValuePlace& place, std::string_view value) {
+  if (value.size() < kEnvelopeBytes) return DamagedValue(place, "is cut off");
+  const std::string_view payload = value.substr(kEnvelopeBytes);
+  std::uint32_t crc = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    crc |= static_cast<std::uint32_t>(static_cast<unsigned char>(value[1 + i])) << (8 * i);
+  }
+  if (crc != Checksum(place, value.front(), payload)) {
+    return DamagedValue(place, "does not match its checksum");
+  }
+  const auto version = static_cast<std::uint8_t>(value.front());
+  if (version == 0 || version > kRecordVersion) {
+    return absl::FailedPreconditionError(absl::StrCat("the store was written by a newer server: ",
+                                                      "record version at most ",
+                                                      kRecordVersion,
+                                                      " expected, got ",
+                                                      version));
+  }
+  return payload;
+}
+
+absl::Status DamagedValue(const ValuePlace& place, std::string_view what) {
+  return MakeError(
+      absl::StatusCode::kDataLoss,
+      reason::kChecksum,
+      absl::StrCat("the value of key ",
+                   KeyForPeople(place.key),
+                   " in column family ",
+                   absl::string_view(place.column_family.data(), place.column_family.size()),
+                   " ",
+                   absl::string_view(what.data(), what.size())));
+}
+
+storage::v1::MapRecord ToProto(const MapRecord& record) {
+  storage::v1::MapRecord proto;
+  proto.set_key(record.key.value());
+  proto.set_tenant(record.name.tenant);
+  proto.set_map(record.name.map);
+  proto.set_display_name(record.display_name);
+  storage::v1::MapConfig& config = *proto.mutable_config();
+  config.set_voxel_size_m(record.config.voxel_size_m);
+  config.set_truncation_m(record.config.truncation_m);
+  config.set_max_depth_m(record.config.max_depth_m);
+  config.set_policy(ToNumber(record.config.policy));
+  for (const SemanticClass& row : record.config.classes) {
+    storage::v1::SemanticClass& added = *config.add_classes();
+    added.set_id(row.id.value());
+    added.set_name(row.name);
+    added.set_motion(ToNumber(row.motion));
+  }
+  proto.set_frame_log_age_s(record.frame_log_age.count());
+  proto.set_frame_log_bytes(record.frame_log_bytes);
+  proto.set_byte_budget(record.byte_budget);
+  proto.set_create_time_ns(record.create_time.nanoseconds());
+  proto.set_incarnation(record.incarnation);
+  proto.set_request_id(record.request_id);
+  proto.set_version(record.version);
+  return proto;
+}
+
+absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
+  absl::StatusOr<MapConfig> config = FromProto(record.config());
+  if (!config.ok()) return config.status();
+  MapRecord result;
+  result.key = MapKey{record.key()};
+  result.name = {record.tenant(), record.map()};
+  result.display_name = record.display_name();
+  result.config = *std::move(config);
+  result.frame_log_age = std::chrono::seconds(record.frame_log_age_s());
+  result.frame_log_bytes = record.frame_log_bytes();
+  result.byte_budget = record.byte_budget();
+  result.create_time = Timestamp::FromNanoseconds(record.create_time_ns());
+  result.incarnation = record.incarnation();
+  result.request_id = record.request_id();
+  result.version = record.version();
+  return result;
+}
+
+storage::v1::SessionRecord ToProto(const SessionRecord& record) {
+  storage::v1::SessionRecord proto;
+  proto.set_robot(record.name.robot);
+  proto.set_session(record.name.session);
+  proto.set_settled(record.settled.Pack());
+  proto.set_last_map_seq(record.last_map_seq.value());
+  proto.set_last_active_ns(record.last_active.nanoseconds());
+  return proto;
+}
+
+absl::StatusOr<SessionRecord> FromProto(const storage::v1::SessionRecord& record) {
+  absl::StatusOr<SequenceSet> settled = SequenceSet::Unpack(record.settled());
+  if (!settled.ok()) return settled.status();
+  return SessionRecord{{record.robot(), record.session()},
+                       *std::move(settled),
+                       MapSequence{record.last_map_seq()},
+                       Timestamp::FromNanoseconds(record.last_active_ns())};
+}
+
+void PoseToProto(const LogFrame& frame, storage::v1::PoseRecord* record) {
+  record->set_robot(frame.robot);
+  record->set_capture_time_ns(frame.capture_time.nanoseconds());
+  record->clear_t_world_camera();
+  for (int i = 0; i < kPoseNumbers; ++i) {
+    record->add_t_world_camera(frame.T_world_camera.matrix()(i / kPoseColumns, i % kPoseColumns));
+  }
+}
+
+absl::StatusOr<FramePose> PoseFromProto(MapSequence sequence,
+                                        const storage::v1::PoseRecord& record) {
+  if (record.t_world_camera_size() != kPoseNumbers) {
+    return Impossible("a pose record holds no rigid transform");
+  }
+  FramePose pose;
+  pose.sequence = sequence;
+  pose.robot = record.robot();
+  pose.capture_time = Timestamp::FromNanoseconds(record.capture_time_ns());
+  for (int i = 0; i < kPoseNumbers; ++i) {
+    pose.T_world_camera.matrix()(i / kPoseColumns, i % kPoseColumns) = record.t_world_camera(i);
+  }
+  return pose;
+}
+
+}  // namespace steadymap

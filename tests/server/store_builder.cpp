@@ -1,0 +1,121 @@
+#include "tests/server/store_builder.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "core/tsdf_codec.h"
+
+namespace steadymap {
+namespace {
+
+constexpr VoxelScale kScale{0.04, 0.12};
+
+}  // namespace
+
+MapRecord MakeMapRecord(const std::string& tenant, const std::string& map) {
+  MapRecord record;
+  record.name = {tenant, map};
+  record.display_name = "The hall \"2\"\n";
+  record.config.voxel_size_m = kScale.voxel_size_m;
+  record.config.truncation_m = kScale.truncation_m;
+  record.config.max_depth_m = 4.25;
+  record.config.classes = {{ClassId{3}, "wall", ClassMotion::kStatic},
+                           {ClassId{7}, "cart", ClassMotion::kSemiStatic},
+                           {ClassId{9}, "person", ClassMotion::kDynamic}};
+  record.frame_log_age = std::chrono::seconds(3600);
+  record.frame_log_bytes = 1 << 30;
+  record.byte_budget = 123'456'789;
+  record.create_time = Timestamp::FromNanoseconds(1'700'000'000'123'456'789);
+  record.incarnation = "incarnation-1";
+  record.request_id = "request-1";
+  record.version = 5;
+  return record;
+}
+
+LogFrame MakeLogFrame(std::uint64_t sequence, std::size_t bytes) {
+  std::mt19937_64 random(sequence);
+  LogFrame frame;
+  frame.sequence = MapSequence{sequence};
+  frame.robot = "robot-" + std::to_string(sequence % 3);
+  frame.capture_time = Timestamp::FromNanoseconds(static_cast<std::int64_t>(sequence) * 33'333'333);
+  frame.T_world_camera =
+      Eigen::Translation3d(0.1 * static_cast<double>(sequence), -2.0, 1.0 / 3.0) *
+      Eigen::AngleAxisd(0.01 * static_cast<double>(sequence),
+                        Eigen::Vector3d(1, 2, 3).normalized());
+  frame.packed_frame.resize(bytes);
+  for (char& byte : frame.packed_frame) byte = static_cast<char>(random());
+  return frame;
+}
+
+LogAppend MakeAppend(MapKey map, std::uint64_t first, std::uint64_t count, Timestamp append_time) {
+  LogAppend append{map, append_time, {}, {}};
+  for (std::uint64_t i = 0; i < count; ++i) append.frames.push_back(MakeLogFrame(first + i));
+  append.sessions.push_back(MakeSession("session-1", first + count - 1, append_time));
+  return append;
+}
+
+SessionRecord MakeSession(const std::string& session,
+                          std::uint64_t settled,
+                          Timestamp last_active) {
+  SessionRecord record;
+  record.name = {"robot-1", session};
+  record.settled.InsertThrough(ClientSequence{settled});
+  record.last_map_seq = MapSequence{settled};
+  record.last_active = last_active;
+  return record;
+}
+
+LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  LeafVoxels voxels;
+  for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+    if (random() % 3 == 0) continue;
+    voxels.observed.at(offset >> 6) |= std::uint64_t{1} << (offset & 63);
+    const int steps = static_cast<int>(random() % (2 * kMaxDistanceSteps + 1)) - kMaxDistanceSteps;
+    voxels.distance_m.at(offset) = static_cast<float>(steps) * kScale.distance_step_m();
+    voxels.weight.at(offset) = static_cast<float>(1 + random() % 5000) * kWeightUnit;
+  }
+  const LeafView view{voxels.distance_m.data(), voxels.weight.data(), nullptr, voxels.observed};
+  return {{kBackgroundId, {x * kLeafSide, y * kLeafSide, z * kLeafSide}}, PackLeaf(view, kScale)};
+}
+
+MapDelta MakeDelta(std::uint64_t from, std::uint64_t to, std::vector<LeafChange> leaves) {
+  std::sort(leaves.begin(), leaves.end(), [](const LeafChange& a, const LeafChange& b) {
+    return a.key < b.key;
+  });
+  return {Revision{from},
+          Revision{to},
+          Timestamp::FromNanoseconds(static_cast<std::int64_t>(to) * 1'000'003),
+          std::move(leaves)};
+}
+
+std::vector<LeafChange> LeavesOf(const MapSnapshot& snapshot) {
+  std::vector<LeafChange> leaves;
+  snapshot.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    leaves.push_back({{kBackgroundId, origin}, PackLeaf(leaf, snapshot.scale)});
+  });
+  std::sort(leaves.begin(), leaves.end(), [](const LeafChange& a, const LeafChange& b) {
+    return a.key < b.key;
+  });
+  return leaves;
+}
+
+bool SameFrame(const LogFrame& a, const LogFrame& b) {
+  return a.sequence == b.sequence && a.robot == b.robot && a.capture_time == b.capture_time &&
+         a.T_world_camera.matrix() == b.T_world_camera.matrix() && a.packed_frame == b.packed_frame;
+}
+
+std::vector<LogFrame> ReadAll(Store* store, MapKey map, std::uint64_t first) {
+  std::vector<LogFrame> frames;
+  const absl::Status status = store->ReadLog(map, MapSequence{first}, [&](LogFrame frame) {
+    frames.push_back(std::move(frame));
+    return absl::OkStatus();
+  });
+  EXPECT_TRUE(status.ok()) << status;
+  return frames;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/store.h"
+
+/// What the store's tests put into it.
+namespace steadymap {
+
+/// A map record with every field set to something that is not the default.
+MapRecord MakeMapRecord(const std::string& tenant, const std::string& map);
+
+/// A frame whose every field follows from its sequence: `bytes` bytes that do not compress.
+LogFrame MakeLogFrame(std::uint64_t sequence, std::size_t bytes = 64);
+
+/// `count` frames from `first` on, as one append of one session.
+LogAppend MakeAppend(MapKey map,
+                     std::uint64_t first,
+                     std::uint64_t count,
+                     Timestamp append_time = Timestamp::FromSeconds(1000.0));
+
+/// A session that settled 1..`settled`.
+SessionRecord MakeSession(const std::string& session,
+                          std::uint64_t settled,
+                          Timestamp last_active = Timestamp::FromSeconds(1000.0));
+
+/// A leaf of canonical voxels that follow from `seed`, at the given leaf index on each axis.
+LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed);
+
+/// A delta with these leaves, sorted.
+MapDelta MakeDelta(std::uint64_t from, std::uint64_t to, std::vector<LeafChange> leaves);
+
+/// All leaves of a snapshot, packed.
+std::vector<LeafChange> LeavesOf(const MapSnapshot& snapshot);
+
+bool SameFrame(const LogFrame& a, const LogFrame& b);
+
+/// The frames of the log from `first` on; a failed read fails the test.
+std::vector<LogFrame> ReadAll(Store* store, MapKey map, std::uint64_t first = 1);
+
+}  // namespace steadymap

@@ -1,0 +1,482 @@
+// The contract of Store, held against the store in RocksDB and against the one that stands in for
+// it in tests.
+
+#include "server/store.h"
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "tests/server/store_builder.h"
+#include "tests/support/memory_store.h"
+#include "tests/support/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+enum class Kind { kRocks, kMemory };
+
+constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
+constexpr Timestamp kNow = Timestamp::FromSeconds(1000.0);
+constexpr Timestamp kForgetNone = Timestamp::FromNanoseconds(0);
+
+class StoreContract : public ::testing::TestWithParam<Kind> {
+ protected:
+  void SetUp() override { Reopen(); }
+
+  /// As after a restart.
+  void Reopen() {
+    if (GetParam() == Kind::kMemory) {
+      if (memory_ == nullptr) memory_ = std::make_unique<MemoryStore>(options_);
+      store_ = memory_->Share();
+      return;
+    }
+    store_.reset();
+    absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(folder_.path() / "data", options_);
+    ASSERT_TRUE(store.ok()) << store.status();
+    store_ = *std::move(store);
+  }
+
+  MapRecord Create(const std::string& name) {
+    absl::StatusOr<MapRecord> record = store_->CreateMap(MakeMapRecord("acme", name));
+    EXPECT_TRUE(record.ok()) << record.status();
+    return record.ok() ? *record : MapRecord();
+  }
+
+  void Append(const LogAppend& append) {
+    const absl::Status status = store_->AppendFrames({append});
+    ASSERT_TRUE(status.ok()) << status;
+  }
+
+  void Commit(MapKey map, const MapDelta& delta, Timestamp now = kNow) {
+    const absl::Status status = store_->CommitRevision(map, delta, now);
+    ASSERT_TRUE(status.ok()) << status;
+  }
+
+  StoredState Load(const MapRecord& record) {
+    absl::StatusOr<StoredState> state = store_->LoadMap(record);
+    EXPECT_TRUE(state.ok()) << state.status();
+    return state.ok() ? *std::move(state) : StoredState();
+  }
+
+  StoreOptions SmallOptions() {
+    StoreOptions options;
+    options.kept_poses = 10;
+    options.kept_change_lists = 3;
+    return options;
+  }
+
+  TemporaryFolder folder_;
+  StoreOptions options_ = SmallOptions();
+  std::unique_ptr<MemoryStore> memory_;
+  std::unique_ptr<Store> store_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Stores,
+                         StoreContract,
+                         ::testing::Values(Kind::kRocks, Kind::kMemory),
+                         [](const auto& suite) {
+                           return suite.param == Kind::kRocks ? "Rocks" : "Memory";
+                         });
+
+TEST_P(StoreContract, MapRecordSurvivesARestartFieldByField) {
+  const MapRecord created = Create("hall");
+  Reopen();
+  const std::vector<MapRecord> maps = store_->ListMaps().value();
+  ASSERT_EQ(maps.size(), 1U);
+  const MapRecord& map = maps.front();
+  const MapRecord expected = MakeMapRecord("acme", "hall");
+  EXPECT_EQ(map.key, created.key);
+  EXPECT_EQ(map.name, expected.name);
+  EXPECT_EQ(map.display_name, expected.display_name);
+  EXPECT_EQ(map.config, expected.config);
+  EXPECT_EQ(map.frame_log_age, expected.frame_log_age);
+  EXPECT_EQ(map.frame_log_bytes, expected.frame_log_bytes);
+  EXPECT_EQ(map.byte_budget, expected.byte_budget);
+  EXPECT_EQ(map.create_time, expected.create_time);
+  EXPECT_EQ(map.incarnation, expected.incarnation);
+  EXPECT_EQ(map.request_id, expected.request_id);
+  EXPECT_EQ(map.version, expected.version);
+  EXPECT_TRUE(map.condition.ok());
+}
+
+TEST_P(StoreContract, ListsMapsInTheOrderOfTheirNames) {
+  for (const char* name : {"hall-2", "b", "hall", "a"}) Create(name);
+  ASSERT_TRUE(store_->CreateMap(MakeMapRecord("acme-2", "a")).ok());
+  ASSERT_TRUE(store_->CreateMap(MakeMapRecord("ac", "z")).ok());
+  Reopen();
+  std::vector<std::string> names;
+  const absl::StatusOr<std::vector<MapRecord>> maps = store_->ListMaps();
+  for (const MapRecord& map : *maps) names.push_back(map.name.ToString());
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"tenants/ac/maps/z",
+                                      "tenants/acme/maps/a",
+                                      "tenants/acme/maps/b",
+                                      "tenants/acme/maps/hall",
+                                      "tenants/acme/maps/hall-2",
+                                      "tenants/acme-2/maps/a"}));
+}
+
+TEST_P(StoreContract, RefusesASecondMapOfTheSameName) {
+  Create("hall");
+  const absl::Status status = store_->CreateMap(MakeMapRecord("acme", "hall")).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kAlreadyExists);
+  EXPECT_EQ(ReasonOf(status), reason::kAlreadyExists);
+}
+
+TEST_P(StoreContract, RefusesANameThatIsNoId) {
+  EXPECT_EQ(ReasonOf(store_->CreateMap(MakeMapRecord("acme", "../x")).status()), reason::kBadName);
+  EXPECT_EQ(ReasonOf(store_->CreateMap(MakeMapRecord("", "x")).status()), reason::kBadName);
+}
+
+TEST_P(StoreContract, UpdateReplacesTheRecordAndSurvivesARestart) {
+  MapRecord map = Create("hall");
+  map.display_name = "Another";
+  map.frame_log_age = std::chrono::seconds(7);
+  map.version = 6;
+  ASSERT_TRUE(store_->UpdateMap(map).ok());
+  Reopen();
+  const MapRecord again = store_->ListMaps().value().front();
+  EXPECT_EQ(again.display_name, "Another");
+  EXPECT_EQ(again.frame_log_age, std::chrono::seconds(7));
+  EXPECT_EQ(again.version, 6U);
+}
+
+TEST_P(StoreContract, UpdateNeverChangesNameOrConfig) {
+  MapRecord map = Create("hall");
+  map.name.map = "other";
+  EXPECT_EQ(store_->UpdateMap(map).code(), absl::StatusCode::kFailedPrecondition);
+  map = store_->ListMaps().value().front();
+  map.config.voxel_size_m = 0.1;
+  EXPECT_EQ(store_->UpdateMap(map).code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_P(StoreContract, UnknownMapsAreNotFound) {
+  MapRecord nobody = MakeMapRecord("acme", "nobody");
+  nobody.key = MapKey{99};
+  const auto visit = [](const LogFrame&) { return absl::OkStatus(); };
+  for (const absl::Status& status :
+       {store_->UpdateMap(nobody),
+        store_->DeleteMap(nobody.key),
+        store_->LoadMap(nobody).status(),
+        store_->AppendFrames({MakeAppend(nobody.key, 1, 1)}),
+        store_->CommitRevision(nobody.key, MakeDelta(0, 1, {}), kNow),
+        store_->ReadLog(nobody.key, MapSequence{1}, visit),
+        store_->ReadPoses(nobody.key, MapSequence{1}, MapSequence{9}, 9).status(),
+        store_->Trim(nobody, MapSequence{1}, kNow, kForgetNone)}) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kNotFound) << status;
+    EXPECT_EQ(ReasonOf(status), reason::kNotFound);
+  }
+}
+
+TEST_P(StoreContract, NewMapIsEmpty) {
+  const MapRecord map = Create("hall");
+  Reopen();
+  const StoredState state = Load(map);
+  EXPECT_EQ(state.snapshot.revision, Revision{0});
+  EXPECT_EQ(state.snapshot.last_capture_time, Timestamp());
+  EXPECT_EQ(state.snapshot.scale, (VoxelScale{0.04, 0.12}));
+  EXPECT_EQ(state.snapshot.background.leaf_count(), 0U);
+  EXPECT_EQ(state.durable_head, MapSequence{0});
+  EXPECT_TRUE(state.sessions.empty());
+  EXPECT_TRUE(ReadAll(store_.get(), map.key).empty());
+}
+
+TEST_P(StoreContract, FramesPosesAndSessionsSurviveARestartBitForBit) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 20));
+  LogAppend second{map.key, kNow, {}, {}};
+  second.frames.push_back(MakeLogFrame(21, 300'000));
+  second.frames.push_back(MakeLogFrame(22, 0));
+  second.sessions.push_back(MakeSession("session-2", 5));
+  second.sessions.back().settled.InsertThrough(ClientSequence{9});
+  Append(second);
+  Reopen();
+  const std::vector<LogFrame> frames = ReadAll(store_.get(), map.key);
+  ASSERT_EQ(frames.size(), 22U);
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    EXPECT_TRUE(SameFrame(frames[i], MakeLogFrame(i + 1))) << i;
+  }
+  EXPECT_TRUE(SameFrame(frames[20], second.frames[0]));
+  EXPECT_TRUE(SameFrame(frames[21], second.frames[1]));
+  const StoredState state = Load(map);
+  EXPECT_EQ(state.durable_head, MapSequence{22});
+  ASSERT_EQ(state.sessions.size(), 2U);
+  EXPECT_EQ(state.sessions[0].name, (SessionName{"robot-1", "session-1"}));
+  EXPECT_EQ(state.sessions[0].settled, MakeSession("session-1", 20).settled);
+  EXPECT_EQ(state.sessions[0].last_map_seq, MapSequence{20});
+  EXPECT_EQ(state.sessions[0].last_active, kNow);
+  EXPECT_EQ(state.sessions[1].settled.contiguous_end(), ClientSequence{9});
+  const std::vector<FramePose> poses =
+      store_->ReadPoses(map.key, MapSequence{20}, MapSequence{21}, 10).value();
+  ASSERT_EQ(poses.size(), 2U);
+  EXPECT_EQ(poses[0].sequence, MapSequence{20});
+  EXPECT_EQ(poses[0].robot, MakeLogFrame(20).robot);
+  EXPECT_EQ(poses[0].capture_time, MakeLogFrame(20).capture_time);
+  EXPECT_EQ(poses[0].T_world_camera.matrix(), MakeLogFrame(20).T_world_camera.matrix());
+}
+
+TEST_P(StoreContract, ReadLogStartsWhereAskedAndStopsAtTheVisitorsError) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 10));
+  EXPECT_EQ(ReadAll(store_.get(), map.key, 8).size(), 3U);
+  EXPECT_TRUE(ReadAll(store_.get(), map.key, 11).empty());
+  int visited = 0;
+  const absl::Status status = store_->ReadLog(map.key, MapSequence{1}, [&](const LogFrame&) {
+    return ++visited == 4 ? absl::CancelledError("enough") : absl::OkStatus();
+  });
+  EXPECT_EQ(status, absl::CancelledError("enough"));
+  EXPECT_EQ(visited, 4);
+}
+
+TEST_P(StoreContract, ReadPosesKeepsToItsLimit) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 10));
+  const auto count = [&](std::uint64_t first, std::uint64_t last, std::size_t limit) {
+    return store_->ReadPoses(map.key, MapSequence{first}, MapSequence{last}, limit)->size();
+  };
+  EXPECT_EQ(count(1, kLargest, 4), 4U);
+  EXPECT_EQ(count(1, 3, 100), 3U);
+  EXPECT_EQ(count(1, 3, 0), 0U);
+  EXPECT_EQ(count(5, 4, 100), 0U);
+}
+
+TEST_P(StoreContract, RefusesFramesThatDoNotFollowTheHeadAndTakesNothing) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 2));
+  LogAppend with_gap = MakeAppend(map.key, 3, 3);
+  with_gap.frames.erase(with_gap.frames.begin() + 1);
+  for (const LogAppend& append : {MakeAppend(map.key, 2, 1), MakeAppend(map.key, 4, 1), with_gap}) {
+    EXPECT_EQ(store_->AppendFrames({append}).code(), absl::StatusCode::kFailedPrecondition);
+  }
+  Reopen();
+  EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 2U);
+  EXPECT_EQ(Load(map).durable_head, MapSequence{2});
+  EXPECT_EQ(Load(map).sessions.front().settled.contiguous_end(), ClientSequence{2});
+}
+
+TEST_P(StoreContract, AppendToSeveralMapsIsAllOrNothing) {
+  const MapRecord first = Create("first");
+  const MapRecord second = Create("second");
+  const std::vector<LogAppend> bad = {MakeAppend(first.key, 1, 2), MakeAppend(second.key, 2, 1)};
+  EXPECT_FALSE(store_->AppendFrames(bad).ok());
+  const std::vector<LogAppend> twice = {MakeAppend(first.key, 1, 1), MakeAppend(first.key, 2, 1)};
+  EXPECT_FALSE(store_->AppendFrames(twice).ok());
+  EXPECT_TRUE(ReadAll(store_.get(), first.key).empty());
+  EXPECT_EQ(Load(first).durable_head, MapSequence{0});
+  const std::vector<LogAppend> good = {MakeAppend(second.key, 1, 1), MakeAppend(first.key, 1, 2)};
+  EXPECT_TRUE(store_->AppendFrames(good).ok());
+  EXPECT_EQ(ReadAll(store_.get(), first.key).size(), 2U);
+  EXPECT_EQ(ReadAll(store_.get(), second.key).size(), 1U);
+}
+
+TEST_P(StoreContract, AppendWithoutFramesStoresItsSessions) {
+  const MapRecord map = Create("hall");
+  Append({map.key, kNow, {}, {MakeSession("session-1", 3)}});
+  EXPECT_TRUE(store_->AppendFrames({}).ok());
+  Reopen();
+  EXPECT_EQ(Load(map).sessions.size(), 1U);
+  EXPECT_EQ(Load(map).durable_head, MapSequence{0});
+}
+
+TEST_P(StoreContract, RefusesASessionWithoutAnIdAndTakesNothing) {
+  const MapRecord map = Create("hall");
+  LogAppend append = MakeAppend(map.key, 1, 1);
+  append.sessions.front().name.robot = std::string("a\0b", 3);
+  EXPECT_EQ(ReasonOf(store_->AppendFrames({append})), reason::kBadName);
+  EXPECT_TRUE(ReadAll(store_.get(), map.key).empty());
+}
+
+TEST_P(StoreContract, CommitsSurviveARestartLeafByLeaf) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 40));
+  Commit(map.key, MakeDelta(0, 32, {MakeLeaf(0, 0, 0, 1), MakeLeaf(-1, 5, -300, 2)}));
+  Commit(map.key, MakeDelta(32, 40, {MakeLeaf(0, 0, 0, 3), MakeLeaf(100'000, -100'000, 7, 4)}));
+  Reopen();
+  const StoredState state = Load(map);
+  EXPECT_EQ(state.snapshot.revision, Revision{40});
+  EXPECT_EQ(state.snapshot.last_capture_time, MakeDelta(32, 40, {}).last_capture_time);
+  const MapDelta expected = MakeDelta(
+      0, 40, {MakeLeaf(0, 0, 0, 3), MakeLeaf(-1, 5, -300, 2), MakeLeaf(100'000, -100'000, 7, 4)});
+  EXPECT_EQ(LeavesOf(state.snapshot), expected.leaves);
+}
+
+TEST_P(StoreContract, CommitOfAnEmptyLeafRemovesIt) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 2));
+  Commit(map.key, MakeDelta(0, 1, {MakeLeaf(0, 0, 0, 1), MakeLeaf(1, 0, 0, 2)}));
+  LeafChange gone = MakeLeaf(0, 0, 0, 1);
+  gone.packed.clear();
+  Commit(map.key, MakeDelta(1, 2, {gone}));
+  Reopen();
+  EXPECT_EQ(LeavesOf(Load(map).snapshot), std::vector<LeafChange>{MakeLeaf(1, 0, 0, 2)});
+}
+
+TEST_P(StoreContract, RefusesACommitThatDoesNotFollowTheRevision) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 4));
+  Commit(map.key, MakeDelta(0, 2, {MakeLeaf(0, 0, 0, 1)}));
+  for (const auto& [from, to] : {std::pair{0, 3}, {3, 4}, {2, 1}, {2, 5}}) {
+    const MapDelta delta = MakeDelta(
+        static_cast<std::uint64_t>(from), static_cast<std::uint64_t>(to), {MakeLeaf(9, 9, 9, 2)});
+    EXPECT_EQ(store_->CommitRevision(map.key, delta, kNow).code(),
+              absl::StatusCode::kFailedPrecondition)
+        << from << " to " << to;
+  }
+  Commit(map.key, MakeDelta(2, 2, {}));
+  EXPECT_EQ(Load(map).snapshot.revision, Revision{2});
+  EXPECT_EQ(Load(map).snapshot.background.leaf_count(), 1U);
+}
+
+TEST_P(StoreContract, DeleteLeavesNothingAndTouchesNoOtherMap) {
+  const MapRecord first = Create("first");
+  const MapRecord second = Create("second");
+  for (const MapRecord& map : {first, second}) {
+    Append(MakeAppend(map.key, 1, 3));
+    Commit(map.key, MakeDelta(0, 3, {MakeLeaf(0, 0, 0, 1)}));
+  }
+  ASSERT_TRUE(store_->DeleteMap(first.key).ok());
+  const MapRecord again = Create("first");
+  EXPECT_GT(again.key, second.key) << "a key must never be used twice";
+  Reopen();
+  EXPECT_EQ(store_->LoadMap(first).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(Load(again).durable_head, MapSequence{0});
+  EXPECT_EQ(Load(again).snapshot.background.leaf_count(), 0U);
+  EXPECT_TRUE(Load(again).sessions.empty());
+  EXPECT_EQ(ReadAll(store_.get(), second.key).size(), 3U);
+  EXPECT_EQ(Load(second).snapshot.background.leaf_count(), 1U);
+}
+
+TEST_P(StoreContract, KeysOfDeletedMapsAreNotReusedAfterARestart) {
+  const MapRecord first = Create("first");
+  ASSERT_TRUE(store_->DeleteMap(first.key).ok());
+  Reopen();
+  EXPECT_GT(Create("first").key, first.key);
+}
+
+TEST_P(StoreContract, TrimByAgeCountsFromTheAppendByTheServersClock) {
+  MapRecord map = Create("hall");
+  map.frame_log_age = std::chrono::seconds(100);
+  Append(MakeAppend(map.key, 1, 5, Timestamp::FromSeconds(1000.0)));
+  Append(MakeAppend(map.key, 6, 5, Timestamp::FromSeconds(1050.0)));
+  Commit(map.key, MakeDelta(0, 10, {}));
+  const auto first_after = [&](double now_s) {
+    EXPECT_TRUE(
+        store_->Trim(map, MapSequence{10}, Timestamp::FromSeconds(now_s), kForgetNone).ok());
+    const std::vector<LogFrame> frames = ReadAll(store_.get(), map.key);
+    return frames.empty() ? 0 : frames.front().sequence.value();
+  };
+  EXPECT_EQ(first_after(1099.0), 1U);
+  EXPECT_EQ(first_after(1100.0), 6U);
+  EXPECT_EQ(first_after(900.0), 6U) << "a clock that was set back drops nothing";
+  Reopen();
+  EXPECT_EQ(first_after(1149.0), 6U);
+  EXPECT_EQ(first_after(1150.0), 0U);
+  EXPECT_EQ(Load(map).durable_head, MapSequence{10}) << "the head outlives the log";
+  Append(MakeAppend(map.key, 11, 1));
+}
+
+TEST_P(StoreContract, TrimByBytesKeepsNoMoreThanAllowed) {
+  MapRecord map = Create("hall");
+  map.frame_log_bytes = 64 * 4;
+  Append(MakeAppend(map.key, 1, 10));
+  Commit(map.key, MakeDelta(0, 10, {}));
+  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
+  EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 4U);
+  map.frame_log_bytes -= 1;
+  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
+  EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 3U);
+  map.frame_log_bytes = 0;
+  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
+  EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 0U);
+}
+
+TEST_P(StoreContract, TrimNeverTouchesWhatIsNotIntegrated) {
+  MapRecord map = Create("hall");
+  map.frame_log_age = std::chrono::seconds(0);
+  Append(MakeAppend(map.key, 1, 10));
+  Commit(map.key, MakeDelta(0, 6, {}));
+  ASSERT_TRUE(store_->Trim(map, MapSequence{3}, kNow, kForgetNone).ok());
+  EXPECT_EQ(ReadAll(store_.get(), map.key).front().sequence, MapSequence{4});
+  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
+  EXPECT_EQ(ReadAll(store_.get(), map.key).front().sequence, MapSequence{7});
+}
+
+TEST_P(StoreContract, PosesOutliveTheLogUpToTheirOwnBound) {
+  MapRecord map = Create("hall");
+  map.frame_log_age = std::chrono::seconds(0);
+  Append(MakeAppend(map.key, 1, 25));
+  Commit(map.key, MakeDelta(0, 25, {}));
+  ASSERT_TRUE(store_->Trim(map, MapSequence{25}, kNow, kForgetNone).ok());
+  Reopen();
+  const std::vector<FramePose> poses =
+      store_->ReadPoses(map.key, MapSequence{1}, MapSequence{25}, 100).value();
+  ASSERT_EQ(poses.size(), options_.kept_poses);
+  EXPECT_EQ(poses.front().sequence, MapSequence{16});
+}
+
+TEST_P(StoreContract, TrimForgetsIdleSessionsOnly) {
+  const MapRecord map = Create("hall");
+  Append({map.key,
+          kNow,
+          {},
+          {MakeSession("idle", 5, Timestamp::FromSeconds(10.0)),
+           MakeSession("busy", 5, Timestamp::FromSeconds(20.0))}});
+  ASSERT_TRUE(store_->Trim(map, MapSequence{0}, kNow, Timestamp::FromSeconds(20.0)).ok());
+  Reopen();
+  ASSERT_EQ(Load(map).sessions.size(), 1U);
+  EXPECT_EQ(Load(map).sessions.front().name.session, "busy");
+}
+
+TEST_P(StoreContract, SessionOfAMillionFramesStaysOneInterval) {
+  const MapRecord map = Create("hall");
+  SessionRecord session = MakeSession("long", 0);
+  for (std::uint64_t value = 1; value <= 1'000'000; ++value) {
+    ASSERT_TRUE(session.settled.Insert(ClientSequence{value}).ok());
+  }
+  Append({map.key, kNow, {}, {session}});
+  Reopen();
+  EXPECT_EQ(Load(map).sessions.front().settled.interval_count(), 1U);
+  EXPECT_EQ(Load(map).sessions.front().settled.contiguous_end(), ClientSequence{1'000'000});
+}
+
+TEST_P(StoreContract, WritersOfSeveralMapsAndReadersRunAtOnce) {
+  constexpr std::uint64_t kFrames = 60;
+  const std::vector<MapRecord> maps = {Create("a"), Create("b"), Create("c")};
+  std::vector<std::thread> threads;
+  for (const MapRecord& map : maps) {
+    threads.emplace_back([&, map] {
+      for (std::uint64_t i = 1; i <= kFrames; ++i) {
+        EXPECT_TRUE(store_->AppendFrames({MakeAppend(map.key, i, 1)}).ok());
+        if (i % 20 != 0) continue;
+        const MapDelta delta =
+            MakeDelta(i - 20, i, {MakeLeaf(0, 0, 0, static_cast<std::uint32_t>(i))});
+        EXPECT_TRUE(store_->CommitRevision(map.key, delta, kNow).ok());
+      }
+    });
+    threads.emplace_back([&, map] {
+      for (int i = 0; i < 20; ++i) {
+        const absl::StatusOr<StoredState> state = store_->LoadMap(map);
+        ASSERT_TRUE(state.ok()) << state.status();
+        EXPECT_LE(state->snapshot.revision.value(), state->durable_head.value());
+        EXPECT_GE(ReadAll(store_.get(), map.key).size(), state->durable_head.value());
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const MapRecord& map : maps) {
+    EXPECT_EQ(Load(map).durable_head, MapSequence{kFrames});
+    EXPECT_EQ(LeavesOf(Load(map).snapshot), std::vector<LeafChange>{MakeLeaf(0, 0, 0, kFrames)});
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
