@@ -194,7 +194,7 @@ void FrameUploader::Session::ReadResponses(Stream* stream) {
 absl::Status FrameUploader::Session::Take(const v1::UploadFramesResponse& response) {
   switch (response.kind_case()) {
     case v1::UploadFramesResponse::kOpened: {
-      const absl::Status status = queue_.Open(response.opened());
+      absl::Status status = queue_.Open(response.opened());
       stream_.opened = status.ok();
       return status;
     }
@@ -232,7 +232,7 @@ absl::Status FrameUploader::Session::ConfirmIntegration() {
   ack.set_level(v1::ACK_LEVEL_INTEGRATED);
   ack.set_client_seq(state.integrated_client_seq());
   const absl::MutexLock lock(&mutex_);
-  const absl::Status taken = queue_.Acknowledge(ack);
+  absl::Status taken = queue_.Acknowledge(ack);
   if (!taken.ok() || queue_.all_integrated()) return taken;
   return absl::UnavailableError("the server ended the upload before everything was integrated");
 }
