@@ -87,9 +87,10 @@ absl::Status RocksStore::LoadEntries() {
     absl::StatusOr<MapEntry> entry = LoadEntry(key, nullptr);
     if (absl::IsFailedPrecondition(entry.status())) return entry.status();
     if (!entry.ok()) {
-      entry = MapEntry();
-      entry->record.key = key;
-      entry->record.condition = entry.status();
+      MapEntry damaged;
+      damaged.record.key = key;
+      damaged.record.condition = entry.status();
+      entry = std::move(damaged);
     }
     entry->record.name = name;
     entries_.emplace(key, *std::move(entry));

@@ -14,6 +14,7 @@
 
 #include "core/error.h"
 #include "server/store_keys.h"
+#include "server/torn_log.h"
 
 namespace steadymap {
 namespace {
@@ -35,6 +36,7 @@ rocksdb::DBOptions DatabaseOptions(const StoreOptions& options, rocksdb::Env* en
   // when the power went: nobody was told that it is durable, so it may go. A bad record before the
   // end was synced and acknowledged; point-in-time recovery (RocksDB's default) would drop it and
   // everything after it without a word. This mode refuses to open instead, and we say DATA_LOSS.
+  // It would refuse some torn ends as well; `CutTornLog` has cut those off before.
   result.wal_recovery_mode = rocksdb::WALRecoveryMode::kTolerateCorruptedTailRecords;
   // Notices when a whole write-ahead log is missing or was cut short.
   result.track_and_verify_wals_in_manifest = true;
@@ -115,6 +117,8 @@ absl::StatusOr<std::unique_ptr<StoreDatabase>> StoreDatabase::Open(
   absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
   if (!lock.ok()) return lock.status();
   if (absl::Status status = CheckSchema(folder); !status.ok()) return status;
+  const std::filesystem::path database_folder = folder / "rocksdb";
+  if (absl::Status status = CutTornLog(database_folder); !status.ok()) return status;
   std::unique_ptr<StoreDatabase> result(new StoreDatabase(*std::move(lock), folder));
   rocksdb::DBOptions database_options = DatabaseOptions(options, environment);
   database_options.listeners.push_back(std::make_shared<ErrorListener>(result->health_));
@@ -126,8 +130,8 @@ absl::StatusOr<std::unique_ptr<StoreDatabase>> StoreDatabase::Open(
   families.emplace_back(rocksdb::kDefaultColumnFamilyName, rocksdb::ColumnFamilyOptions());
   rocksdb::DB* database = nullptr;
   std::vector<rocksdb::ColumnFamilyHandle*> handles;
-  const rocksdb::Status status = rocksdb::DB::Open(
-      database_options, (folder / "rocksdb").string(), families, &handles, &database);
+  const rocksdb::Status status =
+      rocksdb::DB::Open(database_options, database_folder.string(), families, &handles, &database);
   if (!status.ok()) return FromRocksdb(status, "opening " + folder.string());
   result->database_.reset(database);
   result->default_handle_ = handles.back();

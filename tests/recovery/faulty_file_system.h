@@ -1,0 +1,29 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include <rocksdb/env.h>
+#include <rocksdb/file_system.h>
+
+namespace steadymap {
+
+/// A file system that fails the syncs, or the writes, of RocksDB's write-ahead log on demand.
+class FaultyFileSystem final : public rocksdb::FileSystemWrapper {
+ public:
+  FaultyFileSystem();
+
+  const char* Name() const override { return "FaultyFileSystem"; }
+
+  rocksdb::IOStatus NewWritableFile(const std::string& name,
+                                    const rocksdb::FileOptions& options,
+                                    std::unique_ptr<rocksdb::FSWritableFile>* result,
+                                    rocksdb::IODebugContext* debug) override;
+
+  std::atomic<bool> fail_sync = false;  ///< Every sync of the log fails.
+  std::atomic<bool> disk_full = false;  ///< Every write to the log finds no space.
+  std::atomic<int> syncs = 0;           ///< Syncs that were asked for.
+};
+
+}  // namespace steadymap
