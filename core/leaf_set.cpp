@@ -1,12 +1,19 @@
 #include "core/leaf_set.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace steadymap {
 namespace {
 
 std::size_t HashOf(std::uint64_t key) {
   return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32);
+}
+
+/// Without SSE4.1 std::floor is a call, and dear here.
+std::int32_t Floor(float value) {
+  const auto truncated = static_cast<std::int32_t>(value);
+  return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
 }
 
 }  // namespace
@@ -19,6 +26,36 @@ void LeafSet::Reset(LeafIndex base) {
 }
 
 void LeafSet::StartRow() { std::fill(last_keys_.begin(), last_keys_.end(), kNoKey); }
+
+// The walk of Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing" (1987), with
+// the number of crossings counted beforehand, so that rounding cannot make it run on.
+void LeafSet::InsertSegment(const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
+  std::array<std::int32_t, 3> leaf;
+  std::array<std::int32_t, 3> direction;
+  std::array<float, 3> next;   // Share of the segment at which it next crosses a border, by axis.
+  std::array<float, 3> delta;  // Share between two borders.
+  std::int32_t crossings = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto index = static_cast<Eigen::Index>(axis);
+    leaf[axis] = Floor(from[index]);
+    const std::int32_t span = Floor(to[index]) - leaf[axis];
+    direction[axis] = span < 0 ? -1 : 1;
+    crossings += span < 0 ? -span : span;
+    const float length = to[index] - from[index];
+    const auto border = static_cast<float>(leaf[axis] + (span < 0 ? 0 : 1));
+    next[axis] =
+        span == 0 ? std::numeric_limits<float>::infinity() : (border - from[index]) / length;
+    delta[axis] = static_cast<float>(direction[axis]) / length;
+  }
+  Insert(0, KeyOf(leaf));
+  for (std::int32_t i = 1; i <= crossings; ++i) {
+    std::size_t axis = next[0] < next[1] ? 0 : 1;
+    if (next[2] < next[axis]) axis = 2;
+    leaf[axis] += direction[axis];
+    next[axis] += delta[axis];
+    Insert(static_cast<std::size_t>(i), KeyOf(leaf));
+  }
+}
 
 void LeafSet::InsertKey(std::uint64_t key) {
   const std::size_t mask = table_.size() - 1;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -25,42 +25,41 @@ class LeafSet {
   /// Empties the set. Leaves are then inserted relative to `base` and must lie within 2^20 of it.
   void Reset(LeafIndex base);
 
-  /// Forgets what the rays before met; call where neighbours end.
+  /// Forgets the segment before; call where neighbours end.
   void StartRow();
 
-  /// Inserts the leaf that holds `point` (in leaves, relative to the base), the `step`-th of its
-  /// ray.
-  void Insert(int step, const Eigen::Vector3f& point) {
-    const auto at = static_cast<std::size_t>(step);
-    const std::uint64_t key = KeyOf(point);
-    if (at < last_keys_.size()) {
-      if (last_keys_[at] == key) return;
-      last_keys_[at] = key;
-    }
-    InsertKey(key);
-  }
+  /// Inserts every leaf that the segment from `from` to `to` passes through (in leaves, relative to
+  /// the base).
+  void InsertSegment(const Eigen::Vector3f& from, const Eigen::Vector3f& to);
 
   /// The leaves in ascending order. Valid until the next call of a non-const function.
   const std::vector<LeafOrigin>& Sorted();
 
  private:
-  static constexpr std::int64_t kBias = std::int64_t{1} << 20;
+  static constexpr std::int32_t kBias = 1 << 20;
   static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
-  static constexpr std::size_t kTrackedSteps = 64;
+  static constexpr std::size_t kTrackedSteps = 16;
 
-  static std::uint64_t Biased(float coordinate) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(coordinate)) + kBias);
+  static std::uint64_t KeyOf(const std::array<std::int32_t, 3>& leaf) {
+    return static_cast<std::uint64_t>(leaf[0] + kBias) << 42 |
+           static_cast<std::uint64_t>(leaf[1] + kBias) << 21 |
+           static_cast<std::uint64_t>(leaf[2] + kBias);
   }
 
-  static std::uint64_t KeyOf(const Eigen::Vector3f& point) {
-    return Biased(point.x()) << 42 | Biased(point.y()) << 21 | Biased(point.z());
+  /// Inserts the leaf at `key`, the `step`-th of its segment.
+  void Insert(std::size_t step, std::uint64_t key) {
+    if (step < kTrackedSteps) {
+      if (last_keys_[step] == key) return;
+      last_keys_[step] = key;
+    }
+    InsertKey(key);
   }
 
   void InsertKey(std::uint64_t key);
   void Grow();
 
   LeafIndex base_;
-  std::vector<std::uint64_t> last_keys_ = std::vector<std::uint64_t>(kTrackedSteps, kNoKey);
+  std::array<std::uint64_t, kTrackedSteps> last_keys_;  ///< Of the segment before, by step.
   std::vector<std::uint64_t> table_ =
       std::vector<std::uint64_t>(4096, kNoKey);  ///< Open addressing.
   std::vector<std::uint64_t> keys_;

@@ -12,14 +12,63 @@
 namespace steadymap {
 namespace {
 
-// Along a ray the truncation band is walked in quarters of a leaf, so no leaf of it is stepped
-// over.
-constexpr float kWalkStepLeaves = 0.25F;
+// Rays are walked this far apart at the greatest depth, but no further than every fourth cell.
+constexpr double kRaySpacingLeaves = 0.26;
+constexpr int kMaxRayStrideCells = 4;
 
 // As in the kernel: the band along a ray is cut at this many truncations.
 constexpr float kMaxRayBand = 2.0F;
 
 constexpr float kNearM = 0.05F;
+
+/// Finds the leaves that the truncation band around a frame's surface meets. Works in leaves,
+/// relative to the one that holds the camera, so that single precision suffices at any place of the
+/// map.
+class BandWalk {
+ public:
+  BandWalk(const Frame& frame, const PinholeCamera& cell_camera, const VoxelScale& scale)
+      : focal_x_(static_cast<float>(cell_camera.fx)),
+        focal_y_(static_cast<float>(cell_camera.fy)),
+        centre_x_(static_cast<float>(cell_camera.cx)),
+        centre_y_(static_cast<float>(cell_camera.cy)),
+        truncation_m_(static_cast<float>(scale.truncation_m)),
+        leaf_size_m_(static_cast<float>(scale.leaf_size_m())),
+        to_leaves_((frame.T_world_camera.linear() / scale.leaf_size_m()).cast<float>()) {
+    // A leaf reaches half a voxel below the centre of its lowest voxel.
+    const Eigen::Vector3d camera_leaves =
+        (frame.T_world_camera.translation().array() / scale.voxel_size_m + 0.5) / kLeafSide;
+    const Eigen::Vector3d base = camera_leaves.array().floor();
+    base_leaf_ = base.cast<std::int32_t>();
+    camera_leaves_ = (camera_leaves - base).cast<float>();
+  }
+
+  LeafSet::LeafIndex base_leaf() const { return {base_leaf_.x(), base_leaf_.y(), base_leaf_.z()}; }
+
+  /// Adds the leaves around the surface of one cell.
+  void Collect(const SurfaceCell& cell, int column, int row, LeafSet* leaves) const {
+    const Eigen::Vector3f ray_camera((static_cast<float>(column) - centre_x_) / focal_x_,
+                                     (static_cast<float>(row) - centre_y_) / focal_y_,
+                                     1.0F);
+    // The signed distance that a metre of depth makes at the surface's slant.
+    const float slant = cell.offset_m / cell.depth_m;
+    const float band_m = std::min(truncation_m_ / slant, kMaxRayBand * truncation_m_);
+    const float from_m = std::max(cell.depth_m - band_m, kNearM);
+    const Eigen::Vector3f ray = to_leaves_ * ray_camera;
+    leaves->InsertSegment(camera_leaves_ + from_m * ray,
+                          camera_leaves_ + (cell.depth_m + band_m) * ray);
+  }
+
+ private:
+  float focal_x_;
+  float focal_y_;
+  float centre_x_;
+  float centre_y_;
+  float truncation_m_;
+  float leaf_size_m_;
+  Eigen::Matrix3f to_leaves_;
+  Eigen::Vector3i base_leaf_;
+  Eigen::Vector3f camera_leaves_;
+};
 
 }  // namespace
 
@@ -72,7 +121,7 @@ void TsdfIntegrator::Scratch::ComputeSurface(const Frame& frame) {
     cells_wide = width_px / 2;
     cells_high = height_px / 2;
     const std::size_t padded = static_cast<std::size_t>(SurfaceStride(cells_wide)) *
-                               static_cast<std::size_t>(cells_high + 2 * kSurfaceReach);
+                               static_cast<std::size_t>(cells_high + 2 * kSurfaceMarginRows);
     inverse_depth.assign(padded, 0.0F);
     support.assign(padded, 0.0F);
     cells.assign(static_cast<std::size_t>(cells_wide) * static_cast<std::size_t>(cells_high), {});
@@ -128,48 +177,23 @@ void TsdfIntegrator::Scratch::AddColors(const Frame& frame) {
   }
 }
 
-/// Walks the truncation band along the ray of every second cell and collects the leaves it meets.
+/// Walks the truncation band along a grid of rays and collects the leaves it meets.
 void TsdfIntegrator::Scratch::CollectLeaves(const Frame& frame) {
-  const Eigen::Vector3d camera_voxel = frame.T_world_camera.translation() / scale.voxel_size_m;
-  const Eigen::Vector3i base_leaf =
-      ((camera_voxel.array() + 0.5) / kLeafSide).floor().cast<std::int32_t>();
-  leaves.Reset({base_leaf.x(), base_leaf.y(), base_leaf.z()});
-
-  // In leaves, relative to the base leaf; half a voxel, because a leaf reaches half a voxel below
-  // the centre of its lowest voxel.
-  const Eigen::Vector3f start =
-      ((camera_voxel.array() + 0.5) / kLeafSide - base_leaf.cast<double>().array()).cast<float>();
-  const Eigen::Matrix3f to_leaves =
-      (frame.T_world_camera.linear() / scale.leaf_size_m()).cast<float>();
-  const auto truncation_m = static_cast<float>(scale.truncation_m);
-  const float max_band_m = kMaxRayBand * truncation_m;
-  const auto leaf_size_m = static_cast<float>(scale.leaf_size_m());
-  // Rays of every second cell are apart by this share of a leaf at the greatest depth; where that
-  // is more than a quarter, every cell is walked.
-  const float spacing_leaves =
-      2.0F * max_depth_m / static_cast<float>(cell_camera.fx) / leaf_size_m;
-  const int stride = spacing_leaves > kWalkStepLeaves ? 1 : 2;
-
+  const BandWalk walk(frame, cell_camera, scale);
+  leaves.Reset(walk.base_leaf());
+  const double cell_spacing_leaves =
+      static_cast<double>(max_depth_m) / cell_camera.fx / scale.leaf_size_m();
+  const int stride =
+      std::clamp(static_cast<int>(kRaySpacingLeaves / cell_spacing_leaves), 1, kMaxRayStrideCells);
   for (int row = 0; row < cells_high; row += stride) {
     const SurfaceCell* row_cells =
         &cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_wide)];
     leaves.StartRow();
-    for (int column = 0; column < cells_wide; column += stride) {
-      const SurfaceCell& cell = row_cells[column];
-      if (cell.weight <= 0.0F) continue;
-      const Eigen::Vector3f ray_camera = cell_camera.Ray(column, row).cast<float>();
-      const Eigen::Vector3f ray = to_leaves * ray_camera;
-      // The cosine times the ray's length: the signed distance that a metre of depth makes.
-      const float slant = cell.offset_m / cell.depth_m;
-      const float band_m = std::min(truncation_m / slant, max_band_m);
-      const float step_m = kWalkStepLeaves * leaf_size_m / ray_camera.norm();
-      const float from_m = std::max(cell.depth_m - band_m, kNearM);
-      const int steps = static_cast<int>((cell.depth_m + band_m - from_m) / step_m) + 1;
-      for (int i = 0; i <= steps; ++i) {
-        const float depth_m =
-            std::min(from_m + static_cast<float>(i) * step_m, cell.depth_m + band_m);
-        leaves.Insert(i, start + depth_m * ray);
-      }
+    // Every other row is shifted by half a stride: a thin upright thing that falls between the rays
+    // of one row is met by those of the next.
+    const int first = (row / stride) % 2 == 0 ? 0 : stride / 2;
+    for (int column = first; column < cells_wide; column += stride) {
+      if (row_cells[column].weight > 0.0F) walk.Collect(row_cells[column], column, row, &leaves);
     }
   }
 }

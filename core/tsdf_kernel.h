@@ -25,8 +25,12 @@ struct alignas(32) SurfaceCell {
   std::uint32_t unused;
 };
 
-/// Pixels that a cell's centre is away from the cells its plane is fitted through, in cells.
+/// Distance from a cell to the cells that its plane is fitted through, in cells; where one side is
+/// cut off, twice as far on the other.
 inline constexpr int kSurfaceReach = 3;
+
+/// Rows of zeros above and below the cells of `SurfaceOutput::inverse_depth`.
+inline constexpr int kSurfaceMarginRows = 2 * kSurfaceReach;
 
 /// A depth image and the camera that took it, for `SurfaceKernel`.
 struct SurfaceInput {
@@ -44,8 +48,8 @@ struct SurfaceInput {
 
 /// Arrays that `SurfaceKernel` fills. A cell grid is `width_px / 2` by `height_px / 2`.
 struct SurfaceOutput {
-  /// Inverse depth of each cell, 1/m, 0 none, with a margin of `kSurfaceReach` rows above and below
-  /// and `kSurfaceMargin` columns left and right that must hold zeros.
+  /// Inverse depth of each cell, 1/m, 0 none, with a margin of `kSurfaceMarginRows` rows above and
+  /// below and `kSurfaceMargin` columns left and right that must hold zeros.
   float* inverse_depth;
   /// Share of a cell's pixels that agree, in [0, 1]; as `inverse_depth`.
   float* support;

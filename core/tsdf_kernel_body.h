@@ -33,9 +33,19 @@ STEADYMAP_INLINE Floats Load(const float* from) {
 
 STEADYMAP_INLINE void Store(Floats value, float* to) { memcpy(to, &value, sizeof(value)); }
 
-STEADYMAP_INLINE Floats Select(Integers mask, Floats yes, Floats no) { return mask ? yes : no; }
+/// Every lane of `mask` must be all ones or all zeros, as comparisons make them.
+STEADYMAP_INLINE Floats Select(Integers mask, Floats yes, Floats no) {
+#ifdef __AVX2__
+  return __builtin_ia32_blendvps256(no, yes, reinterpret_cast<Floats>(mask));
+#else
+  return reinterpret_cast<Floats>((mask & reinterpret_cast<Integers>(yes)) |
+                                  (~mask & reinterpret_cast<Integers>(no)));
+#endif
+}
 
 STEADYMAP_INLINE Floats Min(Floats a, Floats b) { return a < b ? a : b; }
+
+STEADYMAP_INLINE Floats Max(Floats a, Floats b) { return a > b ? a : b; }
 
 STEADYMAP_INLINE Floats Abs(Floats value) {
   return reinterpret_cast<Floats>(reinterpret_cast<Words>(value) & 0x7FFFFFFFU);
@@ -55,8 +65,7 @@ STEADYMAP_INLINE Floats Round(Floats value) {
 /// One bit a lane.
 STEADYMAP_INLINE uint32_t ToBits(Integers mask) {
 #ifdef __AVX2__
-  using Raw = float __attribute__((vector_size(32)));
-  return static_cast<uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Raw>(mask)));
+  return static_cast<uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Floats>(mask)));
 #else
   uint32_t bits = 0;
   for (int lane = 0; lane < kLanes; ++lane) bits |= (mask[lane] != 0 ? 1U : 0U) << lane;
@@ -87,15 +96,15 @@ STEADYMAP_INLINE void Transpose(Floats rows[kLanes]) {
 // ---------------------------------------------------------------------------------------------
 // From depth pixels to cells.
 
-// Pixels of a cell that lie further behind its nearest one than this share belong to something
-// else.
-constexpr float kCellJumpShare = 0.03F;
+// Pixels of a cell that lie further behind its nearest one than this, in inverse metres, belong to
+// something else: 3 cm at 1 m, 27 cm at 3 m.
+constexpr float kCellJump = 0.03F;
 
 /// Depth of one pixel of each of eight cells, `kFarM` where there is none.
 STEADYMAP_INLINE Floats PixelDepth(Words units, const SurfaceInput& input) {
   const Floats depth_m =
       __builtin_convertvector(reinterpret_cast<Integers>(units), Floats) * input.metres_per_unit;
-  const Integers valid = (units != 0U) & (units != 65535U) & (depth_m <= Splat(input.max_depth_m));
+  const Integers valid = (units != 0U) & (units != 65535U);
   return Select(valid, depth_m, Splat(kFarM));
 }
 
@@ -114,7 +123,7 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
                             PixelDepth(rows[1] & 0xFFFFU, input),
                             PixelDepth(rows[1] >> 16, input)};
   const Floats nearest = Min(Min(pixels[0], pixels[1]), Min(pixels[2], pixels[3]));
-  const Floats limit = nearest * (1.0F + kCellJumpShare);
+  const Floats limit = nearest + nearest * nearest * kCellJump;
   Floats sum = Splat(0.0F);
   Floats count = Splat(0.0F);
   for (const Floats& pixel : pixels) {
@@ -122,7 +131,8 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
     sum += Select(agrees, pixel, Splat(0.0F));
     count += Select(agrees, Splat(1.0F), Splat(0.0F));
   }
-  const Integers seen = nearest < Splat(kFarM);
+  // Cut by cell: cut by pixel, a slanted surface would lose the far pixels of its last cells.
+  const Integers seen = nearest <= Splat(input.max_depth_m);
   Store(Select(seen, count / sum, Splat(0.0F)), inverse_depth);
   Store(Select(seen, count * 0.25F, Splat(0.0F)), support);
 }
@@ -150,35 +160,56 @@ void ReduceRow(const SurfaceInput& input, int row, float* inverse_depth, float* 
 // 18 cm at 3.
 constexpr float kPlanarBend = 0.02F;
 
+// Stricter where only one side is seen: at the rim of a curved thing its bend would pass for a
+// slope.
+constexpr float kEdgeBend = 0.01F;
+
 // Beyond 80 degrees from face on, depth says little about where a surface is.
 constexpr float kMinCosine = 0.17F;
 
-// A cell beside an edge may hold flying pixels.
-constexpr float kEdgeWeight = 0.5F;
+// A cell beside an edge may hold flying pixels, and its slope is known from one side only.
+constexpr float kEdgeWeight = 0.25F;
+
+// A thin thing in front of everything around it: nothing tells its slope, it is taken as face on.
+constexpr float kThinWeight = 0.1F;
 
 // A look from nearer than half a metre counts like one from there.
 constexpr float kMaxLookWeight = 4.0F;
 
-/// Slope of the inverse depth along one axis, and whether the surface is planar there.
+/// Slope of the inverse depth along one axis.
 struct Slope {
   Floats per_cell;
-  Integers planar;
+  Integers planar;  ///< Whether the surface goes on straight on both sides.
+  Floats trust;     ///< Factor of a look's weight.
 };
 
-STEADYMAP_INLINE Slope EstimateSlope(Floats before, Floats centre, Floats after) {
+/// Whether three inverse depths in a row lie on a plane. Missing ones are zero.
+STEADYMAP_INLINE Integers IsStraight(Floats a, Floats b, Floats c, float max_bend) {
+  const Floats zero = Splat(0.0F);
+  return (a > zero) & (c > zero) & (Abs(a - 2.0F * b + c) < Splat(max_bend));
+}
+
+/// `neighbours` holds the inverse depths two reaches and one before, one and two after the centre.
+STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) {
   constexpr float kPerCell = 1.0F / static_cast<float>(kSurfaceReach);
   const Floats zero = Splat(0.0F);
-  const Floats bend = Splat(kPlanarBend);
-  const Integers has_before = before > zero;
-  const Integers has_after = after > zero;
-  const Floats rise_before = Select(has_before, centre - before, Splat(kFarM));
-  const Floats rise_after = Select(has_after, after - centre, Splat(kFarM));
-  const Integers planar = has_before & has_after & (Abs(rise_after - rise_before) < bend);
-  const Floats smaller = Select(Abs(rise_before) < Abs(rise_after), rise_before, rise_after);
-  const Floats one_sided = Select(Abs(smaller) < bend, smaller, zero);
+  const Integers planar = IsStraight(neighbours[1], centre, neighbours[2], kPlanarBend);
+  const Integers before =
+      IsStraight(neighbours[0], neighbours[1], centre, kEdgeBend) & (neighbours[1] > zero);
+  const Integers after =
+      IsStraight(centre, neighbours[2], neighbours[3], kEdgeBend) & (neighbours[2] > zero);
+  // A neighbour that is nearer by far hides where this surface goes; missing ones count as far.
+  const Floats nearer = centre + kPlanarBend;
+  const Integers thin = (neighbours[1] < nearer) & (neighbours[2] < nearer);
+  const Floats one_sided =
+      Select(before, centre - neighbours[1], Select(after, neighbours[2] - centre, zero));
   const Floats per_cell =
-      Select(planar, (rise_before + rise_after) * (0.5F * kPerCell), one_sided * kPerCell);
-  return {per_cell, planar};
+      Select(planar, (neighbours[2] - neighbours[1]) * (0.5F * kPerCell), one_sided * kPerCell);
+  const Floats trust =
+      Select(planar,
+             Splat(1.0F),
+             Select(before | after, Splat(kEdgeWeight), Select(thin, Splat(kThinWeight), zero)));
+  return {per_cell, planar, trust};
 }
 
 STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
@@ -191,18 +222,23 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
                                int count) {
   const Floats zero = Splat(0.0F);
   const Floats centre = Load(inverse_depth);
-  const Floats left = Load(inverse_depth - kSurfaceReach);
-  const Floats right = Load(inverse_depth + kSurfaceReach);
-  const Floats above = Load(inverse_depth - kSurfaceReach * stride);
-  const Floats below = Load(inverse_depth + kSurfaceReach * stride);
-  const Slope along_u = EstimateSlope(left, centre, right);
-  const Slope along_v = EstimateSlope(above, centre, below);
+  Floats beside[4];
+  Floats above_below[4];
+  for (int i = 0; i < 4; ++i) {
+    const int reach = (i < 2 ? i - 2 : i - 1) * kSurfaceReach;
+    beside[i] = Load(inverse_depth + reach);
+    above_below[i] = Load(inverse_depth + reach * stride);
+  }
+  const Slope along_u = EstimateSlope(beside, centre);
+  const Slope along_v = EstimateSlope(above_below, centre);
 
   // On a plane the neighbours' mean is the centre: they halve the noise.
   const Floats three = Splat(1.0F / 3.0F);
-  const Floats mean_u = (left + centre + right) * three;
-  const Floats mean_v = (above + centre + below) * three;
-  const Floats mean_all = (left + right + above + below + centre) * 0.2F;
+  const Floats sum_u = beside[1] + beside[2];
+  const Floats sum_v = above_below[1] + above_below[2];
+  const Floats mean_u = (sum_u + centre) * three;
+  const Floats mean_v = (sum_v + centre) * three;
+  const Floats mean_all = (sum_u + sum_v + centre) * 0.2F;
   const Floats inverse =
       Select(along_u.planar & along_v.planar,
              mean_all,
@@ -217,8 +253,8 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Floats ray_x = u * (1.0F / input.fx);
   const Floats ray_y = v * (1.0F / input.fy);
   const Floats cosine = inverse * inverse_norm / Sqrt(1.0F + ray_x * ray_x + ray_y * ray_y);
-  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * Load(support);
-  weight = Select(along_u.planar & along_v.planar, weight, weight * kEdgeWeight);
+  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * Load(support) *
+                  along_u.trust * along_v.trust;
   weight = Select((centre > zero) & (cosine > Splat(kMinCosine)), weight, zero);
 
   Floats columns[kLanes] = {nx * inverse_norm,
@@ -237,7 +273,7 @@ void ComputeSurface(const SurfaceInput& input, const SurfaceOutput& output) {
   const int cells_wide = input.width_px / 2;
   const int cells_high = input.height_px / 2;
   const int64_t stride = SurfaceStride(cells_wide);
-  const int64_t first = kSurfaceReach * stride + kSurfaceMargin;
+  const int64_t first = kSurfaceMarginRows * stride + kSurfaceMargin;
   for (int row = 0; row < cells_high; ++row) {
     const int64_t at = first + row * stride;
     ReduceRow(input, row, output.inverse_depth + at, output.support + at);
@@ -267,6 +303,10 @@ constexpr float kNearM = 0.05F;
 // On a surface seen at a slant, the truncation band is long along the ray. Beyond this many
 // truncations the tangent plane is no longer to be trusted; nearer pixels see those voxels better.
 constexpr float kMaxRayBand = 2.0F;
+
+// Looks that say less than this are dropped: a voxel that only such looks reach would go on
+// changing for thousands of frames.
+constexpr float kMinLookWeight = 1.0F / 128.0F;
 
 // An old place must still be able to change: evidence is capped.
 constexpr float kMaxWeight = 64.0F;
@@ -301,6 +341,51 @@ STEADYMAP_INLINE uint32_t FuseColor(uint32_t old_color, uint32_t seen) {
   return moved ? fused : old_color;
 }
 
+/// What the loop over a leaf's rows keeps in registers: a copy, which stores to voxels cannot
+/// alias.
+struct RowConstants {
+  explicit STEADYMAP_INLINE RowConstants(const LeafKernelFrame& frame)
+      : cells(frame.cells),
+        cells_wide(frame.cells_wide),
+        fx(frame.fx),
+        fy(frame.fy),
+        image_x(frame.cx + 0.5F),
+        image_y(frame.cy + 0.5F),
+        image_width(static_cast<float>(frame.cells_wide)),
+        image_height(static_cast<float>(frame.cells_high)),
+        along_x(kLaneIndex * frame.step_z[0]),
+        along_y(kLaneIndex * frame.step_z[1]),
+        along_z(kLaneIndex * frame.step_z[2]),
+        truncation_m(frame.truncation_m),
+        fade_from_m(-frame.voxel_size_m),
+        fade_scale(1.0F / (frame.truncation_m - frame.voxel_size_m)),
+        inverse_voxel_size2(1.0F / (frame.voxel_size_m * frame.voxel_size_m)),
+        dead_band_m(kDeadBandVoxels * frame.voxel_size_m),
+        color_band_m(kColorBandVoxels * frame.voxel_size_m),
+        distance_step_m(frame.distance_step_m),
+        steps_per_m(1.0F / frame.distance_step_m) {}
+
+  const SurfaceCell* cells;
+  int32_t cells_wide;
+  float fx;
+  float fy;
+  float image_x;  ///< Principal point, shifted so that truncation finds the nearest cell.
+  float image_y;
+  float image_width;
+  float image_height;
+  Floats along_x;  ///< From a row's first voxel to each of its voxels, camera frame.
+  Floats along_y;
+  Floats along_z;
+  float truncation_m;
+  float fade_from_m;
+  float fade_scale;
+  float inverse_voxel_size2;
+  float dead_band_m;
+  float color_band_m;
+  float distance_step_m;
+  float steps_per_m;
+};
+
 /// What the frame says about eight voxels of a row.
 struct RowEvidence {
   Floats distance_m;
@@ -310,83 +395,109 @@ struct RowEvidence {
   int32_t cell[kLanes];
 };
 
+/// The first or second half of eight cells, as four columns.
+STEADYMAP_INLINE void LoadHalfCells(const SurfaceCell* cells,
+                                    const int32_t index[kLanes],
+                                    int half,
+                                    Floats columns[4]) {
+  using Quad = float __attribute__((vector_size(16)));
+  Quad quads[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const char* cell = reinterpret_cast<const char*>(cells + index[lane]);
+    memcpy(&quads[lane], cell + half * static_cast<int>(sizeof(Quad)), sizeof(Quad));
+  }
+  Floats rows[4];
+  for (int i = 0; i < 4; ++i) {
+    rows[i] = __builtin_shufflevector(quads[i], quads[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+  const Floats low01 = __builtin_shufflevector(rows[0], rows[1], 0, 8, 1, 9, 4, 12, 5, 13);
+  const Floats high01 = __builtin_shufflevector(rows[0], rows[1], 2, 10, 3, 11, 6, 14, 7, 15);
+  const Floats low23 = __builtin_shufflevector(rows[2], rows[3], 0, 8, 1, 9, 4, 12, 5, 13);
+  const Floats high23 = __builtin_shufflevector(rows[2], rows[3], 2, 10, 3, 11, 6, 14, 7, 15);
+  columns[0] = __builtin_shufflevector(low01, low23, 0, 1, 8, 9, 4, 5, 12, 13);
+  columns[1] = __builtin_shufflevector(low01, low23, 2, 3, 10, 11, 6, 7, 14, 15);
+  columns[2] = __builtin_shufflevector(high01, high23, 0, 1, 8, 9, 4, 5, 12, 13);
+  columns[3] = __builtin_shufflevector(high01, high23, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
 /// Looks up the surface at eight voxels; false if none of them lies in a truncation band.
-STEADYMAP_INLINE bool GatherEvidence(const LeafKernelFrame& frame,
+STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
                                      const float base[3],
                                      RowEvidence* evidence) {
-  const Floats x = base[0] + kLaneIndex * frame.step_z[0];
-  const Floats y = base[1] + kLaneIndex * frame.step_z[1];
-  const Floats z = base[2] + kLaneIndex * frame.step_z[2];
+  const Floats x = base[0] + constants.along_x;
+  const Floats y = base[1] + constants.along_y;
+  const Floats z = base[2] + constants.along_z;
   const Floats inverse_z = 1.0F / z;
   const Floats zero = Splat(0.0F);
-  const Floats u = frame.fx * x * inverse_z + (frame.cx + 0.5F);
-  const Floats v = frame.fy * y * inverse_z + (frame.cy + 0.5F);
+  const Floats u = constants.fx * x * inverse_z + constants.image_x;
+  const Floats v = constants.fy * y * inverse_z + constants.image_y;
   const Integers in_image = (z > Splat(kNearM)) & (u >= zero) & (v >= zero) &
-                            (u < Splat(static_cast<float>(frame.cells_wide))) &
-                            (v < Splat(static_cast<float>(frame.cells_high)));
+                            (u < Splat(constants.image_width)) &
+                            (v < Splat(constants.image_height));
   if (ToBits(in_image) == 0) return false;
 
   const Integers column = __builtin_convertvector(Select(in_image, u, zero), Integers);
   const Integers row = __builtin_convertvector(Select(in_image, v, zero), Integers);
-  const Integers cell = row * frame.cells_wide + column;
+  const Integers cell = row * constants.cells_wide + column;
   memcpy(evidence->cell, &cell, sizeof(cell));
-  Floats columns[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) {
-    memcpy(&columns[lane], frame.cells + evidence->cell[lane], sizeof(SurfaceCell));
-  }
-  Transpose(columns);
-  const Floats distance_m = columns[3] - (columns[0] * x + columns[1] * y + columns[2] * z);
+  Floats plane[4];
+  LoadHalfCells(constants.cells, evidence->cell, 0, plane);
+  const Floats distance_m = plane[3] - (plane[0] * x + plane[1] * y + plane[2] * z);
+  const Integers in_band = in_image & (Abs(distance_m) < Splat(constants.truncation_m));
+  if (ToBits(in_band) == 0) return false;
 
+  Floats look[4];
+  LoadHalfCells(constants.cells, evidence->cell, 1, look);
   // Behind the surface nothing was seen: trust fades from one voxel to the end of the band.
-  const float fade_from_m = -frame.voxel_size_m;
-  const float fade_scale = 1.0F / (frame.truncation_m - frame.voxel_size_m);
-  const Floats fade = Select(
-      distance_m < Splat(fade_from_m), (frame.truncation_m + distance_m) * fade_scale, Splat(1.0F));
+  const Floats fade = Select(distance_m < Splat(constants.fade_from_m),
+                             (constants.truncation_m + distance_m) * constants.fade_scale,
+                             Splat(1.0F));
+  // Along a slanted ray the surface was seen beside the voxel's foot on it. The further beside, the
+  // more a curved surface has strayed from the tangent plane.
+  const Floats along_ray_m = look[0] - z;
+  const Floats beside_voxels2 =
+      (along_ray_m * along_ray_m - distance_m * distance_m) * constants.inverse_voxel_size2;
+  const Floats straying = 1.0F / (1.0F + Max(beside_voxels2, zero));
   evidence->distance_m = distance_m;
-  evidence->weight = columns[5] * fade;
+  evidence->weight = look[1] * fade * straying;
   evidence->depth_m = z;
-  evidence->valid = in_image & (Abs(distance_m) < Splat(frame.truncation_m)) &
-                    (Abs(columns[4] - z) < Splat(kMaxRayBand * frame.truncation_m)) &
-                    (evidence->weight >= Splat(kWeightUnit));
+  evidence->valid = in_band & (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
+                    (evidence->weight >= Splat(kMinLookWeight));
   return ToBits(evidence->valid) != 0;
 }
 
-/// Fuses evidence into eight voxels. Gives one bit a voxel: updated in `*updated`, changed as
-/// result.
-STEADYMAP_INLINE uint32_t FuseRow(const LeafKernelFrame& frame,
+/// Fuses evidence into eight voxels; one bit a voxel that changed.
+STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
                                   const RowEvidence& evidence,
                                   float* distance_m,
-                                  float* weight,
-                                  uint32_t* updated) {
+                                  float* weight) {
   const Floats old_distance_m = Load(distance_m);
   const Floats old_weight = Load(weight);
-  const Floats dead_band_m = Splat(kDeadBandVoxels * frame.voxel_size_m) +
-                             evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
+  const Floats dead_band_m =
+      Splat(constants.dead_band_m) + evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
   const Integers settled = (old_weight >= Splat(kSettledWeight)) &
                            (Abs(evidence.distance_m - old_distance_m) < dead_band_m);
   const Integers fuse = evidence.valid & ~settled;
   const Floats total = old_weight + evidence.weight;
   const Floats mean_m =
       (old_distance_m * old_weight + evidence.distance_m * evidence.weight) / total;
-  const Floats new_distance_m =
-      Round(mean_m * (1.0F / frame.distance_step_m)) * frame.distance_step_m;
+  const Floats new_distance_m = Round(mean_m * constants.steps_per_m) * constants.distance_step_m;
   const Floats new_weight = Min(Round(total * kWeightsPerUnit) * kWeightUnit, Splat(kMaxWeight));
   Store(Select(fuse, new_distance_m, old_distance_m), distance_m);
   Store(Select(fuse, new_weight, old_weight), weight);
-  *updated = ToBits(evidence.valid);
   return ToBits(fuse & ((new_distance_m != old_distance_m) | (new_weight != old_weight)));
 }
 
 /// Fuses the colours of eight voxels near the surface; true if any changed.
-STEADYMAP_INLINE bool FuseRowColors(const LeafKernelFrame& frame,
+STEADYMAP_INLINE bool FuseRowColors(const RowConstants& constants,
                                     const RowEvidence& evidence,
                                     uint32_t* color) {
   const Integers near_surface =
-      evidence.valid & (Abs(evidence.distance_m) < Splat(kColorBandVoxels * frame.voxel_size_m));
+      evidence.valid & (Abs(evidence.distance_m) < Splat(constants.color_band_m));
   bool changed = false;
   for (uint32_t bits = ToBits(near_surface); bits != 0; bits &= bits - 1) {
     const int lane = __builtin_ctz(bits);
-    const uint32_t seen = frame.cells[evidence.cell[lane]].color;
+    const uint32_t seen = constants.cells[evidence.cell[lane]].color;
     if ((seen >> 24) == 0) continue;
     const uint32_t fused = FuseColor(color[lane], seen);
     changed = changed || fused != color[lane];
@@ -396,6 +507,7 @@ STEADYMAP_INLINE bool FuseRowColors(const LeafKernelFrame& frame,
 }
 
 bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
+  const RowConstants constants(frame);
   bool changed = false;
   for (int x = 0; x < kLeafSide; ++x) {
     for (int y = 0; y < kLeafSide; ++y) {
@@ -405,15 +517,14 @@ bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
                      static_cast<float>(y) * frame.step_y[axis];
       }
       RowEvidence evidence;
-      if (!GatherEvidence(frame, base, &evidence)) continue;
+      if (!GatherEvidence(constants, base, &evidence)) continue;
       const int offset = (x * kLeafSide + y) * kLeafSide;
-      uint32_t updated = 0;
       const uint32_t moved =
-          FuseRow(frame, evidence, leaf.distance_m + offset, leaf.weight + offset, &updated);
+          FuseRow(constants, evidence, leaf.distance_m + offset, leaf.weight + offset);
       changed = changed || moved != 0;
-      leaf.observed[x] |= static_cast<uint64_t>(updated) << (y * kLeafSide);
+      leaf.observed[x] |= static_cast<uint64_t>(ToBits(evidence.valid)) << (y * kLeafSide);
       if (leaf.color != nullptr) {
-        changed = FuseRowColors(frame, evidence, leaf.color + offset) || changed;
+        changed = FuseRowColors(constants, evidence, leaf.color + offset) || changed;
       }
     }
   }

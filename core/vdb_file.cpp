@@ -73,7 +73,7 @@ void AddLeaf(LeafOrigin origin,
 void Describe(const MapSnapshot& snapshot, const std::string& name, openvdb::GridBase* grid) {
   grid->setName(name);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(snapshot.scale.voxel_size_m));
-  grid->insertMeta("class", openvdb::Int32Metadata(0));
+  grid->insertMeta("class_id", openvdb::Int32Metadata(0));
   grid->insertMeta("revision",
                    openvdb::Int64Metadata(static_cast<std::int64_t>(snapshot.revision.value())));
   grid->insertMeta("voxel_size_m", openvdb::DoubleMetadata(snapshot.scale.voxel_size_m));

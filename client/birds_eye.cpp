@@ -1,0 +1,155 @@
+#include "client/birds_eye.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/birds_eye_legend.h"
+#include "client/birds_eye_scene.h"
+#include "client/canvas.h"
+#include "client/surface_shading.h"
+
+namespace steadymap {
+namespace {
+
+constexpr Rgb kPage = {247, 247, 245};
+constexpr Rgb kInk = {45, 48, 54};
+constexpr Rgb kFaintInk = {105, 110, 118};
+constexpr Rgb kFrame = {150, 154, 160};
+constexpr Rgb kWhite = {255, 255, 255};
+
+// Margins around the map, pixels.
+constexpr int kLeftPx = 28;
+constexpr int kTopPx = 84;
+constexpr int kRightPx = 172;
+constexpr int kBottomPx = 78;
+// Room that titles and legends need whatever the map's shape.
+constexpr int kMinMapWidthPx = 400;
+constexpr int kMinMapHeightPx = 320;
+
+constexpr double kTitlePx = 19.0;
+constexpr double kSubtitlePx = 11.0;
+constexpr double kGapPx = 20.0;
+
+// Where the map lies in the picture.
+struct Layout {
+  Eigen::Vector2i map_low_px;  // Top left corner.
+  Eigen::Vector2i map_size_px;
+  Eigen::Vector2i picture_size_px;
+  double metres_per_px;
+};
+
+Layout LayOut(const BirdsEyeScene& scene, int longest_side_px) {
+  const Eigen::Vector2d extent_m = scene.extent_world.sizes();
+  const Eigen::Vector2d available_px(longest_side_px - kLeftPx - kRightPx,
+                                     longest_side_px - kTopPx - kBottomPx);
+  Layout layout;
+  layout.metres_per_px = extent_m.cwiseQuotient(available_px).maxCoeff();
+  const Eigen::Vector2d needed_px = extent_m / layout.metres_per_px;
+  layout.map_low_px = {kLeftPx, kTopPx};
+  layout.map_size_px = {std::max(kMinMapWidthPx, static_cast<int>(std::lround(needed_px.x()))),
+                        std::max(kMinMapHeightPx, static_cast<int>(std::lround(needed_px.y())))};
+  layout.picture_size_px =
+      layout.map_size_px + Eigen::Vector2i(kLeftPx + kRightPx, kTopPx + kBottomPx);
+  return layout;
+}
+
+// The view of the map's rectangle alone, its centre on the scene's.
+TopDownView MapView(const BirdsEyeScene& scene, const Layout& layout) {
+  TopDownView view;
+  view.metres_per_px = layout.metres_per_px;
+  view.width_px = layout.map_size_px.x();
+  view.height_px = layout.map_size_px.y();
+  const Eigen::Vector2d half_m = layout.map_size_px.cast<double>() * layout.metres_per_px / 2.0;
+  const Eigen::Vector2d center_world = scene.extent_world.center();
+  view.top_left_world = {center_world.x() - half_m.x(), center_world.y() + half_m.y()};
+  return view;
+}
+
+// The map's rectangle: grid, surface, paths.
+Canvas DrawMap(const Mesh& mesh,
+               const std::vector<RobotPath>& paths,
+               const BirdsEyeScene& scene,
+               const TopDownView& view,
+               bool use_mesh_colors) {
+  Canvas map(view.width_px, view.height_px, kWhite);
+  DrawGrid(view, RoundLength(view.metres_per_px * 150.0), &map);
+  PaintSurface(mesh, scene, view, use_mesh_colors, &map);
+  DrawPaths(paths, view, &map);
+  if (!scene.has_surface) {
+    const std::string message = "no surface: the map is empty";
+    const Eigen::Vector2d center(view.width_px / 2.0, view.height_px / 2.0);
+    map.Write(message, {center.x() - TextWidth(message, 16.0) / 2.0, center.y()}, 16.0, kInk);
+  }
+  map.DrawBox(Eigen::Vector2d::Zero(), Eigen::Vector2d(view.width_px, view.height_px), kFrame);
+  return map;
+}
+
+void Paste(const Canvas& map, const Eigen::Vector2i& low_px, Canvas* picture) {
+  for (int v = 0; v < map.height_px(); ++v) {
+    for (int u = 0; u < map.width_px(); ++u) {
+      picture->Blend(low_px.x() + u, low_px.y() + v, map.image().At(u, v), 1.0);
+    }
+  }
+}
+
+void WriteTitles(const BirdsEyeOptions& options, Canvas* picture) {
+  const double width_px = picture->width_px() - 2.0 * kLeftPx;
+  const double title_y = 24.0 + kTitlePx;
+  picture->Write(Fit(options.title, kTitlePx, width_px), {kLeftPx, title_y}, kTitlePx, kInk);
+  picture->Write(Fit(options.subtitle, kSubtitlePx, width_px),
+                 {kLeftPx, title_y + 12.0 + kSubtitlePx},
+                 kSubtitlePx,
+                 kFaintInk);
+}
+
+void DrawSideLegends(const std::vector<RobotPath>& paths,
+                     const BirdsEyeScene& scene,
+                     const Layout& layout,
+                     bool by_height,
+                     Canvas* picture) {
+  Eigen::Vector2d origin_px(kLeftPx + layout.map_size_px.x() + kGapPx, kTopPx);
+  if (scene.has_surface && by_height) {
+    const double ramp_height_px = std::min(240.0, std::floor(layout.map_size_px.y() * 0.5));
+    origin_px.y() = DrawHeightLegend(scene, origin_px, ramp_height_px, picture) + kGapPx;
+  }
+  if (!paths.empty()) DrawPathLegend(paths, origin_px, kRightPx - kGapPx - 8.0, picture);
+}
+
+}  // namespace
+
+BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
+                             const std::vector<RobotPath>& paths,
+                             const BirdsEyeOptions& options) {
+  const BirdsEyeScene scene = ChooseScene(mesh, paths, options);
+  const Layout layout = LayOut(scene, std::clamp(options.longest_side_px, 600, 8000));
+  const TopDownView map_view = MapView(scene, layout);
+  const bool use_mesh_colors = options.use_mesh_colors && !mesh.colors.empty();
+
+  Canvas picture(layout.picture_size_px.x(), layout.picture_size_px.y(), kPage);
+  Paste(DrawMap(mesh, paths, scene, map_view, use_mesh_colors), layout.map_low_px, &picture);
+  WriteTitles(options, &picture);
+  DrawSideLegends(paths, scene, layout, !use_mesh_colors, &picture);
+
+  BirdsEyePicture result;
+  const double bottom_px = kTopPx + layout.map_size_px.y();
+  result.scale_bar_m = RoundLength(layout.map_size_px.x() * layout.metres_per_px * 0.3);
+  result.scale_bar_px = {kLeftPx, static_cast<int>(bottom_px) + 22};
+  DrawScaleBar(result.scale_bar_m, layout.metres_per_px, result.scale_bar_px, &picture);
+  DrawAxes({kLeftPx + layout.map_size_px.x() - 60.0, bottom_px + 56.0}, &picture);
+  if (std::isfinite(scene.cut_height_m)) {
+    result.cut_height_m = scene.cut_height_m;
+    picture.WriteRightAligned(
+        "without what is above " + Decimal(std::round(scene.cut_height_m * 10.0) / 10.0) + " m",
+        {kLeftPx + layout.map_size_px.x() - 90.0, bottom_px + 56.0},
+        kSubtitlePx,
+        kFaintInk);
+  }
+  result.image = picture.image();
+  result.view = map_view;
+  result.view.width_px = picture.width_px();
+  result.view.height_px = picture.height_px();
+  result.view.top_left_world += Eigen::Vector2d(-kLeftPx, kTopPx) * layout.metres_per_px;
+  return result;
+}
+
+}  // namespace steadymap

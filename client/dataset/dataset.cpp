@@ -1,0 +1,118 @@
+#include "client/dataset/dataset.h"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
+
+#include "client/dataset/folder_listing.h"
+#include "client/dataset/recorded_frame_source.h"
+#include "client/dataset/recorded_sequence.h"
+#include "client/dataset/text_file.h"
+
+namespace steadymap {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::array<DatasetFormat, 3> Formats() {
+  return {TorwicFormat(), SevenScenesFormat(), TumFormat()};
+}
+
+absl::StatusOr<DatasetFormat> FindFormat(std::string_view name) {
+  for (const DatasetFormat& format : Formats()) {
+    if (format.name == name) return format;
+  }
+  return absl::InvalidArgumentError(absl::StrCat("expected one of the formats ",
+                                                 absl::StrJoin(DatasetFormats(), ", "),
+                                                 ", found \"",
+                                                 std::string(name.substr(0, 80)),
+                                                 "\""));
+}
+
+// The sequence folders that a path stands for.
+absl::StatusOr<std::vector<fs::path>> FindSequences(const DatasetFormat& format,
+                                                    const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
+    return absl::NotFoundError(absl::StrCat(path.string(), ": expected a folder, found none"));
+  }
+  if (format.is_sequence(path)) return std::vector<fs::path>{path};
+  std::vector<fs::path> folders = ListFolders(path);
+  std::erase_if(folders, [&format](const fs::path& folder) { return !format.is_sequence(folder); });
+  if (!folders.empty()) return folders;
+  return absl::NotFoundError(absl::StrCat(path.string(),
+                                          ": expected a ",
+                                          std::string(format.name),
+                                          " sequence with ",
+                                          std::string(format.expected)) +
+                             ", or a folder of such sequences");
+}
+
+absl::StatusOr<std::vector<RecordedSequence>> IndexSequences(const DatasetFormat& format,
+                                                             const std::vector<fs::path>& paths) {
+  std::vector<RecordedSequence> sequences;
+  for (const fs::path& path : paths) {
+    const absl::StatusOr<std::vector<fs::path>> folders = FindSequences(format, path);
+    if (!folders.ok()) return folders.status();
+    for (const fs::path& folder : *folders) {
+      absl::StatusOr<RecordedSequence> sequence = format.index(folder);
+      if (!sequence.ok()) return sequence.status();
+      if (sequence->frames.empty()) {
+        return absl::InvalidArgumentError(
+            absl::StrCat(folder.string(), ": expected frames with a pose, found none"));
+      }
+      sequences.push_back(*std::move(sequence));
+    }
+  }
+  return sequences;
+}
+
+absl::StatusOr<PlaybackOptions> LoadPlaybackOptions(const DatasetOptions& options) {
+  if (options.stride < 1) return absl::InvalidArgumentError("stride must be at least 1, got 0");
+  PlaybackOptions playback;
+  playback.stride = options.stride;
+  playback.include_color = options.include_color;
+  if (!options.label_map_file.empty()) {
+    absl::StatusOr<LabelMap> label_map = LabelMap::Load(options.label_map_file);
+    if (!label_map.ok()) return label_map.status();
+    playback.label_map = *std::move(label_map);
+  }
+  if (!options.T_world_dataset_file.empty()) {
+    const auto T_world_dataset = ReadTransform(options.T_world_dataset_file);
+    if (!T_world_dataset.ok()) return T_world_dataset.status();
+    if (!T_world_dataset->matrix().allFinite()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(options.T_world_dataset_file.string(), ": expected finite numbers"));
+    }
+    playback.T_world_dataset = *T_world_dataset;
+  }
+  return playback;
+}
+
+}  // namespace
+
+std::vector<std::string> DatasetFormats() {
+  std::vector<std::string> names;
+  for (const DatasetFormat& format : Formats()) names.emplace_back(format.name);
+  return names;
+}
+
+absl::StatusOr<std::unique_ptr<DatasetSource>> OpenDataset(
+    std::string_view format,
+    const std::vector<std::filesystem::path>& paths,
+    const DatasetOptions& options) {
+  const absl::StatusOr<DatasetFormat> found = FindFormat(format);
+  if (!found.ok()) return found.status();
+  if (paths.empty()) return absl::InvalidArgumentError("expected a path of a data set, found none");
+  absl::StatusOr<PlaybackOptions> playback = LoadPlaybackOptions(options);
+  if (!playback.ok()) return playback.status();
+  absl::StatusOr<std::vector<RecordedSequence>> sequences = IndexSequences(*found, paths);
+  if (!sequences.ok()) return sequences.status();
+  return std::make_unique<RecordedFrameSource>(*std::move(sequences), *std::move(playback));
+}
+
+}  // namespace steadymap

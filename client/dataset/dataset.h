@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/frame_source.h"
+
+namespace steadymap {
+
+/// How a recorded data set is read.
+struct DatasetOptions {
+  std::size_t stride = 1;  ///< Every how many frames one is kept, >= 1.
+  /// A label map file (see `label_map.h`) that turns the recording's classes into the map's. Empty:
+  /// labels pass unchanged.
+  std::filesystem::path label_map_file = {};
+  /// A text file with the 4x4 matrix `T_world_dataset`, row by row, which takes the recording's
+  /// world to the map's (z up). Empty: what the format prescribes.
+  std::filesystem::path T_world_dataset_file = {};
+  bool include_color = true;  ///< Whether colour images are sent along.
+};
+
+/// A recording on disk as frames. Only its index is held in memory, never its images.
+class DatasetSource : public FrameSource {
+ public:
+  /// Frames found so far that no pose could be given to: it holds NaN or infinity, or there is
+  /// none.
+  virtual std::size_t skipped_count() const = 0;
+};
+
+/// The names of the formats that `OpenDataset` reads.
+std::vector<std::string> DatasetFormats();
+
+/// Opens a recording.
+///
+/// `format` is `torwic`, `seven-scenes` or `tum`. Each path is a sequence's folder or a folder that
+/// holds several; sequences are played one after the other, in natural order within a folder, and
+/// their times are moved so that they keep increasing.
+/// Errors: `InvalidArgument` for an unknown format, no path, a stride of 0 or a malformed file;
+/// `NotFound` for a path or file that is missing. The message names the file and what was expected.
+absl::StatusOr<std::unique_ptr<DatasetSource>> OpenDataset(
+    std::string_view format,
+    const std::vector<std::filesystem::path>& paths,
+    const DatasetOptions& options);
+
+}  // namespace steadymap

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/geometry.h"
+#include "core/timestamp.h"
+
+#include "steadymap/v1/frame.pb.h"
+
+/// Fills the parts of a frame message that frame sources know as values. Images are added by the
+/// sources themselves, packed as they are.
+namespace steadymap {
+
+/// Sets `capture_time`, `intrinsics` and `world_from_camera` of `message`.
+void FillFrameMessage(Timestamp capture_time,
+                      const PinholeCamera& camera,
+                      const Eigen::Isometry3d& T_world_camera,
+                      v1::Frame* message);
+
+}  // namespace steadymap

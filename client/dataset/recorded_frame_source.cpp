@@ -1,0 +1,129 @@
+#include "client/dataset/recorded_frame_source.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "client/dataset/frame_message.h"
+#include "client/dataset/image_file.h"
+#include "core/image_codec.h"
+
+namespace steadymap {
+namespace {
+
+// Between the end of a sequence and the start of one whose times had to be moved.
+constexpr std::int64_t kPauseNs = 1'000'000'000;
+
+// Moves the times of each sequence that would begin before the one before it has ended.
+void KeepTimesIncreasing(std::vector<RecordedSequence>* sequences) {
+  std::int64_t end_ns = std::numeric_limits<std::int64_t>::min();
+  for (RecordedSequence& sequence : *sequences) {
+    if (sequence.frames.empty()) continue;
+    const auto [first, last] = std::minmax_element(
+        sequence.frames.begin(),
+        sequence.frames.end(),
+        [](const RecordedFrame& a, const RecordedFrame& b) { return a.time < b.time; });
+    const std::int64_t first_ns = first->time.nanoseconds();
+    const std::int64_t shift_ns = first_ns > end_ns ? 0 : end_ns + kPauseNs - first_ns;
+    end_ns = last->time.nanoseconds() + shift_ns;
+    for (RecordedFrame& frame : sequence.frames) {
+      frame.time = Timestamp::FromNanoseconds(frame.time.nanoseconds() + shift_ns);
+    }
+  }
+}
+
+bool FitsIn8Bits(const Image<std::uint16_t>& image) {
+  return std::all_of(image.data(), image.data() + image.size(), [](std::uint16_t pixel) {
+    return pixel <= std::numeric_limits<std::uint8_t>::max();
+  });
+}
+
+absl::Status PackLabels(const std::filesystem::path& file,
+                        const PinholeCamera& camera,
+                        const LabelMap& label_map,
+                        v1::LabelImage* message) {
+  absl::StatusOr<ImageFile> image = ReadPngFile(file, camera);
+  if (!image.ok()) return image.status();
+  if (label_map.is_identity()) {
+    message->set_encoding(v1::LABEL_ENCODING_PNG);
+    message->set_data(std::move(image->data));
+    return absl::OkStatus();
+  }
+  absl::StatusOr<Image<std::uint16_t>> labels =
+      DecodePixels(image->data, PixelEncoding::kPng, camera.width_px, camera.height_px);
+  if (!labels.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(file.string(), ": expected a label image: ", labels.status().message()));
+  }
+  label_map.Apply(&*labels);
+  const bool is_narrow = FitsIn8Bits(*labels);
+  message->set_encoding(is_narrow ? v1::LABEL_ENCODING_ZSTD_UINT8 : v1::LABEL_ENCODING_ZSTD_UINT16);
+  message->set_data(
+      EncodePixels(*labels, is_narrow ? PixelEncoding::kZstdUint8 : PixelEncoding::kZstdUint16));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+RecordedFrameSource::RecordedFrameSource(std::vector<RecordedSequence> sequences,
+                                         PlaybackOptions options)
+    : sequences_(std::move(sequences)), options_(std::move(options)) {
+  assert(options_.stride >= 1);
+  KeepTimesIncreasing(&sequences_);
+  for (std::size_t sequence = 0; sequence < sequences_.size(); ++sequence) {
+    skipped_count_ += sequences_[sequence].skipped_count;
+    const std::size_t count = sequences_[sequence].frames.size();
+    for (std::size_t i = 0; i < count; i += options_.stride) places_.push_back({sequence, i});
+  }
+}
+
+absl::StatusOr<std::optional<v1::Frame>> RecordedFrameSource::Next() {
+  if (next_place_ == places_.size()) return std::optional<v1::Frame>();
+  const Place place = places_[next_place_++];
+  const RecordedSequence& sequence = sequences_[place.sequence];
+  absl::StatusOr<v1::Frame> frame = Load(sequence, sequence.frames[place.frame]);
+  if (!frame.ok()) return frame.status();
+  return std::optional<v1::Frame>(*std::move(frame));
+}
+
+absl::StatusOr<v1::Frame> RecordedFrameSource::Load(const RecordedSequence& sequence,
+                                                    const RecordedFrame& frame) const {
+  if (!frame.T_dataset_camera.ok()) return frame.T_dataset_camera.status();
+  v1::Frame message;
+  const Eigen::Isometry3d T_world_dataset =
+      options_.T_world_dataset.value_or(sequence.T_world_dataset);
+  FillFrameMessage(
+      frame.time, sequence.camera, T_world_dataset * *frame.T_dataset_camera, &message);
+
+  absl::StatusOr<ImageFile> depth = ReadPngFile(frame.depth, sequence.camera);
+  if (!depth.ok()) return depth.status();
+  message.mutable_depth()->set_encoding(v1::DEPTH_ENCODING_PNG_UINT16);
+  message.mutable_depth()->set_metres_per_unit(sequence.metres_per_unit);
+  message.mutable_depth()->set_data(std::move(depth->data));
+
+  if (!frame.labels.empty()) {
+    const absl::Status status =
+        PackLabels(frame.labels, sequence.camera, options_.label_map, message.mutable_labels());
+    if (!status.ok()) return status;
+  }
+  if (!frame.instances.empty()) {
+    const absl::Status status =
+        PackLabels(frame.instances, sequence.camera, LabelMap(), message.mutable_instances());
+    if (!status.ok()) return status;
+  }
+  if (options_.include_color && !frame.color.empty()) {
+    absl::StatusOr<ImageFile> color = ReadImageFile(frame.color, sequence.camera);
+    if (!color.ok()) return color.status();
+    message.mutable_color()->set_encoding(color->is_png ? v1::COLOR_ENCODING_PNG
+                                                        : v1::COLOR_ENCODING_JPEG);
+    message.mutable_color()->set_data(std::move(color->data));
+  }
+  return message;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/dataset/dataset.h"
+#include "client/dataset/label_map.h"
+#include "client/dataset/recorded_sequence.h"
+
+namespace steadymap {
+
+/// How indexed sequences are turned into frames.
+struct PlaybackOptions {
+  std::size_t stride = 1;                            ///< At least 1.
+  LabelMap label_map;                                ///< Applied to every label image.
+  std::optional<Eigen::Isometry3d> T_world_dataset;  ///< Instead of each sequence's own.
+  bool include_color = true;
+};
+
+/// Plays indexed sequences one after the other, whatever their format. Image files pass as they lie
+/// on disk; only labels that a map changes are packed anew.
+class RecordedFrameSource : public DatasetSource {
+ public:
+  RecordedFrameSource(std::vector<RecordedSequence> sequences, PlaybackOptions options);
+
+  std::size_t frame_count() const override { return places_.size(); }
+
+  std::size_t skipped_count() const override { return skipped_count_; }
+
+  absl::StatusOr<std::optional<v1::Frame>> Next() override;
+
+ private:
+  struct Place {
+    std::size_t sequence = 0;
+    std::size_t frame = 0;
+  };
+
+  absl::StatusOr<v1::Frame> Load(const RecordedSequence& sequence,
+                                 const RecordedFrame& frame) const;
+
+  std::vector<RecordedSequence> sequences_;
+  PlaybackOptions options_;
+  std::vector<Place> places_;  ///< The frames that are played, in order.
+  std::size_t next_place_ = 0;
+  std::size_t skipped_count_ = 0;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/dataset/dataset.h"
+#include "core/geometry.h"
+#include "core/timestamp.h"
+
+namespace steadymap {
+
+/// One frame of a recording: where its images lie, and where the camera was.
+struct RecordedFrame {
+  Timestamp time;
+  /// In the recording's own world; or why it is not known although the recording tells it.
+  absl::StatusOr<Eigen::Isometry3d> T_dataset_camera = Eigen::Isometry3d::Identity();
+  std::filesystem::path depth;      ///< A 16-bit PNG file.
+  std::filesystem::path labels;     ///< A PNG file; empty: none.
+  std::filesystem::path instances;  ///< A PNG file; empty: none.
+  std::filesystem::path color;      ///< A PNG or JPEG file; empty: none.
+};
+
+/// The index of one sequence.
+struct RecordedSequence {
+  PinholeCamera camera;
+  double metres_per_unit = 0.001;
+  /// To a world with z up, unless the options say otherwise.
+  Eigen::Isometry3d T_world_dataset = Eigen::Isometry3d::Identity();
+  std::vector<RecordedFrame> frames;  ///< In the order of recording.
+  std::size_t skipped_count = 0;      ///< Frames left out because they have no finite pose.
+};
+
+/// How one format is recognised and indexed.
+struct DatasetFormat {
+  std::string_view name;
+  std::string_view expected;  ///< What makes a folder a sequence, for messages.
+  bool (*is_sequence)(const std::filesystem::path& folder);
+  /// Indexes a folder for which `is_sequence` holds.
+  absl::StatusOr<RecordedSequence> (*index)(const std::filesystem::path& folder);
+};
+
+/// TorWIC-Mapping (`torwic_sequence.cpp`).
+DatasetFormat TorwicFormat();
+
+/// 7-Scenes (`seven_scenes_sequence.cpp`).
+DatasetFormat SevenScenesFormat();
+
+/// TUM RGB-D (`tum_sequence.cpp`).
+DatasetFormat TumFormat();
+
+}  // namespace steadymap

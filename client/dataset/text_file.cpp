@@ -1,0 +1,120 @@
+#include "client/dataset/text_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_split.h>
+#include <absl/strings/strip.h>
+
+namespace steadymap {
+namespace {
+
+constexpr std::size_t kMaxTextBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxQuotedLength = 100;
+constexpr double kRotationTolerance = 1e-2;
+
+absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
+
+}  // namespace
+
+absl::StatusOr<std::string> ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    return absl::NotFoundError(absl::StrCat(file.string(), ": expected a file, found none"));
+  }
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (!error && size > max_bytes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(file.string(), ": expected at most ", max_bytes, " bytes, found ", size));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string content(error ? 0 : static_cast<std::size_t>(size), '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
+  if (error || !stream) {
+    return absl::NotFoundError(absl::StrCat(file.string(), ": cannot be read"));
+  }
+  return content;
+}
+
+absl::StatusOr<std::vector<TextLine>> ReadTextLines(const std::filesystem::path& file) {
+  const absl::StatusOr<std::string> content = ReadFile(file, kMaxTextBytes);
+  if (!content.ok()) return content.status();
+  std::vector<TextLine> lines;
+  std::size_t number = 0;
+  for (absl::string_view line : absl::StrSplit(*content, '\n')) {
+    ++number;
+    line = absl::StripAsciiWhitespace(line.substr(0, line.find('#')));
+    if (!line.empty()) lines.push_back({number, std::string(line)});
+  }
+  return lines;
+}
+
+std::optional<std::vector<double>> ParseNumbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (const absl::string_view word :
+       absl::StrSplit(Absl(text), absl::ByAnyChar(" \t\r,"), absl::SkipEmpty())) {
+    double number = 0.0;
+    if (!absl::SimpleAtod(word, &number)) return std::nullopt;
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+absl::Status MalformedLine(const std::filesystem::path& file,
+                           const TextLine& line,
+                           std::string_view expected) {
+  return absl::InvalidArgumentError(absl::StrCat(file.string(),
+                                                 ":",
+                                                 line.number,
+                                                 ": expected ",
+                                                 Absl(expected),
+                                                 ", found \"",
+                                                 line.text.substr(0, kMaxQuotedLength),
+                                                 "\""));
+}
+
+absl::StatusOr<Eigen::MatrixXd> ReadSquareMatrix(const std::filesystem::path& file, int rows) {
+  const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(file);
+  if (!lines.ok()) return lines.status();
+  const std::string expected = absl::StrCat(rows, " numbers");
+  if (lines->size() != static_cast<std::size_t>(rows)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        file.string(), ": expected ", rows, " lines of ", expected, ", found ", lines->size()));
+  }
+  Eigen::MatrixXd matrix(rows, rows);
+  for (int row = 0; row < rows; ++row) {
+    const TextLine& line = (*lines)[static_cast<std::size_t>(row)];
+    const std::optional<std::vector<double>> numbers = ParseNumbers(line.text);
+    if (!numbers || numbers->size() != static_cast<std::size_t>(rows)) {
+      return MalformedLine(file, line, expected);
+    }
+    matrix.row(row) = Eigen::Map<const Eigen::RowVectorXd>(numbers->data(), rows);
+  }
+  return matrix;
+}
+
+absl::StatusOr<Eigen::Isometry3d> ReadTransform(const std::filesystem::path& file) {
+  const absl::StatusOr<Eigen::MatrixXd> matrix = ReadSquareMatrix(file, 4);
+  if (!matrix.ok()) return matrix.status();
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  transform.matrix() = *matrix;
+  if (!matrix->allFinite()) return transform;
+  const Eigen::Matrix3d rotation = transform.linear();
+  const Eigen::RowVector4d last_row = matrix->row(3);
+  const bool is_rigid =
+      (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < kRotationTolerance &&
+      rotation.determinant() > 0 &&
+      (last_row - Eigen::RowVector4d(0, 0, 0, 1)).norm() < kRotationTolerance;
+  if (!is_rigid) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(file.string(), ": expected the 4x4 matrix of a rotation and a translation"));
+  }
+  transform.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+  transform.matrix().row(3) << 0, 0, 0, 1;
+  return transform;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,68 @@
+#include "client/simulator/route.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "client/dataset/torwic_layout.h"
+#include "client/simulator/large_hall.h"
+#include "client/simulator/named_scenes.h"
+#include "client/simulator/torwic_hall.h"
+#include "core/error.h"
+
+namespace steadymap {
+namespace {
+
+// The configurations of the TorWIC hall that a route passes through; empty if it is none.
+std::vector<std::string> TorwicConfigurationsOf(std::string_view route) {
+  if (route == "2-4-4") return {"2-2", "2-4", "4-1"};
+  if (route == "9-2") return {"1-9", "2-1"};
+  const std::vector<std::string> known = TorwicConfigurations();
+  if (std::find(known.begin(), known.end(), route) == known.end()) return {};
+  if (route == "baseline") return {"baseline"};
+  return {"baseline", std::string(route)};
+}
+
+absl::StatusOr<Route> MakeTorwicRoute(std::string_view name,
+                                      const std::vector<std::string>& configurations) {
+  Route route;
+  route.name = name;
+  route.camera = DefaultTorwicCalibration().camera;
+  for (const std::string& configuration : configurations) {
+    absl::StatusOr<Scene> scene = MakeTorwicHall(configuration);
+    if (!scene.ok()) return scene.status();
+    route.sequences.push_back({configuration, *std::move(scene), DriveTorwicLoop()});
+  }
+  return route;
+}
+
+std::string Join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> RouteNames() {
+  std::vector<std::string> names = TorwicConfigurations();
+  for (const char* name : {"2-4-4", "9-2", "table-top", "twin", "people", "hall"}) {
+    names.emplace_back(name);
+  }
+  return names;
+}
+
+absl::StatusOr<Route> MakeRoute(std::string_view name) {
+  if (name == "table-top") return MakeTableTopRoute();
+  if (name == "twin") return MakeTwinRoute();
+  if (name == "people") return MakePeopleRoute();
+  if (name == "hall") return MakeLargeHallRoute({});
+  const std::vector<std::string> configurations = TorwicConfigurationsOf(name);
+  if (!configurations.empty()) return MakeTorwicRoute(name, configurations);
+  return InvalidField(reason::kBadName,
+                      "route",
+                      "there is no route \"" + std::string(name.substr(0, 80)) +
+                          "\"; the routes are " + Join(RouteNames()));
+}
+
+}  // namespace steadymap

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include <absl/status/status.h>
+
+namespace steadymap {
+
+/// Where an upload stands. All counts are of frames since the start and never fall; a frame that
+/// was refused counts there and nowhere behind `pushed`.
+struct UploadProgress {
+  std::uint64_t pushed = 0;
+  std::uint64_t sent = 0;        ///< Sent at least once.
+  std::uint64_t durable = 0;     ///< Would survive the server's death.
+  std::uint64_t integrated = 0;  ///< Part of a committed revision.
+  std::uint64_t refused = 0;
+  std::uint64_t sent_again = 0;  ///< Sendings beyond the first, after reconnections.
+  std::uint64_t reconnections = 0;
+  std::uint64_t bytes_sent = 0;  ///< Of serialized batches.
+  std::uint64_t revision = 0;    ///< Newest revision that an acknowledgement named.
+
+  friend bool operator==(const UploadProgress&, const UploadProgress&) = default;
+};
+
+/// A frame that the server refused.
+struct RefusedUpload {
+  std::uint64_t client_seq = 0;  ///< The k-th frame pushed has k.
+  absl::Status status;           ///< With reason and field path.
+};
+
+}  // namespace steadymap

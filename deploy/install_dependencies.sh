@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# Installs what building and testing needs, from Debian 12's own packages. Quiet and without
+# privileges when nothing is missing.
+#
+#   deploy/install_dependencies.sh [--lint]     --lint: also what deploy/lint.sh needs
+set -euo pipefail
+
+build_packages=(
+  g++ cmake ninja-build pkgconf ccache mold
+  libopenvdb-dev libtbb-dev libeigen3-dev libboost-iostreams-dev libpcl-dev
+  libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler
+  librocksdb-dev libzstd-dev libpng-dev zlib1g-dev libjpeg62-turbo-dev
+  libspdlog-dev libcli11-dev libtomlplusplus-dev libsystemd-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+)
+lint_packages=(clang-format clang-tidy shellcheck git)
+
+fail() {
+  echo "install_dependencies: $*" >&2
+  exit 1
+}
+
+wanted=("${build_packages[@]}")
+for argument in "$@"; do
+  case "$argument" in
+    --lint) wanted+=("${lint_packages[@]}") ;;
+    *) fail "unknown argument '$argument'; usage: install_dependencies.sh [--lint]" ;;
+  esac
+done
+
+is_installed() {
+  [[ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
+}
+
+command -v dpkg-query >/dev/null || fail "needs Debian 12, found a system without dpkg"
+missing=()
+for package in "${wanted[@]}"; do
+  is_installed "$package" || missing+=("$package")
+done
+((${#missing[@]})) || exit 0
+
+# shellcheck source=/dev/null
+system=$(. /etc/os-release 2>/dev/null && echo "${ID:-unknown} ${VERSION_ID:-unknown}") || system=unknown
+[[ "$system" == "debian 12" ]] || fail "needs Debian 12, found $system; missing: ${missing[*]}"
+
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null ||
+    fail "needs root or sudo to install: ${missing[*]}"
+  as_root=(sudo)
+fi
+
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+# Waits for another package manager instead of failing beside it.
+apt() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get -q -y -o DPkg::Lock::Timeout=300 "$@" >"$log" 2>&1
+}
+
+echo "install_dependencies: installing ${#missing[@]} packages: ${missing[*]}"
+# The package lists of a fresh machine are empty and those of an old one outdated; only then is the
+# update worth its time.
+if ! apt install --no-install-recommends "${missing[@]}"; then
+  echo "install_dependencies: updating the package lists first"
+  if ! { apt update && apt install --no-install-recommends "${missing[@]}"; }; then
+    tail -n 20 "$log" >&2
+    fail "apt-get could not install: ${missing[*]}"
+  fi
+fi
+echo "install_dependencies: done"

@@ -1,0 +1,111 @@
+#!/usr/bin/env bash
+# Checks form: layers and shell scripts all over, clang-format and clang-tidy on what changed.
+#
+#   deploy/lint.sh [--all | --since COMMIT]
+#
+# "What changed" is what differs from the merge base with main, or, on main itself, from the commit
+# that landed before, together with what is not committed yet. Without such a commit: everything.
+# clang-tidy stops taking new files after LINT_TIDY_SECONDS (default 600) and names the rest.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+fail() {
+  echo "lint.sh: $*" >&2
+  exit 1
+}
+
+base=""
+everything=false
+while (($#)); do
+  case "$1" in
+    --all) everything=true ;;
+    --since)
+      (($# >= 2)) || fail "--since needs a commit"
+      base=$2
+      shift
+      ;;
+    *) fail "unknown argument '$1'; usage: lint.sh [--all | --since COMMIT]" ;;
+  esac
+  shift
+done
+
+for tool in git cmake clang-format clang-tidy shellcheck; do
+  command -v "$tool" >/dev/null || fail "needs $tool: run deploy/install_dependencies.sh --lint"
+done
+
+find_base() {
+  local main head
+  head=$(git rev-parse --verify --quiet HEAD) || return 0
+  for main in origin/main main; do
+    local merge_base
+    merge_base=$(git merge-base HEAD "$main" 2>/dev/null) || continue
+    if [[ "$merge_base" != "$head" ]]; then
+      echo "$merge_base"
+      return 0
+    fi
+  done
+  git rev-parse --verify --quiet HEAD~1 || true
+}
+
+sources=('*.cpp' '*.h')
+list_changed() {
+  if $everything || [[ -z "$base" ]]; then
+    git ls-files --cached --others --exclude-standard -- "${sources[@]}"
+  else
+    git diff --name-only --diff-filter=d "$base" -- "${sources[@]}"
+    git ls-files --others --exclude-standard -- "${sources[@]}"
+  fi
+}
+
+if ! $everything && [[ -z "$base" ]]; then base=$(find_base); fi
+if [[ -n "$base" ]]; then
+  git rev-parse --verify --quiet "$base^{commit}" >/dev/null || fail "no such commit: $base"
+  echo "== lint.sh: changes since $(git log -1 --format='%h "%s"' "$base")"
+else
+  echo "== lint.sh: everything"
+fi
+mapfile -t changed < <(list_changed | sort -u)
+
+status=0
+
+echo "== lint.sh: layers"
+cmake -D "ROOT=$PWD" -P tests/layering/check_layers.cmake || status=1
+
+echo "== lint.sh: shellcheck"
+mapfile -t scripts < <(git ls-files --cached --others --exclude-standard -- '*.sh' .ci/run)
+shellcheck "${scripts[@]}" || status=1
+
+echo "== lint.sh: clang-format, ${#changed[@]} files"
+if ((${#changed[@]})); then clang-format --dry-run -Werror "${changed[@]}" || status=1; fi
+
+translation_units=()
+for file in "${changed[@]}"; do
+  if [[ "$file" == *.cpp ]]; then translation_units+=("$file"); fi
+done
+echo "== lint.sh: clang-tidy, ${#translation_units[@]} files"
+if ((${#translation_units[@]})); then
+  # clang-tidy reads the compile commands and the headers generated from proto/.
+  log=$(mktemp)
+  trap 'rm -f "$log"' EXIT
+  if ! { cmake --preset dev && cmake --build --preset dev --target steadymap_proto; } \
+    >"$log" 2>&1; then
+    tail -n 30 "$log" >&2
+    fail "the build that clang-tidy needs failed"
+  fi
+  deadline=$(($(date +%s) + ${LINT_TIDY_SECONDS:-600}))
+  export deadline
+  tidy_one() {
+    if (($(date +%s) >= deadline)); then
+      echo "lint.sh: out of time, not checked by clang-tidy: $1"
+    else
+      clang-tidy -p build/dev --quiet "$1" 2>/dev/null
+    fi
+  }
+  export -f tidy_one
+  # shellcheck disable=SC2016  # the shell that xargs starts expands it
+  printf '%s\0' "${translation_units[@]}" |
+    xargs -0 -n 1 -P "$(nproc)" bash -c 'tidy_one "$1"' tidy || status=1
+fi
+
+((status == 0)) || fail "found the faults above"
+echo "== lint.sh: clean"

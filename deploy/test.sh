@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and runs the whole test suite. The last lines printed are
+# ctest's summary.
+#
+#   deploy/test.sh [PRESET]     PRESET: a configure preset with tests (default: dev)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+preset=${1:-dev}
+
+step="starting"
+begin() {
+  step=$1
+  echo "== test.sh: $step"
+}
+log=""
+on_exit() {
+  local status=$?
+  if ((status != 0)); then
+    [[ -n "$log" && -s "$log" ]] && tail -n 30 "$log" >&2
+    echo "test.sh: failed while $step (exit status $status)" >&2
+  fi
+  [[ -z "$log" ]] || rm -f "$log"
+}
+trap on_exit EXIT
+
+begin "installing what is missing"
+deploy/install_dependencies.sh
+
+begin "configuring preset $preset"
+log=$(mktemp)
+cmake --preset "$preset" >"$log" 2>&1
+rm -f "$log"
+log=""
+
+begin "building into build/$preset"
+cmake --build --preset "$preset"
+
+begin "running the tests"
+# Replaces this shell, so that nothing is printed after ctest's summary and its status is ours.
+exec ctest --preset "$preset" --parallel "$(nproc)"

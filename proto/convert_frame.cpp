@@ -1,0 +1,169 @@
+#include "proto/convert_frame.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/error.h"
+#include "core/image_codec.h"
+#include "proto/convert_geometry.h"
+
+namespace steadymap {
+namespace {
+
+std::optional<PixelEncoding> DepthEncodingOf(v1::DepthEncoding encoding) {
+  switch (encoding) {
+    case v1::DEPTH_ENCODING_RAW_UINT16:
+      return PixelEncoding::kRawUint16;
+    case v1::DEPTH_ENCODING_PNG_UINT16:
+      return PixelEncoding::kPng;
+    case v1::DEPTH_ENCODING_ZSTD_UINT16:
+      return PixelEncoding::kZstdUint16;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<PixelEncoding> LabelEncodingOf(v1::LabelEncoding encoding) {
+  switch (encoding) {
+    case v1::LABEL_ENCODING_RAW_UINT8:
+      return PixelEncoding::kRawUint8;
+    case v1::LABEL_ENCODING_RAW_UINT16:
+      return PixelEncoding::kRawUint16;
+    case v1::LABEL_ENCODING_PNG:
+      return PixelEncoding::kPng;
+    case v1::LABEL_ENCODING_ZSTD_UINT8:
+      return PixelEncoding::kZstdUint8;
+    case v1::LABEL_ENCODING_ZSTD_UINT16:
+      return PixelEncoding::kZstdUint16;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<ColorEncoding> ColorEncodingOf(v1::ColorEncoding encoding) {
+  switch (encoding) {
+    case v1::COLOR_ENCODING_JPEG:
+      return ColorEncoding::kJpeg;
+    case v1::COLOR_ENCODING_PNG:
+      return ColorEncoding::kPng;
+    default:
+      return std::nullopt;
+  }
+}
+
+absl::Status UnknownEncoding(std::string_view reason, int encoding) {
+  return InvalidField(
+      reason, "encoding", absl::StrCat("the encoding must be one that is known, got ", encoding));
+}
+
+absl::StatusOr<Image<std::uint16_t>> Decode(const v1::DepthImage& message,
+                                            const PinholeCamera& camera) {
+  const std::optional<PixelEncoding> encoding = DepthEncodingOf(message.encoding());
+  if (!encoding) return UnknownEncoding(reason::kBadDepthEncoding, message.encoding());
+  return DecodeDepth(message.data(), *encoding, camera.width_px, camera.height_px);
+}
+
+absl::StatusOr<Image<std::uint16_t>> Decode(const v1::LabelImage& message,
+                                            const PinholeCamera& camera) {
+  const std::optional<PixelEncoding> encoding = LabelEncodingOf(message.encoding());
+  if (!encoding) return UnknownEncoding(reason::kBadImageEncoding, message.encoding());
+  return DecodePixels(message.data(), *encoding, camera.width_px, camera.height_px);
+}
+
+absl::StatusOr<Image<Rgb>> Decode(const v1::ColorImage& message, const PinholeCamera& camera) {
+  const std::optional<ColorEncoding> encoding = ColorEncodingOf(message.encoding());
+  if (!encoding) return UnknownEncoding(reason::kBadImageEncoding, message.encoding());
+  return DecodeColor(message.data(), *encoding, camera.width_px, camera.height_px);
+}
+
+/// Decodes `message` to `image`; errors name `field`.
+template <typename Message, typename Pixel>
+absl::Status DecodeInto(const Message& message,
+                        const char* field,
+                        const PinholeCamera& camera,
+                        Image<Pixel>* image) {
+  absl::StatusOr<Image<Pixel>> decoded = Decode(message, camera);
+  if (!decoded.ok()) return WithFieldPrefix(decoded.status(), field);
+  *image = std::move(*decoded);
+  return absl::OkStatus();
+}
+
+absl::Status DecodeImages(const v1::Frame& message, Frame* frame) {
+  const PinholeCamera& camera = frame->camera;
+  absl::Status status = DecodeInto(message.depth(), "depth", camera, &frame->depth.units);
+  if (status.ok() && message.has_labels()) {
+    status = DecodeInto(message.labels(), "labels", camera, &frame->labels);
+  }
+  if (status.ok() && message.has_instances()) {
+    status = DecodeInto(message.instances(), "instances", camera, &frame->instances);
+  }
+  if (status.ok() && message.has_color()) {
+    status = DecodeInto(message.color(), "color", camera, &frame->color);
+  }
+  return status;
+}
+
+/// Everything but the images.
+absl::Status ReadHeader(const v1::Frame& message, Frame* frame) {
+  if (!message.has_capture_time()) {
+    return InvalidField(
+        reason::kBadTimestamp, "capture_time", "a frame needs its capture_time, it is absent");
+  }
+  const absl::StatusOr<Timestamp> capture_time = FromProto(message.capture_time());
+  if (!capture_time.ok()) return WithFieldPrefix(capture_time.status(), "capture_time");
+  const absl::StatusOr<PinholeCamera> camera = FromProto(message.intrinsics());
+  if (!camera.ok()) return WithFieldPrefix(camera.status(), "intrinsics");
+  const absl::StatusOr<Eigen::Isometry3d> pose = FromProto(message.world_from_camera());
+  if (!pose.ok()) return WithFieldPrefix(pose.status(), "world_from_camera");
+  frame->capture_time = *capture_time;
+  frame->camera = *camera;
+  frame->T_world_camera = *pose;
+  frame->depth.metres_per_unit = message.depth().metres_per_unit();
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Frame> FromProto(const v1::Frame& message,
+                                const std::string& robot,
+                                std::size_t class_count) {
+  Frame frame;
+  frame.robot = robot;
+  absl::Status status = ReadHeader(message, &frame);
+  if (status.ok()) status = DecodeImages(message, &frame);
+  if (status.ok()) status = ValidateFrame(frame, class_count);
+  // A pose that leaves MakePose passes ValidateFrame, so its field paths are proto paths.
+  if (!status.ok()) return status;
+  return frame;
+}
+
+absl::StatusOr<PinholeCamera> FromProto(const v1::CameraIntrinsics& message) {
+  // One above the limit stands for anything larger, which would not fit an int.
+  const auto side = [](std::uint32_t side_px) {
+    return static_cast<int>(std::min(side_px, static_cast<std::uint32_t>(kMaxImageSidePx) + 1));
+  };
+  const PinholeCamera camera{side(message.width_px()),
+                             side(message.height_px()),
+                             message.fx(),
+                             message.fy(),
+                             message.cx(),
+                             message.cy()};
+  if (absl::Status status = ValidateCamera(camera); !status.ok()) return status;
+  return camera;
+}
+
+v1::CameraIntrinsics ToProto(const PinholeCamera& camera) {
+  v1::CameraIntrinsics message;
+  message.set_width_px(static_cast<std::uint32_t>(camera.width_px));
+  message.set_height_px(static_cast<std::uint32_t>(camera.height_px));
+  message.set_fx(camera.fx);
+  message.set_fy(camera.fy);
+  message.set_cx(camera.cx);
+  message.set_cy(camera.cy);
+  return message;
+}
+
+}  // namespace steadymap

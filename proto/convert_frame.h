@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include <absl/status/statusor.h>
+
+#include "core/frame.h"
+
+#include "steadymap/v1/frame.pb.h"
+
+namespace steadymap {
+
+/// Decodes and validates an uploaded frame of `robot` for a map whose labels lie below
+/// `class_count`. The image sizes that the intrinsics declare are checked before anything is
+/// allocated, and every image must have them.
+///
+/// Errors: `InvalidArgument` with the reason of the service contract and the field path relative to
+/// the frame, such as `depth.data`.
+/// Cost: decoding, 2 to 3 ms for PNG depth and labels of 640 x 360. Pure, any thread.
+absl::StatusOr<Frame> FromProto(const v1::Frame& message,
+                                const std::string& robot,
+                                std::size_t class_count);
+
+/// The camera of a frame. Errors: as `ValidateCamera`, with the field of the message.
+absl::StatusOr<PinholeCamera> FromProto(const v1::CameraIntrinsics& message);
+v1::CameraIntrinsics ToProto(const PinholeCamera& camera);
+
+}  // namespace steadymap

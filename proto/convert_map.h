@@ -1,0 +1,17 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "core/map_config.h"
+
+#include "steadymap/v1/map.pb.h"
+
+namespace steadymap {
+
+/// A map's configuration with the defaults of map.proto filled in for what is absent or zero.
+/// Errors: as `ValidateMapConfig`, and `BAD_VALUE` for a policy, a motion or a class id that is
+/// unknown or out of range; field paths are relative to the message. Pure, any thread.
+absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message);
+v1::MapConfig ToProto(const MapConfig& config);
+
+}  // namespace steadymap

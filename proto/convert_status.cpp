@@ -1,0 +1,96 @@
+#include "proto/convert_status.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "core/error.h"
+
+#include "google/rpc/error_details.pb.h"
+
+namespace steadymap {
+namespace {
+
+constexpr char kDomain[] = "steadymap";
+constexpr int kMaxCode = static_cast<int>(absl::StatusCode::kUnauthenticated);
+
+/// How long to wait before the next try.
+struct RetryDelay {
+  std::string_view reason;
+  std::int64_t seconds;
+};
+
+// A queue drains in about a second and a restart takes a few; a full or failed disk waits for a
+// person. MESSAGE_TOO_LARGE and MAP_BYTES do not pass by waiting.
+constexpr std::array kRetryDelays = {RetryDelay{reason::kQueueFull, 1},
+                                     RetryDelay{reason::kDraining, 2},
+                                     RetryDelay{reason::kDiskLow, 30},
+                                     RetryDelay{reason::kStoreReadOnly, 30}};
+
+// The message travels three times in trailers, of which gRPC takes 8 KiB by default.
+constexpr std::size_t kMaxMessageBytes = 1000;
+
+/// The text without what could break the trailer. A message may quote a request, and a cut through
+/// a character of several bytes would make the details unreadable.
+std::string TrailerText(const absl::Status& status) {
+  std::string text(status.message().substr(0, kMaxMessageBytes));
+  for (char& character : text) {
+    if (character < ' ' || character > '~') character = '?';
+  }
+  return text;
+}
+
+void AddRetryInfo(std::string_view reason, google::rpc::Status* message) {
+  for (const RetryDelay& delay : kRetryDelays) {
+    if (delay.reason != reason) continue;
+    google::rpc::RetryInfo info;
+    info.mutable_retry_delay()->set_seconds(delay.seconds);
+    message->add_details()->PackFrom(info);
+  }
+}
+
+}  // namespace
+
+google::rpc::Status ToProto(const absl::Status& status) {
+  google::rpc::Status message;
+  message.set_code(static_cast<int>(status.code()));
+  message.set_message(TrailerText(status));
+  const std::string reason = ReasonOf(status);
+  if (reason.empty()) return message;
+  google::rpc::ErrorInfo info;
+  info.set_reason(reason);
+  info.set_domain(kDomain);
+  message.add_details()->PackFrom(info);
+  if (const std::string field = FieldOf(status); !field.empty()) {
+    google::rpc::BadRequest bad_request;
+    google::rpc::BadRequest::FieldViolation* violation = bad_request.add_field_violations();
+    violation->set_field(field);
+    violation->set_description(message.message());
+    message.add_details()->PackFrom(bad_request);
+  }
+  AddRetryInfo(reason, &message);
+  return message;
+}
+
+absl::Status FromProto(const google::rpc::Status& message) {
+  if (message.code() == 0) return absl::OkStatus();
+  const bool known = message.code() > 0 && message.code() <= kMaxCode;
+  const absl::StatusCode code =
+      known ? static_cast<absl::StatusCode>(message.code()) : absl::StatusCode::kUnknown;
+  std::string reason;
+  std::string field;
+  for (const google::protobuf::Any& detail : message.details()) {
+    google::rpc::ErrorInfo info;
+    google::rpc::BadRequest bad_request;
+    if (detail.UnpackTo(&info)) {
+      if (info.domain() == kDomain) reason = info.reason();
+    } else if (detail.UnpackTo(&bad_request) && bad_request.field_violations_size() > 0) {
+      field = bad_request.field_violations(0).field();
+    }
+  }
+  if (reason.empty()) return {code, message.message()};
+  return MakeError(code, reason, message.message(), field);
+}
+
+}  // namespace steadymap

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <absl/status/status.h>
+
+#include "google/rpc/status.pb.h"
+
+namespace steadymap {
+
+/// A status with the standard details: ErrorInfo with the reason and the domain `steadymap`,
+/// BadRequest where a field is to blame, and RetryInfo where trying again later may help. A status
+/// without a reason carries no details. The message is cut at 1000 bytes, and what is not printable
+/// ASCII becomes a question mark. Pure, any thread.
+google::rpc::Status ToProto(const absl::Status& status);
+
+/// The same the other way: code, message, reason and field path; RetryInfo is dropped. A code that
+/// is none becomes `Unknown`; details of other domains are ignored.
+absl::Status FromProto(const google::rpc::Status& message);
+
+}  // namespace steadymap

@@ -1,0 +1,28 @@
+#include "proto/grpc_status.h"
+
+#include "proto/convert_status.h"
+
+namespace steadymap {
+
+grpc::Status ToGrpcStatus(const absl::Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  const google::rpc::Status details = ToProto(status);
+  return {static_cast<grpc::StatusCode>(details.code()),
+          details.message(),
+          details.details().empty() ? std::string() : details.SerializeAsString()};
+}
+
+absl::Status FromGrpcStatus(const grpc::Status& status) {
+  google::rpc::Status details;
+  // Other servers and proxies put what they like into the trailer: it counts only where it says
+  // the same as the status.
+  if (status.error_details().empty() || !details.ParseFromString(status.error_details()) ||
+      details.code() != static_cast<int>(status.error_code())) {
+    details.Clear();
+    details.set_code(static_cast<int>(status.error_code()));
+  }
+  details.set_message(status.error_message());
+  return FromProto(details);
+}
+
+}  // namespace steadymap

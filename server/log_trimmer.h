@@ -1,0 +1,44 @@
+#pragma once
+
+#include <thread>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/synchronization/mutex.h>
+
+#include "server/heartbeat.h"
+#include "server/map_directory.h"
+#include "server/server_config.h"
+#include "server/store.h"
+
+namespace steadymap {
+
+/// Applies retention now and then: one thread goes through all maps, drops from their logs what is
+/// integrated and no longer wanted, and forgets upload sessions that have been idle for too long.
+class LogTrimmer {
+ public:
+  /// Starts the thread. `maps` and `store` must outlive it.
+  LogTrimmer(const MapDirectory* maps, Store* store, const RetentionOptions& options);
+
+  /// Ends the thread.
+  ~LogTrimmer();
+
+  LogTrimmer(const LogTrimmer&) = delete;
+  LogTrimmer& operator=(const LogTrimmer&) = delete;
+
+  const Heartbeat& heartbeat() const { return heartbeat_; }
+
+ private:
+  void Run() ABSL_LOCKS_EXCLUDED(mutex_);
+  void TrimAll();
+  bool AwaitStop() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  const MapDirectory* const maps_;
+  Store* const store_;
+  const RetentionOptions options_;
+  absl::Mutex mutex_;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  Heartbeat heartbeat_;
+  std::thread thread_;  ///< Last: it uses everything above.
+};
+
+}  // namespace steadymap

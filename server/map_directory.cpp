@@ -1,0 +1,113 @@
+#include "server/map_directory.h"
+
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
+
+#include "core/error.h"
+
+namespace steadymap {
+
+absl::Status MapNotFound(const MapName& name, std::string_view field) {
+  return MakeError(absl::StatusCode::kNotFound,
+                   reason::kNotFound,
+                   absl::StrCat("there is no map ", name.ToString()),
+                   field);
+}
+
+MapDirectory::MapDirectory(MapRuntime::Surroundings surroundings)
+    : surroundings_(std::move(surroundings)) {}
+
+absl::Status MapDirectory::Load() {
+  absl::StatusOr<std::vector<MapRecord>> records = surroundings_.store->ListMaps();
+  if (!records.ok()) return records.status();
+  for (const MapRecord& record : *records) {
+    std::shared_ptr<MapRuntime> map = MapRuntime::Load(record, surroundings_);
+    const absl::MutexLock lock(&mutex_);
+    maps_.emplace(record.name, std::move(map));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<MapRuntime>> MapDirectory::Get(const MapName& name,
+                                                              std::string_view field) const {
+  const absl::MutexLock lock(&mutex_);
+  const auto map = maps_.find(name);
+  if (map == maps_.end()) return MapNotFound(name, field);
+  return map->second;
+}
+
+absl::StatusOr<std::shared_ptr<MapRuntime>> MapDirectory::Find(const std::string& name,
+                                                               std::string_view field) const {
+  const absl::StatusOr<MapName> parsed = MapName::Parse(name);
+  if (!parsed.ok()) {
+    return InvalidField(ReasonOf(parsed.status()), field, std::string(parsed.status().message()));
+  }
+  absl::StatusOr<std::shared_ptr<MapRuntime>> map = Get(*parsed, field);
+  if (!map.ok()) return map;
+  if (absl::Status condition = (*map)->condition(); !condition.ok()) return condition;
+  return map;
+}
+
+std::vector<std::shared_ptr<MapRuntime>> MapDirectory::List(const std::string& tenant,
+                                                            const std::string& after,
+                                                            std::size_t limit) const {
+  std::vector<std::shared_ptr<MapRuntime>> listed;
+  const absl::MutexLock lock(&mutex_);
+  for (auto map = maps_.upper_bound(MapName{tenant, after});
+       map != maps_.end() && map->first.tenant == tenant && listed.size() < limit;
+       ++map) {
+    listed.push_back(map->second);
+  }
+  return listed;
+}
+
+std::vector<std::shared_ptr<MapRuntime>> MapDirectory::All() const {
+  std::vector<std::shared_ptr<MapRuntime>> all;
+  const absl::MutexLock lock(&mutex_);
+  for (const auto& [name, map] : maps_) all.push_back(map);
+  return all;
+}
+
+absl::StatusOr<std::shared_ptr<MapRuntime>> MapDirectory::Create(const MapRecord& record) {
+  const absl::StatusOr<MapRecord> created = surroundings_.store->CreateMap(record);
+  if (!created.ok()) return created.status();
+  std::shared_ptr<MapRuntime> map = MapRuntime::Load(*created, surroundings_);
+  if (absl::Status condition = map->condition(); !condition.ok()) return condition;
+  const absl::MutexLock lock(&mutex_);
+  maps_.insert_or_assign(record.name, map);
+  return map;
+}
+
+absl::Status MapDirectory::Update(MapRuntime& map, const MapRecord& record) {
+  if (absl::Status status = surroundings_.store->UpdateMap(record); !status.ok()) return status;
+  map.SetRecord(record);
+  return absl::OkStatus();
+}
+
+absl::Status MapDirectory::Delete(const std::shared_ptr<MapRuntime>& map,
+                                  const std::function<void(const absl::Status&)>& end_uploads) {
+  // A store that cannot delete would bring the map back at the next start.
+  if (absl::Status health = surroundings_.store->health(); !health.ok()) return health;
+  {
+    const absl::MutexLock lock(&mutex_);
+    maps_.erase(map->name());
+  }
+  const absl::Status gone = MapNotFound(map->name(), {});
+  end_uploads(gone);
+  map->Close(gone, /*commit=*/false);
+  spdlog::info("map {}: deleted", map->name().ToString());
+  return surroundings_.store->DeleteMap(map->key());
+}
+
+void MapDirectory::Close(const absl::Status& status) {
+  std::map<MapName, std::shared_ptr<MapRuntime>> closed;
+  {
+    const absl::MutexLock lock(&mutex_);
+    closed.swap(maps_);
+  }
+  for (const auto& [name, map] : closed) map->Close(status, /*commit=*/true);
+}
+
+}  // namespace steadymap

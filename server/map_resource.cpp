@@ -1,0 +1,203 @@
+#include "server/map_resource.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <absl/random/random.h>
+#include <absl/strings/str_cat.h>
+#include <google/protobuf/util/field_mask_util.h>
+
+#include "core/error.h"
+#include "proto/convert_geometry.h"
+#include "proto/convert_map.h"
+#include "server/system_clock.h"
+
+namespace steadymap {
+namespace {
+
+using google::protobuf::FieldMask;
+using google::protobuf::util::FieldMaskUtil;
+
+constexpr std::size_t kMaxDisplayNameBytes = 128;
+constexpr std::size_t kMaxRequestIdBytes = 64;
+constexpr std::string_view kTenantsPrefix = "tenants/";
+
+// A century: more would overflow nanoseconds somewhere down the line.
+constexpr std::int64_t kMaxRetentionSeconds = std::int64_t{100} * 366 * 24 * 3600;
+
+absl::Status CheckLength(const char* field, const std::string& text, std::size_t max_bytes) {
+  if (text.size() <= max_bytes) return absl::OkStatus();
+  return InvalidField(reason::kBadValue,
+                      field,
+                      absl::StrCat(field, " may have ", max_bytes, " bytes, got ", text.size()));
+}
+
+absl::StatusOr<std::chrono::seconds> ReadLogAge(const v1::Retention& retention,
+                                                const RetentionOptions& defaults) {
+  if (!retention.has_frame_log_age()) return defaults.frame_log_age;
+  const std::int64_t seconds = retention.frame_log_age().seconds();
+  if (seconds < 0 || seconds > kMaxRetentionSeconds || retention.frame_log_age().nanos() < 0) {
+    return InvalidField(
+        reason::kBadValue,
+        "retention.frame_log_age",
+        absl::StrCat(
+            "frame_log_age must lie in [0, ", kMaxRetentionSeconds, "] seconds, got ", seconds));
+  }
+  return std::chrono::seconds(seconds);
+}
+
+std::uint64_t ReadLogBytes(const v1::Retention& retention, const RetentionOptions& defaults) {
+  return retention.frame_log_bytes() > 0 ? retention.frame_log_bytes() : defaults.frame_log_bytes;
+}
+
+std::string RandomToken() {
+  absl::BitGen random;
+  return absl::StrCat(absl::Hex(absl::Uniform<std::uint64_t>(random), absl::kZeroPad16));
+}
+
+void FillState(MapRuntime& map, v1::MapState* state) {
+  // The head first: it must not be behind the revision.
+  const std::shared_ptr<const MapSnapshot> snapshot = map.snapshot();
+  const std::uint64_t head = std::max(map.durable_head().value(), snapshot->revision.value());
+  const MapCounts counts = map.Count();
+  state->set_revision(snapshot->revision.value());
+  state->set_durable_map_seq(head);
+  state->set_lag_frames(head - snapshot->revision.value());
+  state->set_refused_frames(map.refused_frames());
+  state->set_leaves(counts.leaves);
+  state->set_voxels(counts.voxels);
+  state->set_memory_bytes(counts.memory_bytes);
+  if (snapshot->revision.value() > 0) {
+    *state->mutable_last_capture_time() = ToProto(snapshot->last_capture_time);
+  }
+}
+
+absl::Status NotChangeable(const std::string& path) {
+  return InvalidField(reason::kBadValue,
+                      "update_mask",
+                      absl::StrCat("display_name, retention, retention.frame_log_age, "
+                                   "retention.frame_log_bytes and byte_budget can be changed, not ",
+                                   path.substr(0, 100)));
+}
+
+absl::Status ApplyPath(const std::string& path,
+                       const v1::Map& map,
+                       const RetentionOptions& defaults,
+                       MapRecord* record) {
+  if (path == "display_name") {
+    record->display_name = map.display_name();
+    return CheckLength("map.display_name", map.display_name(), kMaxDisplayNameBytes);
+  }
+  if (path == "byte_budget") {
+    record->byte_budget = map.byte_budget();
+    return absl::OkStatus();
+  }
+  const bool whole_retention = path == "retention";
+  if (!whole_retention && path != "retention.frame_log_age" &&
+      path != "retention.frame_log_bytes") {
+    return NotChangeable(path);
+  }
+  if (path != "retention.frame_log_age") {
+    record->frame_log_bytes = ReadLogBytes(map.retention(), defaults);
+  }
+  if (path != "retention.frame_log_bytes") {
+    const absl::StatusOr<std::chrono::seconds> age = ReadLogAge(map.retention(), defaults);
+    if (!age.ok()) return WithFieldPrefix(age.status(), "map");
+    record->frame_log_age = *age;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+v1::Map MakeMapResource(MapRuntime& map) {
+  const MapRecord record = map.record();
+  v1::Map resource;
+  resource.set_name(record.name.ToString());
+  resource.set_etag(EtagOf(record));
+  if (!map.condition().ok()) return resource;
+  resource.set_display_name(record.display_name);
+  *resource.mutable_config() = ToProto(record.config);
+  resource.mutable_retention()->mutable_frame_log_age()->set_seconds(record.frame_log_age.count());
+  resource.mutable_retention()->set_frame_log_bytes(record.frame_log_bytes);
+  resource.set_byte_budget(record.byte_budget);
+  *resource.mutable_create_time() = ToProto(record.create_time);
+  resource.set_incarnation(record.incarnation);
+  FillState(map, resource.mutable_state());
+  return resource;
+}
+
+std::string EtagOf(const MapRecord& record) {
+  return absl::StrCat(record.key.value(), "-", record.version);
+}
+
+absl::Status CheckEtag(const MapRecord& record, const std::string& etag, std::string_view field) {
+  if (etag.empty() || etag == EtagOf(record)) return absl::OkStatus();
+  return MakeError(
+      absl::StatusCode::kAborted,
+      reason::kEtagMismatch,
+      absl::StrCat(
+          "the map has changed: its etag is ", EtagOf(record), ", not ", etag.substr(0, 100)),
+      field);
+}
+
+absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
+                                     const RetentionOptions& defaults) {
+  MapRecord record;
+  const std::string& parent = request.parent();
+  if (parent.starts_with(kTenantsPrefix)) record.name.tenant = parent.substr(kTenantsPrefix.size());
+  if (!IsValidId(record.name.tenant)) {
+    return InvalidField(reason::kBadName,
+                        "parent",
+                        absl::StrCat("parent must read tenants/{tenant}, the id matching "
+                                     "[a-z][a-z0-9-]{0,62}; got \"",
+                                     parent.substr(0, 100),
+                                     "\""));
+  }
+  record.name.map = request.map_id();
+  if (!IsValidId(record.name.map)) {
+    return InvalidField(reason::kBadName,
+                        "map_id",
+                        absl::StrCat("map_id must match [a-z][a-z0-9-]{0,62}, got \"",
+                                     request.map_id().substr(0, 100),
+                                     "\""));
+  }
+  absl::Status status = CheckLength("request_id", request.request_id(), kMaxRequestIdBytes);
+  if (!status.ok()) return status;
+  absl::StatusOr<MapConfig> config = FromProto(request.map().config());
+  if (!config.ok()) return WithFieldPrefix(config.status(), "map.config");
+  record.config = *std::move(config);
+  for (const char* path : {"display_name", "retention", "byte_budget"}) {
+    if (status = ApplyPath(path, request.map(), defaults, &record); !status.ok()) return status;
+  }
+  record.create_time = Now();
+  record.incarnation = RandomToken();
+  record.request_id = request.request_id();
+  return record;
+}
+
+absl::Status ApplyUpdate(const v1::Map& map,
+                         const FieldMask& mask,
+                         const RetentionOptions& defaults,
+                         MapRecord* record) {
+  if (mask.paths().empty()) {
+    return InvalidField(reason::kBadValue, "update_mask", "update_mask must name what to change");
+  }
+  for (const std::string& path : mask.paths()) {
+    if (absl::Status status = ApplyPath(path, map, defaults, record); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ApplyReadMask(const FieldMask& mask, v1::Map* map) {
+  if (mask.paths().empty()) return absl::OkStatus();
+  for (const std::string& path : mask.paths()) {
+    if (FieldMaskUtil::IsValidPath<v1::Map>(path)) continue;
+    return InvalidField(
+        reason::kBadValue, "read_mask", absl::StrCat("a map has no field ", path.substr(0, 100)));
+  }
+  FieldMaskUtil::TrimMessage(mask, map);
+  return absl::OkStatus();
+}
+
+}  // namespace steadymap

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <google/protobuf/field_mask.pb.h>
+
+#include "server/map_runtime.h"
+#include "server/server_config.h"
+
+#include "steadymap/v1/map_service.pb.h"
+
+namespace steadymap {
+
+/// The map as a resource, with what it holds now. A map in quarantine has a name and an etag only.
+v1::Map MakeMapResource(MapRuntime& map);
+
+/// Changes with every change of the record, and with every map of the same name.
+std::string EtagOf(const MapRecord& record);
+
+/// OK if `etag` is empty or the record's. Errors: `Aborted` with reason `ETAG_MISMATCH`.
+absl::Status CheckEtag(const MapRecord& record, const std::string& etag, std::string_view field);
+
+/// The record that a request asks to create, key and store's fields left out. Absent retention
+/// takes `defaults`. Errors: `InvalidArgument` with the field's path in the request.
+absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
+                                     const RetentionOptions& defaults);
+
+/// Changes those fields of `record` that `mask` names to what `map` holds. Errors:
+/// `InvalidArgument` with the field `update_mask` for an empty mask and for paths that cannot be
+/// changed, or with the path of a wrong value.
+absl::Status ApplyUpdate(const v1::Map& map,
+                         const google::protobuf::FieldMask& mask,
+                         const RetentionOptions& defaults,
+                         MapRecord* record);
+
+/// Clears what `mask` does not name. Errors: `InvalidArgument` with the field `read_mask`.
+absl::Status ApplyReadMask(const google::protobuf::FieldMask& mask, v1::Map* map);
+
+}  // namespace steadymap

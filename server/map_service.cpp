@@ -1,0 +1,151 @@
+#include "server/map_service.h"
+
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
+
+#include "core/error.h"
+#include "server/map_resource.h"
+#include "server/page_token.h"
+#include "server/pool_call.h"
+
+namespace steadymap {
+namespace {
+
+constexpr std::uint32_t kDefaultPageSize = 100;
+constexpr std::uint32_t kMaxPageSize = 1000;
+constexpr std::string_view kTenantsPrefix = "tenants/";
+
+}  // namespace
+
+grpc::ServerUnaryReactor* MapService::CreateMap(grpc::CallbackServerContext* context,
+                                                const v1::CreateMapRequest* request,
+                                                v1::Map* response) {
+  return AnswerOnPool(surroundings_.clerk, context, [this, request, response] {
+    return Create(*request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* context,
+                                             const v1::GetMapRequest* request,
+                                             v1::Map* response) {
+  return AnswerOnPool(
+      surroundings_.clerk, context, [this, request, response] { return Get(*request, response); });
+}
+
+grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
+                                               const v1::ListMapsRequest* request,
+                                               v1::ListMapsResponse* response) {
+  return AnswerOnPool(
+      surroundings_.clerk, context, [this, request, response] { return List(*request, response); });
+}
+
+grpc::ServerUnaryReactor* MapService::UpdateMap(grpc::CallbackServerContext* context,
+                                                const v1::UpdateMapRequest* request,
+                                                v1::Map* response) {
+  return AnswerOnPool(surroundings_.clerk, context, [this, request, response] {
+    return Update(*request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
+                                                const v1::DeleteMapRequest* request,
+                                                google::protobuf::Empty* /*response*/) {
+  return AnswerOnPool(surroundings_.clerk, context, [this, request] { return Delete(*request); });
+}
+
+absl::Status MapService::Create(const v1::CreateMapRequest& request, v1::Map* response) {
+  const absl::StatusOr<MapRecord> record = ReadNewMap(request, surroundings_.retention);
+  if (!record.ok()) return record.status();
+  const absl::StatusOr<std::shared_ptr<MapRuntime>> present =
+      surroundings_.maps->Get(record->name, "map_id");
+  if (present.ok()) {
+    const MapRecord existing = (*present)->record();
+    const bool same = !record->request_id.empty() && (*present)->condition().ok() &&
+                      existing.request_id == record->request_id &&
+                      existing.config == record->config;
+    if (!same) {
+      return MakeError(absl::StatusCode::kAlreadyExists,
+                       reason::kAlreadyExists,
+                       absl::StrCat("the map ", record->name.ToString(), " is there already"),
+                       "map_id");
+    }
+    *response = MakeMapResource(**present);
+    return absl::OkStatus();
+  }
+  const absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Create(*record);
+  if (!map.ok()) return map.status();
+  spdlog::info("map {}: created, voxel size {} m, truncation {} m",
+               record->name.ToString(),
+               record->config.voxel_size_m,
+               record->config.truncation_m);
+  *response = MakeMapResource(**map);
+  return absl::OkStatus();
+}
+
+absl::Status MapService::Get(const v1::GetMapRequest& request, v1::Map* response) {
+  const absl::StatusOr<std::shared_ptr<MapRuntime>> map =
+      surroundings_.maps->Find(request.name(), "name");
+  if (!map.ok()) return map.status();
+  *response = MakeMapResource(**map);
+  return ApplyReadMask(request.read_mask(), response);
+}
+
+absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response) {
+  const std::string& parent = request.parent();
+  const std::string tenant =
+      parent.starts_with(kTenantsPrefix) ? parent.substr(kTenantsPrefix.size()) : std::string();
+  if (!IsValidId(tenant)) {
+    return InvalidField(
+        reason::kBadName,
+        "parent",
+        absl::StrCat("parent must read tenants/{tenant}, got \"", parent.substr(0, 100), "\""));
+  }
+  const absl::StatusOr<std::size_t> page_size =
+      ReadPageSize(request.page_size(), kDefaultPageSize, kMaxPageSize);
+  if (!page_size.ok()) return page_size.status();
+  const std::string scope = "maps of " + tenant + " behind ";
+  const absl::StatusOr<std::string> after = ReadPageToken(scope, request.page_token());
+  if (!after.ok()) return after.status();
+  // One more than asked for tells whether there is another page.
+  std::vector<std::shared_ptr<MapRuntime>> maps =
+      surroundings_.maps->List(tenant, *after, *page_size + 1);
+  const bool more = maps.size() > *page_size;
+  if (more) maps.pop_back();
+  for (const std::shared_ptr<MapRuntime>& map : maps) *response->add_maps() = MakeMapResource(*map);
+  if (more) response->set_next_page_token(MakePageToken(scope, maps.back()->name().map));
+  return absl::OkStatus();
+}
+
+absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* response) {
+  const absl::StatusOr<std::shared_ptr<MapRuntime>> map =
+      surroundings_.maps->Find(request.map().name(), "map.name");
+  if (!map.ok()) return map.status();
+  MapRecord record = (*map)->record();
+  absl::Status status = CheckEtag(record, request.map().etag(), "map.etag");
+  if (status.ok()) {
+    status = ApplyUpdate(request.map(), request.update_mask(), surroundings_.retention, &record);
+  }
+  if (!status.ok()) return status;
+  ++record.version;
+  if (status = surroundings_.maps->Update(**map, record); !status.ok()) return status;
+  *response = MakeMapResource(**map);
+  return absl::OkStatus();
+}
+
+absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
+  const absl::StatusOr<MapName> name = MapName::Parse(request.name());
+  if (!name.ok()) return name.status();
+  // A map in quarantine can be deleted, too.
+  const absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Get(*name, "name");
+  if (!map.ok()) return map.status();
+  if (absl::Status status = CheckEtag((*map)->record(), request.etag(), "etag"); !status.ok()) {
+    return status;
+  }
+  const MapKey key = (*map)->key();
+  return surroundings_.maps->Delete(
+      *map, [this, key](const absl::Status& status) { surroundings_.roster->EndMap(key, status); });
+}
+
+}  // namespace steadymap

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "server/map_directory.h"
+#include "server/server_config.h"
+#include "server/upload_roster.h"
+#include "server/worker_pool.h"
+
+#include "steadymap/v1/map_service.grpc.pb.h"
+
+namespace steadymap {
+
+/// Creates, lists and deletes maps; see proto/steadymap/v1/map_service.proto.
+class MapService final : public v1::MapService::CallbackService {
+ public:
+  /// What the service needs of the server; all of it outlives it.
+  struct Surroundings {
+    MapDirectory* maps = nullptr;
+    UploadRoster* roster = nullptr;
+    WorkerPool* clerk = nullptr;  ///< Of one thread, so that changes come one after another.
+    RetentionOptions retention;
+  };
+
+  explicit MapService(const Surroundings& surroundings) : surroundings_(surroundings) {}
+
+  grpc::ServerUnaryReactor* CreateMap(grpc::CallbackServerContext* context,
+                                      const v1::CreateMapRequest* request,
+                                      v1::Map* response) override;
+  grpc::ServerUnaryReactor* GetMap(grpc::CallbackServerContext* context,
+                                   const v1::GetMapRequest* request,
+                                   v1::Map* response) override;
+  grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
+                                     const v1::ListMapsRequest* request,
+                                     v1::ListMapsResponse* response) override;
+  grpc::ServerUnaryReactor* UpdateMap(grpc::CallbackServerContext* context,
+                                      const v1::UpdateMapRequest* request,
+                                      v1::Map* response) override;
+  grpc::ServerUnaryReactor* DeleteMap(grpc::CallbackServerContext* context,
+                                      const v1::DeleteMapRequest* request,
+                                      google::protobuf::Empty* response) override;
+
+ private:
+  absl::Status Create(const v1::CreateMapRequest& request, v1::Map* response);
+  absl::Status Get(const v1::GetMapRequest& request, v1::Map* response);
+  absl::Status List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response);
+  absl::Status Update(const v1::UpdateMapRequest& request, v1::Map* response);
+  absl::Status Delete(const v1::DeleteMapRequest& request);
+
+  const Surroundings surroundings_;
+};
+
+}  // namespace steadymap

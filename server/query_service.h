@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+#include "server/map_directory.h"
+#include "server/store.h"
+#include "server/worker_pool.h"
+
+#include "steadymap/v1/query_service.grpc.pb.h"
+
+namespace steadymap {
+
+/// Reads maps; see proto/steadymap/v1/query_service.proto. Every call works on the one snapshot
+/// that it took at its start, on a pool of its own, so queries never hold up uploads.
+class QueryService final : public v1::QueryService::CallbackService {
+ public:
+  /// What the service needs of the server; all of it outlives it.
+  struct Surroundings {
+    MapDirectory* maps = nullptr;
+    Store* store = nullptr;
+    WorkerPool* readers = nullptr;
+  };
+
+  explicit QueryService(const Surroundings& surroundings) : surroundings_(surroundings) {}
+
+  grpc::ServerUnaryReactor* SampleDistance(grpc::CallbackServerContext* context,
+                                           const v1::SampleDistanceRequest* request,
+                                           v1::SampleDistanceResponse* response) override;
+  grpc::ServerUnaryReactor* CastRays(grpc::CallbackServerContext* context,
+                                     const v1::CastRaysRequest* request,
+                                     v1::CastRaysResponse* response) override;
+  grpc::ServerWriteReactor<v1::GetMapSectionResponse>* GetMapSection(
+      grpc::CallbackServerContext* context, const v1::GetMapSectionRequest* request) override;
+  grpc::ServerWriteReactor<v1::ExportMapResponse>* ExportMap(
+      grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) override;
+  grpc::ServerUnaryReactor* ListFramePoses(grpc::CallbackServerContext* context,
+                                           const v1::ListFramePosesRequest* request,
+                                           v1::ListFramePosesResponse* response) override;
+
+ private:
+  absl::Status EnterStream();
+
+  const Surroundings surroundings_;
+  std::atomic<std::size_t> streams_ = 0;  ///< Exports and sections under way.
+};
+
+}  // namespace steadymap

@@ -1,0 +1,45 @@
+#include "server/upload_request.h"
+
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/error.h"
+
+namespace steadymap {
+namespace {
+
+absl::Status CheckId(const char* field, const std::string& id) {
+  if (IsValidId(id)) return absl::OkStatus();
+  // The id is cut: it may be megabytes of somebody's garbage.
+  return InvalidField(
+      reason::kBadName,
+      field,
+      absl::StrCat(field, " must match [a-z][a-z0-9-]{0,62}, got \"", id.substr(0, 100), "\""));
+}
+
+}  // namespace
+
+absl::StatusOr<UploadTarget> FindUploadTarget(const MapDirectory& maps,
+                                              const std::string& map,
+                                              const std::string& robot,
+                                              const std::string& session) {
+  if (absl::Status status = CheckId("robot", robot); !status.ok()) return status;
+  if (absl::Status status = CheckId("session", session); !status.ok()) return status;
+  absl::StatusOr<std::shared_ptr<MapRuntime>> found = maps.Find(map, "map");
+  if (!found.ok()) return found.status();
+  return UploadTarget{*std::move(found), SessionName{robot, session}};
+}
+
+absl::Status CheckMessageSize(const google::protobuf::MessageLite& message,
+                              const LimitOptions& limits) {
+  const std::size_t bytes = message.ByteSizeLong();
+  if (bytes <= limits.max_message_bytes) return absl::OkStatus();
+  return MakeError(
+      absl::StatusCode::kResourceExhausted,
+      reason::kMessageTooLarge,
+      absl::StrCat(
+          "a message may have ", limits.max_message_bytes, " bytes, this one has ", bytes));
+}
+
+}  // namespace steadymap

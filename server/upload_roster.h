@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/status/status.h>
+#include <absl/synchronization/mutex.h>
+#include <absl/time/time.h>
+
+#include "core/identifiers.h"
+
+namespace steadymap {
+
+/// An upload that others may have to end. Called from any thread, without locks held.
+class ActiveUpload {
+ public:
+  virtual ~ActiveUpload() = default;
+
+  /// Ends at once with `status`.
+  virtual void End(const absl::Status& status) = 0;
+
+  /// Takes nothing more, and ends with `status` when what it took is integrated and acknowledged.
+  virtual void Drain(const absl::Status& status) = 0;
+};
+
+/// All uploads under way. Sees to it that a robot has one stream a map, and lets the server drain.
+/// Thread-safe.
+class UploadRoster {
+ public:
+  /// Enters a robot's stream; the one before it on the same map ends with `UPLOAD_SUPERSEDED`.
+  /// Errors: `Unavailable` with reason `DRAINING`.
+  absl::Status Enter(MapKey map, const std::string& robot, std::shared_ptr<ActiveUpload> upload)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Takes a stream off the list, if it is still on it.
+  void Leave(MapKey map, const std::string& robot, const ActiveUpload* upload)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Counts a call that uploads without a stream. Errors: `Unavailable` with reason `DRAINING`;
+  /// `ResourceExhausted` with reason `QUEUE_FULL` if there are too many.
+  absl::Status EnterCall() ABSL_LOCKS_EXCLUDED(mutex_);
+  void LeaveCall() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Ends the streams of a map.
+  void EndMap(MapKey map, const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Lets nobody in from now on, and asks all streams to come to an end.
+  void Drain() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Whether all uploads have ended by `deadline`.
+  bool AwaitEmpty(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  std::size_t stream_count() const ABSL_LOCKS_EXCLUDED(mutex_);
+
+ private:
+  using Key = std::pair<MapKey, std::string>;
+
+  bool IsEmpty() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return streams_.empty() && superseded_ == 0 && calls_ == 0;
+  }
+
+  mutable absl::Mutex mutex_;
+  std::map<Key, std::shared_ptr<ActiveUpload>> streams_ ABSL_GUARDED_BY(mutex_);
+  std::size_t superseded_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Replaced, but not left yet.
+  std::size_t calls_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+/// The error that a draining server answers uploads with.
+absl::Status DrainingError();
+
+}  // namespace steadymap

@@ -1,0 +1,345 @@
+#include "server/upload_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
+
+#include "core/error.h"
+#include "proto/grpc_status.h"
+#include "server/upload_request.h"
+
+namespace steadymap {
+
+/// What gRPC holds: passes its reports on.
+class UploadStream::Reactor final : public GrpcReactor {
+ public:
+  explicit Reactor(std::shared_ptr<UploadStream> stream) : stream_(std::move(stream)) {}
+
+  void OnReadDone(bool ok) override { stream_->OnRead(ok); }
+
+  void OnWriteDone(bool ok) override { stream_->OnWritten(ok); }
+
+  void OnCancel() override { stream_->OnCancelled(); }
+
+  void OnDone() override {
+    stream_->OnGone();
+    delete this;
+  }
+
+ private:
+  const std::shared_ptr<UploadStream> stream_;
+};
+
+UploadStream::GrpcReactor* UploadStream::Start(const Surroundings& surroundings) {
+  auto stream = std::make_shared<UploadStream>(surroundings);
+  auto* reactor = new Reactor(stream);
+  stream->reactor_ = reactor;
+  stream->Drive();
+  return reactor;
+}
+
+UploadStream::UploadStream(const Surroundings& surroundings)
+    : surroundings_(surroundings),
+      limits_(surroundings.limits->Get()),
+      answers_({limits_.upload_window_frames, limits_.upload_window_bytes}) {}
+
+bool UploadStream::IsAbandoned() const {
+  const absl::MutexLock lock(&mutex_);
+  return end_.has_value();
+}
+
+void UploadStream::OnReceived(ClientSequence through, std::vector<RefusedFrame> refused) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    last_taken_ = through;
+    answers_.NoteReceived(through, std::move(refused));
+  }
+  Drive();
+}
+
+void UploadStream::OnDurable(const BatchProgress& progress) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (progress.through > durable_.through) durable_ = progress;
+    answers_.NoteDurable(progress);
+  }
+  Drive();
+}
+
+void UploadStream::OnIntegrated(const BatchProgress& progress) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    integrated_ = std::max(integrated_, progress.through);
+    answers_.NoteIntegrated(progress);
+  }
+  Drive();
+}
+
+void UploadStream::OnFailed(const absl::Status& status) { End(status); }
+
+void UploadStream::End(const absl::Status& status) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (!end_) end_ = status;
+  }
+  Drive();
+}
+
+void UploadStream::Drain(const absl::Status& status) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (!ending_) ending_ = status;
+    // Not acknowledged at any level: the client sends it again elsewhere.
+    inbox_.clear();
+  }
+  Drive();
+}
+
+void UploadStream::OnRead(bool ok) {
+  absl::Status status;
+  if (ok) status = HandleMessage();
+  {
+    const absl::MutexLock lock(&mutex_);
+    reading_ = false;
+    if (!ok && !ending_) ending_ = absl::OkStatus();
+    if (!status.ok() && !end_) end_ = status;
+  }
+  Drive();
+}
+
+void UploadStream::OnWritten(bool ok) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    if (!ok) broken_ = true;
+  }
+  Drive();
+}
+
+void UploadStream::OnCancelled() {
+  {
+    const absl::MutexLock lock(&mutex_);
+    broken_ = true;
+    if (!end_) end_ = absl::CancelledError("the client has gone");
+  }
+  Drive();
+}
+
+void UploadStream::OnGone() {
+  bool entered = false;
+  absl::Status status;
+  {
+    const absl::MutexLock lock(&mutex_);
+    entered = std::exchange(entered_, false);
+    if (end_) status = *end_;
+  }
+  if (!entered) return;
+  surroundings_.roster->Leave(map_->key(), session_.robot, this);
+  spdlog::debug("map {} robot {} session {}: upload ended: {}",
+                map_->name().ToString(),
+                session_.robot,
+                session_.session,
+                status.ToString());
+}
+
+void UploadStream::Drive() {
+  // Whoever holds the last reference may let go of it while this goes on.
+  const std::shared_ptr<UploadStream> self = shared_from_this();
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (driving_) return;
+    driving_ = true;
+  }
+  while (true) {
+    Action action = Action::kNone;
+    {
+      const absl::MutexLock lock(&mutex_);
+      action = Decide();
+      if (action == Action::kNone) {
+        driving_ = false;
+        return;
+      }
+    }
+    Perform(action);
+  }
+}
+
+UploadStream::Action UploadStream::Decide() {
+  if (finished_) return Action::kNone;
+  if (!end_ && ending_ && IsSettled() && !opened_ && !answers_.HasNext()) end_ = *ending_;
+  // What is due is said before the end, unless nobody listens.
+  if (!writing_ && !broken_ && (opened_ || answers_.HasNext())) {
+    writing_ = true;
+    response_ = opened_ ? *std::move(opened_) : answers_.TakeNext();
+    opened_.reset();
+    return Action::kWrite;
+  }
+  if (end_) {
+    if (writing_) return Action::kNone;
+    finished_ = true;
+    return Action::kFinish;
+  }
+  if (!taking_in_ && !inbox_.empty()) {
+    taking_in_ = true;
+    return Action::kTakeIn;
+  }
+  if (ending_ && !commit_requested_ && durable_.through >= last_taken_ && !taking_in_) {
+    commit_requested_ = true;
+    return Action::kRequestCommit;
+  }
+  if (!ending_ && !reading_ && inbox_.empty()) {
+    reading_ = true;
+    return Action::kRead;
+  }
+  return Action::kNone;
+}
+
+void UploadStream::Perform(Action action) {
+  switch (action) {
+    case Action::kRead:
+      request_.Clear();
+      reactor_->StartRead(&request_);
+      break;
+    case Action::kWrite:
+      reactor_->StartWrite(&response_);
+      break;
+    case Action::kTakeIn:
+      TakeIn();
+      break;
+    case Action::kRequestCommit:
+      RequestCommit();
+      break;
+    case Action::kFinish: {
+      absl::Status status;
+      {
+        const absl::MutexLock lock(&mutex_);
+        status = *end_;
+      }
+      reactor_->Finish(ToGrpcStatus(status));
+      break;
+    }
+    case Action::kNone:
+      break;
+  }
+}
+
+void UploadStream::TakeIn() {
+  v1::FrameBatch batch;
+  {
+    const absl::MutexLock lock(&mutex_);
+    // A drain may have emptied it meanwhile.
+    if (inbox_.empty()) {
+      taking_in_ = false;
+      return;
+    }
+    batch.Swap(&inbox_.front());
+    inbox_.pop_front();
+  }
+  const std::shared_ptr<UploadStream> self = shared_from_this();
+  BatchIntake::Start(surroundings_.decoders,
+                     {map_, session_, /*in_order=*/true, self},
+                     std::move(batch),
+                     [self](const absl::Status& status) {
+                       {
+                         const absl::MutexLock lock(&self->mutex_);
+                         self->taking_in_ = false;
+                         if (!status.ok() && !self->end_) self->end_ = status;
+                       }
+                       self->Drive();
+                     });
+}
+
+void UploadStream::RequestCommit() {
+  std::shared_ptr<MapRuntime> map;
+  MapSequence target;
+  {
+    const absl::MutexLock lock(&mutex_);
+    map = map_;
+    target = durable_.map_seq;
+  }
+  if (map != nullptr) map->RequestCommit(target);
+}
+
+/// Whether everything that was taken is integrated.
+bool UploadStream::IsSettled() const {
+  return inbox_.empty() && !taking_in_ && integrated_ >= last_taken_;
+}
+
+absl::Status UploadStream::HandleMessage() {
+  if (absl::Status status = CheckMessageSize(request_, limits_); !status.ok()) {
+    return status;
+  }
+  switch (request_.kind_case()) {
+    case v1::UploadFramesRequest::kOpen:
+      if (map_ != nullptr) {
+        return InvalidField(reason::kBadValue, "open", "the stream is open already");
+      }
+      return WithFieldPrefix(HandleOpen(request_.open()), "open");
+    case v1::UploadFramesRequest::kBatch:
+      if (map_ == nullptr) {
+        return InvalidField(reason::kBadValue, "batch", "a stream begins with `open`");
+      }
+      return WithFieldPrefix(HandleBatch(request_.mutable_batch()), "batch");
+    default:
+      return InvalidField(reason::kBadValue, "kind", "a message must hold `open` or `batch`");
+  }
+}
+
+absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
+  absl::StatusOr<UploadTarget> target =
+      FindUploadTarget(*surroundings_.maps, open.map(), open.robot(), open.session());
+  if (!target.ok()) return target.status();
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (absl::Status status = answers_.ChooseLevels(open); !status.ok()) return status;
+    entered_ = true;
+    map_ = target->map;
+    session_ = target->session;
+  }
+  absl::Status status =
+      surroundings_.roster->Enter(map_->key(), session_.robot, shared_from_this());
+  if (!status.ok()) {
+    const absl::MutexLock lock(&mutex_);
+    entered_ = false;
+    return status;
+  }
+  const SessionState state = map_->sessions().State(session_, map_->snapshot()->revision);
+  spdlog::debug("map {} robot {} session {}: upload opened behind {}",
+                map_->name().ToString(),
+                session_.robot,
+                session_.session,
+                state.durable.value());
+  v1::UploadFramesResponse response;
+  v1::UploadOpened* opened = response.mutable_opened();
+  opened->set_resume_client_seq(state.durable.value());
+  opened->set_max_message_bytes(limits_.max_message_bytes);
+  opened->set_max_image_side_px(static_cast<std::uint32_t>(kMaxImageSidePx));
+  const absl::MutexLock lock(&mutex_);
+  *opened->mutable_credit() = answers_.initial_credit();
+  opened_ = std::move(response);
+  return absl::OkStatus();
+}
+
+absl::Status UploadStream::HandleBatch(v1::FrameBatch* batch) {
+  if (absl::Status status = CheckNumbering(*batch); !status.ok()) return status;
+  const auto frames = static_cast<std::uint64_t>(batch->frames_size());
+  const std::uint64_t bytes = batch->ByteSizeLong();
+  const absl::MutexLock lock(&mutex_);
+  if (batch->first_client_seq() <= last_read_.value()) {
+    return InvalidField(reason::kBadSequence,
+                        "first_client_seq",
+                        absl::StrCat("client sequences rise within a stream: after ",
+                                     last_read_.value(),
+                                     " came ",
+                                     batch->first_client_seq()));
+  }
+  if (absl::Status status = answers_.Spend(frames, bytes); !status.ok()) return status;
+  last_read_ = ClientSequence(batch->first_client_seq() + frames - 1);
+  if (ending_ || end_) return absl::OkStatus();
+  inbox_.emplace_back().Swap(batch);
+  return absl::OkStatus();
+}
+
+}  // namespace steadymap

@@ -1,0 +1,218 @@
+#include "core/mapper.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/map_delta.h"
+#include "core/tsdf_mesh.h"
+#include "core/vdb_file.h"
+#include "tests/support/analytic_depth.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::AnalyticCamera;
+using ::steadymap::testing::LookAt;
+using ::steadymap::testing::RenderAnalytic;
+using ::steadymap::testing::Sphere;
+
+/// Frames of a sphere seen from a circle, so that later ones touch old and new leaves.
+std::vector<Frame> CircleFrames(int count) {
+  const Eigen::Vector3d center(0.1, 0.2, 0.3);
+  std::vector<Frame> frames;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 0.4 * i;
+    const Eigen::Vector3d eye =
+        center + Eigen::Vector3d(1.8 * std::cos(angle), 1.8 * std::sin(angle), 0.2);
+    frames.push_back(RenderAnalytic(Sphere(center, 0.5), AnalyticCamera(), LookAt(eye, center)));
+    frames.back().capture_time = Timestamp::FromNanoseconds(1'000'000 * (i + 1));
+  }
+  return frames;
+}
+
+std::unique_ptr<Mapper> NewMapper() { return Mapper::Create(MapConfig()).value(); }
+
+std::string Vdb(const MapSnapshot& snapshot) { return WriteVdb(snapshot, nullptr).value(); }
+
+/// Integrates all frames with a commit after every `frames_per_commit`.
+std::vector<MapCommit> Map(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  std::vector<MapCommit> commits;
+  for (const Frame& frame : frames) {
+    mapper->Integrate(mapper->head().Next(), frame);
+    if (mapper->uncommitted_frames() == frames_per_commit) commits.push_back(mapper->Commit());
+  }
+  if (mapper->uncommitted_frames() > 0) commits.push_back(mapper->Commit());
+  return commits;
+}
+
+TEST(Mapper, RefusesAnImpossibleConfiguration) {
+  MapConfig config;
+  config.voxel_size_m = -0.02;
+  const absl::Status status = Mapper::Create(config).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("voxel_size_m must lie in [0.001, 1], got -0.02"),
+            absl::string_view::npos)
+      << status;
+}
+
+TEST(Mapper, GivesTheSameMapWhereverCommitsFall) {
+  const std::vector<Frame> frames = CircleFrames(12);
+  const std::string reference = Vdb(*Map(frames, 1).back().snapshot);
+  EXPECT_GT(reference.size(), 10'000U);
+  for (const std::size_t frames_per_commit : {2, 5, 12}) {
+    EXPECT_EQ(Vdb(*Map(frames, frames_per_commit).back().snapshot), reference);
+  }
+}
+
+TEST(Mapper, GoesOnFromARestoredMapAsIfNeverStopped) {
+  const std::vector<Frame> frames = CircleFrames(12);
+  const std::string reference = Vdb(*Map(frames, 4).back().snapshot);
+
+  MapSnapshot restored;
+  restored.scale = {MapConfig().voxel_size_m, MapConfig().truncation_m};
+  for (const MapCommit& commit : Map({frames.begin(), frames.begin() + 7}, 3)) {
+    ASSERT_TRUE(Apply(commit.delta, &restored).ok());
+  }
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  mapper->Restore(restored);
+  EXPECT_EQ(mapper->head(), MapSequence(7));
+  for (std::size_t i = 7; i < frames.size(); ++i) {
+    mapper->Integrate(mapper->head().Next(), frames[i]);
+  }
+  EXPECT_EQ(Vdb(*mapper->Commit().snapshot), reference);
+}
+
+TEST(Mapper, NeverTouchesASnapshotItHandedOut) {
+  const std::vector<Frame> frames = CircleFrames(8);
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  mapper->Integrate(MapSequence(1), frames[0]);
+  const MapCommit first = mapper->Commit();
+  const std::string before = Vdb(*first.snapshot);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    mapper->Integrate(mapper->head().Next(), frames[i]);
+  }
+  const MapCommit last = mapper->Commit();
+  EXPECT_EQ(Vdb(*first.snapshot), before);
+  EXPECT_NE(Vdb(*last.snapshot), before);
+}
+
+TEST(Mapper, RevisionIsTheNewestFrame) {
+  const std::vector<MapCommit> commits = Map(CircleFrames(7), 3);
+  ASSERT_EQ(commits.size(), 3U);
+  EXPECT_EQ(commits[0].delta.from, Revision(0));
+  EXPECT_EQ(commits[0].delta.to, Revision(3));
+  EXPECT_EQ(commits[1].delta.from, Revision(3));
+  EXPECT_EQ(commits[2].delta.to, Revision(7));
+  EXPECT_EQ(commits[2].snapshot->revision, Revision(7));
+  EXPECT_EQ(commits[2].snapshot->last_capture_time, Timestamp::FromNanoseconds(7'000'000));
+}
+
+TEST(Mapper, StopsChangingAPlaceThatStaysTheSame) {
+  const Frame frame = CircleFrames(1)[0];
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  // Enough for the faintest look to settle.
+  for (int i = 0; i < 2100; ++i) mapper->Integrate(mapper->head().Next(), frame);
+  mapper->Commit();
+  mapper->Integrate(mapper->head().Next(), frame);
+  const MapCommit commit = mapper->Commit();
+  EXPECT_TRUE(commit.delta.leaves.empty());
+  EXPECT_EQ(commit.snapshot->revision, Revision(2101));
+}
+
+TEST(Mapper, FusesNothingOfDynamicClasses) {
+  Frame frame = CircleFrames(1)[0];
+  frame.labels = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px, 13);
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  mapper->Integrate(MapSequence(1), frame);
+  EXPECT_TRUE(mapper->Commit().delta.leaves.empty());
+}
+
+TEST(Mapper, KeepsColourWhereItWasSeen) {
+  Frame frame = CircleFrames(1)[0];
+  frame.color = Image<Rgb>(frame.camera.width_px, frame.camera.height_px, Rgb{200, 40, 90});
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  for (int i = 0; i < 3; ++i) mapper->Integrate(mapper->head().Next(), frame);
+  const MapCommit commit = mapper->Commit();
+  const Mesh mesh = ExtractMesh(commit.snapshot->background, commit.snapshot->scale, nullptr);
+  ASSERT_EQ(mesh.colors.size(), mesh.vertices_world.size());
+  for (const Rgb& color : mesh.colors) ASSERT_EQ(color, (Rgb{200, 40, 90}));
+}
+
+TEST(Mapper, TakesFramesOfAnySizeAndDepth) {
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  for (const auto& [width_px, height_px] : {std::pair{1, 1}, {2, 1}, {1, 300}, {2, 2}, {37, 5}}) {
+    for (const int units : {0, 1, 1000, 65534, 65535}) {
+      Frame frame;
+      frame.camera = {width_px, height_px, 30.0, 30.0, 0.0, 0.0};
+      frame.depth.units =
+          Image<std::uint16_t>(width_px, height_px, static_cast<std::uint16_t>(units));
+      mapper->Integrate(mapper->head().Next(), frame);
+    }
+  }
+  EXPECT_EQ(mapper->Commit().snapshot->revision, Revision(25));
+}
+
+TEST(MapDelta, ApplyUndoesDiff) {
+  const std::vector<MapCommit> commits = Map(CircleFrames(10), 5);
+  const MapSnapshot& before = *commits[0].snapshot;
+  const MapSnapshot& after = *commits[1].snapshot;
+  const MapDelta delta = Diff(before, after);
+  EXPECT_EQ(delta, commits[1].delta) << "a commit's delta is the difference of its snapshots";
+  MapSnapshot applied = before;
+  ASSERT_TRUE(Apply(delta, &applied).ok());
+  EXPECT_EQ(Vdb(applied), Vdb(after));
+  const MapDelta back = Diff(after, before);
+  MapSnapshot returned = after;
+  returned.revision = back.from;
+  EXPECT_TRUE(Diff(before, before).leaves.empty());
+}
+
+TEST(MapDelta, MergeDoesWhatBothDo) {
+  const std::vector<MapCommit> commits = Map(CircleFrames(12), 4);
+  const MapDelta& a = commits[0].delta;
+  const MapDelta& b = commits[1].delta;
+  const MapDelta& c = commits[2].delta;
+  EXPECT_EQ(Merge(Merge(a, b), c), Merge(a, Merge(b, c)));
+  MapSnapshot merged;
+  merged.scale = commits[0].snapshot->scale;
+  ASSERT_TRUE(Apply(Merge(Merge(a, b), c), &merged).ok());
+  EXPECT_EQ(Vdb(merged), Vdb(*commits[2].snapshot));
+}
+
+TEST(MapDelta, MayBeAppliedTwiceButNotOutOfOrder) {
+  const std::vector<MapCommit> commits = Map(CircleFrames(9), 3);
+  MapSnapshot map;
+  map.scale = commits[0].snapshot->scale;
+  EXPECT_EQ(Apply(commits[1].delta, &map).code(), absl::StatusCode::kFailedPrecondition);
+  ASSERT_TRUE(Apply(commits[0].delta, &map).ok());
+  ASSERT_TRUE(Apply(commits[1].delta, &map).ok());
+  ASSERT_TRUE(Apply(commits[1].delta, &map).ok());
+  EXPECT_EQ(Vdb(map), Vdb(*commits[1].snapshot));
+  EXPECT_EQ(Apply(commits[0].delta, &map).code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST(MapDelta, RemovesLeavesThatAreGone) {
+  const MapSnapshot full = *Map(CircleFrames(3), 3)[0].snapshot;
+  MapSnapshot empty;
+  empty.scale = full.scale;
+  empty.revision = full.revision.Next();
+  const MapDelta delta = Diff(full, empty);
+  EXPECT_EQ(delta.leaves.size(), full.background.leaf_count());
+  MapSnapshot map = full;
+  ASSERT_TRUE(Apply(delta, &map).ok());
+  EXPECT_EQ(map.background.leaf_count(), 0U);
+}
+
+TEST(WriteVdb, KeepsToTheBoxAndIsReproducible) {
+  const MapSnapshot map = *Map(CircleFrames(3), 3)[0].snapshot;
+  EXPECT_EQ(Vdb(map), Vdb(map));
+  const Box box(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.5, 0.5, 0.5));
+  const std::string part = WriteVdb(map, &box).value();
+  EXPECT_LT(part.size(), Vdb(map).size());
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,123 @@
+#include "core/tsdf_codec.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace steadymap {
+namespace {
+
+constexpr VoxelScale kScale{0.05, 0.15};
+
+/// Random canonical voxels: each observed with `probability`, smooth or wild.
+LeafVoxels RandomLeaf(std::mt19937* random, double probability, bool smooth, bool color) {
+  LeafVoxels leaf;
+  leaf.has_color = color;
+  std::bernoulli_distribution observed(probability);
+  std::uniform_int_distribution<int> wild(-kMaxDistanceSteps, kMaxDistanceSteps);
+  std::uniform_int_distribution<int> jitter(-60, 60);
+  std::uniform_int_distribution<int> weight(1, 65535);
+  for (int x = 0; x < kLeafSide; ++x) {
+    for (int y = 0; y < kLeafSide; ++y) {
+      for (int z = 0; z < kLeafSide; ++z) {
+        if (!observed(*random)) continue;
+        const std::size_t offset = OffsetInLeaf(x, y, z);
+        leaf.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+        const int steps =
+            smooth ? 3000 * x - 2500 * y + 900 * z - 5000 + jitter(*random) : wild(*random);
+        leaf.distance_m[offset] = static_cast<float>(steps) * kScale.distance_step_m();
+        leaf.weight[offset] =
+            static_cast<float>(smooth ? 300 + 5 * z + jitter(*random) : weight(*random)) *
+            kWeightUnit;
+        if (color) leaf.color[offset] = static_cast<std::uint32_t>((*random)());
+      }
+    }
+  }
+  return leaf;
+}
+
+LeafView ViewOf(const LeafVoxels& leaf) {
+  return {leaf.distance_m.data(),
+          leaf.weight.data(),
+          leaf.has_color ? leaf.color.data() : nullptr,
+          leaf.observed};
+}
+
+TEST(PackLeaf, RoundTripsEveryBit) {
+  std::mt19937 random(7);
+  for (const double probability : {0.002, 0.1, 0.5, 0.97, 1.0}) {
+    for (const bool smooth : {false, true}) {
+      for (const bool color : {false, true}) {
+        const LeafVoxels leaf = RandomLeaf(&random, probability, smooth, color);
+        if (leaf.observed == LeafMask{}) continue;
+        const std::string packed = PackLeaf(ViewOf(leaf), kScale);
+        LeafVoxels unpacked;
+        ASSERT_TRUE(UnpackLeaf(packed, kScale, &unpacked).ok());
+        ASSERT_EQ(unpacked, leaf);
+        EXPECT_EQ(PackLeaf(ViewOf(unpacked), kScale), packed) << "packing must be canonical";
+      }
+    }
+  }
+}
+
+TEST(PackLeaf, OfNothingIsNothing) {
+  const LeafVoxels leaf;
+  EXPECT_EQ(PackLeaf(ViewOf(leaf), kScale), "");
+  LeafVoxels unpacked;
+  unpacked.observed[3] = 1;
+  ASSERT_TRUE(UnpackLeaf("", kScale, &unpacked).ok());
+  EXPECT_EQ(unpacked, LeafVoxels{});
+}
+
+TEST(PackLeaf, TakesThreeBytesAVoxelOfASmoothField) {
+  std::mt19937 random(8);
+  const LeafVoxels leaf = RandomLeaf(&random, 1.0, /*smooth=*/true, /*color=*/false);
+  EXPECT_LT(PackLeaf(ViewOf(leaf), kScale).size(), 3 * kLeafVoxels);
+}
+
+TEST(UnpackLeaf, RefusesEveryTruncation) {
+  std::mt19937 random(9);
+  for (const bool smooth : {false, true}) {
+    const LeafVoxels leaf = RandomLeaf(&random, 0.6, smooth, smooth);
+    const std::string packed = PackLeaf(ViewOf(leaf), kScale);
+    LeafVoxels unpacked;
+    for (std::size_t length = 1; length < packed.size(); ++length) {
+      const absl::Status status = UnpackLeaf(packed.substr(0, length), kScale, &unpacked);
+      ASSERT_EQ(status.code(), absl::StatusCode::kDataLoss) << length;
+      ASSERT_EQ(ReasonOf(status), reason::kChecksum);
+    }
+    EXPECT_FALSE(UnpackLeaf(packed + "x", kScale, &unpacked).ok());
+  }
+}
+
+TEST(UnpackLeaf, SurvivesDamage) {
+  std::mt19937 random(10);
+  const LeafVoxels leaf = RandomLeaf(&random, 0.6, /*smooth=*/true, /*color=*/true);
+  const std::string packed = PackLeaf(ViewOf(leaf), kScale);
+  for (std::size_t at = 0; at < packed.size(); ++at) {
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string damaged = packed;
+      damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
+      LeafVoxels unpacked;
+      if (!UnpackLeaf(damaged, kScale, &unpacked).ok()) continue;
+      // What is taken must be a leaf that could be packed again.
+      for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+        ASSERT_EQ(IsSet(unpacked.observed, offset), unpacked.weight[offset] > 0.0F);
+      }
+    }
+  }
+}
+
+TEST(UnpackLeaf, RefusesABomb) {
+  // A zstd frame of 64 MiB of zeros, 2 KiB long, in the place of a body.
+  std::string bomb = "\x21";
+  bomb += std::string("\x28\xB5\x2F\xFD\xA4\x00\x00\x00\x04", 9);
+  for (int block = 0; block < 512; ++block) bomb += std::string("\x02\x00\x10\x00", 4);
+  LeafVoxels unpacked;
+  EXPECT_EQ(UnpackLeaf(bomb, kScale, &unpacked).code(), absl::StatusCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace steadymap
