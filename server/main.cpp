@@ -16,6 +16,7 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+#include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
 
 #include "server/command_line.h"
@@ -37,6 +38,12 @@ constexpr std::chrono::milliseconds kLongestWait{1000};
 int Fail(const absl::Status& status) {
   std::fprintf(stderr, "steadymapd: %s\n", std::string(status.message()).c_str());
   return EXIT_FAILURE;
+}
+
+// What gRPC says goes where everything goes, for those who debug: any client can make it talk, and
+// what matters to an operator comes back to us as a status.
+void LogForGrpc(gpr_log_func_args* record) {
+  spdlog::debug("gRPC: {} ({}:{})", record->message, record->file, record->line);
 }
 
 // Blocked in every thread, since this is called before there are others; `WaitForSignal` takes
@@ -114,6 +121,7 @@ absl::Status Serve(const sigset_t& signals,
 
 int Run(const CommandLine& command_line, ServerConfig config) {
   StartLogging(config.log);
+  ::gpr_set_log_function(LogForGrpc);
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockSignals();
   absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(config.data_dir, config.store);
@@ -150,13 +158,13 @@ int Run(const CommandLine& command_line, ServerConfig config) {
     server->Shutdown(std::chrono::milliseconds(0));
     return EXIT_FAILURE;
   }
-  // 2. Health says NOT_SERVING, no new work; what was taken is integrated, committed, acknowledged.
+  // 2. Health says NOT_SERVING, no new uploads; what was taken is integrated and acknowledged.
   server->Drain();
-  // 3. Streams and calls end; those that do not are cancelled at the deadline.
+  // 3. Streams and calls end, what is integrated is committed, threads are joined. Some of the time
+  //    is left for that: calls are cancelled before it is over.
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
-  server->Shutdown(std::max(left / 2, std::chrono::milliseconds(0)));
-  // 4. On return: threads are joined, the store is closed, the folder is let go.
-  spdlog::info("stopped");
+  server->Shutdown(std::max(left * 4 / 5, std::chrono::milliseconds(0)));
+  // 4. On return the store is closed and the folder let go.
   return EXIT_SUCCESS;
 }
 

@@ -1,0 +1,217 @@
+// steadymapd as an operator sees it: arguments, exit codes, what it says, signals.
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "server/config_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// A steadymapd whose stdout and stderr can be read as one text.
+class DaemonProcess {
+ public:
+  explicit DaemonProcess(std::vector<std::string> arguments) {
+    int ends[2] = {-1, -1};
+    if (::pipe(ends) != 0) return;
+    arguments.insert(arguments.begin(), STEADYMAPD);
+    std::vector<char*> pointers;
+    pointers.reserve(arguments.size() + 1);
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    child_ = ::fork();
+    if (child_ == 0) {
+      ::dup2(ends[1], STDOUT_FILENO);
+      ::dup2(ends[1], STDERR_FILENO);
+      ::close(ends[0]);
+      ::close(ends[1]);
+      ::execv(STEADYMAPD, pointers.data());
+      ::_exit(127);
+    }
+    ::close(ends[1]);
+    output_ = ::fdopen(ends[0], "r");
+  }
+
+  ~DaemonProcess() {
+    if (child_ > 0) {
+      ::kill(child_, SIGKILL);
+      ::waitpid(child_, nullptr, 0);
+    }
+    if (output_ != nullptr) std::fclose(output_);
+  }
+
+  DaemonProcess(const DaemonProcess&) = delete;
+  DaemonProcess& operator=(const DaemonProcess&) = delete;
+
+  /// Reads lines until one holds `text`; false if the daemon ends without saying it.
+  bool WaitFor(const std::string& text) {
+    while (const std::optional<std::string> line = ReadLine()) {
+      if (line->find(text) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  void Signal(int signal) { ::kill(child_, signal); }
+
+  /// Reads to the end; the exit code, or minus the signal that ended it.
+  int Wait() {
+    while (ReadLine()) {
+    }
+    int status = 0;
+    ::waitpid(child_, &status, 0);
+    child_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+  /// All that was read so far.
+  const std::string& said() const { return said_; }
+
+ private:
+  std::optional<std::string> ReadLine() {
+    std::string line;
+    for (int c = std::fgetc(output_); c != EOF; c = std::fgetc(output_)) {
+      line += static_cast<char>(c);
+      if (c == '\n') break;
+    }
+    said_ += line;
+    return line.empty() ? std::nullopt : std::optional(line);
+  }
+
+  pid_t child_ = -1;
+  std::FILE* output_ = nullptr;
+  std::string said_;
+};
+
+class Steadymapd : public ::testing::Test {
+ protected:
+  std::vector<std::string> Arguments(const std::string& listen = "127.0.0.1:0") const {
+    return {"--listen", listen, "--data-dir", (folder_.path() / "data").string()};
+  }
+
+  /// Expects that these arguments end in exit code 1 and one complaint in the last line.
+  void ExpectRefusal(const std::vector<std::string>& arguments, const std::string& reason) {
+    DaemonProcess daemon(arguments);
+    EXPECT_EQ(daemon.Wait(), 1);
+    std::istringstream lines(daemon.said());
+    std::vector<std::string> complaints;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find(" info ") == std::string::npos) complaints.push_back(line);
+    }
+    EXPECT_THAT(complaints, ElementsAre(HasSubstr(reason))) << daemon.said();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Steadymapd, PrintsItsVersion) {
+  DaemonProcess daemon({"--version"});
+  EXPECT_EQ(daemon.Wait(), 0);
+  EXPECT_THAT(daemon.said(), StartsWith("steadymapd "));
+}
+
+TEST_F(Steadymapd, PrintsTheConfigurationThatIsInForce) {
+  std::ofstream(folder_.path() / "config.toml") << "channelz = true\nlisten = \"localhost:5\"\n";
+  DaemonProcess daemon({"--config",
+                        (folder_.path() / "config.toml").string(),
+                        "--listen",
+                        "localhost:6",
+                        "--print-config"});
+  EXPECT_EQ(daemon.Wait(), 0);
+  const absl::StatusOr<ServerConfig> printed = ParseConfig(daemon.said(), "printed");
+  ASSERT_TRUE(printed.ok()) << printed.status();
+  EXPECT_TRUE(printed->channelz);
+  EXPECT_EQ(printed->listen, "localhost:6") << "flags override the file";
+}
+
+TEST_F(Steadymapd, RefusesWhatItCannotRunWith) {
+  ExpectRefusal({"--bogus"}, "--bogus");
+  ExpectRefusal({"--config", (folder_.path() / "none.toml").string()}, "none.toml");
+  std::ofstream(folder_.path() / "bad.toml") << "[limits]\nmax_mesage_bytes = 1\n";
+  ExpectRefusal({"--config", (folder_.path() / "bad.toml").string()},
+                "bad.toml:2:1: unknown key limits.max_mesage_bytes");
+  ExpectRefusal({"--listen", "0.0.0.0:0"}, "allow_plaintext_remote");
+  ExpectRefusal({"--listen", "nonsense"}, "listen must read HOST:PORT");
+  ExpectRefusal(
+      {"--listen", "127.0.0.1:0", "--data-dir", (folder_.path() / "bad.toml" / "data").string()},
+      "cannot write to data folder");
+}
+
+TEST_F(Steadymapd, ServesWritesItsPortAndStopsCleanlyOnSigterm) {
+  std::vector<std::string> arguments = Arguments();
+  const std::filesystem::path port_file = folder_.path() / "port";
+  arguments.insert(arguments.end(), {"--port-file", port_file.string()});
+  DaemonProcess daemon(arguments);
+  ASSERT_TRUE(daemon.WaitFor("listening on 127.0.0.1:")) << daemon.said();
+  int port = 0;
+  std::ifstream(port_file) >> port;
+  EXPECT_GT(port, 0);
+  EXPECT_THAT(daemon.said(), HasSubstr("listening on 127.0.0.1:" + std::to_string(port) + "\n"));
+  daemon.Signal(SIGTERM);
+  EXPECT_EQ(daemon.Wait(), 0) << daemon.said();
+  EXPECT_THAT(daemon.said(), HasSubstr("stopped"));
+}
+
+TEST_F(Steadymapd, RefusesAPortAndAFolderThatAreInUse) {
+  std::vector<std::string> arguments = Arguments();
+  const std::filesystem::path port_file = folder_.path() / "port";
+  arguments.insert(arguments.end(), {"--port-file", port_file.string()});
+  DaemonProcess first(arguments);
+  ASSERT_TRUE(first.WaitFor("listening on")) << first.said();
+  ExpectRefusal(Arguments(), "is held by another steadymapd");
+  std::string port;
+  std::ifstream(port_file) >> port;
+  ExpectRefusal({"--listen", "127.0.0.1:" + port, "--data-dir", (folder_.path() / "b").string()},
+                "127.0.0.1:" + port);
+}
+
+TEST_F(Steadymapd, ReloadsOnSighupAndKeepsWhatItHasIfTheFileIsWrong) {
+  const std::filesystem::path config = folder_.path() / "config.toml";
+  std::ofstream(config) << "";
+  std::vector<std::string> arguments = Arguments();
+  arguments.insert(arguments.end(), {"--config", config.string()});
+  DaemonProcess daemon(arguments);
+  ASSERT_TRUE(daemon.WaitFor("listening on")) << daemon.said();
+  std::ofstream(config) << "[commit]\nmax_frames = 0\n";
+  daemon.Signal(SIGHUP);
+  EXPECT_TRUE(daemon.WaitFor("configuration not reloaded: commit.max_frames must lie in"));
+  std::ofstream(config) << "[limits]\nupload_window_frames = 3\n";
+  daemon.Signal(SIGHUP);
+  EXPECT_TRUE(daemon.WaitFor("log level and limits reloaded"));
+  daemon.Signal(SIGINT);
+  EXPECT_EQ(daemon.Wait(), 0) << daemon.said();
+}
+
+TEST_F(Steadymapd, JsonLogHoldsOneObjectALine) {
+  std::ofstream(folder_.path() / "config.toml") << "log.format = \"json\"\n";
+  std::vector<std::string> arguments = Arguments();
+  arguments.insert(arguments.end(), {"--config", (folder_.path() / "config.toml").string()});
+  DaemonProcess daemon(arguments);
+  ASSERT_TRUE(daemon.WaitFor("\"message\":\"listening on 127.0.0.1:")) << daemon.said();
+  daemon.Signal(SIGTERM);
+  EXPECT_EQ(daemon.Wait(), 0);
+  std::istringstream lines(daemon.said());
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_THAT(line, StartsWith("{\"time\":\""));
+    EXPECT_EQ(line.back(), '}');
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
