@@ -15,77 +15,17 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "tests/server/store_builder.h"
-#include "tests/support/memory_store.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/server/store_contract.h"
 
 namespace steadymap {
 namespace {
 
-enum class Kind { kRocks, kMemory };
-
 constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
-constexpr Timestamp kNow = Timestamp::FromSeconds(1000.0);
-constexpr Timestamp kForgetNone = Timestamp::FromNanoseconds(0);
-
-class StoreContract : public ::testing::TestWithParam<Kind> {
- protected:
-  void SetUp() override { Reopen(); }
-
-  /// As after a restart.
-  void Reopen() {
-    if (GetParam() == Kind::kMemory) {
-      if (memory_ == nullptr) memory_ = std::make_unique<MemoryStore>(options_);
-      store_ = memory_->Share();
-      return;
-    }
-    store_.reset();
-    absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(folder_.path() / "data", options_);
-    ASSERT_TRUE(store.ok()) << store.status();
-    store_ = *std::move(store);
-  }
-
-  MapRecord Create(const std::string& name) {
-    absl::StatusOr<MapRecord> record = store_->CreateMap(MakeMapRecord("acme", name));
-    EXPECT_TRUE(record.ok()) << record.status();
-    return record.ok() ? *record : MapRecord();
-  }
-
-  void Append(const LogAppend& append) {
-    const absl::Status status = store_->AppendFrames({append});
-    ASSERT_TRUE(status.ok()) << status;
-  }
-
-  void Commit(MapKey map, const MapDelta& delta, Timestamp now = kNow) {
-    const absl::Status status = store_->CommitRevision(map, delta, now);
-    ASSERT_TRUE(status.ok()) << status;
-  }
-
-  StoredState Load(const MapRecord& record) {
-    absl::StatusOr<StoredState> state = store_->LoadMap(record);
-    EXPECT_TRUE(state.ok()) << state.status();
-    return state.ok() ? *std::move(state) : StoredState();
-  }
-
-  StoreOptions SmallOptions() {
-    StoreOptions options;
-    options.kept_poses = 10;
-    options.kept_change_lists = 3;
-    return options;
-  }
-
-  TemporaryFolder folder_;
-  StoreOptions options_ = SmallOptions();
-  std::unique_ptr<MemoryStore> memory_;
-  std::unique_ptr<Store> store_;
-};
 
 INSTANTIATE_TEST_SUITE_P(Stores,
                          StoreContract,
-                         ::testing::Values(Kind::kRocks, Kind::kMemory),
-                         [](const auto& suite) {
-                           return suite.param == Kind::kRocks ? "Rocks" : "Memory";
-                         });
+                         ::testing::Values(StoreKind::kRocks, StoreKind::kMemory),
+                         NameOfStore);
 
 TEST_P(StoreContract, MapRecordSurvivesARestartFieldByField) {
   const MapRecord created = Create("hall");
@@ -360,80 +300,6 @@ TEST_P(StoreContract, KeysOfDeletedMapsAreNotReusedAfterARestart) {
   ASSERT_TRUE(store_->DeleteMap(first.key).ok());
   Reopen();
   EXPECT_GT(Create("first").key, first.key);
-}
-
-TEST_P(StoreContract, TrimByAgeCountsFromTheAppendByTheServersClock) {
-  MapRecord map = Create("hall");
-  map.frame_log_age = std::chrono::seconds(100);
-  Append(MakeAppend(map.key, 1, 5, Timestamp::FromSeconds(1000.0)));
-  Append(MakeAppend(map.key, 6, 5, Timestamp::FromSeconds(1050.0)));
-  Commit(map.key, MakeDelta(0, 10, {}));
-  const auto first_after = [&](double now_s) {
-    EXPECT_TRUE(
-        store_->Trim(map, MapSequence{10}, Timestamp::FromSeconds(now_s), kForgetNone).ok());
-    const std::vector<LogFrame> frames = ReadAll(store_.get(), map.key);
-    return frames.empty() ? 0 : frames.front().sequence.value();
-  };
-  EXPECT_EQ(first_after(1099.0), 1U);
-  EXPECT_EQ(first_after(1100.0), 6U);
-  EXPECT_EQ(first_after(900.0), 6U) << "a clock that was set back drops nothing";
-  Reopen();
-  EXPECT_EQ(first_after(1149.0), 6U);
-  EXPECT_EQ(first_after(1150.0), 0U);
-  EXPECT_EQ(Load(map).durable_head, MapSequence{10}) << "the head outlives the log";
-  Append(MakeAppend(map.key, 11, 1));
-}
-
-TEST_P(StoreContract, TrimByBytesKeepsNoMoreThanAllowed) {
-  MapRecord map = Create("hall");
-  map.frame_log_bytes = 64 * 4;
-  Append(MakeAppend(map.key, 1, 10));
-  Commit(map.key, MakeDelta(0, 10, {}));
-  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
-  EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 4U);
-  map.frame_log_bytes -= 1;
-  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
-  EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 3U);
-  map.frame_log_bytes = 0;
-  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
-  EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 0U);
-}
-
-TEST_P(StoreContract, TrimNeverTouchesWhatIsNotIntegrated) {
-  MapRecord map = Create("hall");
-  map.frame_log_age = std::chrono::seconds(0);
-  Append(MakeAppend(map.key, 1, 10));
-  Commit(map.key, MakeDelta(0, 6, {}));
-  ASSERT_TRUE(store_->Trim(map, MapSequence{3}, kNow, kForgetNone).ok());
-  EXPECT_EQ(ReadAll(store_.get(), map.key).front().sequence, MapSequence{4});
-  ASSERT_TRUE(store_->Trim(map, MapSequence{10}, kNow, kForgetNone).ok());
-  EXPECT_EQ(ReadAll(store_.get(), map.key).front().sequence, MapSequence{7});
-}
-
-TEST_P(StoreContract, PosesOutliveTheLogUpToTheirOwnBound) {
-  MapRecord map = Create("hall");
-  map.frame_log_age = std::chrono::seconds(0);
-  Append(MakeAppend(map.key, 1, 25));
-  Commit(map.key, MakeDelta(0, 25, {}));
-  ASSERT_TRUE(store_->Trim(map, MapSequence{25}, kNow, kForgetNone).ok());
-  Reopen();
-  const std::vector<FramePose> poses =
-      store_->ReadPoses(map.key, MapSequence{1}, MapSequence{25}, 100).value();
-  ASSERT_EQ(poses.size(), options_.kept_poses);
-  EXPECT_EQ(poses.front().sequence, MapSequence{16});
-}
-
-TEST_P(StoreContract, TrimForgetsIdleSessionsOnly) {
-  const MapRecord map = Create("hall");
-  Append({map.key,
-          kNow,
-          {},
-          {MakeSession("idle", 5, Timestamp::FromSeconds(10.0)),
-           MakeSession("busy", 5, Timestamp::FromSeconds(20.0))}});
-  ASSERT_TRUE(store_->Trim(map, MapSequence{0}, kNow, Timestamp::FromSeconds(20.0)).ok());
-  Reopen();
-  ASSERT_EQ(Load(map).sessions.size(), 1U);
-  EXPECT_EQ(Load(map).sessions.front().name.session, "busy");
 }
 
 TEST_P(StoreContract, SessionOfAMillionFramesStaysOneInterval) {
