@@ -21,7 +21,7 @@ void RenderFrame(benchmark::State& state, const std::string& route, bool is_idea
   // A step that visits all parts of the route before it repeats a frame.
   const std::size_t step = simulation.frame_count() / 31 + 1;
   std::size_t index = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(simulation.Render(index));
     index = (index + step) % simulation.frame_count();
   }
@@ -34,7 +34,7 @@ void RenderFrameInColor(benchmark::State& state) {
   options.include_instances = true;
   Simulation simulation(*MakeRoute("baseline"), options);
   std::size_t index = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(simulation.Render(index));
     index = (index + 13) % simulation.frame_count();
   }
@@ -44,7 +44,7 @@ void PackFrame(benchmark::State& state) {
   Simulation simulation(*MakeRoute("baseline"), Options(false));
   const Frame frame = simulation.Render(100);
   std::size_t bytes = 0;
-  for (auto _ : state) bytes = PackSimulatedFrame(frame).ByteSizeLong();
+  while (state.KeepRunning()) bytes = PackSimulatedFrame(frame).ByteSizeLong();
   state.counters["bytes"] = static_cast<double>(bytes);
 }
 

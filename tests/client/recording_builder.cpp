@@ -1,5 +1,6 @@
 #include "tests/client/recording_builder.h"
 
+#include <absl/strings/str_format.h>
 #include <gtest/gtest.h>
 
 #include "core/image_codec.h"
@@ -11,17 +12,17 @@ void WriteTorwicRecording(const TemporaryFolder& folder,
                           const TorwicRecording& recording) {
   std::string poses;
   for (int i = 0; i < recording.frame_count; ++i) {
-    const std::string number = std::to_string(i);
-    const std::string file = std::string(4 - number.size(), '0') + number + ".png";
-    folder.Write(name + "/Depth/" + file, DepthPng(640, 360, static_cast<std::uint16_t>(1000 + i)));
-    folder.Write(
-        name + "/Segmentation/" + file,
-        EncodePixels(Image<std::uint16_t>(640, 360, recording.label), PixelEncoding::kPng));
+    const auto file = [&](const char* kind) {
+      return absl::StrFormat("%s/%s/%04d.png", name, kind, i);
+    };
+    folder.Write(file("Depth"), DepthPng(640, 360, static_cast<std::uint16_t>(1000 + i)));
+    const Image<std::uint16_t> labels(640, 360, recording.label);
+    folder.Write(file("Segmentation"), EncodePixels(labels, PixelEncoding::kPng));
     if (recording.has_color) {
-      folder.Write(name + "/RGB/" + file, EncodeColorPng(Image<Rgb>(640, 360, {1, 2, 3})));
+      folder.Write(file("RGB"), EncodeColorPng(Image<Rgb>(640, 360, {1, 2, 3})));
     }
-    poses += number + " 1600000000 " + std::to_string(100'000'000 * i) + " " +
-             std::to_string(recording.x_m + 0.1 * i) + " 0 0 0 0 0 1\n";
+    absl::StrAppendFormat(
+        &poses, "%d 1600000000 %d %.6f 0 0 0 0 0 1\n", i, 100'000'000 * i, recording.x_m + 0.1 * i);
   }
   folder.Write(name + "/poses.txt", poses);
 }

@@ -91,9 +91,10 @@ double TotalArea(const std::vector<Facet>& facets) {
 }
 
 TEST(FacetsOf, BoxHasItsSurfaceAndVolume) {
-  const Eigen::Isometry3d T(Eigen::Translation3d(3, -2, 1) *
-                            Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 1, 0).normalized()));
-  const std::vector<Facet> facets = FacetsOf(BoxShape{{1, 2, 3}}, T);
+  const Eigen::Isometry3d T_world_box(
+      Eigen::Translation3d(3, -2, 1) *
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 1, 0).normalized()));
+  const std::vector<Facet> facets = FacetsOf(BoxShape{{1, 2, 3}}, T_world_box);
   EXPECT_EQ(facets.size(), 6U);
   EXPECT_NEAR(TotalArea(facets), 22, 1e-9);
   EXPECT_NEAR(VolumeOf(facets), 6, 1e-9);

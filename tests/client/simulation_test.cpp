@@ -84,6 +84,7 @@ TEST(Simulation, FrameDoesNotDependOnWhatWasRenderedBefore) {
   Simulation backward(RouteOf("2-1"), Full(4));
   const std::vector<std::size_t> indices = {3, 200, 400, 700};
   std::vector<Frame> frames;
+  frames.reserve(indices.size());
   for (const std::size_t index : indices) frames.push_back(forward.Render(index));
   for (std::size_t i = indices.size(); i-- > 0;) {
     ExpectSame(backward.Render(indices[i]), frames[i]);

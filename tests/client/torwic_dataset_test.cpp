@@ -86,18 +86,20 @@ TEST(TorwicCalibration, RefusesGarbageNamingTheLine) {
     const char* where;
   };
 
-  for (const Case& c : {Case{"", "calibration.txt"},
-                        Case{camera + pose, "calibration.txt"},
-                        Case{camera + pose + "0.001\nmore\n", "calibration.txt"},
-                        Case{"w=640 h=360\n" + pose + "0.001\n", "calibration.txt:1"},
-                        Case{"w=0" + camera.substr(5) + pose + "0.001\n", "calibration.txt:1"},
-                        Case{"w=1e300" + camera.substr(5) + pose + "0.001\n", "calibration.txt:1"},
-                        Case{"w=nan" + camera.substr(5) + pose + "0.001\n", "calibration.txt:1"},
-                        Case{"z=1 " + camera + pose + "0.001\n", "calibration.txt:1"},
-                        Case{camera + "0 0 0 0 0 0 0\n0.001\n", "calibration.txt:2"},
-                        Case{camera + "0 0 0\n0.001\n", "calibration.txt:2"},
-                        Case{camera + pose + "0\n", "calibration.txt:3"},
-                        Case{camera + pose + "nan\n", "calibration.txt:3"}}) {
+  const std::vector<Case> cases = {
+      Case{"", "calibration.txt"},
+      Case{camera + pose, "calibration.txt"},
+      Case{camera + pose + "0.001\nmore\n", "calibration.txt"},
+      Case{"w=640 h=360\n" + pose + "0.001\n", "calibration.txt:1"},
+      Case{"w=0" + camera.substr(5) + pose + "0.001\n", "calibration.txt:1"},
+      Case{"w=1e300" + camera.substr(5) + pose + "0.001\n", "calibration.txt:1"},
+      Case{"w=nan" + camera.substr(5) + pose + "0.001\n", "calibration.txt:1"},
+      Case{"z=1 " + camera + pose + "0.001\n", "calibration.txt:1"},
+      Case{camera + "0 0 0 0 0 0 0\n0.001\n", "calibration.txt:2"},
+      Case{camera + "0 0 0\n0.001\n", "calibration.txt:2"},
+      Case{camera + pose + "0\n", "calibration.txt:3"},
+      Case{camera + pose + "nan\n", "calibration.txt:3"}};
+  for (const Case& c : cases) {
     const auto read = LoadTorwicCalibration(folder.Write("calibration.txt", c.text));
     EXPECT_FALSE(read.ok()) << c.text;
     EXPECT_THAT(std::string(read.status().message()), HasSubstr(c.where)) << c.text;

@@ -244,7 +244,8 @@ TEST(TorwicHall, TheRobotsWayIsFreeInAllConfigurations) {
     for (const SceneObject& object : hall.objects()) {
       if (object.name == "floor") continue;
       const Eigen::Vector3d half_m = std::get<BoxShape>(object.shape).size_m / 2;
-      for (double time_s = 0; time_s < drive.duration_s; time_s += 0.2) {
+      for (int i = 0; i * 0.2 < drive.duration_s; ++i) {
+        const double time_s = i * 0.2;
         const Eigen::Vector3d camera =
             object.T_world_object.inverse() * drive.T_world_camera(time_s).translation();
         const double distance_m = (camera.cwiseAbs() - half_m).cwiseMax(0).norm();
@@ -264,7 +265,8 @@ TEST(TorwicLoop, IsARoundedFiveMetreSquare) {
   const GroundPath loop = TorwicLoop();
   EXPECT_NEAR(loop.length_m(), 4 * (5 - 2 * 0.8) + 2 * M_PI * 0.8, 1e-9);
   double largest = 0.0;
-  for (double s_m = 0; s_m < loop.length_m(); s_m += 0.05) {
+  for (int i = 0; i * 0.05 < loop.length_m(); ++i) {
+    const double s_m = i * 0.05;
     const Eigen::Isometry3d pose = loop.PoseAt(s_m);
     largest = std::max(largest, pose.translation().cwiseAbs().maxCoeff());
     // It turns left round the centre, without jumps.
@@ -283,7 +285,8 @@ TEST(DriveTorwicLoop, CarriesTheCameraHalfAMetreUpLookingAheadAndSlightlyUp) {
   EXPECT_GT(frame_count, 300);
   EXPECT_LT(frame_count, 400);
   const GroundPath loop = TorwicLoop();
-  for (double time_s = 0; time_s < drive.duration_s; time_s += 0.7) {
+  for (int i = 0; i * 0.7 < drive.duration_s; ++i) {
+    const double time_s = i * 0.7;
     const Eigen::Isometry3d T_world_camera = drive.T_world_camera(time_s);
     EXPECT_NEAR(T_world_camera.translation().z(), 0.5, 0.02);
     const Eigen::Vector3d ahead = loop.PoseAt(0.5 * time_s).linear().col(0);

@@ -21,11 +21,11 @@ SimulationOptions Options() {
 Eigen::Isometry3d PoseOf(const v1::Frame& message) {
   const v1::Pose& pose = message.world_from_camera();
   const v1::Quaternion& q = pose.orientation();
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).toRotationMatrix();
-  T.translation() =
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  T_world_camera.linear() = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).toRotationMatrix();
+  T_world_camera.translation() =
       Eigen::Vector3d(pose.position_m().x(), pose.position_m().y(), pose.position_m().z());
-  return T;
+  return T_world_camera;
 }
 
 void ExpectHolds(const v1::Frame& message, const Frame& frame) {
