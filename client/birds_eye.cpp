@@ -109,7 +109,7 @@ void DrawSideLegends(const std::vector<RobotPath>& paths,
                      Canvas* picture) {
   Eigen::Vector2d origin_px(kLeftPx + layout.map_size_px.x() + kGapPx, kTopPx);
   if (scene.has_surface && by_height) {
-    const double ramp_height_px = std::min(240.0, layout.map_size_px.y() * 0.5);
+    const double ramp_height_px = std::min(240.0, std::floor(layout.map_size_px.y() * 0.5));
     origin_px.y() = DrawHeightLegend(scene, origin_px, ramp_height_px, picture) + kGapPx;
   }
   if (!paths.empty()) DrawPathLegend(paths, origin_px, kRightPx - kGapPx - 8.0, picture);

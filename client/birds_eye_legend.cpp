@@ -88,22 +88,26 @@ std::string Decimal(double value) {
 Rgb PathColor(std::size_t path) { return kPathColors[path % kPathColors.size()]; }
 
 void DrawGrid(const TopDownView& view, double step_m, Canvas* canvas) {
-  const double right_world = view.top_left_world.x() + canvas->width_px() * view.metres_per_px;
-  const double bottom_world = view.top_left_world.y() - canvas->height_px() * view.metres_per_px;
-  for (double x = std::ceil(view.top_left_world.x() / step_m) * step_m; x < right_world;
-       x += step_m) {
-    const double u = std::floor(view.PixelOf({x, 0.0}).x());
+  const Eigen::Vector2d low_world =
+      view.top_left_world - Eigen::Vector2d(0.0, canvas->height_px() * view.metres_per_px);
+  const Eigen::Vector2d size_m =
+      Eigen::Vector2d(canvas->width_px(), canvas->height_px()) * view.metres_per_px;
+  const Eigen::Vector2d first = (low_world / step_m).array().ceil().matrix();
+  const int columns = static_cast<int>(size_m.x() / step_m) + 1;
+  const int rows = static_cast<int>(size_m.y() / step_m) + 1;
+  for (int i = 0; i < columns; ++i) {
+    const double u = std::floor(view.PixelOf({(first.x() + i) * step_m, 0.0}).x());
     canvas->FillBox({u, 0.0}, {u + 1.0, canvas->height_px()}, kGridLine);
   }
-  for (double y = std::ceil(bottom_world / step_m) * step_m; y < view.top_left_world.y();
-       y += step_m) {
-    const double v = std::floor(view.PixelOf({0.0, y}).y());
+  for (int i = 0; i < rows; ++i) {
+    const double v = std::floor(view.PixelOf({0.0, (first.y() + i) * step_m}).y());
     canvas->FillBox({0.0, v}, {canvas->width_px(), v + 1.0}, kGridLine);
   }
 }
 
 void DrawPaths(const std::vector<RobotPath>& paths, const TopDownView& view, Canvas* canvas) {
   std::vector<Stroke> strokes;
+  strokes.reserve(paths.size());
   for (const RobotPath& path : paths) strokes.push_back(StrokeOf(path, view));
   canvas->DrawStrokes(strokes, kCasingWidthPx, kWhite);
   for (std::size_t i = 0; i < strokes.size(); ++i) {
@@ -156,20 +160,22 @@ double DrawHeightLegend(const BirdsEyeScene& scene,
   canvas->Write("height [m]", {origin_px.x(), origin_px.y() + kSmallTextPx}, kSmallTextPx, kInk);
   const Eigen::Vector2d low = origin_px + Eigen::Vector2d(0.0, kSmallTextPx + 14.0);
   const Eigen::Vector2d high = low + Eigen::Vector2d(kRampWidthPx, ramp_height_px);
-  for (double y = low.y(); y < high.y(); y += 1.0) {
-    canvas->FillBox({low.x(), y},
-                    {high.x(), std::min(y + 1.0, high.y())},
-                    HeightColor((high.y() - y - 0.5) / ramp_height_px));
+  const int rows = static_cast<int>(ramp_height_px);
+  for (int row = 0; row < rows; ++row) {
+    canvas->FillBox({low.x(), low.y() + row},
+                    {high.x(), low.y() + row + 1.0},
+                    HeightColor(1.0 - (row + 0.5) / rows));
   }
   canvas->DrawBox(low, high, kInk);
   const double range_m = scene.highest_m - scene.lowest_m;
   const double step_m = RoundLength(range_m / 3.0);
-  for (double tick = std::ceil(scene.lowest_m / step_m); tick * step_m <= scene.highest_m; ++tick) {
-    const double share = (tick * step_m - scene.lowest_m) / range_m;
+  const double first = std::ceil(scene.lowest_m / step_m);
+  for (int i = 0; (first + i) * step_m <= scene.highest_m; ++i) {
+    const double tick_m = (first + i) * step_m;
+    const double share = (tick_m - scene.lowest_m) / range_m;
     const double y = std::round(high.y() - share * ramp_height_px);
     canvas->FillBox({high.x(), y - 0.5}, {high.x() + 5.0, y + 0.5}, kInk);
-    canvas->Write(
-        Decimal(tick * step_m), {high.x() + 10.0, y + kSmallTextPx / 2.0}, kSmallTextPx, kInk);
+    canvas->Write(Decimal(tick_m), {high.x() + 10.0, y + kSmallTextPx / 2.0}, kSmallTextPx, kInk);
   }
   return high.y();
 }

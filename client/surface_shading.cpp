@@ -50,7 +50,8 @@ class HeightTable {
   }
 
   const Rgb& At(double share) const {
-    return colors_[static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * (kSteps - 1) + 0.5)];
+    return colors_[static_cast<std::size_t>(
+        std::lround(std::clamp(share, 0.0, 1.0) * (kSteps - 1)))];
   }
 
  private:

@@ -51,7 +51,8 @@ class Painter {
     corner.color.setZero();
     if (!mesh_.colors.empty()) {
       const Rgb& rgb = mesh_.colors[vertex];
-      corner.color = Eigen::Vector3f(rgb[0], rgb[1], rgb[2]);
+      // Half a step up, so that the later cut to whole numbers rounds.
+      corner.color = Eigen::Vector3f(rgb[0], rgb[1], rgb[2]).array() + 0.5F;
     }
     return corner;
   }
@@ -66,7 +67,7 @@ class Painter {
     if (raster_.color.empty()) return;
     Rgb& color = raster_.color.At(u, v);
     for (std::size_t i = 0; i < 3; ++i) {
-      color[i] = static_cast<std::uint8_t>(point.color[static_cast<Eigen::Index>(i)] + 0.5F);
+      color[i] = static_cast<std::uint8_t>(point.color[static_cast<Eigen::Index>(i)]);
     }
   }
 

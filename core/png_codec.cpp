@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little,
               "16-bit rows are swapped unconditionally");
 
 // No chunk but the image itself may be longer: ample for a colour profile, nothing for a flood.
-constexpr png_alloc_size_t kMaxChunkBytes = 256 * 1024;
+constexpr png_alloc_size_t kMaxChunkBytes = png_alloc_size_t{256} * 1024;
 
 constexpr std::size_t kSignatureBytes = 8;
 // Signature, length and name of the first chunk, then width and height.

@@ -19,9 +19,13 @@ absl::StatusOr<PinholeCamera> CameraOfSequence(const std::filesystem::path& fold
   if (!matrix.ok()) return matrix.status();
   const absl::StatusOr<ImageFile> depth = ReadImageFile(first_depth);
   if (!depth.ok()) return depth.status();
-  const Eigen::Matrix3d K = *matrix;
-  const PinholeCamera camera = {
-      depth->size.width_px, depth->size.height_px, K(0, 0), K(1, 1), K(0, 2), K(1, 2)};
+  const Eigen::Matrix3d intrinsics = *matrix;
+  const PinholeCamera camera = {depth->size.width_px,
+                                depth->size.height_px,
+                                intrinsics(0, 0),
+                                intrinsics(1, 1),
+                                intrinsics(0, 2),
+                                intrinsics(1, 2)};
   if (const absl::Status status = ValidateCamera(camera); !status.ok()) {
     return absl::InvalidArgumentError(
         absl::StrCat(file.string(), ": expected a camera matrix: ", status.message()));

@@ -25,6 +25,12 @@ constexpr double kMaxHoleRadiusPx = 9.0;
 constexpr std::size_t kNormalBits = 12;
 constexpr std::size_t kNormalCount = std::size_t{1} << kNormalBits;
 
+// The nearest whole number for a number >= 0. `lround` would be a call for each pixel.
+int RoundPositive(float number) {
+  const float shifted = number + 0.5F;
+  return static_cast<int>(shifted);
+}
+
 float UnitFromBits(std::uint64_t hash, int shift) {
   return static_cast<float>((hash >> shift) & 0xffffU) * (1.0F / 65536.0F);
 }
@@ -157,7 +163,7 @@ void DepthSensor::RoundToDisparitySteps() {
   constexpr float kLeastSteps = 0.5F;
   for (float& depth_m : measured_m_) {
     const float steps = std::max(steps_metres / std::max(depth_m, kNearestM), kLeastSteps);
-    const float rounded_m = steps_metres / static_cast<float>(static_cast<int>(steps + 0.5F));
+    const float rounded_m = steps_metres / static_cast<float>(RoundPositive(steps));
     depth_m = depth_m > 0.0F ? rounded_m : 0.0F;
   }
 }
@@ -183,7 +189,7 @@ void DepthSensor::StoreRow(int v, Image<std::uint16_t>* depth) const {
   for (std::size_t u = 0; u < measured_m_.size(); ++u) {
     const float depth_m = measured_m_[u];
     const float kept_m = depth_m >= nearest_m && depth_m <= farthest_m ? depth_m : 0.0F;
-    units[u] = static_cast<std::uint16_t>(static_cast<int>(kept_m * kMillimetresPerMetre + 0.5F));
+    units[u] = static_cast<std::uint16_t>(RoundPositive(kept_m * kMillimetresPerMetre));
   }
 }
 

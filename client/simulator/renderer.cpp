@@ -45,7 +45,7 @@ float BrightnessOf(const Eigen::Vector3d& normal_world) {
 Rgb Shade(const Rgb& color, float brightness) {
   Rgb shaded;
   for (std::size_t i = 0; i < color.size(); ++i) {
-    shaded[i] = static_cast<std::uint8_t>(static_cast<float>(color[i]) * brightness + 0.5F);
+    shaded[i] = static_cast<std::uint8_t>(std::lround(static_cast<float>(color[i]) * brightness));
   }
   return shaded;
 }

@@ -32,9 +32,9 @@ bool HasArea(const Facet& facet) {
   return first.cross(second).norm() > kMinDoubleAreaM2;
 }
 
-std::vector<Facet> FacetsOfBox(const BoxShape& box, const Eigen::Isometry3d& T) {
+std::vector<Facet> FacetsOfBox(const BoxShape& box, const Eigen::Isometry3d& T_destination_object) {
   BoxCorners corners = CornersOf(box.size_m, Eigen::Vector3d::Zero());
-  for (Eigen::Vector3d& corner : corners) corner = T * corner;
+  for (Eigen::Vector3d& corner : corners) corner = T_destination_object * corner;
   std::vector<Facet> facets;
   facets.reserve(kBoxFaces.size());
   for (const auto& [a, b, c, d] : kBoxFaces) {
@@ -43,21 +43,24 @@ std::vector<Facet> FacetsOfBox(const BoxShape& box, const Eigen::Isometry3d& T) 
   return facets;
 }
 
-std::vector<Facet> FacetsOfRectangle(const RectangleShape& rectangle, const Eigen::Isometry3d& T) {
+std::vector<Facet> FacetsOfRectangle(const RectangleShape& rectangle,
+                                     const Eigen::Isometry3d& T_destination_object) {
   const double x = rectangle.size_m.x() / 2;
   const double y = rectangle.size_m.y() / 2;
-  return {{{T * Eigen::Vector3d(-x, -y, 0),
-            T * Eigen::Vector3d(x, -y, 0),
-            T * Eigen::Vector3d(x, y, 0),
-            T * Eigen::Vector3d(-x, y, 0)},
+  return {{{T_destination_object * Eigen::Vector3d(-x, -y, 0),
+            T_destination_object * Eigen::Vector3d(x, -y, 0),
+            T_destination_object * Eigen::Vector3d(x, y, 0),
+            T_destination_object * Eigen::Vector3d(-x, y, 0)},
            4,
            true}};
 }
 
-std::vector<Facet> FacetsOfMesh(const TriangleMesh& mesh, const Eigen::Isometry3d& T) {
+std::vector<Facet> FacetsOfMesh(const TriangleMesh& mesh,
+                                const Eigen::Isometry3d& T_destination_object) {
   std::vector<Eigen::Vector3d> vertices;
   vertices.reserve(mesh.vertices_object.size());
-  for (const Eigen::Vector3d& vertex : mesh.vertices_object) vertices.emplace_back(T * vertex);
+  for (const Eigen::Vector3d& vertex : mesh.vertices_object)
+    vertices.emplace_back(T_destination_object * vertex);
   std::vector<Facet> facets;
   facets.reserve(mesh.triangles.size());
   for (const auto& [a, b, c] : mesh.triangles) {

@@ -25,8 +25,8 @@ void AddPatch(const Eigen::Vector3f& corner,
     mesh->vertices_world.push_back(corner + offset);
     mesh->normals_world.push_back(normal);
   }
-  mesh->triangles.push_back({first, first + 1, first + 2});
-  mesh->triangles.push_back({first, first + 2, first + 3});
+  mesh->triangles.insert(mesh->triangles.end(),
+                         {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
 }
 
 void AddFloor(const Eigen::Vector2f& low, const Eigen::Vector2f& high, float z, Mesh* mesh) {
@@ -195,8 +195,9 @@ TEST(DrawBirdsEye, SaysSoWhenThereIsNoSurface) {
 TEST(DrawBirdsEye, IsNotShrunkByAStrayTriangle) {
   Mesh mesh;
   for (int i = 0; i < 4000; ++i) {
-    const auto x = static_cast<float>(i % 80) * 0.1F;
-    const auto y = static_cast<float>(i / 80) * 0.1F;
+    const float x = static_cast<float>(i % 80) * 0.1F;
+    const int row = i / 80;
+    const float y = static_cast<float>(row) * 0.1F;
     AddFloor({x, y}, {x + 0.1F, y + 0.1F}, 0.0F, &mesh);
   }
   const double metres_per_px = DrawBirdsEye(mesh, {}, {}).view.metres_per_px;

@@ -1,0 +1,61 @@
+#include "client/cli/argument_text.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+
+namespace steadymap {
+namespace {
+
+// Exactly `count` finite numbers separated by commas, or none.
+std::optional<std::vector<double>> ParseNumbers(std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  const char* place = text.data();
+  const char* const end = place + text.size();
+  while (numbers.size() < count) {
+    double number = 0.0;
+    const std::from_chars_result parsed = std::from_chars(place, end, number);
+    if (parsed.ec != std::errc() || !std::isfinite(number)) return std::nullopt;
+    numbers.push_back(number);
+    place = parsed.ptr;
+    if (numbers.size() == count) break;
+    if (place == end || *place != ',') return std::nullopt;
+    ++place;
+  }
+  if (place != end) return std::nullopt;
+  return numbers;
+}
+
+absl::Status Expected(const char* what, std::string_view found) {
+  return absl::InvalidArgumentError(std::string("expected ") + what + ", got \"" +
+                                    std::string(found) + "\"");
+}
+
+}  // namespace
+
+absl::StatusOr<MapName> ParseMapArgument(std::string_view text) {
+  if (text.find('/') != std::string_view::npos) return MapName::Parse(text);
+  if (IsValidId(text)) return MapName{"default", std::string(text)};
+  return Expected(
+      "a map's name, lower-case letters, digits and hyphens beginning with a letter, at most 63 "
+      "characters, or tenants/{tenant}/maps/{map}",
+      text);
+}
+
+absl::StatusOr<Eigen::Vector3d> ParsePoint(std::string_view text) {
+  const std::optional<std::vector<double>> numbers = ParseNumbers(text, 3);
+  if (!numbers) return Expected("a point x,y,z in metres", text);
+  return Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+}
+
+absl::StatusOr<Box> ParseBox(std::string_view text) {
+  const std::optional<std::vector<double>> numbers = ParseNumbers(text, 6);
+  if (!numbers) return Expected("a box x0,y0,z0,x1,y1,z1 in metres", text);
+  const Box box(Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]),
+                Eigen::Vector3d((*numbers)[3], (*numbers)[4], (*numbers)[5]));
+  if (box.isEmpty()) return Expected("a box whose first corner is the lowest", text);
+  return box;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <absl/status/statusor.h>
+
+#include "core/geometry.h"
+#include "core/identifiers.h"
+
+/// Arguments of the command line that CLI11 does not know. All errors are `InvalidArgument` and say
+/// what was expected and what was found.
+namespace steadymap {
+
+/// A map: its id in the tenant `default`, or its whole name `tenants/{tenant}/maps/{map}`.
+absl::StatusOr<MapName> ParseMapArgument(std::string_view text);
+
+/// A point `x,y,z` in the world frame, metres, finite.
+absl::StatusOr<Eigen::Vector3d> ParsePoint(std::string_view text);
+
+/// A box `x0,y0,z0,x1,y1,z1` from its lowest to its highest corner, world frame, metres, finite.
+absl::StatusOr<Box> ParseBox(std::string_view text);
+
+}  // namespace steadymap

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "core/map_config.h"
+
+namespace steadymap {
+
+/// Reads a class table: a line `ID NAME [static|semi-static|dynamic]` a class; the motion is static
+/// where none is given, names may hold spaces, and what follows a # is a comment.
+/// Errors: `NotFound` for a missing file; `InvalidArgument` naming the file and line of anything
+/// else, and for a file without any class.
+absl::StatusOr<std::vector<SemanticClass>> LoadClassTable(const std::filesystem::path& file);
+
+}  // namespace steadymap

@@ -1,0 +1,121 @@
+#include "client/cli/command_line.h"
+
+#include <algorithm>
+#include <exception>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/export_command.h"
+#include "client/cli/map_commands.h"
+#include "client/cli/query_command.h"
+#include "client/cli/render_command.h"
+#include "client/cli/simulate_command.h"
+#include "client/cli/upload_command.h"
+#include "core/error.h"
+
+namespace steadymap {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kMisused = 2;
+
+// Says nothing that the rest of gRPC's sentence does not.
+constexpr std::string_view kGrpcPreamble = "failed to connect to all addresses; last error: ";
+
+constexpr char kFooter[] =
+    "Maps are kept in metres in a right-handed frame with z up. A map's NAME is its id in the\n"
+    "tenant `default`, or tenants/T/maps/M. `steadymap COMMAND --help` tells more of each "
+    "command.\n"
+    "Results go to standard output, everything else to standard error; the exit code is 0 only on\n"
+    "success.\n\n"
+    "  steadymapd --data-dir /var/lib/steadymap &\n"
+    "  steadymap upload kitchen --format seven-scenes ~/data/7scenes-kitchen\n"
+    "  steadymap export kitchen --format ply --output kitchen.ply";
+
+// What a person typed may hold anything; an error is one line.
+std::string OnOneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  return text;
+}
+
+void WriteError(const std::string& line, CommandContext* context) {
+  context->err << "steadymap: " << OnOneLine(line) << '\n';
+}
+
+absl::Status RunAction(const CommandContext& context) {
+  try {
+    return context.action();
+  } catch (const std::exception& error) {
+    return absl::InternalError(error.what());
+  }
+}
+
+// What CLI11 says, made to name the word that it did not know and where to read on.
+std::string MisuseLine(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  std::string path = app.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    path += " " + command->get_name();
+  }
+  std::string line = error.what();
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !unknown.empty()) {
+    line = "there is no command \"" + unknown.front() + "\"";
+  }
+  return line + "; see " + path + " --help";
+}
+
+std::string CheckServer(const std::string& server) {
+  const bool has_port = server.find(':') != std::string::npos && server.back() != ':';
+  return has_port ? std::string() : "expected HOST:PORT, got \"" + server + "\"";
+}
+
+}  // namespace
+
+std::string ErrorLine(const absl::Status& status, const std::string& server) {
+  std::string line(status.message());
+  if (line.empty()) line = absl::StatusCodeToString(status.code());
+  const std::string reason = ReasonOf(status);
+  if (status.code() == absl::StatusCode::kUnavailable && reason.empty()) {
+    if (line.starts_with(kGrpcPreamble)) line.erase(0, kGrpcPreamble.size());
+    line = "cannot reach a server at " + server + " (" + line + ")";
+  }
+  const std::string field = FieldOf(status);
+  if (!reason.empty()) line += " [" + reason + (field.empty() ? "" : ", " + field) + "]";
+  return line;
+}
+
+int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* context) {
+  CLI::App app("Uploads frames to a steadymap server and reads its maps.", "steadymap");
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.set_version_flag("--version", STEADYMAP_VERSION);
+  app.add_option("--server", context->server, "Server to talk to")
+      ->type_name("HOST:PORT")
+      ->check(CheckServer)
+      ->capture_default_str();
+  const MapCommands map(&app, context);
+  const UploadCommand upload(&app, context);
+  const SimulateCommand simulate(&app, context);
+  const ExportCommand exporting(&app, context);
+  const QueryCommand query(&app, context);
+  const RenderCommand render(&app, context);
+
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error, context->out, context->err);
+    WriteError(MisuseLine(app, error), context);
+    return kMisused;
+  }
+  const absl::Status status = RunAction(*context);
+  if (status.ok()) return 0;
+  WriteError(ErrorLine(status, context->server), context);
+  return kFailed;
+}
+
+}  // namespace steadymap

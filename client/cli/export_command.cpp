@@ -1,0 +1,71 @@
+#include "client/cli/export_command.h"
+
+#include <map>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/argument_text.h"
+#include "client/cli/number_text.h"
+#include "client/cli/output_file.h"
+#include "client/map_client.h"
+
+namespace steadymap {
+namespace {
+
+constexpr char kFooter[] =
+    "  ply  triangles with normals, and colours where known; metres, map frame, z up\n"
+    "  glb  the same as binary glTF 2.0, turned so that y is up, for viewers\n"
+    "  vdb  OpenVDB volumes of signed distance and weight\n\n"
+    "The file appears under its name once it is complete; until then it has a temporary name\n"
+    "beside it. --box keeps what lies between two corners, world frame, metres.";
+
+const std::map<std::string, v1::ExportFormat>& Formats() {
+  static const auto* const formats =
+      new std::map<std::string, v1::ExportFormat>{{"ply", v1::EXPORT_FORMAT_PLY},
+                                                  {"vdb", v1::EXPORT_FORMAT_VDB},
+                                                  {"glb", v1::EXPORT_FORMAT_GLB}};
+  return *formats;
+}
+
+}  // namespace
+
+ExportCommand::ExportCommand(CLI::App* app, CommandContext* context) : context_(context) {
+  CLI::App* const command = app->add_subcommand("export", "Write a map to a file");
+  command->footer(kFooter);
+  command->add_option("NAME", map_, "The map")->required();
+  command->add_option("--format", format_, "Format of the file")
+      ->required()
+      ->check(CLI::IsMember({"ply", "vdb", "glb"}));
+  command->add_option("--output", output_, "The file")->required()->type_name("FILE");
+  command->add_option("--box", box_, "Only this part of the map")->type_name("x0,y0,z0,x1,y1,z1");
+  command->callback([this] { context_->action = [this] { return Run(); }; });
+}
+
+absl::Status ExportCommand::Run() const {
+  const absl::StatusOr<MapName> name = ParseMapArgument(map_);
+  if (!name.ok()) return name.status();
+  std::optional<Box> box;
+  if (!box_.empty()) {
+    const absl::StatusOr<Box> parsed = ParseBox(box_);
+    if (!parsed.ok()) return parsed.status();
+    box = *parsed;
+  }
+  absl::StatusOr<OutputFile> file = OutputFile::Create(output_);
+  if (!file.ok()) return file.status();
+  const absl::StatusOr<v1::ExportMapResponse::Header> header =
+      MapClient(context_->Channel())
+          .ExportMap(*name, Formats().at(format_), box, [&](std::string_view chunk) {
+            return file->Write(chunk);
+          });
+  if (!header.ok()) return header.status();
+  const absl::Status committed = file->Commit();
+  if (!committed.ok()) return committed;
+  context_->out << output_ << ": " << BytesText(header->file_bytes());
+  if (header->triangles() > 0)
+    context_->out << ", " << CountText(header->triangles()) << " triangles";
+  context_->out << ", revision " << header->revision() << " of " << name->ToString() << '\n';
+  return absl::OkStatus();
+}
+
+}  // namespace steadymap

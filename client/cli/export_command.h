@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include <absl/status/status.h>
+
+#include "client/cli/command_context.h"
+
+namespace steadymap {
+
+/// `steadymap export`. Lives as long as the parsed command line.
+class ExportCommand {
+ public:
+  ExportCommand(CLI::App* app, CommandContext* context);
+
+ private:
+  absl::Status Run() const;
+
+  CommandContext* context_;
+  std::string map_;
+  std::string format_;
+  std::string output_;
+  std::string box_;
+};
+
+}  // namespace steadymap

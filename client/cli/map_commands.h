@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include <absl/status/status.h>
+
+#include "client/cli/command_context.h"
+#include "core/map_config.h"
+
+namespace steadymap {
+
+/// `steadymap map create|get|list|delete`. Lives as long as the parsed command line.
+class MapCommands {
+ public:
+  MapCommands(CLI::App* app, CommandContext* context);
+
+ private:
+  void AddCreate(CLI::App* map);
+  void AddGet(CLI::App* map);
+  void AddList(CLI::App* map);
+  void AddDelete(CLI::App* map);
+
+  absl::Status Create() const;
+  absl::Status Get() const;
+  absl::Status List() const;
+  absl::Status Delete() const;
+  absl::StatusOr<MapConfig> ConfigFromOptions() const;
+
+  CommandContext* context_;
+  std::string name_;
+  std::string tenant_ = "default";
+  bool as_json_ = false;
+  MapConfig config_;
+  bool truncation_given_ = false;
+  std::string policy_ = "static";
+  std::string classes_file_;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,133 @@
+#include "client/cli/map_text.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <string>
+
+#include "client/cli/number_text.h"
+
+namespace steadymap {
+namespace {
+
+const char* PolicyText(v1::UpdatePolicy policy) {
+  switch (policy) {
+    case v1::UPDATE_POLICY_UNSPECIFIED:
+    case v1::UPDATE_POLICY_STATIC:
+      return "static";
+    default:
+      return "unknown";
+  }
+}
+
+const char* MotionText(v1::ClassMotion motion) {
+  switch (motion) {
+    case v1::CLASS_MOTION_UNSPECIFIED:
+    case v1::CLASS_MOTION_STATIC:
+      return "static";
+    case v1::CLASS_MOTION_SEMI_STATIC:
+      return "semi-static";
+    case v1::CLASS_MOTION_DYNAMIC:
+      return "dynamic";
+    default:
+      return "unknown";
+  }
+}
+
+void WriteFact(const char* name, const std::string& value, std::ostream* out) {
+  *out << std::left << std::setw(14) << name << value << '\n';
+}
+
+void WriteConfigJson(const v1::MapConfig& config, JsonWriter* json) {
+  json->BeginObject();
+  json->Key("voxel_size_m").Number(config.voxel_size_m());
+  json->Key("truncation_m").Number(config.truncation_m());
+  json->Key("max_depth_m").Number(config.max_depth_m());
+  json->Key("policy").Text(PolicyText(config.policy()));
+  json->Key("classes").BeginArray();
+  for (const v1::SemanticClass& semantic_class : config.classes()) {
+    json->BeginObject();
+    json->Key("id").Integer(semantic_class.id());
+    json->Key("name").Text(semantic_class.name());
+    json->Key("motion").Text(MotionText(semantic_class.motion()));
+    json->EndObject();
+  }
+  json->EndArray();
+  json->EndObject();
+}
+
+void WriteStateJson(const v1::MapState& state, JsonWriter* json) {
+  json->BeginObject();
+  json->Key("revision").Integer(state.revision());
+  json->Key("durable_map_seq").Integer(state.durable_map_seq());
+  json->Key("lag_frames").Integer(state.lag_frames());
+  json->Key("refused_frames").Integer(state.refused_frames());
+  json->Key("leaves").Integer(state.leaves());
+  json->Key("voxels").Integer(state.voxels());
+  json->Key("memory_bytes").Integer(state.memory_bytes());
+  json->Key("last_capture_time");
+  if (state.has_last_capture_time()) {
+    json->Text(MomentText(state.last_capture_time()));
+  } else {
+    json->Null();
+  }
+  json->EndObject();
+}
+
+}  // namespace
+
+void WriteMapText(const v1::Map& map, std::ostream* out) {
+  const v1::MapConfig& config = map.config();
+  const v1::MapState& state = map.state();
+  WriteFact("map", map.name(), out);
+  if (!map.display_name().empty()) WriteFact("title", map.display_name(), out);
+  WriteFact("voxel size", LengthText(config.voxel_size_m()), out);
+  WriteFact("truncation", LengthText(config.truncation_m()), out);
+  WriteFact("max depth", LengthText(config.max_depth_m()), out);
+  WriteFact("policy", PolicyText(config.policy()), out);
+  WriteFact("classes", std::to_string(config.classes_size()), out);
+  WriteFact("revision", std::to_string(state.revision()), out);
+  WriteFact("frames",
+            CountText(state.revision()) + " integrated, " + CountText(state.lag_frames()) +
+                " waiting, " + CountText(state.refused_frames()) + " refused since the start",
+            out);
+  WriteFact("volume",
+            CountText(state.voxels()) + " voxels in " + CountText(state.leaves()) + " leaves, " +
+                BytesText(state.memory_bytes()) + " in memory",
+            out);
+  WriteFact("last capture",
+            state.has_last_capture_time() ? MomentText(state.last_capture_time()) : "never",
+            out);
+  WriteFact("created", MomentText(map.create_time()), out);
+}
+
+void WriteMapTable(const std::vector<v1::Map>& maps, std::ostream* out) {
+  std::size_t width = 4;
+  for (const v1::Map& map : maps) width = std::max(width, map.name().size());
+  const int name_width = static_cast<int>(width);
+  *out << std::left << std::setw(name_width) << "NAME" << std::right << std::setw(10) << "VOXEL"
+       << std::setw(10) << "REVISION" << std::setw(9) << "WAITING" << std::setw(12) << "VOXELS"
+       << std::setw(12) << "MEMORY" << '\n';
+  for (const v1::Map& map : maps) {
+    *out << std::left << std::setw(name_width) << map.name() << std::right << std::setw(10)
+         << LengthText(map.config().voxel_size_m()) << std::setw(10) << map.state().revision()
+         << std::setw(9) << map.state().lag_frames() << std::setw(12) << map.state().voxels()
+         << std::setw(12) << BytesText(map.state().memory_bytes()) << '\n';
+  }
+}
+
+void WriteMapJson(const v1::Map& map, JsonWriter* json) {
+  json->BeginObject();
+  json->Key("name").Text(map.name());
+  json->Key("display_name").Text(map.display_name());
+  json->Key("create_time").Text(MomentText(map.create_time()));
+  json->Key("etag").Text(map.etag());
+  json->Key("incarnation").Text(map.incarnation());
+  json->Key("byte_budget").Integer(map.byte_budget());
+  json->Key("config");
+  WriteConfigJson(map.config(), json);
+  json->Key("state");
+  WriteStateJson(map.state(), json);
+  json->EndObject();
+}
+
+}  // namespace steadymap

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <ostream>
+#include <vector>
+
+#include "client/cli/json_writer.h"
+
+#include "steadymap/v1/map.pb.h"
+
+namespace steadymap {
+
+/// Everything about a map, a line a fact, for people.
+void WriteMapText(const v1::Map& map, std::ostream* out);
+
+/// A line a map, under a line of headings, for people.
+void WriteMapTable(const std::vector<v1::Map>& maps, std::ostream* out);
+
+/// Everything about a map as a JSON object, fields spelt as in map.proto, counts as numbers.
+void WriteMapJson(const v1::Map& map, JsonWriter* json);
+
+}  // namespace steadymap

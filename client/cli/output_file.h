@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+namespace steadymap {
+
+/// A file that appears under its name only once it is complete: it is written beside it under a
+/// temporary name, renamed by `Commit`, and removed otherwise.
+class OutputFile {
+ public:
+  /// Errors: the reason why nothing can be written at `path`, with the path.
+  static absl::StatusOr<OutputFile> Create(const std::filesystem::path& path);
+
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+  /// Appends. Errors: as the disk gives them, with the path.
+  absl::Status Write(std::string_view data);
+
+  /// Makes the file appear, in place of one that was there. Errors: as `Write`.
+  absl::Status Commit();
+
+ private:
+  OutputFile(std::filesystem::path path, std::filesystem::path temporary_path);
+
+  std::filesystem::path path_;
+  std::filesystem::path temporary_path_;  ///< Empty once there is nothing left to remove.
+  std::ofstream stream_;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,86 @@
+#include "client/cli/progress_report.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "client/cli/number_text.h"
+
+namespace steadymap {
+namespace {
+
+constexpr std::size_t kBarWidth = 30;
+
+// Redrawing more often only costs the terminal time.
+constexpr double kRedrawPeriodS = 0.1;
+
+constexpr char kEraseLine[] = "\r\x1b[K";
+
+std::string RateText(std::size_t frames, double elapsed_s) {
+  if (elapsed_s <= 0.0) return "-";
+  return FixedText(static_cast<double>(frames) / elapsed_s, 1) + " frames/s";
+}
+
+}  // namespace
+
+double SteadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+ProgressReport::ProgressReport(std::ostream* out,
+                               bool is_terminal,
+                               std::string verb,
+                               std::size_t frame_total,
+                               std::function<double()> now_s)
+    : out_(out),
+      is_terminal_(is_terminal),
+      verb_(std::move(verb)),
+      frame_total_(std::max<std::size_t>(frame_total, 1)),
+      now_s_(std::move(now_s)),
+      start_s_(now_s_()) {}
+
+void ProgressReport::Update(std::size_t done, std::size_t ahead) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  done_ = std::min(done, frame_total_);
+  ahead_ = std::min(std::max(ahead, done), frame_total_);
+  const double elapsed_s = now_s_() - start_s_;
+  if (is_terminal_) {
+    if (is_drawn_ && done_ < frame_total_ && elapsed_s - last_drawn_s_ < kRedrawPeriodS) return;
+    last_drawn_s_ = elapsed_s;
+    Draw(elapsed_s);
+    return;
+  }
+  const std::size_t tenths = 10 * done_ / frame_total_;
+  if (tenths <= tenths_shown_) return;
+  tenths_shown_ = tenths;
+  *out_ << done_ << '/' << frame_total_ << " frames " << verb_ << ", " << RateText(done_, elapsed_s)
+        << std::endl;
+}
+
+void ProgressReport::Note(const std::string& line) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Clear();
+  *out_ << line << std::endl;
+}
+
+void ProgressReport::End() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (is_drawn_) *out_ << std::endl;
+  is_drawn_ = false;
+}
+
+void ProgressReport::Draw(double elapsed_s) {
+  const std::size_t full = kBarWidth * done_ / frame_total_;
+  const std::size_t half = kBarWidth * ahead_ / frame_total_ - full;
+  *out_ << kEraseLine << '[' << std::string(full, '#') << std::string(half, '-')
+        << std::string(kBarWidth - full - half, ' ') << "] " << done_ << '/' << frame_total_
+        << " frames " << verb_ << ", " << RateText(done_, elapsed_s) << std::flush;
+  is_drawn_ = true;
+}
+
+void ProgressReport::Clear() {
+  if (is_drawn_) *out_ << kEraseLine;
+  is_drawn_ = false;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,65 @@
+#include "client/cli/upload_command.h"
+
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+namespace steadymap {
+namespace {
+
+constexpr char kFooter[] =
+    "A PATH is the folder of a sequence or one that holds several; sequences are played one after\n"
+    "the other. Returns when every frame is part of the map, and fails if any was refused or "
+    "could\n"
+    "not be read. Lost connections and server restarts are survived: only frames that are not\n"
+    "durable yet are sent again, and none counts twice.\n\n"
+    "  torwic        TorWIC-Mapping: Depth/, RGB/, Segmentation/, poses.txt\n"
+    "  seven-scenes  7-Scenes: frame-000000.depth.png, .color.png, .pose.txt; its world is turned\n"
+    "                so that z is up\n"
+    "  tum           TUM RGB-D: depth.txt, rgb.txt, groundtruth.txt\n\n"
+    "--label-map names a text file with a line `FROM TO` for each class id of the recording that\n"
+    "the map knows by another one. --T-world-dataset names a text file with the 4x4 matrix that\n"
+    "takes the recording's world to the map's. A map that does not exist is created with the\n"
+    "server's defaults; use `steadymap map create` first to choose its voxel size.";
+
+}  // namespace
+
+UploadCommand::UploadCommand(CLI::App* app, CommandContext* context) : context_(context) {
+  options_.robot = "robot";
+  CLI::App* const command =
+      app->add_subcommand("upload", "Upload a recording and wait until it is in the map");
+  command->footer(kFooter);
+  command->add_option("NAME", options_.map, "The map")->required();
+  command->add_option("PATH", paths_, "Folders of the recording")->required();
+  command->add_option("--format", format_, "Layout of the recording")
+      ->required()
+      ->check(CLI::IsMember(DatasetFormats()));
+  command->add_option("--stride", dataset_.stride, "Upload every N-th frame")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--label-map", label_map_file_, "Turn class ids into the map's")
+      ->type_name("FILE");
+  command->add_option("--T-world-dataset", T_world_dataset_file_, "Place the recording in the map")
+      ->type_name("FILE");
+  AddUploadRunOptions(command, &options_);
+  command->callback([this] { context_->action = [this] { return Run(); }; });
+}
+
+absl::Status UploadCommand::Run() const {
+  DatasetOptions dataset = dataset_;
+  dataset.label_map_file = label_map_file_;
+  dataset.T_world_dataset_file = T_world_dataset_file_;
+  const std::vector<std::filesystem::path> paths(paths_.begin(), paths_.end());
+  const absl::StatusOr<std::unique_ptr<DatasetSource>> source =
+      OpenDataset(format_, paths, dataset);
+  if (!source.ok()) return source.status();
+  const absl::Status status = RunUpload(options_, source->get(), context_);
+  if ((*source)->skipped_count() > 0) {
+    context_->err << (*source)->skipped_count() << " frames without a usable pose were left out\n";
+  }
+  return status;
+}
+
+}  // namespace steadymap

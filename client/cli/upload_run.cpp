@@ -1,0 +1,194 @@
+#include "client/cli/upload_run.h"
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/argument_text.h"
+#include "client/cli/command_line.h"
+#include "client/cli/json_writer.h"
+#include "client/cli/number_text.h"
+#include "client/cli/progress_report.h"
+#include "client/map_client.h"
+#include "client/uploader.h"
+#include "core/error.h"
+
+namespace steadymap {
+namespace {
+
+absl::Status CheckId(const char* what, const std::string& id) {
+  if (IsValidId(id)) return absl::OkStatus();
+  return absl::InvalidArgumentError(std::string("expected a ") + what +
+                                    " id, lower-case letters, digits and hyphens beginning with a "
+                                    "letter, at most 63 characters, got \"" +
+                                    id + "\"");
+}
+
+// Makes sure that the map is there: somebody who uploads to a new name wants a map of that name.
+absl::Status EnsureMap(const MapName& name, bool no_create, CommandContext* context) {
+  MapClient client(context->Channel());
+  const absl::StatusOr<v1::Map> present = client.GetMap(name);
+  if (present.status().code() != absl::StatusCode::kNotFound) return present.status();
+  if (no_create) {
+    return MakeError(absl::StatusCode::kNotFound,
+                     reason::kNotFound,
+                     "there is no map " + name.ToString() +
+                         "; create it with: steadymap map create " +
+                         (name.tenant == "default" ? name.map : name.ToString()));
+  }
+  const absl::StatusOr<v1::Map> created = client.CreateMap(name, {});
+  if (created.status().code() == absl::StatusCode::kAlreadyExists) return absl::OkStatus();
+  if (!created.ok()) return created.status();
+  const v1::MapConfig& config = created->config();
+  context->err << "created " << created->name() << " with " << LengthText(config.voxel_size_m())
+               << " voxels and " << LengthText(config.truncation_m()) << " truncation" << std::endl;
+  return absl::OkStatus();
+}
+
+UploaderOptions OptionsOfUploader(const UploadRunOptions& options, ProgressReport* report) {
+  UploaderOptions uploader;
+  uploader.robot = options.robot;
+  uploader.session = options.session;
+  uploader.backoff.give_up_after =
+      std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.retry_for_s));
+  uploader.on_progress = [report](const UploadProgress& progress) {
+    report->Update(progress.integrated + progress.refused, progress.durable + progress.refused);
+  };
+  uploader.on_retry = [report](const absl::Status& status, std::chrono::milliseconds delay) {
+    report->Note("the upload broke off (" + std::string(status.message()) + "); trying again in " +
+                 DurationText(1e-3 * static_cast<double>(delay.count())));
+  };
+  return uploader;
+}
+
+struct UploadOutcome {
+  std::string map;
+  std::string session;
+  UploadSummary summary;
+  std::vector<UnreadableFrame> unreadable;
+  double elapsed_s = 0.0;
+
+  double frames_per_s() const {
+    const auto frames = static_cast<double>(summary.progress.integrated);
+    return elapsed_s > 0.0 ? frames / elapsed_s : 0.0;
+  }
+};
+
+void WriteSummaryText(const UploadOutcome& outcome, std::ostream* out) {
+  const UploadProgress& progress = outcome.summary.progress;
+  *out << CountText(progress.integrated) << " frames integrated in "
+       << DurationText(outcome.elapsed_s) << ", " << FixedText(outcome.frames_per_s(), 1)
+       << " frames/s, " << BytesText(progress.bytes_sent) << " sent, "
+       << CountText(progress.refused) << " refused, " << CountText(outcome.unreadable.size())
+       << " unreadable; " << outcome.map << " is at revision " << progress.revision << '\n';
+}
+
+void WriteSummaryJson(const UploadOutcome& outcome, std::ostream* out) {
+  const UploadProgress& progress = outcome.summary.progress;
+  JsonWriter json;
+  json.BeginObject();
+  json.Key("map").Text(outcome.map);
+  json.Key("session").Text(outcome.session);
+  json.Key("frames").Integer(progress.pushed);
+  json.Key("integrated").Integer(progress.integrated);
+  json.Key("refused").BeginArray();
+  for (const RefusedUpload& refused : outcome.summary.refused) {
+    json.BeginObject();
+    json.Key("client_seq").Integer(refused.client_seq);
+    json.Key("reason").Text(ReasonOf(refused.status));
+    json.Key("field").Text(FieldOf(refused.status));
+    json.Key("message").Text(std::string(refused.status.message()));
+    json.EndObject();
+  }
+  json.EndArray();
+  json.Key("refused_count").Integer(progress.refused);
+  json.Key("unreadable_count").Integer(outcome.unreadable.size());
+  json.Key("sent_again").Integer(progress.sent_again);
+  json.Key("reconnections").Integer(progress.reconnections);
+  json.Key("bytes_sent").Integer(progress.bytes_sent);
+  json.Key("elapsed_s").Number(outcome.elapsed_s);
+  json.Key("frames_per_s").Number(outcome.frames_per_s());
+  json.Key("revision").Integer(progress.revision);
+  json.EndObject();
+  *out << json.Finish();
+}
+
+// OK only if every frame of the source is in the map.
+absl::Status StatusOf(const UploadOutcome& outcome) {
+  const UploadProgress& progress = outcome.summary.progress;
+  if (progress.refused > 0) {
+    std::string message =
+        CountText(progress.refused) + " of " + CountText(progress.pushed) + " frames were refused";
+    if (outcome.summary.refused.empty()) return absl::InvalidArgumentError(message);
+    const RefusedUpload& first = outcome.summary.refused.front();
+    return MakeError(first.status.code(),
+                     ReasonOf(first.status),
+                     message + "; the first was frame " + std::to_string(first.client_seq) + ": " +
+                         std::string(first.status.message()),
+                     FieldOf(first.status));
+  }
+  if (outcome.unreadable.empty()) return absl::OkStatus();
+  const absl::Status& first = outcome.unreadable.front().status;
+  return absl::Status(first.code(),
+                      CountText(outcome.unreadable.size()) +
+                          " frames could not be read; the first: " + std::string(first.message()));
+}
+
+}  // namespace
+
+void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
+  command->add_option("--robot", options->robot, "Id of the robot that the frames come from")
+      ->type_name("ID")
+      ->capture_default_str();
+  command
+      ->add_option("--session",
+                   options->session,
+                   "Id of the upload session, by which the same command goes on where a killed one "
+                   "stopped")
+      ->type_name("ID");
+  command->add_flag("--no-create", options->no_create, "Do not create a map that does not exist");
+  command
+      ->add_option("--retry-for",
+                   options->retry_for_s,
+                   "How long to go on trying while the server cannot be reached, seconds")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command->add_flag("--json", options->as_json, "Print the summary as JSON");
+}
+
+absl::Status RunUpload(const UploadRunOptions& options,
+                       FrameSource* source,
+                       CommandContext* context) {
+  const absl::StatusOr<MapName> name = ParseMapArgument(options.map);
+  if (!name.ok()) return name.status();
+  absl::Status status = CheckId("robot", options.robot);
+  if (status.ok() && !options.session.empty()) status = CheckId("session", options.session);
+  if (status.ok()) status = EnsureMap(*name, options.no_create, context);
+  if (!status.ok()) return status;
+
+  const double start_s = SteadySeconds();
+  ProgressReport report(
+      &context->err, context->err_is_terminal, "integrated", source->frame_count(), SteadySeconds);
+  UploadOutcome outcome;
+  FrameUploader uploader(context->Channel(), *name, OptionsOfUploader(options, &report));
+  absl::StatusOr<UploadSummary> summary =
+      UploadAll(source, &uploader, [&](const UnreadableFrame& frame) {
+        outcome.unreadable.push_back(frame);
+      });
+  report.End();
+  if (!summary.ok()) return summary.status();
+  outcome.map = name->ToString();
+  outcome.session = uploader.session();
+  outcome.summary = *std::move(summary);
+  outcome.elapsed_s = SteadySeconds() - start_s;
+  if (options.as_json) {
+    WriteSummaryJson(outcome, &context->out);
+  } else {
+    WriteSummaryText(outcome, &context->out);
+  }
+  return StatusOf(outcome);
+}
+
+}  // namespace steadymap

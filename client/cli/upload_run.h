@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include <absl/status/status.h>
+
+#include "client/cli/command_context.h"
+#include "client/frame_source.h"
+#include "core/identifiers.h"
+
+namespace CLI {
+class App;
+}
+
+namespace steadymap {
+
+/// What `upload` and `simulate` have in common.
+struct UploadRunOptions {
+  std::string map;            ///< As on the command line.
+  std::string robot;          ///< Id of the robot.
+  std::string session;        ///< Id of the upload session; empty: a new one.
+  bool no_create = false;     ///< A map that does not exist is an error instead of being created.
+  bool as_json = false;       ///< The summary is JSON.
+  double retry_for_s = 60.0;  ///< How long to try again without any success.
+};
+
+/// Adds the options that change an UploadRunOptions, but for the map.
+void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options);
+
+/// Uploads all frames of `source`, shows the progress, waits until everything is integrated and
+/// prints a summary.
+/// Errors: `InvalidArgument` for bad ids; what ended the upload; and, once everything else is done,
+/// frames that were refused or could not be read.
+absl::Status RunUpload(const UploadRunOptions& options,
+                       FrameSource* source,
+                       CommandContext* context);
+
+}  // namespace steadymap

@@ -1,0 +1,110 @@
+#!/usr/bin/env bash
+# From nothing to a map: installs what is missing, builds, starts a daemon with a store of its own,
+# uploads frames, writes the map to demo-output/, and stops the daemon again.
+#
+#   deploy/demo.sh                          a simulated robot drives the TorWIC route 1-5
+#   deploy/demo.sh --route ROUTE            another simulated route
+#   deploy/demo.sh --dataset FORMAT PATH... a recording: torwic, seven-scenes or tum
+set -euo pipefail
+
+usage="usage: demo.sh [--route ROUTE | --dataset FORMAT PATH...]"
+source=(simulate --route 1-5)
+case "${1:-}" in
+  "") ;;
+  --route)
+    (($# == 2)) || { echo "demo.sh: $usage" >&2; exit 2; }
+    source=(simulate --route "$2")
+    ;;
+  --dataset)
+    (($# >= 3)) || { echo "demo.sh: $usage" >&2; exit 2; }
+    source=(upload --format "$2")
+    for path in "${@:3}"; do
+      [[ -d "$path" ]] || { echo "demo.sh: $path: expected a folder, found none" >&2; exit 2; }
+      source+=("$(realpath "$path")")
+    done
+    ;;
+  *)
+    echo "demo.sh: $usage" >&2
+    exit 2
+    ;;
+esac
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+step="starting"
+begin() {
+  step=$1
+  echo "== demo.sh: $step"
+}
+work="" # Holds the store, the daemon's log and the build's.
+log=""  # Shown when the step that writes it fails.
+daemon=""
+on_exit() {
+  local status=$?
+  if [[ -n "$daemon" ]]; then
+    kill -KILL "$daemon" 2>/dev/null || true
+    wait "$daemon" 2>/dev/null || true
+  fi
+  if ((status != 0)); then
+    [[ -n "$log" && -s "$log" ]] && tail -n 30 "$log" >&2
+    echo "demo.sh: failed while $step (exit status $status)" >&2
+  fi
+  [[ -z "$work" ]] || rm -rf "$work"
+}
+trap on_exit EXIT
+trap 'exit 130' INT TERM
+work=$(mktemp -d -t steadymap-demo.XXXXXX)
+
+begin "installing what is missing"
+deploy/install_dependencies.sh
+
+begin "configuring preset release"
+log=$work/configure.log
+cmake --preset release >"$log" 2>&1
+log=""
+
+begin "building into build/release"
+cmake --build --preset release --target steadymap steadymapd
+
+begin "starting a daemon with a store in $work/data"
+log=$work/steadymapd.log
+build/release/server/steadymapd --listen localhost:0 --data-dir "$work/data" \
+  --port-file "$work/port" >"$log" 2>&1 &
+daemon=$!
+for ((tenths = 0; tenths < 100; ++tenths)); do
+  [[ -s "$work/port" ]] && break
+  if ! kill -0 "$daemon" 2>/dev/null; then
+    daemon=""
+    exit 1
+  fi
+  sleep 0.1
+done
+[[ -s "$work/port" ]] || { echo "demo.sh: the daemon did not listen within 10 s" >&2; exit 1; }
+server=localhost:$(<"$work/port")
+echo "steadymapd listens on $server"
+steadymap() { build/release/client/cli/steadymap --server "$server" "$@"; }
+
+begin "uploading: ${source[*]}"
+steadymap map create demo
+steadymap "${source[0]}" demo "${source[@]:1}"
+
+begin "what the map holds"
+steadymap map get demo
+
+begin "writing demo-output/"
+mkdir -p demo-output
+for format in ply vdb glb; do
+  steadymap export demo --format "$format" --output "demo-output/map.$format"
+done
+steadymap render demo --output demo-output/map.png
+
+begin "stopping the daemon"
+kill -TERM "$daemon"
+status=0
+wait "$daemon" || status=$?
+daemon=""
+if ((status != 0)); then
+  echo "demo.sh: steadymapd ended with exit status $status" >&2
+  exit 1
+fi
+log=""
+echo "== demo.sh: done; look at demo-output/map.png"

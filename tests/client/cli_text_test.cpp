@@ -1,0 +1,207 @@
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "client/cli/argument_text.h"
+#include "client/cli/class_table_file.h"
+#include "client/cli/number_text.h"
+#include "client/cli/output_file.h"
+#include "client/cli/progress_report.h"
+#include "tests/client/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+TEST(NumberText, LengthsHaveTheUnitThatKeepsThemShort) {
+  EXPECT_EQ(LengthText(3.0), "3 m");
+  EXPECT_EQ(LengthText(12.345), "12.35 m");
+  EXPECT_EQ(LengthText(0.05), "5 cm");
+  EXPECT_EQ(LengthText(0.155), "15.5 cm");
+  EXPECT_EQ(LengthText(0.0025), "2.5 mm");
+  EXPECT_EQ(LengthText(0.0), "0 m");
+  EXPECT_EQ(LengthText(-0.05), "-5 cm");
+}
+
+TEST(NumberText, SizesAndCounts) {
+  EXPECT_EQ(BytesText(0), "0 B");
+  EXPECT_EQ(BytesText(1023), "1023 B");
+  EXPECT_EQ(BytesText(1536), "1.5 KiB");
+  EXPECT_EQ(BytesText(std::uint64_t{200} << 20), "200 MiB");
+  EXPECT_EQ(CountText(0), "0");
+  EXPECT_EQ(CountText(999), "999");
+  EXPECT_EQ(CountText(1000), "1 000");
+  EXPECT_EQ(CountText(1234567), "1 234 567");
+}
+
+TEST(NumberText, DurationsAndMoments) {
+  EXPECT_EQ(DurationText(0.42), "0.42 s");
+  EXPECT_EQ(DurationText(12.34), "12.3 s");
+  EXPECT_EQ(DurationText(245.0), "4 min 05 s");
+  google::protobuf::Timestamp moment;
+  moment.set_seconds(1'714'564'800);
+  EXPECT_EQ(MomentText(moment), "2024-05-01T12:00:00Z");
+  moment.set_nanos(250'000'000);
+  EXPECT_EQ(MomentText(moment), "2024-05-01T12:00:00.25Z");
+}
+
+TEST(ParseMapArgument, AnIdIsInTheTenantDefault) {
+  EXPECT_EQ(ParseMapArgument("kitchen").value(), (MapName{"default", "kitchen"}));
+  EXPECT_EQ(ParseMapArgument("tenants/acme/maps/hall-2").value(), (MapName{"acme", "hall-2"}));
+}
+
+TEST(ParseMapArgument, AnythingElseIsAnError) {
+  for (const char* text :
+       {"", "Kitchen", "a b", "-x", "tenants/acme", "tenants/A/maps/b", "../x"}) {
+    EXPECT_EQ(ParseMapArgument(text).status().code(), absl::StatusCode::kInvalidArgument) << text;
+  }
+}
+
+TEST(ParsePoint, TakesThreeNumbers) {
+  EXPECT_EQ(ParsePoint("1,-2.5,3e-1").value(), Eigen::Vector3d(1.0, -2.5, 0.3));
+}
+
+TEST(ParsePoint, AnythingElseIsAnError) {
+  for (const char* text : {"",
+                           "1",
+                           "1,2",
+                           "1,2,",
+                           "1,2,3,4",
+                           "1,2,x",
+                           "1 2 3",
+                           "1,2,nan",
+                           "inf,0,0",
+                           "1,2,3 ",
+                           "1,2,1e999"}) {
+    EXPECT_EQ(ParsePoint(text).status().code(), absl::StatusCode::kInvalidArgument) << text;
+  }
+}
+
+TEST(ParseBox, TakesTheLowestAndTheHighestCorner) {
+  const Box box = ParseBox("-1,-2,-3,4,5,6").value();
+  EXPECT_EQ(box.min(), Eigen::Vector3d(-1, -2, -3));
+  EXPECT_EQ(box.max(), Eigen::Vector3d(4, 5, 6));
+  EXPECT_TRUE(ParseBox("1,1,1,1,1,1").ok());
+}
+
+TEST(ParseBox, CornersInTheWrongOrderAreAnError) {
+  EXPECT_EQ(ParseBox("0,0,1,1,1,0").status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(ParseBox("0,0,1").status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+/// Has a folder of its own for each test.
+class FileTest : public ::testing::Test {
+ protected:
+  std::size_t FileCount() const {
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(folder_.path()), {}));
+  }
+
+  TemporaryFolder folder_;
+};
+
+using LoadClassTableTest = FileTest;
+
+TEST_F(LoadClassTableTest, ReadsIdsNamesAndMotions) {
+  const auto classes = LoadClassTable(
+      folder_.Write("classes.txt",
+                    "# ids\n0 background\n\n7 stacked goods semi-static # boxes\n13 dynamic\n"
+                    "14 fork truck dynamic\n"));
+  ASSERT_TRUE(classes.ok()) << classes.status();
+  EXPECT_EQ(*classes,
+            (std::vector<SemanticClass>{{ClassId(0), "background", ClassMotion::kStatic},
+                                        {ClassId(7), "stacked goods", ClassMotion::kSemiStatic},
+                                        {ClassId(13), "dynamic", ClassMotion::kStatic},
+                                        {ClassId(14), "fork truck", ClassMotion::kDynamic}}));
+}
+
+TEST_F(LoadClassTableTest, ErrorsNameFileAndLine) {
+  const auto classes = LoadClassTable(folder_.Write("bad.txt", "0 floor\n70000 wall\n"));
+  EXPECT_EQ(classes.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(std::string(classes.status().message()).find("bad.txt:2:"), std::string::npos);
+  EXPECT_FALSE(LoadClassTable(folder_.Write("no-name.txt", "3\n")).ok());
+  EXPECT_FALSE(LoadClassTable(folder_.Write("empty.txt", "# nothing\n")).ok());
+  EXPECT_EQ(LoadClassTable(folder_.path() / "missing").status().code(),
+            absl::StatusCode::kNotFound);
+}
+
+using OutputFileTest = FileTest;
+
+TEST_F(OutputFileTest, AppearsWhenItIsCommitted) {
+  const std::filesystem::path path = folder_.path() / "map.ply";
+  {
+    auto file = OutputFile::Create(path);
+    ASSERT_TRUE(file.ok()) << file.status();
+    ASSERT_TRUE(file->Write("abc").ok());
+    EXPECT_FALSE(std::filesystem::exists(path));
+    ASSERT_TRUE(file->Write("def").ok());
+    ASSERT_TRUE(file->Commit().ok());
+  }
+  EXPECT_EQ(ContentOf(path), "abcdef");
+  EXPECT_EQ(FileCount(), 1U);
+}
+
+TEST_F(OutputFileTest, WithoutACommitTheOldFileStaysAndNothingElse) {
+  const std::filesystem::path path = folder_.Write("map.ply", "old");
+  {
+    auto file = OutputFile::Create(path);
+    ASSERT_TRUE(file.ok()) << file.status();
+    ASSERT_TRUE(file->Write("new").ok());
+  }
+  EXPECT_EQ(ContentOf(path), "old");
+  EXPECT_EQ(FileCount(), 1U);
+}
+
+TEST_F(OutputFileTest, WhatCannotBeWrittenIsAnErrorWithThePath) {
+  for (const std::filesystem::path& path :
+       {folder_.path() / "missing" / "map.ply", folder_.path()}) {
+    const auto file = OutputFile::Create(path);
+    ASSERT_FALSE(file.ok());
+    EXPECT_NE(std::string(file.status().message()).find(path.string()), std::string::npos);
+  }
+}
+
+TEST(ProgressReport, WritesALineEveryTenthOfTheWay) {
+  std::ostringstream out;
+  double now_s = 100.0;
+  ProgressReport report(&out, false, "integrated", 40, [&] { return now_s; });
+  for (std::size_t done = 1; done <= 40; ++done) {
+    now_s += 0.5;
+    report.Update(done, done);
+  }
+  report.End();
+  const std::string text = out.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 10);
+  EXPECT_EQ(text.substr(0, text.find('\n')), "4/40 frames integrated, 2.0 frames/s");
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
+}
+
+TEST(ProgressReport, DrawsABarOverItselfOnATerminal) {
+  std::ostringstream out;
+  double now_s = 0.0;
+  ProgressReport report(&out, true, "integrated", 10, [&] { return now_s; });
+  now_s = 1.0;
+  report.Update(5, 10);
+  EXPECT_NE(out.str().find("[###############---------------] 5/10 frames integrated, 5.0 frames/s"),
+            std::string::npos);
+  const std::size_t length = out.str().size();
+  now_s = 1.01;
+  report.Update(6, 10);
+  EXPECT_EQ(out.str().size(), length) << "redrawn too soon";
+  report.Update(10, 10);
+  EXPECT_GT(out.str().size(), length) << "the end is always drawn";
+  report.End();
+  EXPECT_EQ(out.str().back(), '\n');
+}
+
+TEST(ProgressReport, NothingToDoIsNoTrouble) {
+  std::ostringstream out;
+  ProgressReport report(&out, true, "written", 0, [] { return 0.0; });
+  report.Update(0, 0);
+  report.Update(3, 1);
+  report.End();
+}
+
+}  // namespace
+}  // namespace steadymap

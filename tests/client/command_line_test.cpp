@@ -1,0 +1,319 @@
+#include "client/cli/command_line.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "proto/convert_status.h"
+#include "tests/client/fake_ingest_service.h"
+#include "tests/client/fake_map_server.h"
+#include "tests/client/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+/// What a command printed and returned.
+struct Outcome {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+grpc::Status AcceptAll(ScriptedStream& stream) {
+  stream.ReadOpen();
+  stream.SendOpened(0, 100'000);
+  return stream.AcceptRest();
+}
+
+/// Runs commands in this process against services in this process.
+class CommandLineTest : public ::testing::Test {
+ protected:
+  Outcome Run(const std::vector<std::string>& arguments) {
+    std::ostringstream out;
+    std::ostringstream err;
+    CommandContext context{.out = out, .err = err};
+    context.open_channel = [this](const std::string& server) {
+      server_asked_ = server;
+      return server_.channel();
+    };
+    const int exit_code = RunCommandLine(arguments, &context);
+    return {exit_code, out.str(), err.str()};
+  }
+
+  /// Runs a command that must fail with one line that holds `part`.
+  void ExpectFailure(const std::vector<std::string>& arguments,
+                     int exit_code,
+                     const std::string& part) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("steadymap: ")) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+
+  std::string PathOf(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  TemporaryFolder folder_;
+  std::string server_asked_;
+  FakeMapService maps_;
+  FakeQueryService queries_;
+  FakeIngestService ingest_{{AcceptAll}};
+  FakeServer server_{&maps_, &queries_, &ingest_};
+};
+
+TEST_F(CommandLineTest, HelpAndVersionSucceedAndGoToStandardOutput) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"--help"},
+                                             {"--version"},
+                                             {"map", "create", "--help"},
+                                             {"upload", "--help"},
+                                             {"simulate", "--help"},
+                                             {"export", "--help"},
+                                             {"query", "--help"},
+                                             {"render", "--help"}}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.out, "");
+    EXPECT_EQ(outcome.err, "");
+  }
+}
+
+TEST_F(CommandLineTest, MisuseIsOneLineAndExitCodeTwo) {
+  ExpectFailure({}, 2, "steadymap --help");
+  ExpectFailure({"frobnicate"}, 2, "\"frobnicate\"");
+  ExpectFailure({"map", "frobnicate"}, 2, "\"frobnicate\"");
+  ExpectFailure({"map", "get"}, 2, "NAME");
+  ExpectFailure({"map", "get", "a", "b"}, 2, "b");
+  ExpectFailure({"upload", "k", "--format", "kitti", "p"}, 2, "torwic,seven-scenes,tum");
+  ExpectFailure({"upload", "k", "p"}, 2, "--format");
+  ExpectFailure({"upload", "k", "--format", "tum"}, 2, "PATH");
+  ExpectFailure({"upload", "k", "--format", "tum", "p", "--stride", "0"}, 2, "--stride");
+  ExpectFailure({"export", "k", "--format", "obj", "--output", "x"}, 2, "ply,vdb,glb");
+  ExpectFailure({"query", "k"}, 2, "--point");
+  ExpectFailure({"--server", "here", "map", "list"}, 2, "HOST:PORT");
+  ExpectFailure({"map", "create", "k", "--voxel-size", "tiny"}, 2, "--voxel-size");
+  ExpectFailure({"simulate", "k", "--write", "d", "--route", "twin"}, 2, "--write");
+}
+
+TEST_F(CommandLineTest, ServerIsTakenBeforeAndAfterTheCommand) {
+  Run({"map", "list"});
+  EXPECT_EQ(server_asked_, "localhost:7443");
+  Run({"--server", "hall:1", "map", "list"});
+  EXPECT_EQ(server_asked_, "hall:1");
+  Run({"map", "list", "--server", "hall:2"});
+  EXPECT_EQ(server_asked_, "hall:2");
+}
+
+TEST_F(CommandLineTest, MapCreateSendsTheContractsDefaults) {
+  const Outcome outcome = Run({"map", "create", "kitchen"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const v1::MapConfig& config = maps_.maps.at("tenants/default/maps/kitchen").config();
+  EXPECT_EQ(config.voxel_size_m(), 0.05);
+  EXPECT_EQ(config.truncation_m(), 0.15);
+  EXPECT_EQ(config.max_depth_m(), 3.0);
+  EXPECT_EQ(config.policy(), v1::UPDATE_POLICY_STATIC);
+  EXPECT_EQ(config.classes_size(), 16);
+}
+
+TEST_F(CommandLineTest, MapCreateSendsWhatIsAskedFor) {
+  std::ofstream(PathOf("classes.txt")) << "0 floor\n1 person dynamic\n";
+  const Outcome outcome = Run({"map",
+                               "create",
+                               "tenants/acme/maps/hall",
+                               "--voxel-size",
+                               "0.02",
+                               "--truncation",
+                               "0.08",
+                               "--policy",
+                               "static",
+                               "--classes",
+                               PathOf("classes.txt"),
+                               "--max-depth",
+                               "5"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const v1::MapConfig& config = maps_.maps.at("tenants/acme/maps/hall").config();
+  EXPECT_EQ(config.voxel_size_m(), 0.02);
+  EXPECT_EQ(config.truncation_m(), 0.08);
+  EXPECT_EQ(config.max_depth_m(), 5.0);
+  ASSERT_EQ(config.classes_size(), 2);
+  EXPECT_EQ(config.classes(1).motion(), v1::CLASS_MOTION_DYNAMIC);
+}
+
+TEST_F(CommandLineTest, TheDefaultTruncationFollowsVoxelsThatItDoesNotFit) {
+  EXPECT_EQ(Run({"map", "create", "coarse", "--voxel-size", "0.2"}).exit_code, 0);
+  EXPECT_DOUBLE_EQ(maps_.maps.at("tenants/default/maps/coarse").config().truncation_m(), 0.6);
+  EXPECT_EQ(Run({"map", "create", "fine", "--voxel-size", "0.01"}).exit_code, 0);
+  EXPECT_EQ(maps_.maps.at("tenants/default/maps/fine").config().truncation_m(), 0.15);
+}
+
+TEST_F(CommandLineTest, MapCreateRefusesWhatNoMapCanHave) {
+  ExpectFailure({"map", "create", "k", "--voxel-size", "0"}, 1, "voxel_size_m");
+  ExpectFailure({"map", "create", "k", "--voxel-size", "-0.02"}, 1, "[0.001, 1]");
+  ExpectFailure({"map", "create", "k", "--voxel-size", "nan"}, 1, "voxel_size_m");
+  ExpectFailure({"map", "create", "k", "--truncation", "0"}, 1, "truncation_m");
+  ExpectFailure({"map", "create", "k", "--max-depth", "0"}, 1, "max_depth_m");
+  ExpectFailure({"map", "create", "k", "--policy", "pocd"}, 1, "\"pocd\"");
+  ExpectFailure({"map", "create", "k", "--classes", PathOf("missing")}, 1, "missing");
+  ExpectFailure({"map", "create", "Kitchen"}, 1, "\"Kitchen\"");
+  EXPECT_TRUE(maps_.maps.empty());
+}
+
+TEST_F(CommandLineTest, AnExistingMapAndAnUnknownOneAreErrorsOfOneLine) {
+  ASSERT_EQ(Run({"map", "create", "kitchen"}).exit_code, 0);
+  ExpectFailure({"map", "create", "kitchen"}, 1, "ALREADY_EXISTS");
+  ExpectFailure({"map", "get", "hall"}, 1, "there is no map tenants/default/maps/hall");
+  ExpectFailure({"map", "delete", "hall"}, 1, "NOT_FOUND");
+}
+
+TEST_F(CommandLineTest, ListingsComeAsTextAndAsJson) {
+  for (const char* name : {"attic", "hall", "kitchen"}) Run({"map", "create", name});
+  const Outcome text = Run({"map", "list"});
+  EXPECT_EQ(std::count(text.out.begin(), text.out.end(), '\n'), 4) << text.out;
+  const Outcome json = Run({"map", "list", "--json"});
+  EXPECT_TRUE(json.out.starts_with("{\n  \"maps\": [\n")) << json.out;
+  EXPECT_NE(json.out.find("\"name\": \"tenants/default/maps/kitchen\""), std::string::npos);
+  EXPECT_NE(json.out.find("\"voxel_size_m\": 0.05"), std::string::npos);
+  EXPECT_EQ(Run({"map", "list", "--tenant", "acme", "--json"}).out, "{\n  \"maps\": []\n}\n");
+  const Outcome one = Run({"map", "get", "hall", "--json"});
+  EXPECT_TRUE(one.out.starts_with("{\n  \"name\": \"tenants/default/maps/hall\"")) << one.out;
+  EXPECT_NE(Run({"map", "get", "hall"}).out.find("voxel size    5 cm"), std::string::npos);
+  EXPECT_EQ(Run({"map", "delete", "hall"}).exit_code, 0);
+  EXPECT_EQ(maps_.maps.size(), 2U);
+}
+
+TEST_F(CommandLineTest, QueryPrintsDistancesAndUnknown) {
+  v1::DistanceSample& known = *queries_.samples.add_samples();
+  known.set_known(true);
+  known.set_distance_m(0.0312);
+  known.mutable_gradient()->set_x(-1.0);
+  known.set_weight(12.5);
+  queries_.samples.add_samples();
+  queries_.samples.set_revision(9);
+  const std::vector<std::string> arguments = {
+      "query", "kitchen", "--point", "1,2,3", "--point", "-1,0,0.5"};
+  const Outcome text = Run(arguments);
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_EQ(text.out,
+            "(1.000, 2.000, 3.000)  0.0312 m  gradient (-1.00, 0.00, 0.00)  object 0  class 0  "
+            "weight 12.50\n(-1.000, 0.000, 0.500)  unknown\n");
+  EXPECT_EQ(queries_.sample_request.points_m(1).x(), -1.0);
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  const Outcome json = Run(with_json);
+  EXPECT_NE(json.out.find("\"revision\": 9"), std::string::npos);
+  EXPECT_NE(json.out.find("\"known\": false"), std::string::npos);
+  ExpectFailure({"query", "kitchen", "--point", "1,2"}, 1, "x,y,z");
+}
+
+TEST_F(CommandLineTest, ExportWritesTheWholeFileOrNone) {
+  queries_.SetFile({"ply\n", "rest"}, 8);
+  const std::string path = PathOf("map.ply");
+  const Outcome outcome =
+      Run({"export", "kitchen", "--format", "ply", "--output", path, "--box", "-1,-2,0,1,2,3"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(std::filesystem::file_size(path), 8U);
+  EXPECT_EQ(queries_.export_request.box().min_m().y(), -2.0);
+
+  queries_.SetFile({"ply\n"}, 8);
+  ExpectFailure(
+      {"export", "kitchen", "--format", "ply", "--output", PathOf("cut.ply")}, 1, "8 bytes");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+
+  ExpectFailure({"export", "kitchen", "--format", "ply", "--output", PathOf("no/map.ply")},
+                1,
+                "No such file");
+  ExpectFailure({"export", "kitchen", "--format", "ply", "--output", path, "--box", "1,1,1,0,0,0"},
+                1,
+                "lowest");
+}
+
+TEST_F(CommandLineTest, RenderOfAnEmptyMapIsAPicture) {
+  v1::GetMapSectionResponse& response = queries_.section.emplace_back();
+  response.mutable_header()->set_voxel_size_m(0.05);
+  response.mutable_header()->set_truncation_m(0.15);
+  const Outcome outcome =
+      Run({"render", "kitchen", "--output", PathOf("map.png"), "--size", "600"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::string magic(4, '\0');
+  std::ifstream(PathOf("map.png")).read(magic.data(), 4);
+  EXPECT_EQ(magic, "\x89PNG");
+}
+
+TEST_F(CommandLineTest, SimulateCreatesTheMapAndWaitsForIntegration) {
+  const Outcome outcome =
+      Run({"simulate", "demo", "--route", "twin", "--ideal", "--stride", "40", "--robot", "r2"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(maps_.maps.contains("tenants/default/maps/demo"));
+  EXPECT_NE(outcome.err.find("created tenants/default/maps/demo"), std::string::npos);
+  EXPECT_NE(outcome.out.find(" frames integrated in "), std::string::npos);
+  EXPECT_NE(outcome.out.find(" 0 refused"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, WhatSimulateWritesUploadReads) {
+  const std::string recording = PathOf("recording");
+  ASSERT_EQ(Run({"simulate", "--write", recording, "--route", "twin", "--stride", "40"}).exit_code,
+            0);
+  const Outcome outcome =
+      Run({"upload", "demo", "--format", "torwic", recording, "--stride", "2", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("\"refused_count\": 0"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("\"integrated\": 0,"), std::string::npos) << outcome.out;
+}
+
+TEST_F(CommandLineTest, UploadErrorsAreOneLineAndUploadNothing) {
+  ExpectFailure({"upload", "k", "--format", "tum", PathOf("missing")}, 1, "missing");
+  ExpectFailure({"simulate", "k", "--route", "nowhere"}, 1, "\"nowhere\"");
+  ExpectFailure({"simulate", "--route", "twin"}, 1, "--write");
+  ExpectFailure({"simulate", "k", "--route", "twin", "--robot", "R2"}, 1, "\"R2\"");
+  ExpectFailure({"simulate", "k", "--route", "twin", "--no-create"}, 1, "steadymap map create k");
+  EXPECT_EQ(ingest_.streams_opened(), 0U);
+  EXPECT_TRUE(maps_.maps.empty());
+}
+
+class RefusingServerTest : public CommandLineTest {
+ protected:
+  RefusingServerTest() {
+    ingest_.SetScripts({[](ScriptedStream& stream) {
+      stream.ReadOpen();
+      stream.SendOpened(0, 1'000);
+      v1::FrameBatch batch;
+      while (stream.ReadBatch(&batch)) {
+      }
+      v1::RefusedFrame refused;
+      refused.set_client_seq(2);
+      *refused.mutable_status() =
+          ToProto(InvalidField(reason::kLabelOutOfRange, "frames[1].labels", "label 99"));
+      stream.SendAck(v1::ACK_LEVEL_INTEGRATED, stream.received().back(), {refused});
+      return grpc::Status::OK;
+    }});
+  }
+};
+
+TEST_F(RefusingServerTest, RefusedFramesFailTheCommandButNotTheUpload) {
+  const Outcome outcome = Run({"simulate", "demo", "--route", "twin", "--stride", "40"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.out.find(" 1 refused"), std::string::npos);
+  EXPECT_NE(outcome.err.find("the first was frame 2: label 99 [LABEL_OUT_OF_RANGE, "
+                             "frames[1].labels]"),
+            std::string::npos)
+      << outcome.err;
+}
+
+TEST(ErrorLine, NamesTheServerThatCannotBeReached) {
+  EXPECT_EQ(ErrorLine(absl::UnavailableError("failed to connect to all addresses; last error: no"),
+                      "hall:7443"),
+            "cannot reach a server at hall:7443 (no)");
+  EXPECT_EQ(ErrorLine(MakeError(absl::StatusCode::kUnavailable, reason::kDraining, "going down"),
+                      "hall:7443"),
+            "going down [DRAINING]");
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+
+#include "core/error.h"
+#include "proto/grpc_status.h"
+
+#include "steadymap/v1/map_service.grpc.pb.h"
+#include "steadymap/v1/query_service.grpc.pb.h"
+
+namespace steadymap {
+
+inline grpc::Status NoSuchMap(const std::string& name) {
+  return ToGrpcStatus(
+      MakeError(absl::StatusCode::kNotFound, reason::kNotFound, "there is no map " + name, "name"));
+}
+
+/// Keeps maps in memory; pages hold two.
+class FakeMapService final : public v1::MapService::Service {
+ public:
+  std::map<std::string, v1::Map> maps;  ///< By name.
+
+  grpc::Status CreateMap(grpc::ServerContext*,
+                         const v1::CreateMapRequest* request,
+                         v1::Map* answer) override {
+    const std::string name = request->parent() + "/maps/" + request->map_id();
+    if (maps.contains(name)) {
+      return ToGrpcStatus(MakeError(
+          absl::StatusCode::kAlreadyExists, reason::kAlreadyExists, name + " exists", "map_id"));
+    }
+    *answer = request->map();
+    answer->set_name(name);
+    maps[name] = *answer;
+    return grpc::Status::OK;
+  }
+
+  grpc::Status GetMap(grpc::ServerContext*,
+                      const v1::GetMapRequest* request,
+                      v1::Map* answer) override {
+    if (!maps.contains(request->name())) return NoSuchMap(request->name());
+    *answer = maps[request->name()];
+    return grpc::Status::OK;
+  }
+
+  grpc::Status ListMaps(grpc::ServerContext*,
+                        const v1::ListMapsRequest* request,
+                        v1::ListMapsResponse* answer) override {
+    for (auto at = maps.upper_bound(request->page_token()); at != maps.end(); ++at) {
+      if (answer->maps_size() == 2) {
+        answer->set_next_page_token(answer->maps(1).name());
+        break;
+      }
+      if (at->first.starts_with(request->parent() + "/")) *answer->add_maps() = at->second;
+    }
+    return grpc::Status::OK;
+  }
+
+  grpc::Status DeleteMap(grpc::ServerContext*,
+                         const v1::DeleteMapRequest* request,
+                         google::protobuf::Empty*) override {
+    return maps.erase(request->name()) == 1 ? grpc::Status::OK : NoSuchMap(request->name());
+  }
+};
+
+/// Answers with what it was given, and keeps what it was asked.
+class FakeQueryService final : public v1::QueryService::Service {
+ public:
+  v1::SampleDistanceResponse samples;
+  std::vector<v1::GetMapSectionResponse> section;
+  std::vector<v1::ExportMapResponse> file;
+  grpc::Status export_status;
+  std::vector<v1::FramePose> poses;
+
+  v1::SampleDistanceRequest sample_request;
+  v1::GetMapSectionRequest section_request;
+  v1::ExportMapRequest export_request;
+
+  grpc::Status SampleDistance(grpc::ServerContext*,
+                              const v1::SampleDistanceRequest* request,
+                              v1::SampleDistanceResponse* answer) override {
+    sample_request = *request;
+    *answer = samples;
+    return grpc::Status::OK;
+  }
+
+  grpc::Status GetMapSection(grpc::ServerContext*,
+                             const v1::GetMapSectionRequest* request,
+                             grpc::ServerWriter<v1::GetMapSectionResponse>* stream) override {
+    section_request = *request;
+    for (const v1::GetMapSectionResponse& response : section) stream->Write(response);
+    return grpc::Status::OK;
+  }
+
+  grpc::Status ExportMap(grpc::ServerContext*,
+                         const v1::ExportMapRequest* request,
+                         grpc::ServerWriter<v1::ExportMapResponse>* stream) override {
+    export_request = *request;
+    for (const v1::ExportMapResponse& response : file) stream->Write(response);
+    return export_status;
+  }
+
+  grpc::Status ListFramePoses(grpc::ServerContext*,
+                              const v1::ListFramePosesRequest* request,
+                              v1::ListFramePosesResponse* answer) override {
+    // Pages of two, whatever is asked for.
+    const std::size_t first = request->page_token().empty() ? 0 : std::stoul(request->page_token());
+    for (std::size_t i = first; i < poses.size() && i < first + 2; ++i) {
+      *answer->add_poses() = poses[i];
+    }
+    if (first + 2 < poses.size()) answer->set_next_page_token(std::to_string(first + 2));
+    return grpc::Status::OK;
+  }
+
+  /// Makes `ExportMap` send these pieces under a header that announces `file_bytes`.
+  void SetFile(const std::vector<std::string>& chunks, std::uint64_t file_bytes) {
+    file.assign(1, {});
+    file[0].mutable_header()->set_file_bytes(file_bytes);
+    file[0].mutable_header()->set_revision(7);
+    for (const std::string& chunk : chunks) file.emplace_back().set_chunk(chunk);
+  }
+};
+
+/// A server in this process with some services.
+class FakeServer {
+ public:
+  template <typename... Services>
+  explicit FakeServer(Services*... services) {
+    grpc::ServerBuilder builder;
+    (builder.RegisterService(services), ...);
+    builder.SetMaxReceiveMessageSize(-1);
+    server_ = builder.BuildAndStart();
+  }
+
+  ~FakeServer() { server_->Shutdown(std::chrono::system_clock::now()); }
+
+  FakeServer(const FakeServer&) = delete;
+  FakeServer& operator=(const FakeServer&) = delete;
+
+  std::shared_ptr<grpc::Channel> channel() const { return server_->InProcessChannel({}); }
+
+ private:
+  std::unique_ptr<grpc::Server> server_;
+};
+
+}  // namespace steadymap

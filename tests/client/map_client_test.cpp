@@ -1,0 +1,200 @@
+#include "client/map_client.h"
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/tsdf_codec.h"
+#include "tests/client/fake_map_server.h"
+
+namespace steadymap {
+namespace {
+
+const MapName kKitchen{"default", "kitchen"};
+
+class MapClientTest : public ::testing::Test {
+ protected:
+  FakeMapService maps_;
+  FakeQueryService queries_;
+  FakeServer server_{&maps_, &queries_};
+  MapClient client_{server_.channel()};
+};
+
+TEST_F(MapClientTest, CreatedMapIsThereUntilItIsDeleted) {
+  v1::MapConfig config;
+  config.set_voxel_size_m(0.02);
+  const absl::StatusOr<v1::Map> created = client_.CreateMap(kKitchen, config);
+  ASSERT_TRUE(created.ok()) << created.status();
+  EXPECT_EQ(created->name(), "tenants/default/maps/kitchen");
+  const absl::StatusOr<v1::Map> read = client_.GetMap(kKitchen);
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read->config().voxel_size_m(), 0.02);
+  EXPECT_TRUE(client_.DeleteMap(kKitchen).ok());
+  EXPECT_EQ(client_.GetMap(kKitchen).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(MapClientTest, ErrorsCarryCodeMessageReasonAndField) {
+  const absl::Status status = client_.GetMap(kKitchen).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(status.message(), "there is no map tenants/default/maps/kitchen");
+  EXPECT_EQ(ReasonOf(status), reason::kNotFound);
+  EXPECT_EQ(FieldOf(status), "name");
+}
+
+TEST_F(MapClientTest, AMethodThatTheServerLacksIsUnimplemented) {
+  const absl::Status status = client_.CastRays(kKitchen, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnimplemented);
+  EXPECT_EQ(ReasonOf(status), "");
+}
+
+TEST_F(MapClientTest, ListsOfSeveralPagesAreWhole) {
+  for (const char* map : {"e", "a", "d", "b", "c"}) {
+    ASSERT_TRUE(client_.CreateMap({"default", map}, {}).ok());
+  }
+  ASSERT_TRUE(client_.CreateMap({"other", "x"}, {}).ok());
+  const absl::StatusOr<std::vector<v1::Map>> maps = client_.ListMaps("default");
+  ASSERT_TRUE(maps.ok()) << maps.status();
+  std::string names;
+  for (const v1::Map& map : *maps) names += map.name().back();
+  EXPECT_EQ(names, "abcde");
+}
+
+TEST_F(MapClientTest, PosesOfSeveralPagesAreWhole) {
+  for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) {
+    queries_.poses.emplace_back().set_map_seq(sequence);
+  }
+  const absl::StatusOr<std::vector<v1::FramePose>> poses = client_.ListFramePoses(kKitchen);
+  ASSERT_TRUE(poses.ok()) << poses.status();
+  ASSERT_EQ(poses->size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ((*poses)[i].map_seq(), i + 1);
+}
+
+TEST_F(MapClientTest, SamplesOfAnotherNumberThanThePointsAreAnError) {
+  queries_.samples.add_samples();
+  const std::vector<Eigen::Vector3d> points(2, Eigen::Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(client_.SampleDistance(kKitchen, points).status().code(), absl::StatusCode::kInternal);
+  queries_.samples.add_samples()->set_distance_m(0.25);
+  const absl::StatusOr<v1::SampleDistanceResponse> answer =
+      client_.SampleDistance(kKitchen, points);
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->samples(1).distance_m(), 0.25);
+  EXPECT_EQ(queries_.sample_request.points_m(1).z(), 3.0);
+}
+
+// A leaf of canonical voxels.
+LeafVoxels RandomLeaf(const VoxelScale& scale, std::mt19937* random) {
+  std::uniform_int_distribution<int> steps(-kMaxDistanceSteps, kMaxDistanceSteps);
+  std::uniform_int_distribution<int> weights(1, 2000);
+  LeafVoxels voxels;
+  for (std::size_t offset = 0; offset < kLeafVoxels; offset += 3) {
+    voxels.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    voxels.distance_m[offset] = static_cast<float>(steps(*random)) * scale.distance_step_m();
+    voxels.weight[offset] = static_cast<float>(weights(*random)) * kWeightUnit;
+  }
+  return voxels;
+}
+
+TEST_F(MapClientTest, ASectionHasTheServersVoxels) {
+  const VoxelScale scale{0.04, 0.12};
+  std::mt19937 random(4);
+  std::map<LeafOrigin, LeafVoxels> truth;
+  queries_.section.assign(1, {});
+  v1::GetMapSectionResponse::Header& header = *queries_.section[0].mutable_header();
+  header.set_revision(12);
+  header.set_voxel_size_m(scale.voxel_size_m);
+  header.set_truncation_m(scale.truncation_m);
+  for (std::int32_t i = -3; i < 4; ++i) {
+    const LeafOrigin origin{8 * i, 80 * i, 8};
+    truth[origin] = RandomLeaf(scale, &random);
+    TsdfGrid grid;
+    grid.StoreLeaf(origin, truth[origin]);
+    v1::PackedLeaf& leaf = *queries_.section.emplace_back().mutable_leaves()->add_leaves();
+    leaf.set_origin_x(origin.x);
+    leaf.set_origin_y(origin.y);
+    leaf.set_origin_z(origin.z);
+    leaf.set_packed(PackLeaf(grid.FindLeaf(origin), scale));
+  }
+  const Box box(Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(4, 5, 6));
+  const absl::StatusOr<MapSnapshot> section = client_.GetMapSection(kKitchen, box);
+  ASSERT_TRUE(section.ok()) << section.status();
+  EXPECT_EQ(section->revision, Revision(12));
+  EXPECT_EQ(section->scale, scale);
+  EXPECT_EQ(section->background.leaf_count(), truth.size());
+  for (const auto& [origin, voxels] : truth) {
+    const LeafView leaf = section->background.FindLeaf(origin);
+    ASSERT_TRUE(leaf);
+    EXPECT_EQ(leaf.observed, voxels.observed);
+    EXPECT_TRUE(
+        std::equal(leaf.distance_m, leaf.distance_m + kLeafVoxels, voxels.distance_m.begin()));
+    EXPECT_TRUE(std::equal(leaf.weight, leaf.weight + kLeafVoxels, voxels.weight.begin()));
+  }
+  EXPECT_EQ(queries_.section_request.box().max_m().y(), 5.0);
+}
+
+TEST_F(MapClientTest, DamagedSectionsAreErrors) {
+  queries_.section.assign(1, {});
+  queries_.section[0].mutable_leaves()->add_leaves();
+  EXPECT_EQ(client_.GetMapSection(kKitchen).status().code(), absl::StatusCode::kInternal)
+      << "leaves before the header";
+
+  queries_.section.assign(2, {});
+  queries_.section[0].mutable_header()->set_revision(1);
+  EXPECT_EQ(client_.GetMapSection(kKitchen).status().code(), absl::StatusCode::kInternal)
+      << "voxels of no size";
+
+  queries_.section[0].mutable_header()->set_voxel_size_m(0.05);
+  queries_.section[0].mutable_header()->set_truncation_m(0.15);
+  v1::PackedLeaf& leaf = *queries_.section[1].mutable_leaves()->add_leaves();
+  leaf.set_packed("garbage");
+  EXPECT_EQ(client_.GetMapSection(kKitchen).status().code(), absl::StatusCode::kDataLoss);
+
+  leaf.set_origin_x(3);
+  EXPECT_EQ(client_.GetMapSection(kKitchen).status().code(), absl::StatusCode::kInternal)
+      << "an origin between leaves";
+}
+
+TEST_F(MapClientTest, ExportsArriveChunkByChunk) {
+  queries_.SetFile({"abc", "", "de"}, 5);
+  std::string file;
+  const auto header =
+      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_GLB, std::nullopt, [&](std::string_view chunk) {
+        file += chunk;
+        return absl::OkStatus();
+      });
+  ASSERT_TRUE(header.ok()) << header.status();
+  EXPECT_EQ(header->revision(), 7U);
+  EXPECT_EQ(file, "abcde");
+  EXPECT_EQ(queries_.export_request.format(), v1::EXPORT_FORMAT_GLB);
+  EXPECT_FALSE(queries_.export_request.has_box());
+}
+
+TEST_F(MapClientTest, AnExportThatIsTooShortIsAnError) {
+  queries_.SetFile({"abc"}, 5);
+  const auto ignore = [](std::string_view) { return absl::OkStatus(); };
+  EXPECT_EQ(
+      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, std::nullopt, ignore).status().code(),
+      absl::StatusCode::kDataLoss);
+  queries_.export_status = grpc::Status(grpc::StatusCode::UNAVAILABLE, "going down");
+  EXPECT_EQ(
+      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, std::nullopt, ignore).status().code(),
+      absl::StatusCode::kUnavailable);
+}
+
+TEST_F(MapClientTest, AnErrorOfTheSinkEndsTheExport) {
+  queries_.SetFile({"abc", "de"}, 5);
+  const absl::Status full = absl::FailedPreconditionError("the disk is full");
+  int chunks = 0;
+  const auto header =
+      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, std::nullopt, [&](std::string_view) {
+        ++chunks;
+        return full;
+      });
+  EXPECT_EQ(header.status(), full);
+  EXPECT_EQ(chunks, 1);
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "client/channel.h"
+#include "client/cli/command_line.h"
+#include "client/map_client.h"
+#include "client/simulator/simulated_frame_source.h"
+#include "client/uploader.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+const MapName kHall{"default", "hall"};
+
+struct Outcome {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+/// The command line, in process, against the daemon in a process of its own.
+class CliTest : public ::testing::Test {
+ protected:
+  Outcome Run(std::vector<std::string> arguments) const {
+    std::ostringstream out;
+    std::ostringstream err;
+    CommandContext context{.out = out, .err = err};
+    context.open_channel = OpenChannel;
+    arguments.insert(arguments.begin(), {"--server", daemon_.address()});
+    const int exit_code = RunCommandLine(arguments, &context);
+    return {exit_code, out.str(), err.str()};
+  }
+
+  void ExpectFailure(const std::vector<std::string>& arguments, const std::string& part) const {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  }
+
+  std::string PathOf(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  std::string HeadOf(const std::string& name, std::size_t size) const {
+    std::string head(size, '\0');
+    std::ifstream(PathOf(name)).read(head.data(), static_cast<std::streamsize>(size));
+    return head;
+  }
+
+  /// The first vertex of a PLY file, as a point of the command line.
+  std::string FirstVertex(const std::string& name) const {
+    std::ifstream stream(PathOf(name), std::ios::binary);
+    for (std::string line; line != "end_header";) {
+      if (!std::getline(stream, line)) return "no header";
+    }
+    std::array<float, 3> vertex{};
+    stream.read(reinterpret_cast<char*>(vertex.data()), sizeof(vertex));
+    std::ostringstream text;
+    text << vertex[0] << ',' << vertex[1] << ',' << vertex[2];
+    return text.str();
+  }
+
+  TemporaryFolder folder_;
+  DaemonProcess daemon_{folder_.path()};
+};
+
+TEST_F(CliTest, MapsAreCreatedListedShownAndDeleted) {
+  EXPECT_EQ(Run({"map", "create", "kitchen", "--voxel-size", "0.02"}).exit_code, 0);
+  EXPECT_EQ(Run({"map", "create", "attic"}).exit_code, 0);
+  const Outcome list = Run({"map", "list"});
+  EXPECT_LT(list.out.find("maps/attic"), list.out.find("maps/kitchen"));
+  EXPECT_NE(Run({"map", "get", "kitchen", "--json"}).out.find("\"voxel_size_m\": 0.02"),
+            std::string::npos);
+  ExpectFailure({"map", "create", "kitchen"}, "ALREADY_EXISTS");
+  EXPECT_EQ(Run({"map", "delete", "kitchen"}).exit_code, 0);
+  ExpectFailure({"map", "get", "kitchen"}, "NOT_FOUND");
+}
+
+TEST_F(CliTest, UnknownMapsAndImpossibleOnesAreErrorsOfOneLine) {
+  ExpectFailure({"map", "delete", "nowhere"}, "NOT_FOUND");
+  ExpectFailure({"query", "nowhere", "--point", "0,0,0"}, "NOT_FOUND");
+  ExpectFailure({"export", "nowhere", "--format", "ply", "--output", PathOf("x.ply")}, "NOT_FOUND");
+  ExpectFailure({"render", "nowhere", "--output", PathOf("x.png")}, "NOT_FOUND");
+  ExpectFailure({"map", "create", "k", "--voxel-size", "1e9"}, "voxel_size_m");
+  EXPECT_FALSE(std::filesystem::exists(PathOf("x.ply")));
+}
+
+TEST_F(CliTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
+  const Outcome upload =
+      Run({"simulate", "hall", "--route", "baseline", "--ideal", "--stride", "10", "--json"});
+  ASSERT_EQ(upload.exit_code, 0) << upload.err;
+  EXPECT_NE(upload.out.find("\"refused_count\": 0"), std::string::npos) << upload.out;
+
+  const Outcome nowhere = Run({"query", "hall", "--point", "1000,0,0"});
+  EXPECT_EQ(nowhere.exit_code, 0) << nowhere.err;
+  EXPECT_NE(nowhere.out.find("unknown"), std::string::npos) << nowhere.out;
+
+  for (const char* format : {"ply", "vdb", "glb"}) {
+    const Outcome outcome = Run(
+        {"export", "hall", "--format", format, "--output", PathOf(std::string("map.") + format)});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  EXPECT_EQ(HeadOf("map.ply", 4), "ply\n");
+  EXPECT_EQ(HeadOf("map.vdb", 4), " BDV");
+  EXPECT_EQ(HeadOf("map.glb", 4), "glTF");
+  const std::string answer =
+      Run({"query", "hall", "--point", FirstVertex("map.ply"), "--json"}).out;
+  const std::string key = "\"distance_m\": ";
+  ASSERT_NE(answer.find(key), std::string::npos) << answer;
+  EXPECT_NEAR(std::stod(answer.substr(answer.find(key) + key.size())), 0.0, 0.01)
+      << "a vertex of the surface lies within a fifth of a voxel of it";
+
+  const std::uintmax_t whole = std::filesystem::file_size(PathOf("map.ply"));
+  EXPECT_GT(whole, 100'000U);
+  EXPECT_EQ(Run({"export",
+                 "hall",
+                 "--format",
+                 "ply",
+                 "--output",
+                 PathOf("part.ply"),
+                 "--box",
+                 "-1,-1,-1,1,1,1"})
+                .exit_code,
+            0);
+  EXPECT_LT(std::filesystem::file_size(PathOf("part.ply")), whole);
+
+  EXPECT_EQ(Run({"render", "hall", "--output", PathOf("map.png")}).exit_code, 0);
+  EXPECT_EQ(HeadOf("map.png", 4), "\x89PNG");
+}
+
+TEST_F(CliTest, ASessionThatIsRepeatedCountsOnce) {
+  const std::vector<std::string> command = {
+      "simulate", "twin", "--route", "twin", "--stride", "10", "--session", "s-1", "--json"};
+  const Outcome first = Run(command);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const Outcome second = Run(command);
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_NE(second.out.find("\"bytes_sent\": 0"), std::string::npos) << second.out;
+  const auto revision = [](const std::string& json) {
+    return json.substr(json.find("\"revision\""));
+  };
+  const std::string state = Run({"map", "get", "twin", "--json"}).out;
+  EXPECT_NE(revision(first.out), "\"revision\": 0\n}\n");
+  EXPECT_EQ(revision(first.out).substr(0, revision(first.out).find('\n')) + ",",
+            revision(state).substr(0, revision(state).find('\n')));
+}
+
+TEST_F(CliTest, AnUploadResumesAfterAKilledDaemon) {
+  MapClient client(OpenChannel(daemon_.address()));
+  ASSERT_TRUE(client.CreateMap(kHall, {}).ok());
+  const auto source = SimulatedFrameSource::Open("twin", {.stride = 4});
+  ASSERT_TRUE(source.ok()) << source.status();
+  const std::size_t frame_count = (*source)->frame_count();
+  UploaderOptions options;
+  options.max_buffered_bytes = 1;  // One frame at a time, so that the kill comes in the middle.
+  std::atomic<bool> killed = false;
+  options.on_progress = [&](const UploadProgress& progress) {
+    if (progress.durable < frame_count / 2 || killed.exchange(true)) return;
+    daemon_.Kill();
+    daemon_.Restart();
+  };
+  FrameUploader uploader(OpenChannel(daemon_.address()), kHall, options);
+  const absl::StatusOr<UploadSummary> summary = UploadAll(source->get(), &uploader);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  EXPECT_TRUE(killed);
+  EXPECT_GE(summary->progress.reconnections, 1U);
+  EXPECT_EQ(summary->progress.integrated, frame_count);
+  const absl::StatusOr<v1::Map> map = client.GetMap(kHall);
+  ASSERT_TRUE(map.ok()) << map.status();
+  EXPECT_EQ(map->state().revision(), frame_count);
+}
+
+}  // namespace
+}  // namespace steadymap

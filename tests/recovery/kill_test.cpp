@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <condition_variable>
+#include <cstdlib>
+#include <iostream>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "client/channel.h"
+#include "client/map_client.h"
+#include "client/simulator/simulated_frame_source.h"
+#include "client/uploader.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+const MapName kHall{"default", "hall"};
+constexpr int kDefaultKills = 25;
+constexpr int kKillsPerUpload = 5;
+constexpr double kServingLimitS = 5.0;
+
+// Small enough that an upload takes a second, many enough for five kills to fall apart.
+constexpr int kImageScale = 4;
+constexpr std::size_t kFrameCount = 150;
+
+// Frames that are under way at once; the fewer, the more evenly acknowledgements come.
+constexpr std::size_t kFramesAhead = 10;
+
+// The kill follows an acknowledgement by up to this, so that it hits every stage of the work.
+constexpr int kMaxKillDelayUs = 8'000;
+
+int FromEnvironment(const char* name, int otherwise) {
+  const char* const text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): before any thread.
+  return text == nullptr ? otherwise : std::atoi(text);
+}
+
+std::vector<v1::Frame> HallFrames() {
+  Route route = MakeRoute("baseline").value();
+  PinholeCamera& camera = route.camera;
+  camera.width_px /= kImageScale;
+  camera.height_px /= kImageScale;
+  for (double* length_px : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) {
+    *length_px /= kImageScale;
+  }
+  SimulatedFrameSource source(std::move(route), {.stride = 2});
+  std::vector<v1::Frame> frames;
+  while (frames.size() < kFrameCount) frames.push_back(source.Next().value().value());
+  return frames;
+}
+
+struct MapFiles {
+  std::string ply;
+  std::string vdb;
+  friend bool operator==(const MapFiles&, const MapFiles&) = default;
+};
+
+MapFiles Export(MapClient* client) {
+  MapFiles files;
+  for (const auto& [format, file] : {std::pair{v1::EXPORT_FORMAT_PLY, &files.ply},
+                                     std::pair{v1::EXPORT_FORMAT_VDB, &files.vdb}}) {
+    const auto header =
+        client->ExportMap(kHall, format, std::nullopt, [file = file](std::string_view chunk) {
+          *file += chunk;
+          return absl::OkStatus();
+        });
+    EXPECT_TRUE(header.ok()) << header.status();
+  }
+  return files;
+}
+
+/// Uploads frames on a thread of its own, and lets others wait for its progress.
+class BackgroundUpload {
+ public:
+  BackgroundUpload(const std::string& address, const std::vector<v1::Frame>& frames)
+      : uploader_(OpenChannel(address), kHall, Options(frames)) {
+    thread_ = std::thread([this, &frames] { Run(frames); });
+  }
+
+  ~BackgroundUpload() { thread_.join(); }
+
+  BackgroundUpload(const BackgroundUpload&) = delete;
+  BackgroundUpload& operator=(const BackgroundUpload&) = delete;
+
+  /// Returns when that many frames are durable, or the upload is over.
+  void AwaitDurable(std::uint64_t frames) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return is_over_ || durable_ >= frames; });
+  }
+
+  std::uint64_t durable() const { return uploader_.progress().durable; }
+
+  absl::StatusOr<UploadSummary> AwaitSummary() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return is_over_; });
+    return summary_;
+  }
+
+ private:
+  UploaderOptions Options(const std::vector<v1::Frame>& frames) {
+    UploaderOptions options;
+    options.max_buffered_bytes = kFramesAhead * frames.front().ByteSizeLong();
+    options.max_batch_frames = 3;
+    options.on_progress = [this](const UploadProgress& progress) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      durable_ = progress.durable;
+      changed_.notify_all();
+    };
+    return options;
+  }
+
+  void Run(const std::vector<v1::Frame>& frames) {
+    absl::Status status;
+    for (std::size_t i = 0; i < frames.size() && status.ok(); ++i)
+      status = uploader_.Push(frames[i]);
+    absl::StatusOr<UploadSummary> summary = uploader_.Finish();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    summary_ = std::move(summary);
+    is_over_ = true;
+    changed_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t durable_ = 0;
+  bool is_over_ = false;
+  absl::StatusOr<UploadSummary> summary_ = absl::UnknownError("not over yet");
+  FrameUploader uploader_;
+  std::thread thread_;
+};
+
+class KillTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    frames_ = new std::vector<v1::Frame>(HallFrames());
+    const TemporaryFolder folder;
+    DaemonProcess daemon(folder.path());
+    MapClient client(OpenChannel(daemon.address()));
+    ASSERT_TRUE(client.CreateMap(kHall, {}).ok());
+    BackgroundUpload upload(daemon.address(), *frames_);
+    const absl::StatusOr<UploadSummary> summary = upload.AwaitSummary();
+    ASSERT_TRUE(summary.ok()) << summary.status();
+    undisturbed_ = new MapFiles(Export(&client));
+    ASSERT_GT(undisturbed_->ply.size(), 100'000U) << "the route shows too little to compare";
+  }
+
+  static void TearDownTestSuite() {
+    delete frames_;
+    delete undisturbed_;
+  }
+
+  /// Kills and restarts the daemon, and checks that it kept what it had acknowledged.
+  static void KillAndRestart(DaemonProcess* daemon, const BackgroundUpload& upload) {
+    const std::uint64_t acknowledged = upload.durable();
+    daemon->Kill();
+    daemon->Restart();
+    EXPECT_LT(daemon->AwaitServing().count(), kServingLimitS);
+    MapClient client(OpenChannel(daemon->address()));
+    const absl::StatusOr<v1::Map> map = client.GetMap(kHall);
+    ASSERT_TRUE(map.ok()) << map.status();
+    EXPECT_GE(map->state().durable_map_seq(), acknowledged) << "durable frames were lost";
+  }
+
+  static const std::vector<v1::Frame>* frames_;
+  static const MapFiles* undisturbed_;
+};
+
+const std::vector<v1::Frame>* KillTest::frames_ = nullptr;
+const MapFiles* KillTest::undisturbed_ = nullptr;
+
+TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
+  const int kills = FromEnvironment("STEADYMAP_KILL_ROUNDS", kDefaultKills);
+  const int seed =
+      FromEnvironment("STEADYMAP_KILL_SEED", static_cast<int>(std::random_device()() >> 1));
+  std::cout << kills << " kills, STEADYMAP_KILL_SEED=" << seed << std::endl;
+  std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
+  std::uniform_int_distribution<std::uint64_t> moment(0, kFrameCount);
+  std::uniform_int_distribution<int> delay_us(0, kMaxKillDelayUs);
+
+  for (int kill = 0; kill < kills && !HasFailure();) {
+    const TemporaryFolder folder;
+    DaemonProcess daemon(folder.path());
+    ASSERT_TRUE(MapClient(OpenChannel(daemon.address())).CreateMap(kHall, {}).ok());
+    std::vector<std::uint64_t> moments(
+        static_cast<std::size_t>(std::min(kKillsPerUpload, kills - kill)));
+    for (std::uint64_t& frames : moments) frames = moment(random);
+    std::sort(moments.begin(), moments.end());
+
+    BackgroundUpload upload(daemon.address(), *frames_);
+    for (const std::uint64_t frames : moments) {
+      upload.AwaitDurable(frames);
+      // Waits for nothing: it is the randomness of the moment.
+      std::this_thread::sleep_for(std::chrono::microseconds(delay_us(random)));
+      KillAndRestart(&daemon, upload);
+      ++kill;
+    }
+    const absl::StatusOr<UploadSummary> summary = upload.AwaitSummary();
+    ASSERT_TRUE(summary.ok()) << summary.status();
+    EXPECT_EQ(summary->progress.refused, 0U);
+
+    MapClient client(OpenChannel(daemon.address()));
+    const absl::StatusOr<v1::Map> map = client.GetMap(kHall);
+    ASSERT_TRUE(map.ok()) << map.status();
+    EXPECT_EQ(map->state().revision(), kFrameCount) << "a frame was lost or counted twice";
+    EXPECT_EQ(map->state().durable_map_seq(), kFrameCount);
+    EXPECT_TRUE(Export(&client) == *undisturbed_) << "the map differs from an undisturbed run's";
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
