@@ -1,5 +1,6 @@
 #include "server/map_runtime.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -17,8 +18,9 @@ constexpr std::size_t kMaxQueuedFrames = 4096;
 
 std::shared_ptr<MapRuntime> MapRuntime::Load(const MapRecord& record,
                                              const Surroundings& surroundings) {
-  absl::StatusOr<StoredState> stored = record.condition;
-  if (record.condition.ok()) stored = surroundings.store->LoadMap(record);
+  const absl::StatusOr<StoredState> stored = record.condition.ok()
+                                                 ? surroundings.store->LoadMap(record)
+                                                 : absl::StatusOr<StoredState>(record.condition);
   if (!stored.ok()) {
     spdlog::error(
         "map {}: quarantined: {}", record.name.ToString(), std::string(stored.status().message()));
@@ -125,11 +127,15 @@ void MapRuntime::TakeDurable(std::vector<LoggedFrame> frames, MapSequence head) 
   // The log's head moves after the thread has started: what follows comes through its inbox.
   if (mapping_ == nullptr) StartMapping();
   durable_head_ = head.value();
-  if (mapping_ != nullptr) mapping_->Push(std::move(frames));
+  if (mapping_ == nullptr) return;
+  mapping_->Push(std::move(frames));
+  // A request can come before the thread that it is for.
+  mapping_->RequestCommit(requested_commit_);
 }
 
 void MapRuntime::RequestCommit(MapSequence target) {
   const absl::MutexLock lock(&mutex_);
+  requested_commit_ = std::max(requested_commit_, target);
   if (mapping_ != nullptr) mapping_->RequestCommit(target);
 }
 

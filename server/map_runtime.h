@@ -142,6 +142,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   std::size_t memory_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Kept where there is a byte budget.
   std::optional<Revision> counted_revision_ ABSL_GUARDED_BY(mutex_);
   MapCounts counts_ ABSL_GUARDED_BY(mutex_);
+  MapSequence requested_commit_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<MappingThread> mapping_ ABSL_GUARDED_BY(mutex_);
 };
 
