@@ -17,8 +17,10 @@ constexpr std::size_t kMaxQueuedFrames = 4096;
 
 std::shared_ptr<MapRuntime> MapRuntime::Load(const MapRecord& record,
                                              const Surroundings& surroundings) {
-  absl::StatusOr<StoredState> stored = record.condition;
-  if (record.condition.ok()) stored = surroundings.store->LoadMap(record);
+  // An OK status is no StatusOr: absl aborts.
+  const absl::StatusOr<StoredState> stored = record.condition.ok()
+                                                 ? surroundings.store->LoadMap(record)
+                                                 : absl::StatusOr<StoredState>(record.condition);
   if (!stored.ok()) {
     spdlog::error(
         "map {}: quarantined: {}", record.name.ToString(), std::string(stored.status().message()));
