@@ -16,6 +16,7 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+#include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
 
 #include "server/command_line.h"
@@ -112,8 +113,12 @@ absl::Status Serve(const sigset_t& signals,
   }
 }
 
+// gRPC would write to standard error what its calls return anyway.
+void LogOfGrpc(gpr_log_func_args* arguments) { spdlog::debug("gRPC: {}", arguments->message); }
+
 int Run(const CommandLine& command_line, ServerConfig config) {
   StartLogging(config.log);
+  gpr_set_log_function(LogOfGrpc);
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockSignals();
   absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(config.data_dir, config.store);
