@@ -182,6 +182,7 @@ TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
   std::uniform_int_distribution<std::uint64_t> moment(0, kFrameCount);
   std::uniform_int_distribution<int> delay_us(0, kMaxKillDelayUs);
 
+  std::uint64_t reconnections = 0;
   for (int kill = 0; kill < kills && !HasFailure();) {
     const TemporaryFolder folder;
     DaemonProcess daemon(folder.path());
@@ -202,6 +203,7 @@ TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
     const absl::StatusOr<UploadSummary> summary = upload.AwaitSummary();
     ASSERT_TRUE(summary.ok()) << summary.status();
     EXPECT_EQ(summary->progress.refused, 0U);
+    reconnections += summary->progress.reconnections;
 
     MapClient client(OpenChannel(daemon.address()));
     const absl::StatusOr<v1::Map> map = client.GetMap(kHall);
@@ -210,6 +212,7 @@ TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
     EXPECT_EQ(map->state().durable_map_seq(), kFrameCount);
     EXPECT_TRUE(Export(&client) == *undisturbed_) << "the map differs from an undisturbed run's";
   }
+  EXPECT_GT(reconnections, 0U) << "no kill fell into an upload";
 }
 
 }  // namespace
