@@ -59,7 +59,7 @@ absl::Status ExportCommand::Run() const {
             return file->Write(chunk);
           });
   if (!header.ok()) return header.status();
-  const absl::Status committed = file->Commit();
+  absl::Status committed = file->Commit();
   if (!committed.ok()) return committed;
   context_->out << output_ << ": " << BytesText(header->file_bytes());
   if (header->triangles() > 0)

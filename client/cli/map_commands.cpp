@@ -167,7 +167,7 @@ absl::Status MapCommands::List() const {
 absl::Status MapCommands::Delete() const {
   const absl::StatusOr<MapName> name = ParseMapArgument(name_);
   if (!name.ok()) return name.status();
-  const absl::Status status = MapClient(context_->Channel()).DeleteMap(*name);
+  absl::Status status = MapClient(context_->Channel()).DeleteMap(*name);
   if (status.ok()) context_->out << "deleted " << name->ToString() << '\n';
   return status;
 }

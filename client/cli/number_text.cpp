@@ -24,7 +24,7 @@ std::string BytesText(std::uint64_t bytes) {
     value /= 1024.0;
     ++unit;
   }
-  return absl::StrFormat(value < 100.0 ? "%.1f %s" : "%.0f %s", value, kUnits.at(unit));
+  return absl::StrFormat("%.*f %s", value < 100.0 ? 1 : 0, value, kUnits.at(unit));
 }
 
 std::string CountText(std::uint64_t count) {

@@ -28,6 +28,7 @@ std::vector<RobotPath> PathsOf(const std::vector<v1::FramePose>& poses) {
     path.positions_world.emplace_back(position.x(), position.y(), position.z());
   }
   std::vector<RobotPath> ordered;
+  ordered.reserve(paths.size());
   for (auto& [robot, path] : paths) ordered.push_back(std::move(path));
   return ordered;
 }

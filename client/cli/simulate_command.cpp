@@ -68,10 +68,9 @@ absl::Status SimulateCommand::Write(const SimulationOptions& simulation) const {
   const std::size_t frame_total = Simulation(*route, simulation).frame_count();
   ProgressReport report(
       &context_->err, context_->err_is_terminal, "written", frame_total, SteadySeconds);
-  const absl::Status status =
-      WriteTorwicFolder(*route, directory_, simulation, [&](std::size_t written) {
-        report.Update(written, written);
-      });
+  absl::Status status = WriteTorwicFolder(*route, directory_, simulation, [&](std::size_t written) {
+    report.Update(written, written);
+  });
   report.End();
   if (!status.ok()) return status;
   context_->out << frame_total << " frames written to " << directory_ << '\n';

@@ -55,7 +55,7 @@ absl::Status UploadCommand::Run() const {
   const absl::StatusOr<std::unique_ptr<DatasetSource>> source =
       OpenDataset(format_, paths, dataset);
   if (!source.ok()) return source.status();
-  const absl::Status status = RunUpload(options_, source->get(), context_);
+  absl::Status status = RunUpload(options_, source->get(), context_);
   if ((*source)->skipped_count() > 0) {
     context_->err << (*source)->skipped_count() << " frames without a usable pose were left out\n";
   }

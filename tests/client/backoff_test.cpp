@@ -12,8 +12,8 @@ using std::chrono::milliseconds;
 TEST(Backoff, DelaysDoubleUpToTheLargest) {
   Backoff backoff({.first_delay = milliseconds(10), .max_delay = milliseconds(50), .jitter = 0.0},
                   1);
-  std::vector<milliseconds> delays;
-  for (int i = 0; i < 5; ++i) delays.push_back(backoff.NextDelay().value());
+  std::vector<milliseconds> delays(5);
+  for (milliseconds& delay : delays) delay = backoff.NextDelay().value();
   EXPECT_EQ(delays,
             (std::vector<milliseconds>{milliseconds(10),
                                        milliseconds(20),

@@ -185,7 +185,7 @@ TEST_F(MapClientTest, AnExportThatIsTooShortIsAnError) {
 
 TEST_F(MapClientTest, AnErrorOfTheSinkEndsTheExport) {
   queries_.SetFile({"abc", "de"}, 5);
-  const absl::Status full = absl::FailedPreconditionError("the disk is full");
+  absl::Status full = absl::FailedPreconditionError("the disk is full");
   int chunks = 0;
   const auto header =
       client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, std::nullopt, [&](std::string_view) {

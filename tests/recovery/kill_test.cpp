@@ -166,12 +166,9 @@ class KillTest : public ::testing::Test {
     EXPECT_GE(map->state().durable_map_seq(), acknowledged) << "durable frames were lost";
   }
 
-  static const std::vector<v1::Frame>* frames_;
-  static const MapFiles* undisturbed_;
+  static inline const std::vector<v1::Frame>* frames_ = nullptr;
+  static inline const MapFiles* undisturbed_ = nullptr;
 };
-
-const std::vector<v1::Frame>* KillTest::frames_ = nullptr;
-const MapFiles* KillTest::undisturbed_ = nullptr;
 
 TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
   const int kills = FromEnvironment("STEADYMAP_KILL_ROUNDS", kDefaultKills);

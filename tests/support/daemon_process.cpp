@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <grpcpp/create_channel.h>
@@ -62,13 +63,14 @@ std::string ContentOfFile(const std::filesystem::path& file) {
 pid_t Spawn(std::vector<std::string> arguments, const std::filesystem::path& log, int life_line) {
   arguments.insert(arguments.begin(), STEADYMAPD);
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(
       &actions, STDERR_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
-  if (life_line >= 0) posix_spawn_file_actions_adddup2(&actions, life_line, STDERR_FILENO + 1);
+  posix_spawn_file_actions_adddup2(&actions, life_line, STDERR_FILENO + 1);
   pid_t process = -1;
   const int error = posix_spawn(&process, STEADYMAPD, &actions, nullptr, pointers.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
@@ -109,13 +111,6 @@ bool IsServing(grpc::GenericStub* stub, std::chrono::system_clock::time_point de
 }
 
 }  // namespace
-
-ProcessEnd RunDaemon(const std::vector<std::string>& arguments,
-                     const std::filesystem::path& folder) {
-  const std::filesystem::path log = folder / "steadymapd.log";
-  const int exit_code = WaitForEnd(Spawn(arguments, log, -1));
-  return {exit_code, ContentOfFile(log)};
-}
 
 DaemonProcess::DaemonProcess(std::filesystem::path folder) : folder_(std::move(folder)) {
   Start("localhost:0");

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include <sys/types.h>
 
@@ -14,10 +13,6 @@ struct ProcessEnd {
   int exit_code = 0;   ///< 128 plus the signal if one ended it.
   std::string errors;  ///< What it wrote to standard error.
 };
-
-/// Runs the `steadymapd` of this build with `arguments` until it ends by itself.
-ProcessEnd RunDaemon(const std::vector<std::string>& arguments,
-                     const std::filesystem::path& folder);
 
 /// The `steadymapd` of this build as a child process on loopback, with its store, log and port file
 /// in a folder of its own. Throws `std::runtime_error` with the daemon's log if it does not come
