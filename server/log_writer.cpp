@@ -164,6 +164,7 @@ void LogWriter::Write(std::vector<MapGroup> groups) {
 void LogWriter::Finish(MapGroup* group, const absl::Status& status) {
   if (status.ok()) {
     for (const auto& [name, session] : group->sessions) group->map->sessions().Update(session);
+    group->map->AdvanceHead(group->head);
   }
   // DURABLE goes out before the mapping thread can say INTEGRATED.
   for (const MapGroup::StagedBatch& staged : group->batches) {
@@ -175,7 +176,7 @@ void LogWriter::Finish(MapGroup* group, const absl::Status& status) {
     }
   }
   if (!status.ok()) return;
-  group->map->TakeDurable(std::move(group->frames), group->head);
+  group->map->TakeDurable(std::move(group->frames));
   for (MapGroup::StagedBatch& staged : group->batches) {
     if (!staged.status.ok()) continue;
     group->map->waiters().Add(std::move(staged.batch.observer), staged.progress);

@@ -1,6 +1,5 @@
 #include "server/map_runtime.h"
 
-#include <algorithm>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -121,21 +120,21 @@ std::size_t MapRuntime::unmapped_frames() const {
   return mapping_ != nullptr ? mapping_->waiting_frames() : 0;
 }
 
-void MapRuntime::TakeDurable(std::vector<LoggedFrame> frames, MapSequence head) {
+void MapRuntime::AdvanceHead(MapSequence head) {
   const absl::MutexLock lock(&mutex_);
-  if (closed_ || frames.empty()) return;
-  // The log's head moves after the thread has started: what follows comes through its inbox.
+  if (closed_ || head == durable_head()) return;
+  // The thread starts from the head before: what follows comes through its inbox.
   if (mapping_ == nullptr) StartMapping();
   durable_head_ = head.value();
-  if (mapping_ == nullptr) return;
-  mapping_->Push(std::move(frames));
-  // A request can come before the thread that it is for.
-  mapping_->RequestCommit(requested_commit_);
+}
+
+void MapRuntime::TakeDurable(std::vector<LoggedFrame> frames) {
+  const absl::MutexLock lock(&mutex_);
+  if (mapping_ != nullptr) mapping_->Push(std::move(frames));
 }
 
 void MapRuntime::RequestCommit(MapSequence target) {
   const absl::MutexLock lock(&mutex_);
-  requested_commit_ = std::max(requested_commit_, target);
   if (mapping_ != nullptr) mapping_->RequestCommit(target);
 }
 

@@ -103,8 +103,11 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   std::size_t unmapped_frames() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Takes frames that have become durable, up to and including `head`. For the log's writer.
-  void TakeDurable(std::vector<LoggedFrame> frames, MapSequence head) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// The log has come to `head`. For the log's writer, before it tells anybody.
+  void AdvanceHead(MapSequence head) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Takes the frames up to the log's head for integration. For the log's writer.
+  void TakeDurable(std::vector<LoggedFrame> frames) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Commits without delay once the frame `target` is integrated.
   void RequestCommit(MapSequence target) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -142,7 +145,6 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   std::size_t memory_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Kept where there is a byte budget.
   std::optional<Revision> counted_revision_ ABSL_GUARDED_BY(mutex_);
   MapCounts counts_ ABSL_GUARDED_BY(mutex_);
-  MapSequence requested_commit_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<MappingThread> mapping_ ABSL_GUARDED_BY(mutex_);
 };
 

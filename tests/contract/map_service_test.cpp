@@ -1,0 +1,253 @@
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/contract/test_service.h"
+#include "tests/contract/upload_client.h"
+
+namespace steadymap {
+namespace {
+
+using absl::StatusCode;
+
+class MapServiceTest : public testing::TestWithParam<Transport> {
+ protected:
+  absl::Status Create(const v1::CreateMapRequest& request, v1::Map* map = nullptr) {
+    v1::Map ignored;
+    return Call([&](auto* context) {
+      return service_.maps().CreateMap(context, request, map != nullptr ? map : &ignored);
+    });
+  }
+
+  absl::Status Update(const v1::Map& map, const std::vector<std::string>& paths, v1::Map* updated) {
+    v1::UpdateMapRequest request;
+    *request.mutable_map() = map;
+    for (const std::string& path : paths) request.mutable_update_mask()->add_paths(path);
+    return Call(
+        [&](auto* context) { return service_.maps().UpdateMap(context, request, updated); });
+  }
+
+  absl::Status List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response) {
+    response->Clear();
+    return Call(
+        [&](auto* context) { return service_.maps().ListMaps(context, request, response); });
+  }
+
+  static v1::CreateMapRequest Request() {
+    v1::CreateMapRequest request;
+    request.set_parent("tenants/test");
+    request.set_map_id("hall");
+    return request;
+  }
+
+  TestService service_{GetParam()};
+};
+
+INSTANTIATE_TEST_SUITE_P(Transports,
+                         MapServiceTest,
+                         testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         TransportName);
+
+TEST_P(MapServiceTest, NewMapHasTheDefaultsAndIsEmpty) {
+  v1::Map map;
+  ASSERT_TRUE(Create(Request(), &map).ok());
+  EXPECT_EQ(map.name(), "tenants/test/maps/hall");
+  EXPECT_DOUBLE_EQ(map.config().voxel_size_m(), 0.05);
+  EXPECT_DOUBLE_EQ(map.config().truncation_m(), 3 * 0.05);
+  EXPECT_DOUBLE_EQ(map.config().max_depth_m(), 3.0);
+  EXPECT_EQ(map.config().policy(), v1::UPDATE_POLICY_STATIC);
+  EXPECT_EQ(map.config().classes_size(), 16);
+  EXPECT_EQ(map.retention().frame_log_age().seconds(), RetentionOptions().frame_log_age.count());
+  EXPECT_FALSE(map.etag().empty());
+  EXPECT_FALSE(map.incarnation().empty());
+  EXPECT_TRUE(map.has_create_time());
+  EXPECT_EQ(map.state().revision(), 0U);
+  EXPECT_FALSE(map.state().has_last_capture_time());
+}
+
+TEST_P(MapServiceTest, SameNameTwiceIsRefused) {
+  ASSERT_TRUE(Create(Request()).ok());
+  EXPECT_THAT(Create(Request()), IsError(StatusCode::kAlreadyExists, "ALREADY_EXISTS", "map_id"));
+}
+
+TEST_P(MapServiceTest, SameRequestTwiceReturnsTheMap) {
+  v1::CreateMapRequest request = Request();
+  request.set_request_id("try-1");
+  v1::Map first;
+  v1::Map second;
+  ASSERT_TRUE(Create(request, &first).ok());
+  ASSERT_TRUE(Create(request, &second).ok());
+  EXPECT_EQ(first.incarnation(), second.incarnation());
+  request.mutable_map()->mutable_config()->set_voxel_size_m(0.1);
+  EXPECT_EQ(Create(request).code(), StatusCode::kAlreadyExists);
+}
+
+TEST_P(MapServiceTest, WrongFieldsOfANewMapAreNamed) {
+  const auto refusal = [this](const std::function<void(v1::CreateMapRequest*)>& spoil) {
+    v1::CreateMapRequest request = Request();
+    spoil(&request);
+    return Create(request);
+  };
+  using Request = v1::CreateMapRequest;
+  EXPECT_THAT(refusal([](Request* r) { r->set_parent("test"); }),
+              IsError(StatusCode::kInvalidArgument, "BAD_NAME", "parent"));
+  EXPECT_THAT(refusal([](Request* r) { r->set_map_id("Hall"); }),
+              IsError(StatusCode::kInvalidArgument, "BAD_NAME", "map_id"));
+  EXPECT_THAT(refusal([](Request* r) { r->set_request_id(std::string(65, 'x')); }),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "request_id"));
+  EXPECT_THAT(
+      refusal([](Request* r) { r->mutable_map()->set_display_name(std::string(129, 'x')); }),
+      IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.display_name"));
+  EXPECT_THAT(
+      refusal([](Request* r) { r->mutable_map()->mutable_config()->set_voxel_size_m(1e9); }),
+      IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.voxel_size_m"));
+  EXPECT_THAT(refusal([](Request* r) {
+                r->mutable_map()->mutable_config()->set_voxel_size_m(
+                    std::numeric_limits<double>::quiet_NaN());
+              }),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.voxel_size_m"));
+  EXPECT_THAT(refusal([](Request* r) { r->mutable_map()->mutable_config()->set_truncation_m(-1); }),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.truncation_m"));
+  EXPECT_THAT(refusal([](Request* r) {
+                r->mutable_map()->mutable_config()->set_policy(static_cast<v1::UpdatePolicy>(3));
+              }),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.policy"));
+  EXPECT_THAT(
+      refusal([](Request* r) { r->mutable_map()->mutable_config()->add_classes()->set_id(70000); }),
+      IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.classes[0].id"));
+  EXPECT_THAT(refusal([](Request* r) {
+                r->mutable_map()->mutable_retention()->mutable_frame_log_age()->set_seconds(-1);
+              }),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.retention.frame_log_age"));
+}
+
+TEST_P(MapServiceTest, UnknownMapIsNotFound) {
+  EXPECT_THAT(service_.GetMap("tenants/test/maps/none").status(),
+              IsError(StatusCode::kNotFound, "NOT_FOUND", "name"));
+  EXPECT_THAT(service_.GetMap("nonsense").status(),
+              IsError(StatusCode::kInvalidArgument, "BAD_NAME", "name"));
+  EXPECT_THAT(service_.DeleteMap("tenants/test/maps/none"),
+              IsError(StatusCode::kNotFound, "NOT_FOUND", "name"));
+}
+
+TEST_P(MapServiceTest, ReadMaskKeepsWhatItNames) {
+  v1::GetMapRequest request;
+  request.set_name(service_.CreateMap("hall"));
+  request.mutable_read_mask()->add_paths("etag");
+  request.mutable_read_mask()->add_paths("config.voxel_size_m");
+  v1::Map map;
+  const auto get = [&](auto* context) { return service_.maps().GetMap(context, request, &map); };
+  ASSERT_TRUE(Call(get).ok());
+  EXPECT_FALSE(map.etag().empty());
+  EXPECT_GT(map.config().voxel_size_m(), 0.0);
+  EXPECT_TRUE(map.name().empty());
+  EXPECT_EQ(map.config().classes_size(), 0);
+  request.mutable_read_mask()->add_paths("colour");
+  EXPECT_THAT(Call(get), IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "read_mask"));
+}
+
+TEST_P(MapServiceTest, PagesHoldEveryMapOnceInOrder) {
+  for (const char* id : {"e", "b", "d", "a", "c"}) service_.CreateMap(id);
+  v1::ListMapsRequest request;
+  request.set_parent("tenants/test");
+  request.set_page_size(2);
+  v1::ListMapsResponse response;
+  std::string ids;
+  do {
+    ASSERT_TRUE(List(request, &response).ok());
+    ASSERT_LE(response.maps_size(), 2);
+    for (const v1::Map& map : response.maps()) ids += map.name().back();
+    request.set_page_token(response.next_page_token());
+  } while (!response.next_page_token().empty());
+  EXPECT_EQ(ids, "abcde");
+  request.set_parent("tenants/other");
+  ASSERT_TRUE(List(request, &response).ok());
+  EXPECT_EQ(response.maps_size(), 0);
+}
+
+TEST_P(MapServiceTest, WrongPagesAreRefused) {
+  for (const char* id : {"a", "b"}) service_.CreateMap(id);
+  v1::ListMapsRequest request;
+  request.set_parent("tenants/test");
+  request.set_page_size(1);
+  v1::ListMapsResponse response;
+  ASSERT_TRUE(List(request, &response).ok());
+  v1::ListMapsRequest other_tenant = request;
+  other_tenant.set_parent("tenants/other");
+  other_tenant.set_page_token(response.next_page_token());
+  EXPECT_THAT(List(other_tenant, &response),
+              IsError(StatusCode::kInvalidArgument, "BAD_PAGE_TOKEN", "page_token"));
+  request.set_page_token("garbage");
+  EXPECT_THAT(List(request, &response),
+              IsError(StatusCode::kInvalidArgument, "BAD_PAGE_TOKEN", "page_token"));
+  request.set_page_size(1001);
+  EXPECT_THAT(List(request, &response),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "page_size"));
+  request.set_parent("tenants/");
+  EXPECT_THAT(List(request, &response),
+              IsError(StatusCode::kInvalidArgument, "BAD_NAME", "parent"));
+}
+
+TEST_P(MapServiceTest, UpdateChangesWhatTheMaskNamesAndTheEtag) {
+  v1::Map map = *service_.GetMap(service_.CreateMap("hall"));
+  const std::string etag = map.etag();
+  map.set_display_name("The hall");
+  map.set_byte_budget(1000);
+  v1::Map updated;
+  ASSERT_TRUE(Update(map, {"display_name"}, &updated).ok());
+  EXPECT_EQ(updated.display_name(), "The hall");
+  EXPECT_EQ(updated.byte_budget(), 0U);
+  EXPECT_NE(updated.etag(), etag);
+  // The etag is of the map before.
+  EXPECT_THAT(Update(map, {"byte_budget"}, &updated),
+              IsError(StatusCode::kAborted, "ETAG_MISMATCH", "map.etag"));
+  map.clear_etag();
+  map.mutable_retention()->mutable_frame_log_age()->set_seconds(7);
+  ASSERT_TRUE(Update(map, {"byte_budget", "retention.frame_log_age"}, &updated).ok());
+  EXPECT_EQ(updated.byte_budget(), 1000U);
+  EXPECT_EQ(updated.retention().frame_log_age().seconds(), 7);
+  service_.Restart();
+  EXPECT_EQ(service_.GetMap(map.name())->display_name(), "The hall");
+}
+
+TEST_P(MapServiceTest, WhatIsFixedCannotBeUpdated) {
+  const v1::Map map = *service_.GetMap(service_.CreateMap("hall"));
+  v1::Map updated;
+  EXPECT_THAT(Update(map, {"config"}, &updated),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "update_mask"));
+  EXPECT_THAT(Update(map, {}, &updated),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "update_mask"));
+  EXPECT_EQ(service_.GetMap(map.name())->etag(), map.etag());
+}
+
+TEST_P(MapServiceTest, DeleteWithAnOldEtagIsRefused) {
+  const v1::Map map = *service_.GetMap(service_.CreateMap("hall"));
+  v1::DeleteMapRequest request;
+  request.set_name(map.name());
+  request.set_etag("old");
+  google::protobuf::Empty response;
+  const auto remove = [&](auto* context) {
+    return service_.maps().DeleteMap(context, request, &response);
+  };
+  EXPECT_THAT(Call(remove), IsError(StatusCode::kAborted, "ETAG_MISMATCH", "etag"));
+  request.set_etag(map.etag());
+  EXPECT_TRUE(Call(remove).ok());
+  EXPECT_EQ(service_.GetMap(map.name()).status().code(), StatusCode::kNotFound);
+}
+
+TEST_P(MapServiceTest, NameIsFreeAgainAfterADelete) {
+  const std::string name = service_.CreateMap("hall");
+  ASSERT_TRUE(UploadAndClose(&service_, {name}, MakeBatch(1, 2)).ok());
+  const v1::Map before = *service_.GetMap(name);
+  ASSERT_TRUE(service_.DeleteMap(name).ok());
+  service_.CreateMap("hall");
+  const v1::Map after = *service_.GetMap(name);
+  EXPECT_EQ(after.state().revision(), 0U);
+  EXPECT_NE(after.incarnation(), before.incarnation());
+  EXPECT_NE(after.etag(), before.etag());
+}
+
+}  // namespace
+}  // namespace steadymap
