@@ -304,16 +304,16 @@ constexpr float kNearM = 0.05F;
 // truncations the tangent plane is no longer to be trusted; nearer pixels see those voxels better.
 constexpr float kMaxRayBand = 2.0F;
 
-// Looks that say less than this are dropped: a voxel that only such looks reach would go on
-// changing for thousands of frames.
-constexpr float kMinLookWeight = 1.0F / 128.0F;
+// How fast trust falls with the square of the voxels that the surface was seen aside. The floor
+// must stay: a low camera sees it from three metres off, six voxels aside.
+constexpr float kStraying = 0.5F;
 
 // An old place must still be able to change: evidence is capped.
-constexpr float kMaxWeight = 64.0F;
+constexpr float kMaxWeight = 63.0F;
 
-// Settled voxels stay put (decisions.md 2): above this weight an innovation within the dead band is
-// noise. The band grows with depth as the sensor's noise does.
-constexpr float kSettledWeight = 16.0F;
+// Settled voxels stay put (decisions.md 2): after this many looks as good as the one at hand, an
+// innovation within the dead band is noise. The band grows with depth as the sensor's noise does.
+constexpr float kSettledLooks = 32.0F;
 constexpr float kDeadBandVoxels = 0.1F;
 constexpr float kDeadBandPerSquareMetre = 0.005F;
 
@@ -457,12 +457,12 @@ STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
   const Floats along_ray_m = look[0] - z;
   const Floats beside_voxels2 =
       (along_ray_m * along_ray_m - distance_m * distance_m) * constants.inverse_voxel_size2;
-  const Floats straying = 1.0F / (1.0F + Max(beside_voxels2, zero));
+  const Floats straying = 1.0F / (1.0F + Max(beside_voxels2, zero) * kStraying);
   evidence->distance_m = distance_m;
   evidence->weight = look[1] * fade * straying;
   evidence->depth_m = z;
   evidence->valid = in_band & (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
-                    (evidence->weight >= Splat(kMinLookWeight));
+                    (evidence->weight >= Splat(kWeightUnit));
   return ToBits(evidence->valid) != 0;
 }
 
@@ -475,7 +475,7 @@ STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
   const Floats old_weight = Load(weight);
   const Floats dead_band_m =
       Splat(constants.dead_band_m) + evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
-  const Integers settled = (old_weight >= Splat(kSettledWeight)) &
+  const Integers settled = (old_weight >= evidence.weight * kSettledLooks) &
                            (Abs(evidence.distance_m - old_distance_m) < dead_band_m);
   const Integers fuse = evidence.valid & ~settled;
   const Floats total = old_weight + evidence.weight;

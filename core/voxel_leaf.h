@@ -25,7 +25,7 @@ inline constexpr std::size_t kLeafVoxels = 512;
 inline constexpr int kMaxDistanceSteps = 32767;
 
 /// Weights are fixed-point: 1.0 is one look from one metre.
-inline constexpr float kWeightUnit = 1.0F / 256.0F;
+inline constexpr float kWeightUnit = 1.0F / 1024.0F;
 
 /// The voxel size of a map and what follows from it.
 struct VoxelScale {

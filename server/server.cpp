@@ -203,7 +203,6 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   readers_.Stop();
   log_writer_.Stop();
   maps_.Close(DrainingError());
-  spdlog::info("stopped");
 }
 
 Heartbeat::Clock::time_point Server::Parts::last_progress() const {

@@ -1,0 +1,88 @@
+#include "proto/convert_frame.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/image_codec.h"
+#include "tests/support/wall_frame.h"
+
+namespace steadymap {
+namespace {
+
+constexpr std::size_t kClasses = 16;
+
+// Each refusal of a frame is tested through the service, in tests/contract/refused_frame_test.cpp.
+
+TEST(ConvertFrame, EveryDepthEncodingGivesTheSamePixels) {
+  const absl::StatusOr<Frame> raw = FromProto(MakeWallFrame(), "robot", kClasses);
+  ASSERT_TRUE(raw.ok()) << raw.status();
+  EXPECT_EQ(raw->robot, "robot");
+  EXPECT_EQ(raw->depth.units.At(0, 0), 2000);
+  EXPECT_EQ(raw->labels.At(63, 47), 4);
+  EXPECT_EQ(raw->capture_time, Timestamp::FromSeconds(100.0));
+  for (const auto encoding : {v1::DEPTH_ENCODING_PNG_UINT16, v1::DEPTH_ENCODING_ZSTD_UINT16}) {
+    const auto packed = FromProto(MakeWallFrame({.encoding = encoding}), "robot", kClasses);
+    ASSERT_TRUE(packed.ok()) << packed.status();
+    EXPECT_EQ(packed->depth, raw->depth);
+  }
+}
+
+TEST(ConvertFrame, EveryLabelEncodingGivesTheSamePixels) {
+  const Image<std::uint16_t> labels(64, 48, 7);
+  const std::pair<v1::LabelEncoding, PixelEncoding> encodings[] = {
+      {v1::LABEL_ENCODING_RAW_UINT8, PixelEncoding::kRawUint8},
+      {v1::LABEL_ENCODING_RAW_UINT16, PixelEncoding::kRawUint16},
+      {v1::LABEL_ENCODING_PNG, PixelEncoding::kPng},
+      {v1::LABEL_ENCODING_ZSTD_UINT8, PixelEncoding::kZstdUint8},
+      {v1::LABEL_ENCODING_ZSTD_UINT16, PixelEncoding::kZstdUint16}};
+  for (const auto& [wire, packing] : encodings) {
+    v1::Frame message = MakeWallFrame();
+    message.mutable_labels()->set_encoding(wire);
+    message.mutable_labels()->set_data(EncodePixels(labels, packing));
+    *message.mutable_instances() = message.labels();
+    const auto frame = FromProto(message, "robot", kClasses);
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    EXPECT_EQ(frame->labels, labels);
+    EXPECT_EQ(frame->instances, labels);
+  }
+}
+
+TEST(ConvertFrame, AbsentOptionalImagesStayEmpty) {
+  const auto frame = FromProto(MakeWallFrame({.with_labels = false}), "robot", kClasses);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_TRUE(frame->labels.empty());
+  EXPECT_TRUE(frame->instances.empty());
+  EXPECT_TRUE(frame->color.empty());
+}
+
+TEST(ConvertFrame, ColorIsDecoded) {
+  const Image<Rgb> color(64, 48, Rgb{10, 20, 30});
+  v1::Frame message = MakeWallFrame();
+  message.mutable_color()->set_encoding(v1::COLOR_ENCODING_PNG);
+  message.mutable_color()->set_data(EncodeColorPng(color));
+  const auto frame = FromProto(message, "robot", kClasses);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->color, color);
+}
+
+TEST(ConvertFrame, ZstdBombIsRefusedWithoutBeingUnpacked) {
+  v1::Frame message = MakeWallFrame();
+  const Image<std::uint16_t> huge(4096, 4096, 1000);
+  message.mutable_depth()->set_encoding(v1::DEPTH_ENCODING_ZSTD_UINT16);
+  message.mutable_depth()->set_data(EncodePixels(huge, PixelEncoding::kZstdUint16));
+  EXPECT_EQ(ReasonOf(FromProto(message, "robot", kClasses).status()), "IMAGE_SIZE_MISMATCH");
+}
+
+TEST(ConvertCamera, ComesBack) {
+  const PinholeCamera camera{640, 480, 525.5, 526.5, 319.5, 239.5};
+  EXPECT_EQ(*FromProto(ToProto(camera)), camera);
+}
+
+TEST(ConvertCamera, SideThatFitsNoIntIsRefused) {
+  v1::CameraIntrinsics message = ToProto(PinholeCamera{640, 480, 500, 500, 320, 240});
+  message.set_width_px(0x80000001U);
+  EXPECT_EQ(FieldOf(FromProto(message).status()), "width_px");
+}
+
+}  // namespace
+}  // namespace steadymap

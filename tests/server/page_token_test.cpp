@@ -1,0 +1,39 @@
+#include "server/page_token.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace steadymap {
+namespace {
+
+TEST(PageToken, ComesBackAsItsPosition) {
+  for (const char* position : {"", "hall", "12345"}) {
+    EXPECT_EQ(*ReadPageToken("maps", MakePageToken("maps", position)), position);
+  }
+}
+
+TEST(PageToken, EmptyTokenIsTheBeginning) { EXPECT_EQ(*ReadPageToken("maps", ""), ""); }
+
+TEST(PageToken, AnyChangedCharacterIsRefused) {
+  const std::string token = MakePageToken("maps", "hall-7");
+  for (std::size_t i = 0; i < token.size(); ++i) {
+    std::string changed = token;
+    changed[i] = changed[i] == 'A' ? 'B' : 'A';
+    const auto position = ReadPageToken("maps", changed);
+    EXPECT_EQ(ReasonOf(position.status()), "BAD_PAGE_TOKEN") << changed;
+  }
+}
+
+TEST(PageToken, TokenOfAnotherListIsRefused) {
+  EXPECT_FALSE(ReadPageToken("poses", MakePageToken("maps", "hall")).ok());
+}
+
+TEST(PageSize, ZeroMeansTheStandard) {
+  EXPECT_EQ(*ReadPageSize(0, 100, 1000), 100U);
+  EXPECT_EQ(*ReadPageSize(1000, 100, 1000), 1000U);
+  EXPECT_EQ(FieldOf(ReadPageSize(1001, 100, 1000).status()), "page_size");
+}
+
+}  // namespace
+}  // namespace steadymap
