@@ -1,8 +1,21 @@
 #include "proto/grpc_status.h"
 
+#include "core/error.h"
 #include "proto/convert_status.h"
 
 namespace steadymap {
+namespace {
+
+// How gRPC itself refuses a message beyond its limit, with no details: the service never sees it.
+constexpr char kMessageTooLargeText[] = "larger than max";
+
+bool IsMessageTooLarge(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
+         status.error_details().empty() &&
+         status.error_message().find(kMessageTooLargeText) != std::string::npos;
+}
+
+}  // namespace
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
@@ -13,6 +26,10 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
 }
 
 absl::Status FromGrpcStatus(const grpc::Status& status) {
+  if (IsMessageTooLarge(status)) {
+    return MakeError(
+        absl::StatusCode::kResourceExhausted, reason::kMessageTooLarge, status.error_message());
+  }
   google::rpc::Status details;
   // Other servers and proxies put what they like into the trailer: it counts only where it says
   // the same as the status.

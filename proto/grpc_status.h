@@ -9,7 +9,8 @@ namespace steadymap {
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
 /// What a gRPC call ended with: code, message, and where the server gave them the reason and the
-/// field path (`ReasonOf`, `FieldOf`). Any thread.
+/// field path (`ReasonOf`, `FieldOf`). A message that gRPC itself finds too large has the reason
+/// `MESSAGE_TOO_LARGE`. Any thread.
 absl::Status FromGrpcStatus(const grpc::Status& status);
 
 }  // namespace steadymap
