@@ -2,71 +2,22 @@
 
 #include <algorithm>
 #include <future>
-#include <memory>
-#include <numeric>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "proto/convert_status.h"
-#include "proto/grpc_status.h"
-#include "tests/client/fake_ingest_service.h"
-#include "tests/client/fake_map_server.h"
+#include "tests/client/upload_harness.h"
 
 namespace steadymap {
 namespace {
 
-using std::chrono::milliseconds;
-
-const MapName kKitchen{"default", "kitchen"};
-
-v1::Frame FrameOfBytes(std::size_t depth_bytes) {
-  v1::Frame frame;
-  frame.mutable_depth()->set_data(std::string(depth_bytes, 'd'));
-  frame.mutable_labels()->set_data("labels");
-  return frame;
-}
-
-std::vector<std::uint64_t> Sequences(std::uint64_t first, std::uint64_t last) {
-  std::vector<std::uint64_t> sequences(last - first + 1);
-  std::iota(sequences.begin(), sequences.end(), first);
-  return sequences;
-}
-
-grpc::Status Failure(absl::StatusCode code, std::string_view reason = {}) {
-  return ToGrpcStatus(MakeError(code, reason, "as the script says"));
-}
-
-// Never waits between streams, and keeps the delays that were asked for.
-struct Harness {
-  explicit Harness(std::vector<FakeIngestService::Script> scripts) : service(std::move(scripts)) {
-    options.robot = "robot-7";
-    options.session = "session-1";
-    options.seed = 5;
-    options.sleep = [this](milliseconds delay) { delays.push_back(delay); };
-  }
-
-  absl::StatusOr<UploadSummary> Upload(std::size_t frame_count, std::size_t frame_bytes = 100) {
-    FrameUploader uploader(server.channel(), kKitchen, options);
-    for (std::size_t i = 0; i < frame_count; ++i) {
-      const absl::Status status = uploader.Push(FrameOfBytes(frame_bytes));
-      if (!status.ok()) return status;
-    }
-    return uploader.Finish();
-  }
-
-  FakeIngestService service;
-  FakeServer server{&service};
-  UploaderOptions options;
-  std::vector<milliseconds> delays;
-};
-
 TEST(FrameUploader, SendsEveryFrameOnceInOrderAndWaitsForIntegration) {
   std::vector<std::uint64_t> received;
   v1::UploadOpen open;
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     open = stream.ReadOpen();
     stream.SendOpened(0, 64);
     const grpc::Status status = stream.AcceptRest();
@@ -90,7 +41,7 @@ TEST(FrameUploader, SendsEveryFrameOnceInOrderAndWaitsForIntegration) {
 }
 
 TEST(FrameUploader, NothingPushedEndsWell) {
-  Harness harness({[](ScriptedStream& stream) {
+  UploadHarness harness({[](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 8);
     return stream.AcceptRest();
@@ -102,7 +53,7 @@ TEST(FrameUploader, NothingPushedEndsWell) {
 
 TEST(FrameUploader, NeverSendsMoreThanItHasCreditFor) {
   // Two frames' worth of bytes, then credit in uneven pieces; ScriptedStream checks each batch.
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 3, 2'500);
     EXPECT_TRUE(stream.ReadUntil(2));
@@ -120,22 +71,23 @@ TEST(FrameUploader, SendsOnlyWhatIsNotDurableAfterTheStreamBreaks) {
   std::vector<std::uint64_t> first;
   std::vector<std::uint64_t> second;
   std::uint64_t last_durable = 0;
-  Harness harness({[&](ScriptedStream& stream) {
-                     stream.ReadOpen();
-                     stream.SendOpened(0, 10);
-                     EXPECT_TRUE(stream.ReadUntil(10));
-                     stream.SendAck(v1::ACK_LEVEL_DURABLE, 4);
-                     first = stream.received();
-                     return Failure(absl::StatusCode::kUnavailable);
-                   },
-                   [&](ScriptedStream& stream) {
-                     last_durable = stream.ReadOpen().last_durable_client_seq();
-                     // Frame 5 and 6 were made durable too; only the acknowledgement was lost.
-                     stream.SendOpened(6, 100);
-                     const grpc::Status status = stream.AcceptRest();
-                     second = stream.received();
-                     return status;
-                   }});
+  UploadHarness harness({[&](ScriptedStream& stream) {
+                           stream.ReadOpen();
+                           stream.SendOpened(0, 10);
+                           EXPECT_TRUE(stream.ReadUntil(10));
+                           stream.SendAck(v1::ACK_LEVEL_DURABLE, 4);
+                           first = stream.received();
+                           return Failure(absl::StatusCode::kUnavailable);
+                         },
+                         [&](ScriptedStream& stream) {
+                           last_durable = stream.ReadOpen().last_durable_client_seq();
+                           // Frame 5 and 6 were made durable too; only the acknowledgement was
+                           // lost.
+                           stream.SendOpened(6, 100);
+                           const grpc::Status status = stream.AcceptRest();
+                           second = stream.received();
+                           return status;
+                         }});
   const absl::StatusOr<UploadSummary> summary = harness.Upload(15);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_EQ(first, Sequences(1, 10));
@@ -150,7 +102,7 @@ TEST(FrameUploader, SendsOnlyWhatIsNotDurableAfterTheStreamBreaks) {
 
 TEST(FrameUploader, GoesOnWhereAnEarlierProcessOfTheSessionStopped) {
   std::vector<std::uint64_t> received;
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(12, 100);
     const grpc::Status status = stream.AcceptRest();
@@ -169,7 +121,7 @@ TEST(FrameUploader, ReportsEachRefusedFrameWithReasonAndField) {
   refused.set_client_seq(3);
   *refused.mutable_status() =
       ToProto(InvalidField(reason::kNonFinitePose, "frames[2].pose", "it is NaN"));
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 100);
     EXPECT_TRUE(stream.ReadUntil(5));
@@ -189,159 +141,8 @@ TEST(FrameUploader, ReportsEachRefusedFrameWithReasonAndField) {
   EXPECT_EQ(summary->progress.integrated, 4U);
 }
 
-class TerminalFailure : public ::testing::TestWithParam<absl::Status> {};
-
-TEST_P(TerminalFailure, EndsTheUploadWithoutARetry) {
-  Harness harness({[&](ScriptedStream& stream) {
-    stream.ReadOpen();
-    return ToGrpcStatus(GetParam());
-  }});
-  const absl::StatusOr<UploadSummary> summary = harness.Upload(3);
-  EXPECT_EQ(summary.status(), GetParam());
-  EXPECT_EQ(harness.service.streams_opened(), 1U);
-  EXPECT_TRUE(harness.delays.empty());
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    FrameUploader,
-    TerminalFailure,
-    ::testing::Values(
-        MakeError(absl::StatusCode::kNotFound, reason::kNotFound, "no such map"),
-        MakeError(absl::StatusCode::kInvalidArgument, reason::kBadName, "bad robot", "robot"),
-        MakeError(absl::StatusCode::kAborted, reason::kUploadSuperseded, "another session"),
-        MakeError(absl::StatusCode::kResourceExhausted, reason::kMessageTooLarge, "too large"),
-        absl::PermissionDeniedError("not yours"),
-        absl::UnauthenticatedError("who are you")));
-
-class PassingFailure : public ::testing::TestWithParam<absl::Status> {};
-
-TEST_P(PassingFailure, IsRetried) {
-  Harness harness({[&](ScriptedStream& stream) {
-                     stream.ReadOpen();
-                     return ToGrpcStatus(GetParam());
-                   },
-                   [&](ScriptedStream& stream) {
-                     stream.ReadOpen();
-                     stream.SendOpened(0, 100);
-                     return stream.AcceptRest();
-                   }});
-  const absl::StatusOr<UploadSummary> summary = harness.Upload(3);
-  ASSERT_TRUE(summary.ok()) << summary.status();
-  EXPECT_EQ(harness.delays.size(), 1U);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    FrameUploader,
-    PassingFailure,
-    ::testing::Values(
-        MakeError(absl::StatusCode::kUnavailable, reason::kDraining, "draining"),
-        MakeError(absl::StatusCode::kUnavailable, reason::kStoreReadOnly, "read only"),
-        MakeError(absl::StatusCode::kResourceExhausted, reason::kQueueFull, "credit overrun"),
-        MakeError(absl::StatusCode::kResourceExhausted, reason::kDiskLow, "disk low"),
-        MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, "damaged on its way")));
-
-TEST(FrameUploader, WaitsLongerEachTimeAndGivesUpInTheEnd) {
-  std::vector<FakeIngestService::Script> scripts(
-      20, [](ScriptedStream&) { return Failure(absl::StatusCode::kUnavailable); });
-  Harness harness(scripts);
-  harness.options.backoff = {.first_delay = milliseconds(100),
-                             .max_delay = milliseconds(800),
-                             .factor = 2.0,
-                             .jitter = 0.0,
-                             .give_up_after = milliseconds(2'000)};
-  const absl::StatusOr<UploadSummary> summary = harness.Upload(3);
-  EXPECT_EQ(summary.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(harness.delays,
-            (std::vector<milliseconds>{milliseconds(100),
-                                       milliseconds(200),
-                                       milliseconds(400),
-                                       milliseconds(800),
-                                       milliseconds(800)}));
-  EXPECT_EQ(harness.service.streams_opened(), 6U);
-}
-
-TEST(FrameUploader, ProgressStartsTheDelaysAnew) {
-  // Each stream makes one more frame durable and breaks; without the reset 30 would be too many.
-  std::vector<FakeIngestService::Script> scripts;
-  for (std::uint64_t frame = 1; frame <= 30; ++frame) {
-    scripts.emplace_back([frame](ScriptedStream& stream) {
-      stream.ReadOpen();
-      stream.SendOpened(frame - 1, 1);
-      EXPECT_TRUE(stream.ReadUntil(frame));
-      stream.SendAck(v1::ACK_LEVEL_DURABLE, frame);
-      return Failure(absl::StatusCode::kUnavailable);
-    });
-  }
-  scripts.emplace_back([](ScriptedStream& stream) {
-    stream.ReadOpen();
-    stream.SendOpened(30, 100);
-    EXPECT_FALSE(stream.ReadUntil(1));
-    stream.SendAck(v1::ACK_LEVEL_INTEGRATED, 30);
-    return grpc::Status::OK;
-  });
-  Harness harness(scripts);
-  harness.options.backoff = {.first_delay = milliseconds(100),
-                             .max_delay = milliseconds(400),
-                             .factor = 2.0,
-                             .jitter = 0.0,
-                             .give_up_after = milliseconds(300)};
-  const absl::StatusOr<UploadSummary> summary = harness.Upload(30);
-  ASSERT_TRUE(summary.ok()) << summary.status();
-  EXPECT_EQ(summary->progress.sent_again, 0U);
-  EXPECT_EQ(harness.delays, std::vector<milliseconds>(30, milliseconds(100)));
-}
-
-TEST(FrameUploader, AsksForTheStateWhenAnIntegrationWasNotAcknowledged) {
-  Harness harness({[&](ScriptedStream& stream) {
-    stream.ReadOpen();
-    stream.SendOpened(0, 100);
-    EXPECT_FALSE(stream.ReadUntil(6));
-    stream.SendAck(v1::ACK_LEVEL_DURABLE, 5);
-    return grpc::Status::OK;
-  }});
-  harness.service.state.set_resume_client_seq(5);
-  harness.service.state.set_integrated_client_seq(5);
-  const absl::StatusOr<UploadSummary> summary = harness.Upload(5);
-  ASSERT_TRUE(summary.ok()) << summary.status();
-  EXPECT_EQ(summary->progress.integrated, 5U);
-}
-
-TEST(FrameUploader, AnEndBeforeEverythingWasIntegratedIsRetried) {
-  Harness harness({[&](ScriptedStream& stream) {
-                     stream.ReadOpen();
-                     stream.SendOpened(0, 100);
-                     return grpc::Status::OK;  // Without having read anything.
-                   },
-                   [&](ScriptedStream& stream) {
-                     stream.ReadOpen();
-                     stream.SendOpened(0, 100);
-                     return stream.AcceptRest();
-                   }});
-  const absl::StatusOr<UploadSummary> summary = harness.Upload(5);
-  ASSERT_TRUE(summary.ok()) << summary.status();
-  EXPECT_EQ(summary->progress.integrated, 5U);
-  EXPECT_EQ(harness.delays.size(), 1U);
-}
-
-TEST(FrameUploader, AServerThatForgotDurableFramesIsAnAlarm) {
-  Harness harness({[&](ScriptedStream& stream) {
-                     stream.ReadOpen();
-                     stream.SendOpened(0, 100);
-                     EXPECT_TRUE(stream.ReadUntil(5));
-                     stream.SendAck(v1::ACK_LEVEL_DURABLE, 5);
-                     return Failure(absl::StatusCode::kUnavailable);
-                   },
-                   [&](ScriptedStream& stream) {
-                     stream.ReadOpen();
-                     stream.SendOpened(2, 100);
-                     return stream.AcceptRest();
-                   }});
-  const absl::StatusOr<UploadSummary> summary = harness.Upload(5);
-  EXPECT_EQ(summary.status().code(), absl::StatusCode::kDataLoss);
-}
-
 TEST(FrameUploader, AFrameThatNoMessageCanHoldEndsTheUpload) {
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 100, 1'000'000, 4'000);
     return stream.AcceptRest();
@@ -353,7 +154,7 @@ TEST(FrameUploader, AFrameThatNoMessageCanHoldEndsTheUpload) {
 }
 
 TEST(FrameUploader, AnAcknowledgementOfAFrameNeverSentIsAnError) {
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 100);
     stream.SendAck(v1::ACK_LEVEL_DURABLE, 1'000);
@@ -369,7 +170,7 @@ TEST(FrameUploader, KeepsFewFramesInMemory) {
   constexpr std::size_t kFrameBytes = 10'000;
   std::uint64_t acknowledged = 0;
   std::uint64_t most_ahead = 0;
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 1'000'000);
     v1::FrameBatch batch;
@@ -390,7 +191,7 @@ TEST(FrameUploader, KeepsFewFramesInMemory) {
 
 TEST(FrameUploader, ReportsProgressThatNeverFalls) {
   std::vector<UploadProgress> reports;
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 16);
     return stream.AcceptRest();
@@ -409,7 +210,7 @@ TEST(FrameUploader, ReportsProgressThatNeverFalls) {
 
 TEST(FrameUploader, DestructionEndsAnUploadThatHangs) {
   std::promise<void> opened;
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 0);  // No credit, ever.
     opened.set_value();
@@ -423,7 +224,7 @@ TEST(FrameUploader, DestructionEndsAnUploadThatHangs) {
 }
 
 TEST(FrameUploader, PushAfterFinishIsRefused) {
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 10);
     return stream.AcceptRest();
@@ -451,7 +252,7 @@ class DamagedSource final : public FrameSource {
 
 TEST(UploadAll, LeavesOutWhatTheSourceCannotRead) {
   std::vector<std::uint64_t> received;
-  Harness harness({[&](ScriptedStream& stream) {
+  UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 10);
     const grpc::Status status = stream.AcceptRest();
