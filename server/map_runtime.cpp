@@ -169,11 +169,11 @@ void MapRuntime::StartMapping() {
       surroundings_.store,
       surroundings_.commit,
       MappingThread::Listener{
-          [this](std::shared_ptr<const MapSnapshot> snapshot) { Publish(std::move(snapshot)); },
+          [this](const std::shared_ptr<const MapSnapshot>& snapshot) { Publish(snapshot); },
           [this](const absl::Status& status) { Fail(status); }});
 }
 
-void MapRuntime::Publish(std::shared_ptr<const MapSnapshot> snapshot) {
+void MapRuntime::Publish(const std::shared_ptr<const MapSnapshot>& snapshot) {
   const Revision revision = snapshot->revision;
   std::shared_ptr<const MapSnapshot> previous;
   bool has_budget = false;

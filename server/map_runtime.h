@@ -121,7 +121,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
  private:
   void StartMapping() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Publish(std::shared_ptr<const MapSnapshot> snapshot) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Publish(const std::shared_ptr<const MapSnapshot>& snapshot) ABSL_LOCKS_EXCLUDED(mutex_);
   void Fail(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   void RefuseWaiting(const absl::Status& status);
 

@@ -107,7 +107,7 @@ absl::Status MappingThread::IntegrateLog() {
   while (mapper_->head() < source_.log_head && stop_mode() == StopMode::kRun) {
     // Piece by piece, so that no iterator of the store lives across a commit.
     std::vector<LogFrame> piece;
-    const absl::Status read = store_->ReadLog(
+    absl::Status read = store_->ReadLog(
         source_.record.key, mapper_->head().Next(), [&piece, this](LogFrame logged) {
           piece.push_back(std::move(logged));
           return piece.size() < options_.max_frames ? absl::OkStatus()
@@ -137,7 +137,7 @@ absl::Status MappingThread::IntegrateInbox() {
       // Moved out of the list, so that its memory is given back at once.
       const LoggedFrame taken = std::move(logged);
       if (stop_mode() != StopMode::kRun) break;
-      const absl::Status status = IntegrateOne(taken.sequence, taken.frame);
+      absl::Status status = IntegrateOne(taken.sequence, taken.frame);
       if (!status.ok()) return status;
     }
     if (absl::Status status = CommitIfDue(); !status.ok()) return status;

@@ -27,7 +27,7 @@ absl::Status CheckCount(const char* field, int count) {
                       absl::StrCat(field, " may hold ", kMaxPoints, " entries, got ", count));
 }
 
-absl::Status CheckFinite(std::string field, const Eigen::Vector3d& vector) {
+absl::Status CheckFinite(const std::string& field, const Eigen::Vector3d& vector) {
   if (vector.allFinite()) return absl::OkStatus();
   return InvalidField(reason::kBadValue, field, field + " must be finite");
 }
