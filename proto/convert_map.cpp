@@ -1,5 +1,6 @@
 #include "proto/convert_map.h"
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -11,6 +12,9 @@ namespace steadymap {
 namespace {
 
 constexpr double kDefaultTruncationVoxels = 3.0;
+
+/// 3 * 0.05 is a hair more than 0.15, and would be shown so for ever.
+double ToMicrometre(double metres) { return std::round(metres * 1e6) / 1e6; }
 
 // A label image of 16 bits cannot tell more classes apart.
 constexpr int kMaxClasses = 65536;
@@ -79,7 +83,7 @@ absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message) {
   if (message.voxel_size_m() != 0.0) config.voxel_size_m = message.voxel_size_m();
   config.truncation_m = message.truncation_m() != 0.0
                             ? message.truncation_m()
-                            : kDefaultTruncationVoxels * config.voxel_size_m;
+                            : ToMicrometre(kDefaultTruncationVoxels * config.voxel_size_m);
   if (message.max_depth_m() != 0.0) config.max_depth_m = message.max_depth_m();
   if (message.policy() != v1::UPDATE_POLICY_UNSPECIFIED &&
       message.policy() != v1::UPDATE_POLICY_STATIC) {

@@ -9,7 +9,7 @@
 #include "client/cli/number_text.h"
 #include "client/cli/output_file.h"
 #include "client/cli/progress_report.h"
-#include "tests/client/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace steadymap {
 namespace {

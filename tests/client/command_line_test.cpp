@@ -13,7 +13,7 @@
 #include "proto/convert_status.h"
 #include "tests/client/fake_ingest_service.h"
 #include "tests/client/fake_map_server.h"
-#include "tests/client/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace steadymap {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/image_codec.h"
 #include "tests/client/recording_builder.h"
-#include "tests/client/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace steadymap {
 namespace {

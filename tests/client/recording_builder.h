@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/dataset/dataset.h"
-#include "tests/client/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include "steadymap/v1/frame.pb.h"
 

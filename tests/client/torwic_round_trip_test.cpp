@@ -4,7 +4,7 @@
 #include "client/dataset/dataset.h"
 #include "client/simulator/torwic_writer.h"
 #include "core/image_codec.h"
-#include "tests/client/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace steadymap {
 namespace {
