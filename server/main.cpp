@@ -178,7 +178,9 @@ int Main(int argument_count, const char* const* arguments) {
     std::fputs(PrintConfig(*config).c_str(), stdout);
     return EXIT_SUCCESS;
   }
-  return Run(command_line, *config);
+  const int exit_code = Run(command_line, *config);
+  if (exit_code == EXIT_SUCCESS) spdlog::info("stopped");
+  return exit_code;
 }
 
 }  // namespace
