@@ -30,10 +30,11 @@ class Violations {
     absl::StrAppend(&message_, message_.empty() ? "" : "; ", text);
   }
 
-  /// `value` must lie in [`low`, `high`]; NaN does not.
-  void CheckRange(const char* field, double value, double low, double high) {
-    if (value >= low * (1 - kRelativeSlack) && value <= high * (1 + kRelativeSlack)) return;
+  /// `value` must lie in [`low`, `high`]; NaN does not. Whether it does.
+  bool CheckRange(const char* field, double value, double low, double high) {
+    if (value >= low * (1 - kRelativeSlack) && value <= high * (1 + kRelativeSlack)) return true;
     Add(field, absl::StrCat(field, " must lie in [", low, ", ", high, "], got ", value));
+    return false;
   }
 
   absl::Status ToStatus() const {
@@ -103,11 +104,13 @@ std::size_t MapConfig::label_limit() const {
 
 absl::Status ValidateMapConfig(const MapConfig& config) {
   Violations violations;
-  violations.CheckRange("voxel_size_m", config.voxel_size_m, kMinVoxelSizeM, kMaxVoxelSizeM);
-  violations.CheckRange("truncation_m",
-                        config.truncation_m,
-                        kMinTruncationVoxels * config.voxel_size_m,
-                        kMaxTruncationVoxels * config.voxel_size_m);
+  // Voxels of an impossible size are no measure for the truncation.
+  if (violations.CheckRange("voxel_size_m", config.voxel_size_m, kMinVoxelSizeM, kMaxVoxelSizeM)) {
+    violations.CheckRange("truncation_m",
+                          config.truncation_m,
+                          kMinTruncationVoxels * config.voxel_size_m,
+                          kMaxTruncationVoxels * config.voxel_size_m);
+  }
   violations.CheckRange("max_depth_m", config.max_depth_m, kMinMaxDepthM, kMaxMaxDepthM);
   CheckClasses(config.classes, &violations);
   return violations.ToStatus();
