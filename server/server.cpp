@@ -183,7 +183,10 @@ void Server::Parts::UpdateHealth() {
 
 void Server::Parts::Drain() {
   if (draining_.exchange(true)) return;
-  spdlog::info("draining: {} upload streams are open", roster_.stream_count());
+  // A server that could not listen has nothing to drain, and its error should stand alone.
+  if (grpc_server_ != nullptr) {
+    spdlog::info("draining: {} upload streams are open", roster_.stream_count());
+  }
   UpdateHealth();
   roster_.Drain();
 }

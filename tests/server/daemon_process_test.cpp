@@ -177,8 +177,12 @@ TEST_F(Steadymapd, RefusesAPortAndAFolderThatAreInUse) {
   ExpectRefusal(Arguments(), "is held by another steadymapd");
   std::string port;
   std::ifstream(port_file) >> port;
-  ExpectRefusal({"--listen", "127.0.0.1:" + port, "--data-dir", (folder_.path() / "b").string()},
-                "127.0.0.1:" + port);
+  const std::vector<std::string> same_port = {
+      "--listen", "127.0.0.1:" + port, "--data-dir", (folder_.path() / "b").string()};
+  ExpectRefusal(same_port, "127.0.0.1:" + port);
+  DaemonProcess second(same_port);
+  EXPECT_EQ(second.Wait(), 1);
+  EXPECT_EQ(second.said().find("draining"), std::string::npos) << "it has nothing to drain";
 }
 
 TEST_F(Steadymapd, ReloadsOnSighupAndKeepsWhatItHasIfTheFileIsWrong) {
