@@ -137,7 +137,7 @@ class Store {
   /// All maps in the order of their names. A damaged record is no error: see `condition`.
   virtual absl::StatusOr<std::vector<MapRecord>> ListMaps() = 0;
 
-  /// Reads a map's committed state. Cost: about 2 us a leaf.
+  /// Reads a map's committed state. Cost: up to 20 us a leaf on a busy machine.
   virtual absl::StatusOr<StoredState> LoadMap(const MapRecord& record) = 0;
 
   /// Makes frames durable, for several maps at once: their log entries, poses, sessions and heads.
