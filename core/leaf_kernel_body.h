@@ -8,13 +8,6 @@
 namespace steadymap {
 namespace {
 
-// Nearer than this to the camera's plane nothing is projected.
-constexpr float kNearM = 0.05F;
-
-// On a surface seen at a slant, the truncation band is long along the ray. Beyond this many
-// truncations the tangent plane is no longer to be trusted; nearer pixels see those voxels better.
-constexpr float kMaxRayBand = 2.0F;
-
 // How fast trust falls with the square of the voxels that the surface was seen aside. The floor
 // must stay: a low camera sees it from three metres off, six voxels aside.
 constexpr float kStraying = 0.5F;

@@ -16,11 +16,6 @@ namespace {
 constexpr double kRaySpacingLeaves = 0.26;
 constexpr int kMaxRayStrideCells = 4;
 
-// As in the kernel: the band along a ray is cut at this many truncations.
-constexpr float kMaxRayBand = 2.0F;
-
-constexpr float kNearM = 0.05F;
-
 /// Finds the leaves that the truncation band around a frame's surface meets. Works in leaves,
 /// relative to the one that holds the camera, so that single precision suffices at any place of the
 /// map.

@@ -62,6 +62,13 @@ inline constexpr int kSurfaceMargin = 8;
 /// Row length of `SurfaceOutput::inverse_depth` and `support`.
 constexpr int SurfaceStride(int cells_wide) { return ((cells_wide + 7) & ~7) + 2 * kSurfaceMargin; }
 
+/// Nothing nearer than this to the camera's plane is projected.
+inline constexpr float kNearM = 0.05F;
+
+/// On a surface seen at a slant the truncation band is long along the ray. Beyond this many
+/// truncations the tangent plane is not to be trusted; nearer pixels see those voxels better.
+inline constexpr float kMaxRayBand = 2.0F;
+
 /// The frame's side of `LeafKernel`, the same for all leaves.
 struct LeafKernelFrame {
   const SurfaceCell* cells;
