@@ -164,7 +164,7 @@ void TsdfIntegrator::Scratch::AddColors(const Frame& frame) {
     SurfaceCell* row_cells =
         &cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_wide)];
     for (int column = 0; column < cells_wide; ++column) {
-      const Rgb& rgb = pixels[2 * column];
+      const Rgb& rgb = pixels[2 * static_cast<std::size_t>(column)];
       row_cells[column].color = static_cast<std::uint32_t>(rgb[0]) |
                                 static_cast<std::uint32_t>(rgb[1]) << 8 |
                                 static_cast<std::uint32_t>(rgb[2]) << 16 | 0xFF000000U;
