@@ -50,9 +50,16 @@ STEADYMAP_INLINE Floats Abs(Floats value) {
   return reinterpret_cast<Floats>(reinterpret_cast<Words>(value) & 0x7FFFFFFFU);
 }
 
+/// Correctly rounded on every processor. Not by `__builtin_sqrtf`, whose error handling keeps the
+/// compiler from taking the lanes together.
 STEADYMAP_INLINE Floats Sqrt(Floats value) {
-  for (int lane = 0; lane < kLanes; ++lane) value[lane] = __builtin_sqrtf(value[lane]);
-  return value;
+#ifdef __AVX2__
+  return __builtin_ia32_sqrtps256(value);
+#else
+  const auto low = __builtin_ia32_sqrtps(__builtin_shufflevector(value, value, 0, 1, 2, 3));
+  const auto high = __builtin_ia32_sqrtps(__builtin_shufflevector(value, value, 4, 5, 6, 7));
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
 }
 
 /// To the nearest whole number, ties to even, for magnitudes below 2^22.
