@@ -26,6 +26,8 @@ constexpr float kColorBandVoxels = 1.75F;
 constexpr uint32_t kMaxColorLooks = 32;
 constexpr int kColorDeadBand = 16;
 
+constexpr int kFloatsPerCacheLine = 16;
+
 constexpr float kWeightsPerUnit = 1.0F / kWeightUnit;
 
 /// Moves the mean of `old_color` (with its looks) towards `seen`.
@@ -124,8 +126,8 @@ STEADYMAP_INLINE void LoadHalfCells(const SurfaceCell* cells,
   columns[3] = __builtin_shufflevector(high01, high23, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/// Looks up the surface at eight voxels; false if none of them lies in a truncation band.
-STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
+/// Looks up the surface at eight voxels; one bit for each that lies in its truncation band.
+STEADYMAP_INLINE uint32_t MeasureRow(const RowConstants& constants,
                                      const float base[3],
                                      RowEvidence* evidence) {
   const Floats x = base[0] + constants.along_x;
@@ -138,8 +140,6 @@ STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
   const Integers in_image = (z > Splat(kNearM)) & (u >= zero) & (v >= zero) &
                             (u < Splat(constants.image_width)) &
                             (v < Splat(constants.image_height));
-  if (ToBits(in_image) == 0) return false;
-
   const Integers column = __builtin_convertvector(Select(in_image, u, zero), Integers);
   const Integers row = __builtin_convertvector(Select(in_image, v, zero), Integers);
   const Integers cell = row * constants.cells_wide + column;
@@ -147,9 +147,16 @@ STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
   Floats plane[4];
   LoadHalfCells(constants.cells, evidence->cell, 0, plane);
   const Floats distance_m = plane[3] - (plane[0] * x + plane[1] * y + plane[2] * z);
-  const Integers in_band = in_image & (Abs(distance_m) < Splat(constants.truncation_m));
-  if (ToBits(in_band) == 0) return false;
+  evidence->distance_m = distance_m;
+  evidence->depth_m = z;
+  evidence->valid = in_image & (Abs(distance_m) < Splat(constants.truncation_m));
+  return ToBits(evidence->valid);
+}
 
+/// Weighs what `MeasureRow` found; false if none of it counts.
+STEADYMAP_INLINE bool WeighRow(const RowConstants& constants, RowEvidence* evidence) {
+  const Floats zero = Splat(0.0F);
+  const Floats distance_m = evidence->distance_m;
   Floats look[4];
   LoadHalfCells(constants.cells, evidence->cell, 1, look);
   // Behind the surface nothing was seen: trust fades from one voxel to the end of the band.
@@ -158,14 +165,13 @@ STEADYMAP_INLINE bool GatherEvidence(const RowConstants& constants,
                              Splat(1.0F));
   // Along a slanted ray the surface was seen beside the voxel's foot on it. The further beside, the
   // more a curved surface has strayed from the tangent plane.
-  const Floats along_ray_m = look[0] - z;
+  const Floats along_ray_m = look[0] - evidence->depth_m;
   const Floats beside_voxels2 =
       (along_ray_m * along_ray_m - distance_m * distance_m) * constants.inverse_voxel_size2;
   const Floats straying = 1.0F / (1.0F + Max(beside_voxels2, zero) * kStraying);
-  evidence->distance_m = distance_m;
   evidence->weight = look[1] * fade * straying;
-  evidence->depth_m = z;
-  evidence->valid = in_band & (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
+  evidence->valid = evidence->valid &
+                    (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
                     (evidence->weight >= Splat(kWeightUnit));
   return ToBits(evidence->valid) != 0;
 }
@@ -214,14 +220,28 @@ bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
   const RowConstants constants(frame);
   bool changed = false;
   for (int x = 0; x < kLeafSide; ++x) {
+    // The voxels come from memory while the rows are measured.
+    const int slab = x * kLeafSide * kLeafSide;
+    for (int voxel = slab; voxel < slab + kLeafSide * kLeafSide; voxel += kFloatsPerCacheLine) {
+      __builtin_prefetch(leaf.distance_m + voxel, 1);
+      __builtin_prefetch(leaf.weight + voxel, 1);
+    }
+    // All rows are measured before any is fused: which ones the band meets is hard to foretell, and
+    // a branch for each would cost more than its measurement.
+    RowEvidence rows[kLeafSide];
+    uint32_t rows_in_band = 0;
     for (int y = 0; y < kLeafSide; ++y) {
       float base[3];
       for (int axis = 0; axis < 3; ++axis) {
         base[axis] = leaf.origin[axis] + static_cast<float>(x) * frame.step_x[axis] +
                      static_cast<float>(y) * frame.step_y[axis];
       }
-      RowEvidence evidence;
-      if (!GatherEvidence(constants, base, &evidence)) continue;
+      rows_in_band |= (MeasureRow(constants, base, &rows[y]) != 0 ? 1U : 0U) << y;
+    }
+    for (; rows_in_band != 0; rows_in_band &= rows_in_band - 1) {
+      const int y = __builtin_ctz(rows_in_band);
+      RowEvidence& evidence = rows[y];
+      if (!WeighRow(constants, &evidence)) continue;
       const int offset = (x * kLeafSide + y) * kLeafSide;
       const uint32_t moved =
           FuseRow(constants, evidence, leaf.distance_m + offset, leaf.weight + offset);

@@ -12,7 +12,8 @@
 namespace steadymap {
 namespace {
 
-// Rays are walked this far apart at the greatest depth, but no further than every fourth cell.
+// Rays are walked this far apart where they meet the surface, but no further than every fourth
+// cell.
 constexpr double kRaySpacingLeaves = 0.26;
 constexpr int kMaxRayStrideCells = 4;
 
@@ -176,10 +177,13 @@ void TsdfIntegrator::Scratch::AddColors(const Frame& frame) {
 void TsdfIntegrator::Scratch::CollectLeaves(const Frame& frame) {
   const BandWalk walk(frame, cell_camera, scale);
   leaves.Reset(walk.base_leaf());
-  const double cell_spacing_leaves =
-      static_cast<double>(max_depth_m) / cell_camera.fx / scale.leaf_size_m();
-  const int stride =
-      std::clamp(static_cast<int>(kRaySpacingLeaves / cell_spacing_leaves), 1, kMaxRayStrideCells);
+  // Cells that fit between two rays at a depth of one metre.
+  const auto cells_at_1m =
+      static_cast<float>(kRaySpacingLeaves * cell_camera.fx * scale.leaf_size_m());
+  const auto stride_at = [&](float depth_m) {
+    return std::clamp(static_cast<int>(cells_at_1m / depth_m), 1, kMaxRayStrideCells);
+  };
+  const int stride = stride_at(max_depth_m);
   for (int row = 0; row < cells_high; row += stride) {
     const SurfaceCell* row_cells =
         &cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_wide)];
@@ -187,8 +191,15 @@ void TsdfIntegrator::Scratch::CollectLeaves(const Frame& frame) {
     // Every other row is shifted by half a stride: a thin upright thing that falls between the rays
     // of one row is met by those of the next.
     const int first = (row / stride) % 2 == 0 ? 0 : stride / 2;
-    for (int column = first; column < cells_wide; column += stride) {
-      if (row_cells[column].weight > 0.0F) walk.Collect(row_cells[column], column, row, &leaves);
+    int column = first;
+    while (column < cells_wide) {
+      const SurfaceCell& cell = row_cells[column];
+      if (cell.weight > 0.0F) {
+        walk.Collect(cell, column, row, &leaves);
+        column += stride_at(cell.depth_m);
+      } else {
+        ++column;
+      }
     }
   }
 }
