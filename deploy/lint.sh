@@ -3,8 +3,8 @@
 #
 #   deploy/lint.sh [--all | --since COMMIT]
 #
-# "What changed" is what differs from the merge base with main, or, on main itself, from the commit
-# that landed before, together with what is not committed yet. Without such a commit: everything.
+# "What changed" is what differs from the merge base with main, or, on main itself, what its last day
+# of commits changed, together with what is not committed yet. Without such a commit: everything.
 # clang-tidy stops taking new files after LINT_TIDY_SECONDS (default 600) and names the rest.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -44,16 +44,18 @@ find_base() {
       return 0
     fi
   done
-  git rev-parse --verify --quiet HEAD~1 || true
+  git rev-list -1 --before="$(($(git log -1 --format=%ct) - 24 * 60 * 60))" HEAD
 }
 
+# Newest change first: what clang-tidy has no time for is what was checked before.
 sources=('*.cpp' '*.h')
 list_changed() {
-  if $everything || [[ -z "$base" ]]; then
-    git ls-files --cached --others --exclude-standard -- "${sources[@]}"
+  git diff --name-only HEAD -- "${sources[@]}"
+  git ls-files --others --exclude-standard -- "${sources[@]}"
+  if $everything; then
+    git ls-files -- "${sources[@]}"
   else
-    git diff --name-only --diff-filter=d "$base" -- "${sources[@]}"
-    git ls-files --others --exclude-standard -- "${sources[@]}"
+    git log --format= --name-only ${base:+"$base.."}HEAD -- "${sources[@]}"
   fi
 }
 
@@ -64,7 +66,9 @@ if [[ -n "$base" ]]; then
 else
   echo "== lint.sh: everything"
 fi
-mapfile -t changed < <(list_changed | sort -u)
+mapfile -t changed < <(list_changed | awk '!seen[$0]++' | while read -r file; do
+  if [[ -e "$file" ]]; then echo "$file"; fi
+done)
 
 status=0
 
@@ -84,11 +88,14 @@ for file in "${changed[@]}"; do
 done
 echo "== lint.sh: clang-tidy, ${#translation_units[@]} files"
 if ((${#translation_units[@]})); then
-  # clang-tidy reads the compile commands and the headers generated from proto/.
+  # clang-tidy reads the compile commands and the headers generated from proto/, in a build folder of
+  # its own: g++'s precompiled headers are not for it.
   log=$(mktemp)
   trap 'rm -f "$log"' EXIT
-  if ! { cmake --preset dev && cmake --build --preset dev --target steadymap_proto; } \
-    >"$log" 2>&1; then
+  if ! {
+    cmake --preset dev -B build/lint -D CMAKE_DISABLE_PRECOMPILE_HEADERS=ON &&
+      cmake --build build/lint --target steadymap_proto steadymap_storage_proto
+  } >"$log" 2>&1; then
     tail -n 30 "$log" >&2
     fail "the build that clang-tidy needs failed"
   fi
@@ -98,7 +105,7 @@ if ((${#translation_units[@]})); then
     if (($(date +%s) >= deadline)); then
       echo "lint.sh: out of time, not checked by clang-tidy: $1"
     else
-      clang-tidy -p build/dev --quiet "$1" 2>/dev/null
+      clang-tidy -p build/lint --quiet "$1" 2>/dev/null
     fi
   }
   export -f tidy_one
