@@ -31,6 +31,9 @@ class DaemonProcess {
   /// `localhost:PORT`; stays the same over restarts.
   const std::string& address() const { return address_; }
 
+  /// Id of the running process.
+  pid_t process() const { return process_; }
+
   /// kill -9; returns when the process is gone.
   void Kill();
 
