@@ -25,7 +25,7 @@ constexpr double kRelativeSlack = 1e-9;
 /// Collects violations; the first one's field becomes the field of the status.
 class Violations {
  public:
-  void Add(std::string field, std::string text) {
+  void Add(std::string field, const std::string& text) {
     if (first_field_.empty()) first_field_ = std::move(field);
     absl::StrAppend(&message_, message_.empty() ? "" : "; ", text);
   }
