@@ -64,7 +64,7 @@ void UploadToIntegrated(benchmark::State& state) {
   std::size_t bytes = 0;
   for (const v1::Frame& frame : frames) bytes += frame.ByteSizeLong();
   int round = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     state.PauseTiming();
     const MapName map{"default", absl::StrCat("round-", ++round)};
     Check(MapClient(channel).CreateMap(map, {}).status());
