@@ -67,7 +67,7 @@ cmake --build --preset release --target steadymap steadymapd
 
 begin "starting a daemon with a store in $work/data"
 log=$work/steadymapd.log
-build/release/server/steadymapd --listen localhost:0 --data-dir "$work/data" \
+build/release/server/steadymapd --listen 127.0.0.1:0 --data-dir "$work/data" \
   --port-file "$work/port" >"$log" 2>&1 &
 daemon=$!
 for ((tenths = 0; tenths < 100; ++tenths)); do
@@ -79,7 +79,7 @@ for ((tenths = 0; tenths < 100; ++tenths)); do
   sleep 0.1
 done
 [[ -s "$work/port" ]] || { echo "demo.sh: the daemon did not listen within 10 s" >&2; exit 1; }
-server=localhost:$(<"$work/port")
+server=127.0.0.1:$(<"$work/port")
 echo "steadymapd listens on $server"
 steadymap() { build/release/client/cli/steadymap --server "$server" "$@"; }
 

@@ -134,43 +134,33 @@ class BackgroundUpload {
   std::thread thread_;
 };
 
-class KillTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    frames_ = new std::vector<v1::Frame>(HallFrames());
-    const TemporaryFolder folder;
-    DaemonProcess daemon(folder.path());
-    MapClient client(OpenChannel(daemon.address()));
-    ASSERT_TRUE(client.CreateMap(kHall, {}).ok());
-    BackgroundUpload upload(daemon.address(), *frames_);
-    const absl::StatusOr<UploadSummary> summary = upload.AwaitSummary();
-    ASSERT_TRUE(summary.ok()) << summary.status();
-    undisturbed_ = new MapFiles(Export(&client));
-    ASSERT_GT(undisturbed_->ply.size(), 100'000U) << "the route shows too little to compare";
-  }
+/// The map of an upload that nobody kills.
+MapFiles MapUndisturbed(const std::vector<v1::Frame>& frames) {
+  const TemporaryFolder folder;
+  DaemonProcess daemon(folder.path());
+  MapClient client(OpenChannel(daemon.address()));
+  EXPECT_TRUE(client.CreateMap(kHall, {}).ok());
+  BackgroundUpload upload(daemon.address(), frames);
+  const absl::StatusOr<UploadSummary> summary = upload.AwaitSummary();
+  EXPECT_TRUE(summary.ok()) << summary.status();
+  MapFiles files = Export(&client);
+  EXPECT_GT(files.ply.size(), 100'000U) << "the route shows too little to compare";
+  return files;
+}
 
-  static void TearDownTestSuite() {
-    delete frames_;
-    delete undisturbed_;
-  }
+/// Kills and restarts the daemon, and checks that it kept what it had acknowledged.
+void KillAndRestart(DaemonProcess* daemon, const BackgroundUpload& upload) {
+  const std::uint64_t acknowledged = upload.durable();
+  daemon->Kill();
+  daemon->Restart();
+  EXPECT_LT(daemon->AwaitServing().count(), kServingLimitS);
+  MapClient client(OpenChannel(daemon->address()));
+  const absl::StatusOr<v1::Map> map = client.GetMap(kHall);
+  ASSERT_TRUE(map.ok()) << map.status();
+  EXPECT_GE(map->state().durable_map_seq(), acknowledged) << "durable frames were lost";
+}
 
-  /// Kills and restarts the daemon, and checks that it kept what it had acknowledged.
-  static void KillAndRestart(DaemonProcess* daemon, const BackgroundUpload& upload) {
-    const std::uint64_t acknowledged = upload.durable();
-    daemon->Kill();
-    daemon->Restart();
-    EXPECT_LT(daemon->AwaitServing().count(), kServingLimitS);
-    MapClient client(OpenChannel(daemon->address()));
-    const absl::StatusOr<v1::Map> map = client.GetMap(kHall);
-    ASSERT_TRUE(map.ok()) << map.status();
-    EXPECT_GE(map->state().durable_map_seq(), acknowledged) << "durable frames were lost";
-  }
-
-  static inline const std::vector<v1::Frame>* frames_ = nullptr;
-  static inline const MapFiles* undisturbed_ = nullptr;
-};
-
-TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
+TEST(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
   const int kills = FromEnvironment("STEADYMAP_KILL_ROUNDS", kDefaultKills);
   const int seed =
       FromEnvironment("STEADYMAP_KILL_SEED", static_cast<int>(std::random_device()() >> 1));
@@ -179,6 +169,8 @@ TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
   std::uniform_int_distribution<std::uint64_t> moment(0, kFrameCount);
   std::uniform_int_distribution<int> delay_us(0, kMaxKillDelayUs);
 
+  const std::vector<v1::Frame> frames = HallFrames();
+  const MapFiles undisturbed = MapUndisturbed(frames);
   std::uint64_t reconnections = 0;
   for (int kill = 0; kill < kills && !HasFailure();) {
     const TemporaryFolder folder;
@@ -186,12 +178,12 @@ TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
     ASSERT_TRUE(MapClient(OpenChannel(daemon.address())).CreateMap(kHall, {}).ok());
     std::vector<std::uint64_t> moments(
         static_cast<std::size_t>(std::min(kKillsPerUpload, kills - kill)));
-    for (std::uint64_t& frames : moments) frames = moment(random);
+    for (std::uint64_t& durable : moments) durable = moment(random);
     std::sort(moments.begin(), moments.end());
 
-    BackgroundUpload upload(daemon.address(), *frames_);
-    for (const std::uint64_t frames : moments) {
-      upload.AwaitDurable(frames);
+    BackgroundUpload upload(daemon.address(), frames);
+    for (const std::uint64_t durable : moments) {
+      upload.AwaitDurable(durable);
       // Waits for nothing: it is the randomness of the moment.
       std::this_thread::sleep_for(std::chrono::microseconds(delay_us(random)));
       KillAndRestart(&daemon, upload);
@@ -207,7 +199,7 @@ TEST_F(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
     ASSERT_TRUE(map.ok()) << map.status();
     EXPECT_EQ(map->state().revision(), kFrameCount) << "a frame was lost or counted twice";
     EXPECT_EQ(map->state().durable_map_seq(), kFrameCount);
-    EXPECT_TRUE(Export(&client) == *undisturbed_) << "the map differs from an undisturbed run's";
+    EXPECT_TRUE(Export(&client) == undisturbed) << "the map differs from an undisturbed run's";
   }
   EXPECT_GT(reconnections, 0U) << "no kill fell into an upload";
 }

@@ -113,8 +113,8 @@ bool IsServing(grpc::GenericStub* stub, std::chrono::system_clock::time_point de
 }  // namespace
 
 DaemonProcess::DaemonProcess(std::filesystem::path folder) : folder_(std::move(folder)) {
-  Start("localhost:0");
-  address_ = "localhost:" + ContentOfFile(folder_ / "port");
+  Start("127.0.0.1:0");
+  address_ = "127.0.0.1:" + ContentOfFile(folder_ / "port");
   address_.erase(address_.find_last_not_of('\n') + 1);
 }
 

@@ -28,7 +28,7 @@ class DaemonProcess {
   DaemonProcess(const DaemonProcess&) = delete;
   DaemonProcess& operator=(const DaemonProcess&) = delete;
 
-  /// `localhost:PORT`; stays the same over restarts.
+  /// `127.0.0.1:PORT`, whatever names the machine knows; stays the same over restarts.
   const std::string& address() const { return address_; }
 
   /// Id of the running process.
