@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/cuboid.h"
+#include "core/identifiers.h"
+#include "core/stationarity.h"
+#include "core/timestamp.h"
+#include "core/tsdf_grid.h"
+
+namespace steadymap {
+
+/// Where an object stands: four degrees of freedom.
+struct UprightPose {
+  Eigen::Vector3d position_world = Eigen::Vector3d::Zero();  ///< Metres.
+  double yaw_rad = 0.0;
+
+  /// The pose as a transform.
+  Eigen::Isometry3d ToIsometry() const {
+    return Eigen::Translation3d(position_world) *
+           Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ());
+  }
+
+  friend bool operator==(const UprightPose&, const UprightPose&) = default;
+};
+
+/// What an object is to its map.
+enum class ObjectStanding {
+  kTentative,  ///< Seen too seldom to be believed; no part of the map yet.
+  kPresent,    ///< Part of the map.
+  kArchived,   ///< Gone from its place, kept for history and re-identification.
+};
+
+/// How often a class was seen on an object.
+struct ClassVote {
+  ClassId class_id;
+  double weight = 0.0;  ///< Sum of the observations' weights.
+
+  friend bool operator==(const ClassVote&, const ClassVote&) = default;
+};
+
+/// A thing of the map, as far as one revision knows it. The grid frame of its volume is the object
+/// frame.
+struct MapObject {
+  ObjectId id;
+  ObjectStanding standing = ObjectStanding::kTentative;
+  ClassId class_id;              ///< The winner of the votes.
+  std::vector<ClassVote> votes;  ///< By rising class, no class twice.
+  UprightPose T_world_object;
+  Cuboid cuboid;  ///< Around the surface, world frame.
+  Belief belief;
+  Timestamp first_seen;                    ///< Capture time of the first frame that saw it.
+  Timestamp last_seen;                     ///< Capture time of the last frame that agreed with it.
+  std::uint64_t views = 0;                 ///< Frames that agreed with it.
+  std::uint64_t absences = 0;              ///< Frames that spoke against it.
+  std::shared_ptr<const TsdfGrid> volume;  ///< Never null in a published object.
+};
+
+}  // namespace steadymap

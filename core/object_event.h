@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "core/identifiers.h"
+#include "core/stationarity.h"
+#include "core/timestamp.h"
+
+namespace steadymap {
+
+/// What happened to an object.
+enum class EventType {
+  kCreated,     ///< Became part of the map.
+  kUpdated,     ///< Its class or extent changed much.
+  kMoved,       ///< Stands elsewhere now, recognised by its shape.
+  kRemoved,     ///< No longer stands where it stood.
+  kReturned,    ///< Stands again where it stood before it was removed.
+  kMerged,      ///< Turned out to be part of another object, `related`.
+  kSplit,       ///< Turned out to be two; the other is `related`.
+  kRobotLost,   ///< A robot's frames disagree with the whole map; they are not used.
+  kRobotFound,  ///< They agree again.
+};
+
+/// Why the map decided so.
+enum class EventReason {
+  kNewSurface,    ///< Surface was seen where nothing was known.
+  kSeenThrough,   ///< Depth was measured behind where the surface should be.
+  kDisplaced,     ///< The surface was found next to where it should be.
+  kReplaced,      ///< Something newer stands in front of it, closer than anything fits between.
+  kShapeMatched,  ///< Its shape was found at the new place.
+  kConnected,     ///< Both are parts of one surface.
+  kDisconnected,  ///< A part agrees while another one is contradicted.
+  kDisagreement,  ///< Most of a frame contradicts the map.
+  kAgreement,     ///< Frames fit the map again.
+};
+
+/// One entry of a map's history.
+struct ObjectEvent {
+  EventType type = EventType::kCreated;
+  EventReason reason = EventReason::kNewSurface;
+  ObjectId object;  ///< 0 for events of robots.
+  ClassId class_id;
+  Timestamp time;     ///< Capture time of the frame that decided.
+  Revision revision;  ///< Of that frame: the first revision that shows it.
+  Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  ///< Of its cuboid, after the event.
+  std::optional<Eigen::Vector3d> old_center_world;         ///< For moves.
+  std::optional<double> confidence;                        ///< For moves, in [0, 1].
+  Belief before;
+  Belief after;
+  ObjectId related;  ///< The other object of a merge or split; else 0.
+
+  friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;
+};
+
+/// `created`, `moved`, ...: how a type is written for programs.
+std::string_view NameOf(EventType type);
+
+/// `seen_through`, `replaced`, ...
+std::string_view NameOf(EventReason reason);
+
+}  // namespace steadymap
