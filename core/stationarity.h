@@ -32,8 +32,8 @@ struct StationarityParameters {
   double max_change_m = 4.0;
   /// How much the class says (k), >= 0; 0: nothing.
   double class_weight = 3.0;
-  /// alpha + beta is kept below this, so that a long-known object can still change, > 2. Infinity:
-  /// the paper, which has no cap.
+  /// alpha + beta is scaled down to this, so that a long-known object can still change, > 2.
+  /// Infinity: the paper, which has no cap.
   double max_evidence = 15.0;
   /// E[v] is not raised beyond this, in (0, 1).
   double max_stationarity = 0.9999;
@@ -48,13 +48,17 @@ Belief InitialBelief(double stationarity);
 /// What a measurement did to a belief.
 struct StationarityUpdate {
   Belief belief;
-  /// Posterior probability that the measurement came from an object that stands still.
+  /// Posterior probability that the measurement came from an object that stands still (c1).
   double inlier_probability = 0.0;
 };
 
-/// The belief after a change of `change_m` was measured; magnitudes beyond the maximum count as the
-/// maximum. Any finite prior with positive `change_std_m`, `alpha` and `beta` gives another such
-/// belief.
+/// The belief after a change of `change_m` was measured (pocd.md section 4); magnitudes beyond the
+/// maximum count as the maximum. The class counts only where it agrees: a thing that stays was seen
+/// in place, or one that moves was contradicted. An update that would raise E[v] beyond its maximum
+/// is skipped: the prior comes back.
+///
+/// Any finite prior with positive `change_std_m`, `alpha` and `beta` gives another such belief. In
+/// doing so magnitudes are confined to [1e-50, 1e50].
 StationarityUpdate UpdateStationarity(const Belief& prior,
                                       double change_m,
                                       StationarityPrior class_prior,
