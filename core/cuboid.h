@@ -33,17 +33,22 @@ struct Cuboid {
 /// Distance of a point from the box, metres; 0 inside.
 double DistanceTo(const Cuboid& cuboid, const Eigen::Vector3d& point_world);
 
-/// Least distance between two boxes, metres; 0 where they touch or overlap.
+/// Least distance between two boxes, metres; 0 where they touch or overlap. Boxes without thickness
+/// count as the rectangles, lines and points that they are.
 double DistanceBetween(const Cuboid& a, const Cuboid& b);
 
-/// Volume that two boxes share, cubic metres.
+/// Volume that two boxes share, cubic metres; 0 where either has no thickness.
 double OverlapM3(const Cuboid& a, const Cuboid& b);
 
-/// The upright box around points whose sides follow the major and minor axis of the points seen
-/// from above (PCA); zero size for no points.
+/// The least upright box around points whose x axis follows the major axis of the points seen from
+/// above (PCA), with a yaw in (-pi/2, pi/2].
+///
+/// Points are finite. Zero size at the origin for no points, zero size at the point for one; points
+/// without a major axis (all in one place, or spread evenly) get a yaw that rounding decides, the
+/// same for the same points in the same order.
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world);
 
-/// The box with that heading around points.
+/// The least box with that heading around finite points; zero size at the origin for no points.
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, double yaw_rad);
 
 }  // namespace steadymap

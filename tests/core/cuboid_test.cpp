@@ -1,0 +1,249 @@
+// Oracles: closed forms, and random or densely spaced points of the boxes.
+
+#include "core/cuboid.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace steadymap {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Cuboid CubeAt(double x, double y, double z, double side_m, double yaw_rad = 0.0) {
+  return {{x, y, z}, {side_m, side_m, side_m}, yaw_rad};
+}
+
+Cuboid RandomCuboid(std::mt19937* random) {
+  std::uniform_real_distribution<double> place(-1.5, 1.5);
+  std::uniform_real_distribution<double> size(0.05, 2.5);
+  std::uniform_real_distribution<double> yaw(-kPi, kPi);
+  return {{place(*random), place(*random), place(*random)},
+          {size(*random), size(*random), size(*random)},
+          yaw(*random)};
+}
+
+/// A point of the box from coordinates in [-1, 1].
+Eigen::Vector3d PointIn(const Cuboid& cuboid, const Eigen::Vector3d& unit) {
+  return cuboid.T_world_cuboid() * (0.5 * unit.cwiseProduct(cuboid.size_m));
+}
+
+/// Whether a point lies in the box, from the half-spaces of its base's sides.
+bool Contains(const Cuboid& cuboid, const Eigen::Vector3d& point_world) {
+  if (point_world.z() < cuboid.lowest_m() || point_world.z() > cuboid.highest_m()) return false;
+  const std::array<Eigen::Vector2d, 4> corners = cuboid.BaseCorners();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d side = corners[(i + 1) % 4] - corners[i];
+    const Eigen::Vector2d offset = point_world.head<2>() - corners[i];
+    if (side.x() * offset.y() - side.y() * offset.x() < 0.0) return false;
+  }
+  return true;
+}
+
+/// Least distance from `a` to `b` by cyclic projection onto each in turn (a convex problem).
+double ProjectedDistance(const Cuboid& a, const Cuboid& b) {
+  const auto project = [](const Cuboid& cuboid, const Eigen::Vector3d& point_world) {
+    const Eigen::Vector3d half_m = 0.5 * cuboid.size_m;
+    const Eigen::Vector3d local = cuboid.T_world_cuboid().inverse() * point_world;
+    return Eigen::Vector3d(cuboid.T_world_cuboid() * local.cwiseMax(-half_m).cwiseMin(half_m));
+  };
+  Eigen::Vector3d in_a = a.center_world;
+  Eigen::Vector3d in_b = b.center_world;
+  for (int step = 0; step < 3000; ++step) {
+    in_b = project(b, in_a);
+    in_a = project(a, in_b);
+  }
+  return (in_a - in_b).norm();
+}
+
+TEST(Cuboid, CornersRunCounterClockwiseAndLieInItsFrame) {
+  const Cuboid cuboid{{1.0, 2.0, 3.0}, {4.0, 2.0, 1.0}, kPi / 2};
+  const std::array<Eigen::Vector2d, 4> corners = cuboid.BaseCorners();
+  EXPECT_TRUE(corners[0].isApprox(Eigen::Vector2d(2.0, 0.0)));
+  EXPECT_TRUE(corners[1].isApprox(Eigen::Vector2d(2.0, 4.0)));
+  EXPECT_TRUE(corners[2].isApprox(Eigen::Vector2d(0.0, 4.0), 1e-12));
+  EXPECT_NEAR((corners[3] - Eigen::Vector2d(0.0, 0.0)).norm(), 0.0, 1e-12);
+  EXPECT_TRUE((PointIn(cuboid, {-1, -1, 0}).head<2>().isApprox(corners[0])));
+  EXPECT_DOUBLE_EQ(cuboid.lowest_m(), 2.5);
+  EXPECT_DOUBLE_EQ(cuboid.highest_m(), 3.5);
+  EXPECT_DOUBLE_EQ(cuboid.volume_m3(), 8.0);
+}
+
+TEST(DistanceTo, FaceEdgeAndCornerOfATurnedCube) {
+  const Cuboid cube = CubeAt(1.0, 1.0, 1.0, 2.0, kPi / 4);
+  const double half_diagonal_m = std::sqrt(2.0);
+  EXPECT_DOUBLE_EQ(DistanceTo(cube, {1.0, 1.0, 1.0}), 0.0);
+  EXPECT_NEAR(DistanceTo(cube, {1.0, 1.0, 5.0}), 3.0, 1e-12);
+  EXPECT_NEAR(DistanceTo(cube, {1.0 + half_diagonal_m + 3.0, 1.0, 1.0}), 3.0, 1e-12);
+  EXPECT_NEAR(DistanceTo(cube, {1.0 + half_diagonal_m + 3.0, 1.0, -4.0}), 5.0, 1e-12);
+  EXPECT_NEAR(DistanceTo(cube, {3.0, 3.0, 1.0}), 2.0 * std::sqrt(2.0) - 1.0, 1e-12);
+}
+
+TEST(DistanceBetween, ClosedForms) {
+  EXPECT_DOUBLE_EQ(DistanceBetween(CubeAt(0, 0, 0, 1), CubeAt(3, 0, 0, 1)), 2.0);
+  EXPECT_DOUBLE_EQ(DistanceBetween(CubeAt(0, 0, 0, 1), CubeAt(4, 5, 0, 1)), 5.0);
+  EXPECT_DOUBLE_EQ(DistanceBetween(CubeAt(0, 0, 0, 1), CubeAt(4, 0, 5, 1)), 5.0);
+  EXPECT_DOUBLE_EQ(DistanceBetween(CubeAt(0, 0, 0, 1), CubeAt(1, 0, 0, 1)), 0.0);
+  EXPECT_DOUBLE_EQ(DistanceBetween(CubeAt(0, 0, 0, 9), CubeAt(1, 1, 1, 1, 0.7)), 0.0);
+  EXPECT_NEAR(DistanceBetween(CubeAt(0, 0, 0, 2), CubeAt(5, 0, 0, 2, kPi / 4)),
+              4.0 - std::sqrt(2.0),
+              1e-12);
+}
+
+TEST(DistanceBetween, BoxesThatCrossWithoutACornerInsideTouch) {
+  const Cuboid wall{{0, 0, 0}, {4.0, 0.1, 1.0}, 0.3};
+  const Cuboid other{{0, 0, 0}, {4.0, 0.1, 1.0}, 1.3};
+  EXPECT_DOUBLE_EQ(DistanceBetween(wall, other), 0.0);
+}
+
+TEST(DistanceBetween, BoxesWithoutThickness) {
+  const Cuboid point{{3.0, 4.0, 12.0}, Eigen::Vector3d::Zero(), 0.4};
+  const Cuboid origin;
+  EXPECT_DOUBLE_EQ(DistanceBetween(point, origin), 13.0);
+  EXPECT_DOUBLE_EQ(DistanceBetween(point, point), 0.0);
+  const Cuboid line{{0, 0, 0}, {2.0, 0.0, 0.0}, 0.0};
+  const Cuboid crossing{{0.5, 0, 0}, {2.0, 0.0, 0.0}, 1.0};
+  const Cuboid beside{{0, 0.5, 0}, {2.0, 0.0, 0.0}, 0.0};
+  const Cuboid behind{{2.5, 0, 0}, {2.0, 0.0, 0.0}, 0.0};
+  EXPECT_DOUBLE_EQ(DistanceBetween(line, crossing), 0.0);
+  EXPECT_DOUBLE_EQ(DistanceBetween(line, beside), 0.5);
+  EXPECT_DOUBLE_EQ(DistanceBetween(line, behind), 0.5);
+}
+
+TEST(DistanceBetween, AgreesWithTheLimitOfProjections) {
+  std::mt19937 random(1);
+  int apart = 0;
+  for (int round = 0; round < 200; ++round) {
+    const Cuboid a = RandomCuboid(&random);
+    const Cuboid b = RandomCuboid(&random);
+    const double distance_m = DistanceBetween(a, b);
+    ASSERT_NEAR(distance_m, ProjectedDistance(a, b), 1e-3) << "round " << round;
+    ASSERT_NEAR(distance_m, DistanceBetween(b, a), 1e-12);
+    if (distance_m > 0.0) ++apart;
+  }
+  EXPECT_GT(apart, 50);
+  EXPECT_LT(apart, 150);
+}
+
+TEST(OverlapM3, ClosedForms) {
+  EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 2), CubeAt(0, 0, 0, 2)), 8.0, 1e-12);
+  EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 2), CubeAt(1.5, 1, -1.75, 2)), 0.125, 1e-12);
+  EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 9), CubeAt(1, 1, 1, 1, 0.7)), 1.0, 1e-12);
+  // Two unit squares at 45 degrees share a regular octagon of area 2 (sqrt(2) - 1).
+  EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 1), CubeAt(0, 0, 0, 1, kPi / 4)),
+              2.0 * (std::sqrt(2.0) - 1.0),
+              1e-12);
+}
+
+TEST(OverlapM3, NothingSharedByBoxesThatAreApartTouchOrHaveNoThickness) {
+  EXPECT_DOUBLE_EQ(OverlapM3(CubeAt(0, 0, 0, 1), CubeAt(3, 0, 0, 1, 0.5)), 0.0);
+  EXPECT_DOUBLE_EQ(OverlapM3(CubeAt(0, 0, 0, 1), CubeAt(0, 0, 3, 1, 0.5)), 0.0);
+  EXPECT_DOUBLE_EQ(OverlapM3(CubeAt(0, 0, 0, 1), CubeAt(1, 0, 0, 1)), 0.0);
+  EXPECT_DOUBLE_EQ(OverlapM3(CubeAt(0, 0, 0, 1), Cuboid{}), 0.0);
+  EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 1), {{0, 0, 0}, {0.5, 0.0, 0.5}, 0.3}), 0.0, 1e-15);
+}
+
+TEST(OverlapM3, AgreesWithTheShareOfRandomPoints) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  constexpr int kPoints = 20000;
+  for (int round = 0; round < 100; ++round) {
+    const Cuboid a = RandomCuboid(&random);
+    const Cuboid b = RandomCuboid(&random);
+    int shared = 0;
+    for (int i = 0; i < kPoints; ++i) {
+      if (Contains(b, PointIn(a, {unit(random), unit(random), unit(random)}))) ++shared;
+    }
+    const double overlap_m3 = OverlapM3(a, b);
+    // Five standard deviations of a share of 20000 points are at most 0.018.
+    ASSERT_NEAR(overlap_m3, a.volume_m3() * shared / kPoints, 0.018 * a.volume_m3());
+    ASSERT_NEAR(overlap_m3, OverlapM3(b, a), 1e-12);
+    ASSERT_TRUE(overlap_m3 < 1e-12 || DistanceBetween(a, b) < 1e-12) << "round " << round;
+  }
+}
+
+TEST(FitCuboid, NoPointsAndOnePoint) {
+  EXPECT_EQ(FitCuboid({}), Cuboid{});
+  const std::vector<Eigen::Vector3d> one{{9000.1, -2.3, 0.7}};
+  const Cuboid cuboid = FitCuboid(one);
+  EXPECT_EQ(cuboid.center_world, one.front());
+  EXPECT_EQ(cuboid.size_m, Eigen::Vector3d::Zero());
+  EXPECT_EQ(cuboid.yaw_rad, 0.0);
+}
+
+/// Random points of the box and its corners. Each comes with its mirror images, which leave the
+/// major axis of the points where that of the box is.
+std::vector<Eigen::Vector3d> PointsOf(const Cuboid& cuboid, std::mt19937* random) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::vector<Eigen::Vector3d> places{{1, 1, 1}, {1, 1, -1}};
+  for (int i = 0; i < 500; ++i) places.emplace_back(unit(*random), unit(*random), unit(*random));
+  std::vector<Eigen::Vector3d> points;
+  for (const Eigen::Vector3d& place : places) {
+    for (const auto& [x, y] : {std::pair{1.0, 1.0}, {1.0, -1.0}, {-1.0, 1.0}, {-1.0, -1.0}}) {
+      points.push_back(PointIn(cuboid, {x * place.x(), y * place.y(), place.z()}));
+    }
+  }
+  return points;
+}
+
+TEST(FitCuboid, RecoversTheBoxThatPointsWereDrawnFrom) {
+  std::mt19937 random(3);
+  for (const double yaw_rad : {-1.5, -0.7, 0.0, 0.3, 1.2, kPi / 2}) {
+    const Cuboid box{{4000.0, -7000.0, 1.0}, {2.0, 0.5, 3.0}, yaw_rad};
+    const Cuboid fit = FitCuboid(PointsOf(box, &random));
+    EXPECT_NEAR(std::remainder(fit.yaw_rad - yaw_rad, kPi), 0.0, 1e-9);
+    EXPECT_NEAR((fit.center_world - box.center_world).norm(), 0.0, 1e-9);
+    EXPECT_NEAR((fit.size_m - box.size_m).norm(), 0.0, 1e-9);
+  }
+}
+
+TEST(FitCuboid, YawOfALineLiesInTheRightHalf) {
+  for (int degrees = -360; degrees <= 360; degrees += 15) {
+    const double yaw_rad = degrees * kPi / 180.0;
+    const Eigen::Vector3d direction(std::cos(yaw_rad), std::sin(yaw_rad), 0.1);
+    const std::vector<Eigen::Vector3d> points{-direction, Eigen::Vector3d::Zero(), direction};
+    const Cuboid cuboid = FitCuboid(points);
+    EXPECT_GT(cuboid.yaw_rad, -kPi / 2);
+    EXPECT_LE(cuboid.yaw_rad, kPi / 2);
+    EXPECT_NEAR(std::remainder(cuboid.yaw_rad - yaw_rad, kPi), 0.0, 1e-12) << degrees;
+    EXPECT_NEAR(cuboid.size_m.x(), 2.0, 1e-12);
+    EXPECT_NEAR(cuboid.size_m.y(), 0.0, 1e-12);
+    EXPECT_NEAR(cuboid.size_m.z(), 0.2, 1e-12);
+  }
+}
+
+TEST(FitCuboid, PointsWithoutAMajorAxisAreStillEnclosed) {
+  const std::vector<Eigen::Vector3d> square{{1, 1, 0}, {-1, 1, 0}, {-1, -1, 1}, {1, -1, 1}};
+  const Cuboid cuboid = FitCuboid(square);
+  EXPECT_TRUE(std::isfinite(cuboid.yaw_rad));
+  EXPECT_EQ(cuboid, FitCuboid(square));
+  for (const Eigen::Vector3d& point : square) EXPECT_NEAR(DistanceTo(cuboid, point), 0.0, 1e-12);
+}
+
+TEST(FitCuboid, GivenHeadingEnclosesTightly) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> place(0.0, 1.0);
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(100);
+  for (int i = 0; i < 100; ++i) points.emplace_back(place(random), place(random), place(random));
+  for (const double yaw_rad : {-3.0, -0.4, 0.0, 0.8, 2.5}) {
+    const Cuboid cuboid = FitCuboid(points, yaw_rad);
+    EXPECT_EQ(cuboid.yaw_rad, yaw_rad);
+    Eigen::Vector3d highest = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& point : points) {
+      EXPECT_NEAR(DistanceTo(cuboid, point), 0.0, 1e-12);
+      const Eigen::Vector3d local = cuboid.T_world_cuboid().inverse() * point;
+      highest = highest.cwiseMax(local.cwiseAbs());
+    }
+    EXPECT_TRUE((2.0 * highest).isApprox(cuboid.size_m, 1e-12));
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
