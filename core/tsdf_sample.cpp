@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace steadymap {
@@ -9,6 +10,18 @@ namespace {
 
 // Voxel indices must stay well inside 32 bits.
 constexpr double kMaxVoxelIndex = 1e9;
+
+/// Whether a point can be indexed. NaN fails the comparison; maxCoeff() could miss it.
+bool IsInRange(const Eigen::Vector3d& voxel) {
+  return (voxel.array().abs() < kMaxVoxelIndex).all();
+}
+
+/// The largest integer that is not above `value`, which must lie within 32 bits. Without SSE 4.1
+/// std::floor is a call.
+std::int32_t FloorToInteger(double value) {
+  const std::int32_t truncated = static_cast<std::int32_t>(value);
+  return truncated - static_cast<std::int32_t>(value < static_cast<double>(truncated));
+}
 
 /// Interpolates along x, then y, then z.
 double Interpolate(const std::array<float, 8>& corners, const Eigen::Vector3d& fraction) {
@@ -48,9 +61,12 @@ TsdfSampler::TsdfSampler(const VoxelReader& reader, const VoxelScale& scale)
     : reader_(reader), scale_(scale) {}
 
 const LeafView& TsdfSampler::LeafAt(LeafOrigin origin) {
-  const std::size_t place = static_cast<std::size_t>(
-      (((origin.x >> 3) & 1) << 2) | (((origin.y >> 3) & 1) << 1) | ((origin.z >> 3) & 1));
-  CachedLeaf& cached = cache_[place];
+  const auto place_along = [](std::int32_t coordinate) {
+    return static_cast<std::size_t>(coordinate / kLeafSide) % kCachedSide;
+  };
+  CachedLeaf& cached =
+      cache_[(place_along(origin.x) * kCachedSide + place_along(origin.y)) * kCachedSide +
+             place_along(origin.z)];
   if (!cached.valid || cached.origin != origin) {
     cached = {origin, reader_.FindLeaf(origin), true};
   }
@@ -59,20 +75,49 @@ const LeafView& TsdfSampler::LeafAt(LeafOrigin origin) {
 
 bool TsdfSampler::LoadCell(const Eigen::Vector3d& point_m, bool with_weight, Cell* cell) {
   const Eigen::Vector3d voxel = point_m / scale_.voxel_size_m;
-  // NaN fails the comparison too.
-  if (!(voxel.cwiseAbs().maxCoeff() < kMaxVoxelIndex)) return false;
-  const Eigen::Vector3d floor = voxel.array().floor();
-  cell->fraction = voxel - floor;
-  const Eigen::Vector3i base = floor.cast<std::int32_t>();
+  if (!IsInRange(voxel)) return false;
+  Eigen::Vector3i base;
+  bool one_leaf = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    base[axis] = FloorToInteger(voxel[axis]);
+    one_leaf = one_leaf && (base[axis] & (kLeafSide - 1)) != kLeafSide - 1;
+  }
+  cell->fraction = voxel - base.cast<double>();
+  return one_leaf ? LoadCellOfOneLeaf(base, with_weight, cell)
+                  : LoadCellAcrossLeaves(base, with_weight, cell);
+}
+
+bool TsdfSampler::LoadCellOfOneLeaf(const Eigen::Vector3i& base, bool with_weight, Cell* cell) {
+  const LeafView& leaf = LeafAt(LeafOf(base.x(), base.y(), base.z()));
+  if (!leaf) return false;
+  const std::size_t first = OffsetInLeaf(base.x(), base.y(), base.z());
+  // Voxels z and z + 1 of rows y and y + 1 in a word of the mask.
+  const std::uint64_t square = std::uint64_t{0x303} << (first & 63);
+  const std::size_t word = first >> 6;
+  if ((leaf.observed[word] & leaf.observed[word + 1] & square) != square) return false;
+  constexpr std::array<std::size_t, 8> kCornerOffsets = {0, 1, 8, 9, 64, 65, 72, 73};
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    cell->distance_m[corner] = leaf.distance_m[first + kCornerOffsets[corner]];
+  }
+  if (!with_weight) return true;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    cell->weight[corner] = leaf.weight[first + kCornerOffsets[corner]];
+  }
+  return true;
+}
+
+bool TsdfSampler::LoadCellAcrossLeaves(const Eigen::Vector3i& base, bool with_weight, Cell* cell) {
+  const bool crosses_z = (base.z() & (kLeafSide - 1)) == kLeafSide - 1;
+  const LeafView* leaf = nullptr;
   for (int corner = 0; corner < 8; ++corner) {
     const std::int32_t x = base.x() + ((corner >> 2) & 1);
     const std::int32_t y = base.y() + ((corner >> 1) & 1);
     const std::int32_t z = base.z() + (corner & 1);
-    const LeafView& leaf = LeafAt(LeafOf(x, y, z));
+    if (crosses_z || (corner & 1) == 0) leaf = &LeafAt(LeafOf(x, y, z));
     const std::size_t offset = OffsetInLeaf(x, y, z);
-    if (!leaf || !IsSet(leaf.observed, offset)) return false;
-    cell->distance_m[static_cast<std::size_t>(corner)] = leaf.distance_m[offset];
-    if (with_weight) cell->weight[static_cast<std::size_t>(corner)] = leaf.weight[offset];
+    if (!*leaf || !IsSet(leaf->observed, offset)) return false;
+    cell->distance_m[static_cast<std::size_t>(corner)] = leaf->distance_m[offset];
+    if (with_weight) cell->weight[static_cast<std::size_t>(corner)] = leaf->weight[offset];
   }
   return true;
 }
@@ -100,7 +145,7 @@ bool TsdfSampler::SampleDistance(const Eigen::Vector3d& point_m, double* distanc
 double TsdfSampler::EmptyRun(const Eigen::Vector3d& point_m,
                              const Eigen::Vector3d& unit_direction) {
   const Eigen::Vector3d voxel = point_m / scale_.voxel_size_m;
-  if (!(voxel.cwiseAbs().maxCoeff() < kMaxVoxelIndex)) return 0.0;
+  if (!IsInRange(voxel)) return 0.0;
   const Eigen::Vector3i base = voxel.array().floor().cast<std::int32_t>();
   const LeafOrigin origin = LeafOf(base.x(), base.y(), base.z());
   if (LeafAt(origin)) return 0.0;

@@ -195,6 +195,8 @@ TEST(TsdfSampler, KnowsNothingWhereNobodyLooked) {
   TsdfSampler sampler(snapshot->background, snapshot->scale);
   EXPECT_FALSE(sampler.Sample({50.0, 0.0, 0.0}).known);
   EXPECT_FALSE(sampler.Sample({std::nan(""), 0.0, 0.0}).known);
+  EXPECT_FALSE(sampler.Sample({0.0, std::nan(""), 0.0}).known);
+  EXPECT_FALSE(sampler.Sample({0.0, 0.0, std::nan("")}).known);
   EXPECT_FALSE(sampler.Sample({1e30, 0.0, 0.0}).known);
 }
 
