@@ -1,0 +1,193 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "core/geometry.h"
+#include "core/tsdf_grid.h"
+#include "tests/support/analytic_depth.h"
+
+namespace steadymap::testing {
+
+/// A body made of boxes, object frame, metres. Boxes that touch should overlap by more than a
+/// truncation, else their common face counts as surface.
+using Solid = std::vector<Box>;
+
+/// Signed distance from a solid, positive outside; exact outside.
+inline double DistanceFrom(const Solid& solid, const Eigen::Vector3d& point) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Box& box : solid) {
+    const Eigen::Vector3d beyond =
+        (point - box.center()).cwiseAbs() - 0.5 * Eigen::Vector3d(box.sizes());
+    const double outside = beyond.cwiseMax(0.0).norm();
+    least = std::min(least, outside + std::min(beyond.maxCoeff(), 0.0));
+  }
+  return least;
+}
+
+/// Where a ray first enters a solid, in multiples of its direction; NaN where it misses.
+inline RangeFunction RangeTo(const Solid& solid) {
+  return [solid](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+    double nearest = std::nan("");
+    for (const Box& box : solid) {
+      const Eigen::Array3d a = (box.min() - origin).array() / direction.array();
+      const Eigen::Array3d b = (box.max() - origin).array() / direction.array();
+      const double enter = a.min(b).maxCoeff();
+      const double leave = a.max(b).minCoeff();
+      if (enter <= 0.0 || enter > leave) continue;
+      if (!(nearest <= enter)) nearest = enter;
+    }
+    return nearest;
+  };
+}
+
+/// Things to look at, standing on z = 0.
+inline Solid Crate() {
+  return {Box(Eigen::Vector3d(-0.25, -0.35, 0), Eigen::Vector3d(0.25, 0.35, 1))};
+}
+
+inline Solid CrateWithParcel() {
+  return {Box(Eigen::Vector3d(-0.3, -0.4, 0), Eigen::Vector3d(0.3, 0.4, 0.5)),
+          Box(Eigen::Vector3d(-0.2, -0.1, 0.2), Eigen::Vector3d(0.15, 0.3, 0.8))};
+}
+
+inline Solid Angle() {
+  return {Box(Eigen::Vector3d(-0.4, -0.4, 0), Eigen::Vector3d(0.4, -0.1, 0.6)),
+          Box(Eigen::Vector3d(-0.4, -0.4, 0), Eigen::Vector3d(-0.1, 0.4, 0.6))};
+}
+
+/// The voxels at one leaf of a body's volume: those up to a truncation from the surface, where
+/// `is_observed` holds.
+inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
+                           const std::function<double(const Eigen::Vector3d&)>& distance_m,
+                           const VoxelScale& scale,
+                           const std::function<bool(const Eigen::Vector3d&)>& is_observed) {
+  LeafVoxels leaf;
+  for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+    const Eigen::Vector3i voxel(origin.x + static_cast<int>(offset >> 6),
+                                origin.y + static_cast<int>((offset >> 3) & 7),
+                                origin.z + static_cast<int>(offset & 7));
+    const Eigen::Vector3d center_m = voxel.cast<double>() * scale.voxel_size_m;
+    const double distance = distance_m(center_m);
+    if (std::abs(distance) > scale.truncation_m || !is_observed(center_m)) continue;
+    leaf.distance_m[offset] = static_cast<float>(distance);
+    leaf.weight[offset] = 1.0F;
+    leaf.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+  }
+  return leaf;
+}
+
+/// The volume of a body within `bounds`.
+inline TsdfGrid MakeVolume(const std::function<double(const Eigen::Vector3d&)>& distance_m,
+                           const Box& bounds,
+                           const VoxelScale& scale,
+                           const std::function<bool(const Eigen::Vector3d&)>& is_observed) {
+  TsdfGrid volume;
+  const auto leaf_at = [&](const Eigen::Vector3d& point_m) {
+    const Eigen::Vector3d voxel = (point_m / scale.voxel_size_m).array().floor();
+    const Eigen::Vector3i index = voxel.cast<std::int32_t>();
+    return LeafOf(index.x(), index.y(), index.z());
+  };
+  const LeafOrigin low = leaf_at(bounds.min());
+  const LeafOrigin high = leaf_at(bounds.max());
+  for (std::int32_t x = low.x; x <= high.x; x += kLeafSide) {
+    for (std::int32_t y = low.y; y <= high.y; y += kLeafSide) {
+      for (std::int32_t z = low.z; z <= high.z; z += kLeafSide) {
+        const LeafVoxels leaf = MakeLeaf({x, y, z}, distance_m, scale, is_observed);
+        if (leaf.observed != LeafMask{}) volume.StoreLeaf({x, y, z}, leaf);
+      }
+    }
+  }
+  return volume;
+}
+
+/// The volume of a solid on the floor: nothing is known below z = 0.
+inline TsdfGrid MakeVolume(const Solid& solid, const VoxelScale& scale) {
+  Box bounds;
+  for (const Box& box : solid) bounds.extend(box);
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(scale.truncation_m);
+  return MakeVolume([&](const Eigen::Vector3d& point) { return DistanceFrom(solid, point); },
+                    Box(bounds.min() - margin, bounds.max() + margin),
+                    scale,
+                    [](const Eigen::Vector3d& point) { return point.z() >= 0.0; });
+}
+
+/// What one look from `eye` at `target` shows of a surface: a point every `spacing_rad`.
+struct SurfaceView {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> directions;  ///< Unit, from the eye to each point.
+};
+
+inline SurfaceView LookAtSurface(const RangeFunction& surface,
+                                 const Eigen::Vector3d& eye,
+                                 const Eigen::Vector3d& target,
+                                 double spacing_rad) {
+  constexpr double kHalfViewRad = 0.45;
+  const Eigen::Isometry3d T_object_camera = LookAt(eye, target);
+  const int a_side = static_cast<int>(kHalfViewRad / spacing_rad);
+  SurfaceView view;
+  for (int v = -a_side; v <= a_side; ++v) {
+    for (int u = -a_side; u <= a_side; ++u) {
+      const Eigen::Vector3d direction =
+          T_object_camera.linear() *
+          Eigen::Vector3d(u * spacing_rad, v * spacing_rad, 1.0).normalized();
+      const double range_m = surface(eye, direction);
+      if (!(range_m > 0.0)) continue;
+      view.points.emplace_back(eye + range_m * direction);
+      view.directions.push_back(direction);
+    }
+  }
+  return view;
+}
+
+/// Looks at a thing on the floor from all around, from above its top, so that of a box three sides
+/// show (azimuths keep 15 degrees off the axes).
+inline std::vector<SurfaceView> LooksAround(const Solid& solid, double spacing_rad) {
+  std::vector<SurfaceView> views;
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const RangeFunction surface = RangeTo(solid);
+  for (int quadrant = 0; quadrant < 4; ++quadrant) {
+    for (const double within_deg : {15.0, 35.0, 55.0, 75.0}) {
+      const double azimuth = (90.0 * quadrant + within_deg) * kDegree;
+      for (const double height_m : {1.6, 2.2}) {
+        const Eigen::Vector3d eye(1.8 * std::cos(azimuth), 1.8 * std::sin(azimuth), height_m);
+        views.push_back(LookAtSurface(surface, eye, {0.0, 0.0, 0.4}, spacing_rad));
+      }
+    }
+  }
+  return views;
+}
+
+/// The points of a look with noise along their rays.
+inline std::vector<Eigen::Vector3d> WithNoise(const SurfaceView& view,
+                                              double noise_m,
+                                              std::mt19937_64* random) {
+  std::normal_distribution<double> noise(0.0, noise_m);
+  std::vector<Eigen::Vector3d> points = view.points;
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] += noise(*random) * view.directions[i];
+  return points;
+}
+
+/// An upright motion about a point.
+inline Eigen::Isometry3d UprightMotionAbout(const Eigen::Vector3d& pivot,
+                                            const Eigen::Vector3d& shift_m,
+                                            double yaw_rad) {
+  return Eigen::Translation3d(pivot + shift_m) *
+         Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(-pivot);
+}
+
+/// A direction without preference times a length up to `max_length`, every length as likely.
+inline Eigen::Vector3d RandomShift(double max_length, std::mt19937_64* random) {
+  std::normal_distribution<double> component;
+  std::uniform_real_distribution<double> length(0.0, max_length);
+  const Eigen::Vector3d direction(component(*random), component(*random), component(*random));
+  return length(*random) * direction.normalized();
+}
+
+}  // namespace steadymap::testing
