@@ -69,7 +69,8 @@ struct RowConstants {
         dead_band_m(kDeadBandVoxels * frame.voxel_size_m),
         color_band_m(kColorBandVoxels * frame.voxel_size_m),
         distance_step_m(frame.distance_step_m),
-        steps_per_m(1.0F / frame.distance_step_m) {}
+        steps_per_m(1.0F / frame.distance_step_m),
+        owner(static_cast<int32_t>(frame.owner) - Integers{}) {}
 
   const SurfaceCell* cells;
   int32_t cells_wide;
@@ -90,6 +91,7 @@ struct RowConstants {
   float color_band_m;
   float distance_step_m;
   float steps_per_m;
+  Integers owner;
 };
 
 /// What the frame says about eight voxels of a row.
@@ -172,7 +174,8 @@ STEADYMAP_INLINE bool WeighRow(const RowConstants& constants, RowEvidence* evide
   evidence->weight = look[1] * fade * straying;
   evidence->valid = evidence->valid &
                     (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
-                    (evidence->weight >= Splat(kWeightUnit));
+                    (evidence->weight >= Splat(kWeightUnit)) &
+                    (reinterpret_cast<Integers>(look[3]) == constants.owner);
   return ToBits(evidence->valid) != 0;
 }
 

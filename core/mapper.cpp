@@ -13,7 +13,7 @@ absl::StatusOr<std::unique_ptr<Mapper>> Mapper::Create(const MapConfig& config) 
   return std::unique_ptr<Mapper>(new Mapper(config));
 }
 
-Mapper::Mapper(const MapConfig& config) : config_(config), integrator_(config) {
+Mapper::Mapper(const MapConfig& config) : config_(config), cloud_(config), integrator_(config) {
   map_.scale = {config.voxel_size_m, config.truncation_m};
 }
 
@@ -27,7 +27,8 @@ void Mapper::Restore(const MapSnapshot& snapshot) {
 void Mapper::Integrate(MapSequence sequence, const Frame& frame) {
   assert(sequence == head_.Next());
   assert(ValidateFrame(frame, config_.label_limit()).ok());
-  integrator_.Integrate(frame, &map_.background, &changed_leaves_);
+  cloud_.Compute(frame);
+  integrator_.Integrate(cloud_, &map_.background, &changed_leaves_);
   head_ = sequence;
   map_.last_capture_time = frame.capture_time;
   ++uncommitted_frames_;

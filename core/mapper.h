@@ -11,6 +11,7 @@
 #include "core/map_config.h"
 #include "core/map_delta.h"
 #include "core/map_snapshot.h"
+#include "core/semantic_cloud.h"
 #include "core/tsdf_integrator.h"
 
 namespace steadymap {
@@ -52,6 +53,7 @@ class Mapper {
   explicit Mapper(const MapConfig& config);
 
   MapConfig config_;
+  SemanticCloud cloud_;  ///< Of the frame at hand.
   TsdfIntegrator integrator_;
   MapSnapshot map_;  ///< The working state; ahead of the last commit.
   MapSequence head_;

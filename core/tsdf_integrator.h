@@ -1,14 +1,32 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "core/background.h"
-#include "core/frame.h"
 #include "core/map_config.h"
+#include "core/semantic_cloud.h"
 #include "core/voxel_leaf.h"
 
 namespace steadymap {
+
+/// A rectangle of cells, [first, end).
+struct CellRange {
+  int first_column = 0;
+  int end_column = 0;
+  int first_row = 0;
+  int end_row = 0;
+};
+
+/// The cells of one owner.
+struct CellSelection {
+  std::uint32_t owner = 0;
+  CellRange range;  ///< Holds all of them.
+};
+
+/// Owner of the cells that belong to no object.
+inline constexpr std::uint32_t kBackgroundOwner = 0;
 
 /// Fuses frames into a volume: the block-projective update of platform.md. Keeps its scratch memory
 /// from frame to frame. One thread at a time.
@@ -19,10 +37,17 @@ class TsdfIntegrator {
   TsdfIntegrator(TsdfIntegrator&&) noexcept;
   TsdfIntegrator& operator=(TsdfIntegrator&&) noexcept;
 
-  /// Fuses `frame` into `background` and appends the leaves that changed to `changed_leaves`, each
-  /// once, sorted.
-  void Integrate(const Frame& frame,
+  /// Fuses the cells that belong to the background (owner 0) into it and appends the leaves that
+  /// changed to `changed_leaves`, each once, sorted.
+  void Integrate(const SemanticCloud& cloud,
                  Background* background,
+                 std::vector<LeafOrigin>* changed_leaves);
+
+  /// Fuses the cells of one owner into the grid of an object; likewise.
+  void Integrate(const SemanticCloud& cloud,
+                 const CellSelection& selection,
+                 const Eigen::Isometry3d& T_world_object,
+                 TsdfGrid* grid,
                  std::vector<LeafOrigin>* changed_leaves);
 
  private:

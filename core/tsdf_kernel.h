@@ -22,7 +22,7 @@ struct alignas(32) SurfaceCell {
   float depth_m;        ///< Depth of the surface at the cell's centre.
   float weight;         ///< Of one look, 1 at 1 m and face on; 0: nothing seen here.
   std::uint32_t color;  ///< Red, green, blue in bytes 0 to 2; byte 3 is 255 if known, else 0.
-  std::uint32_t unused;
+  std::uint32_t owner;  ///< Whose surface it is; 0 until somebody says otherwise.
 };
 
 /// Distance from a cell to the cells that its plane is fitted through, in cells; where one side is
@@ -84,6 +84,7 @@ struct LeafKernelFrame {
   float voxel_size_m;
   float truncation_m;
   float distance_step_m;
+  std::uint32_t owner;  ///< Cells of other owners are left out.
   bool fuse_color;
 };
 

@@ -66,6 +66,7 @@ LeafKernelFrame FrameFor(const Surface& surface, int cells_wide, int cells_high)
           0.05F,
           0.15F,
           0.15F / 32767.0F,
+          0,
           true};
 }
 
