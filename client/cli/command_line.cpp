@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/cli/evaluate_command.h"
 #include "client/cli/export_command.h"
 #include "client/cli/map_commands.h"
 #include "client/cli/query_command.h"
@@ -104,6 +105,7 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const ExportCommand exporting(&app, context);
   const QueryCommand query(&app, context);
   const RenderCommand render(&app, context);
+  const EvaluateCommand evaluate(&app, context);
 
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

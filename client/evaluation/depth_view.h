@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/frame.h"
+#include "core/geometry.h"
+
+namespace steadymap {
+
+/// How far something lies along each pixel of one picture.
+struct DepthView {
+  PinholeCamera camera;
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
+  Image<float> depth_m;  ///< Along the camera's z axis; 0: no return.
+};
+
+/// The view that a recorded frame gives.
+DepthView ViewOf(const Frame& frame);
+
+}  // namespace steadymap

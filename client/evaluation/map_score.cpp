@@ -1,0 +1,195 @@
+#include "client/evaluation/map_score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "client/evaluation/point_index.h"
+
+namespace steadymap {
+namespace {
+
+using VoxelPoints = std::unordered_map<VoxelIndex, std::vector<Eigen::Vector3f>>;
+using VoxelSet = std::unordered_set<VoxelIndex>;
+
+// How far apart surfaces of map and truth may be in the row `near`, in voxels.
+constexpr double kNearVoxels = 0.5;
+
+double Ratio(std::uint64_t part, std::uint64_t whole) {
+  if (whole == 0) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+VoxelPoints SortIntoVoxels(const std::vector<SurfacePoint>& points, double voxel_size_m) {
+  VoxelPoints voxels;
+  for (const SurfacePoint& point : points) {
+    voxels[VoxelAt(point.position_world, voxel_size_m)].push_back(point.position_world);
+  }
+  return voxels;
+}
+
+VoxelSet VoxelsOf(const std::vector<SurfacePoint>& points, double voxel_size_m) {
+  VoxelSet voxels;
+  for (const SurfacePoint& point : points) {
+    voxels.insert(VoxelAt(point.position_world, voxel_size_m));
+  }
+  return voxels;
+}
+
+PointIndex IndexOf(const std::vector<SurfacePoint>& points, double voxel_size_m) {
+  PointIndex index(kNearVoxels * voxel_size_m);
+  index.Add(points);
+  return index;
+}
+
+bool AnyNear(const std::vector<Eigen::Vector3f>& points, const PointIndex& index) {
+  return std::any_of(points.begin(), points.end(), [&index](const Eigen::Vector3f& point) {
+    return index.HasNear(point);
+  });
+}
+
+// The points of a voxel; none where it is not listed.
+const std::vector<Eigen::Vector3f>* FindPoints(const VoxelPoints& voxels, const VoxelIndex& voxel) {
+  const auto found = voxels.find(voxel);
+  return found == voxels.end() ? nullptr : &found->second;
+}
+
+Share ShareNear(const VoxelPoints& voxels, const VoxelSet& ignored, const PointIndex& map) {
+  Share share;
+  for (const auto& [voxel, points] : voxels) {
+    if (ignored.contains(voxel)) continue;
+    ++share.whole;
+    if (AnyNear(points, map)) ++share.part;
+  }
+  return share;
+}
+
+}  // namespace
+
+double Share::value() const { return Ratio(part, whole); }
+
+Share& Share::operator+=(const Share& other) {
+  part += other.part;
+  whole += other.whole;
+  return *this;
+}
+
+double SurfaceScore::precision() const { return Ratio(matched, matched + wrong); }
+
+double SurfaceScore::recall() const { return Ratio(found, found + missed); }
+
+double SurfaceScore::false_positive_rate() const { return Ratio(wrong, wrong + empty); }
+
+SurfaceScore& SurfaceScore::operator+=(const SurfaceScore& other) {
+  matched += other.matched;
+  wrong += other.wrong;
+  found += other.found;
+  missed += other.missed;
+  empty += other.empty;
+  return *this;
+}
+
+MapScore& MapScore::operator+=(const MapScore& other) {
+  voxel += other.voxel;
+  near += other.near;
+  ghosts += other.ghosts;
+  kept += other.kept;
+  return *this;
+}
+
+struct MapScorer::State {
+  explicit State(Reference reference)
+      : voxel_size_m(reference.observed.voxel_size_m()),
+        observed(std::move(reference.observed)),
+        seen(SortIntoVoxels(reference.seen, voxel_size_m)),
+        unseen(VoxelsOf(reference.unseen, voxel_size_m)),
+        ignored(VoxelsOf(reference.ignored, voxel_size_m)),
+        vanished(SortIntoVoxels(reference.vanished, voxel_size_m)),
+        remembered(SortIntoVoxels(reference.remembered, voxel_size_m)),
+        truth(IndexOf(reference.seen, voxel_size_m)) {
+    truth.Add(reference.unseen);
+    truth.Add(reference.ignored);
+  }
+
+  // Calls `judge(voxel, points of the map, points of the truth, whether there is unseen truth)` for
+  // every voxel that counts.
+  template <typename Function>
+  void ForEachCounted(const VoxelPoints& map, Function judge) const {
+    observed.ForEach([&](const VoxelIndex& voxel) {
+      if (ignored.contains(voxel)) return;
+      judge(voxel, FindPoints(map, voxel), FindPoints(seen, voxel), unseen.contains(voxel));
+    });
+  }
+
+  double voxel_size_m;
+  ObservedSpace observed;
+  VoxelPoints seen;
+  VoxelSet unseen;
+  VoxelSet ignored;
+  VoxelPoints vanished;
+  VoxelPoints remembered;
+  PointIndex truth;  // All that is true, seen or not.
+};
+
+MapScorer::MapScorer(Reference reference) : state_(std::make_unique<State>(std::move(reference))) {}
+
+MapScorer::~MapScorer() = default;
+MapScorer::MapScorer(MapScorer&&) noexcept = default;
+
+double MapScorer::voxel_size_m() const { return state_->voxel_size_m; }
+
+std::size_t MapScorer::scored_voxels() const {
+  std::size_t count = 0;
+  state_->observed.ForEach(
+      [&](const VoxelIndex& voxel) { count += state_->ignored.contains(voxel) ? 0U : 1U; });
+  return count;
+}
+
+MapScore MapScorer::Score(const std::vector<SurfacePoint>& map) const {
+  using Points = std::vector<Eigen::Vector3f>;
+  const VoxelPoints map_voxels = SortIntoVoxels(map, state_->voxel_size_m);
+  const PointIndex map_index = IndexOf(map, state_->voxel_size_m);
+  MapScore score;
+  state_->ForEachCounted(
+      map_voxels,
+      [&](const VoxelIndex&, const Points* mapped, const Points* seen, bool has_unseen) {
+        if (mapped != nullptr) {
+          ++(AnyNear(*mapped, state_->truth) ? score.near.matched : score.near.wrong);
+        }
+        if (seen != nullptr) {
+          ++(AnyNear(*seen, map_index) ? score.near.found : score.near.missed);
+        }
+        if (seen == nullptr && has_unseen) return;
+        if (mapped != nullptr) ++(seen != nullptr ? score.voxel.matched : score.voxel.wrong);
+        if (seen != nullptr) ++(mapped != nullptr ? score.voxel.found : score.voxel.missed);
+        if (mapped == nullptr && seen == nullptr) {
+          ++score.voxel.empty;
+          ++score.near.empty;
+        }
+      });
+  score.ghosts = ShareNear(state_->vanished, state_->ignored, map_index);
+  score.kept = ShareNear(state_->remembered, state_->ignored, map_index);
+  return score;
+}
+
+std::vector<JudgedVoxel> MapScorer::Judge(const std::vector<SurfacePoint>& map) const {
+  using Points = std::vector<Eigen::Vector3f>;
+  const VoxelPoints map_voxels = SortIntoVoxels(map, state_->voxel_size_m);
+  const PointIndex map_index = IndexOf(map, state_->voxel_size_m);
+  std::vector<JudgedVoxel> judged;
+  state_->ForEachCounted(
+      map_voxels, [&](const VoxelIndex& voxel, const Points* mapped, const Points* seen, bool) {
+        if (mapped != nullptr) {
+          const bool is_true = AnyNear(*mapped, state_->truth);
+          judged.push_back({voxel, is_true ? VoxelVerdict::kMatched : VoxelVerdict::kWrong});
+        } else if (seen != nullptr && !AnyNear(*seen, map_index)) {
+          judged.push_back({voxel, VoxelVerdict::kMissed});
+        }
+      });
+  return judged;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,57 @@
+#include "client/evaluation/method.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace steadymap {
+namespace {
+
+struct MethodRow {
+  std::string_view name;
+  void (*choose)(MapConfig* config);  ///< Sets the policy and its switches.
+  bool is_yardstick = false;
+  bool last_sequence_only = false;
+};
+
+void FuseEverything(MapConfig* config) { config->policy = UpdatePolicy::kStatic; }
+
+// One line a method. `static` is what a map becomes that never forgets, `fresh` what it could be
+// that forgot everything else (targets.md).
+constexpr std::array<MethodRow, 2> kMethods = {{
+    {"static", FuseEverything, true, false},
+    {"fresh", FuseEverything, true, true},
+}};
+
+}  // namespace
+
+std::vector<std::string> MethodNames() {
+  std::vector<std::string> names;
+  for (const MethodRow& row : kMethods) names.emplace_back(row.name);
+  return names;
+}
+
+absl::StatusOr<std::vector<Method>> SelectMethods(const std::vector<std::string>& names,
+                                                  const MapConfig& base) {
+  const std::vector<std::string> known = MethodNames();
+  for (const std::string& name : names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string message = "there is no policy \"" + name.substr(0, 80) + "\"; the policies are";
+    for (const std::string& other : known) message += " " + other;
+    return absl::InvalidArgumentError(message);
+  }
+  std::vector<Method> methods;
+  for (const MethodRow& row : kMethods) {
+    const bool is_wanted =
+        names.empty() || std::find(names.begin(), names.end(), row.name) != names.end();
+    if (!row.is_yardstick && !is_wanted) continue;
+    Method& method = methods.emplace_back();
+    method.name = row.name;
+    method.config = base;
+    method.last_sequence_only = row.last_sequence_only;
+    row.choose(&method.config);
+  }
+  return methods;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/evaluation/method.h"
+#include "client/evaluation/surface_points.h"
+#include "core/frame.h"
+#include "core/mapper.h"
+#include "core/object_event.h"
+
+namespace steadymap {
+
+/// What a method made of a route.
+struct MethodOutcome {
+  std::vector<SurfacePoint> surface;  ///< Of the final map.
+  std::vector<ObjectEvent> events;    ///< In the order they were decided.
+  std::size_t memory_bytes = 0;       ///< Of the final map's volumes.
+  double median_frame_ms = 0.0;       ///< Wall time of a frame; 0 without frames.
+};
+
+/// Builds a map by one method, frame by frame, on the calling thread.
+class MethodRun {
+ public:
+  /// Errors: as `Mapper::Create`.
+  static absl::StatusOr<MethodRun> Start(const Method& method);
+
+  /// Takes in a valid frame, unless the method is not to be shown it.
+  void Integrate(const Frame& frame, bool is_last_sequence);
+
+  /// Samples the final map's surface every `spacing_m`. Call once.
+  MethodOutcome Finish(double spacing_m);
+
+ private:
+  MethodRun(const Method& method, std::unique_ptr<Mapper> mapper);
+
+  void Commit();
+
+  bool last_sequence_only_ = false;
+  std::unique_ptr<Mapper> mapper_;
+  std::shared_ptr<const MapSnapshot> snapshot_;
+  std::vector<ObjectEvent> events_;
+  std::vector<double> frame_ms_;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "client/evaluation/evaluation.h"
+#include "client/evaluation/method_run.h"
+
+namespace steadymap {
+namespace {
+
+constexpr std::string_view kTableTop = "table-top";
+
+// Plays all frames; an error only before the first.
+absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(Simulation* simulation,
+                                                      const RouteEvaluationOptions& options) {
+  std::vector<MethodRun> runs;
+  for (const Method& method : options.methods) {
+    absl::StatusOr<MethodRun> run = MethodRun::Start(method);
+    if (!run.ok()) return run.status();
+    runs.push_back(*std::move(run));
+  }
+  const std::size_t last_sequence = simulation->route().sequences.size() - 1;
+  for (std::size_t i = 0; i < simulation->frame_count(); ++i) {
+    const Frame frame = simulation->Render(i);
+    const bool is_last_sequence = simulation->SequenceOf(i) == last_sequence;
+    for (MethodRun& run : runs) run.Integrate(frame, is_last_sequence);
+    if (options.on_frame) options.on_frame(i + 1);
+  }
+  std::vector<MethodOutcome> outcomes;
+  for (MethodRun& run : runs) {
+    outcomes.push_back(run.Finish(SampleSpacingFor(options.voxel_size_m)));
+  }
+  return outcomes;
+}
+
+SurveyOptions SurveyOptionsFor(const RouteEvaluationOptions& options) {
+  SurveyOptions survey;
+  survey.voxel_size_m = options.voxel_size_m;
+  survey.spacing_m = SampleSpacingFor(options.voxel_size_m);
+  survey.max_depth_m = options.methods.front().config.max_depth_m;
+  return survey;
+}
+
+}  // namespace
+
+absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
+                                         const RouteEvaluationOptions& options) {
+  assert(!options.methods.empty() && !options.seeds.empty());
+  Evaluation evaluation;
+  evaluation.title = route.name;
+  evaluation.voxel_size_m = options.voxel_size_m;
+  evaluation.seed_count = options.seeds.size();
+  evaluation.has_history = route.sequences.size() > 1;
+  for (const Method& method : options.methods) evaluation.rows.emplace_back().name = method.name;
+
+  const Simulation first(route, options.simulation);
+  evaluation.frame_count = first.frame_count();
+  RouteSurvey survey = SurveyRoute(first, SurveyOptionsFor(options));
+  const MapScorer scorer(MakeReference(&survey, options.with_ground));
+  evaluation.scored_voxels = scorer.scored_voxels();
+
+  for (std::size_t seed = 0; seed < options.seeds.size(); ++seed) {
+    SimulationOptions noise = options.simulation;
+    noise.seed = options.seeds[seed];
+    Simulation simulation(route, noise);
+    const absl::StatusOr<std::vector<MethodOutcome>> outcomes = PlayFrames(&simulation, options);
+    if (!outcomes.ok()) return outcomes.status();
+    for (std::size_t i = 0; i < outcomes->size(); ++i) {
+      const MethodOutcome& outcome = (*outcomes)[i];
+      MethodScore& row = evaluation.rows[i];
+      row.map += scorer.Score(outcome.surface);
+      row.memory_bytes = outcome.memory_bytes;
+      row.median_frame_ms = outcome.median_frame_ms;
+      if (seed == 0 && options.visit_map) options.visit_map(row.name, scorer, outcome.surface);
+    }
+  }
+  return evaluation;
+}
+
+MapConfig MapConfigFor(std::string_view route) {
+  MapConfig config;
+  if (route != kTableTop) return config;
+  config.voxel_size_m = 0.02;
+  config.truncation_m = 0.06;
+  config.max_depth_m = 4.0;
+  return config;
+}
+
+double EvaluationVoxelFor(std::string_view route) { return route == kTableTop ? 0.06 : 0.2; }
+
+double SampleSpacingFor(double voxel_size_m) { return std::min(0.025, 0.25 * voxel_size_m); }
+
+}  // namespace steadymap

@@ -1,0 +1,87 @@
+#include "client/evaluation/score_table.h"
+
+#include <cmath>
+
+#include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+
+#include "client/evaluation/reported_scores.h"
+
+namespace steadymap {
+namespace {
+
+std::string Percent(double share, int decimals) {
+  if (!std::isfinite(share)) return "-";
+  return absl::StrFormat("%.*f", decimals, 100.0 * share);
+}
+
+std::string SurfaceCells(const SurfaceScore& score) {
+  return absl::StrFormat("%6s %6s %5s",
+                         Percent(score.precision(), 1),
+                         Percent(score.recall(), 1),
+                         Percent(score.false_positive_rate(), 2));
+}
+
+const MethodScore* FindRow(const Evaluation& evaluation, std::string_view name) {
+  for (const MethodScore& row : evaluation.rows) {
+    if (row.name == name) return &row;
+  }
+  return nullptr;
+}
+
+// How much of what the map that never forgets remembers this one remembers, too.
+double KeptOfStatic(const MethodScore& row, const Evaluation& evaluation) {
+  const MethodScore* yardstick = FindRow(evaluation, "static");
+  if (yardstick == nullptr) return std::nan("");
+  return row.map.kept.value() / yardstick->map.kept.value();
+}
+
+std::string MethodLine(const MethodScore& row, const Evaluation& evaluation) {
+  return absl::StrFormat("%-21s|%s |%s |%6s %6s %6s |%7.1f %6.2f\n",
+                         row.name,
+                         SurfaceCells(row.map.voxel),
+                         SurfaceCells(row.map.near),
+                         Percent(row.map.ghosts.value(), 1),
+                         Percent(row.map.kept.value(), 1),
+                         Percent(KeptOfStatic(row, evaluation), 1),
+                         static_cast<double>(row.memory_bytes) / 1e6,
+                         row.median_frame_ms);
+}
+
+std::string Heading(const Evaluation& evaluation) {
+  const SurfaceScore& near = evaluation.rows.front().map.near;
+  return absl::StrFormat(
+      "%s: %d frames, %d %s, voxels of %g cm, %d of them scored, %d with surface\n",
+      evaluation.title,
+      evaluation.frame_count,
+      evaluation.seed_count,
+      evaluation.seed_count == 1 ? "seed" : "seeds",
+      100.0 * evaluation.voxel_size_m,
+      evaluation.scored_voxels,
+      (near.found + near.missed) / evaluation.seed_count);
+}
+
+}  // namespace
+
+std::string ScoreTable(const Evaluation& evaluation) {
+  std::string text = Heading(evaluation);
+  absl::StrAppend(&text,
+                  "                     |        voxel       |        near        |      memory"
+                  "          |   MB    ms/\n"
+                  "                     |  prec. recall   FPR|  prec. recall   FPR| ghosts   kept "
+                  "of st. |        frame\n");
+  for (const MethodScore& row : evaluation.rows) {
+    absl::StrAppend(&text, MethodLine(row, evaluation));
+  }
+  for (const ReportedScore& row : ReportedScoresFor(evaluation.title)) {
+    absl::StrAppendFormat(&text,
+                          "%-21s|%6.1f %6.1f %5.1f |  as its authors reported\n",
+                          std::string(row.method),
+                          row.precision_percent,
+                          row.recall_percent,
+                          row.false_positive_percent);
+  }
+  return text;
+}
+
+}  // namespace steadymap
