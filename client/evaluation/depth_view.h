@@ -11,7 +11,7 @@ namespace steadymap {
 struct DepthView {
   PinholeCamera camera;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  Image<float> depth_m;  ///< Along the camera's z axis; 0: no return.
+  Image<float> depth_m;  ///< Along the camera's z axis; 0: unknown; infinite: nothing there.
 };
 
 /// The view that a recorded frame gives.

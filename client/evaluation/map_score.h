@@ -54,8 +54,8 @@ struct Reference {
   std::vector<SurfacePoint> seen{};    ///< True surface that the last run could see.
   std::vector<SurfacePoint> unseen{};  ///< True surface that it could not: voxels with such surface
                                        ///< only do not count.
-  std::vector<SurfacePoint> vanished{};  ///< Surface that earlier runs saw, that is no more, and
-                                         ///< that the last run looked through.
+  std::vector<SurfacePoint> vanished{};    ///< Surface that earlier runs saw, that is no more, and
+                                           ///< that the last run looked through.
   std::vector<SurfacePoint> remembered{};  ///< True surface that only earlier runs saw.
   std::vector<SurfacePoint> ignored{};     ///< Voxels with such surface do not count: the ground.
 };

@@ -21,7 +21,8 @@ class ObservedSpace {
 
   /// Casts a ray through a grid of the picture's pixels, dense enough to miss no voxel within
   /// reach: from the camera through free voxels to the one that holds the surface, which ends it.
-  /// Rays without a return tell nothing. Cost: about 20 ns a voxel that a ray crosses.
+  /// Pixels of depth 0 tell nothing; infinite depth is free as far as rays count. Cost: about 20 ns
+  /// a voxel that a ray crosses.
   void AddView(const DepthView& view);
 
   double voxel_size_m() const { return voxel_size_m_; }

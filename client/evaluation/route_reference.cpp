@@ -7,56 +7,89 @@
 namespace steadymap {
 namespace {
 
-// Sequences before the last, a bit each.
-std::uint32_t EarlierBits(const RouteSurvey& survey) { return (1U << survey.last_sequence()) - 1U; }
+// Sorts the surface of one place after another into a reference.
+class Sorter {
+ public:
+  Sorter(const RouteSurvey& survey, Reference* reference)
+      : last_bit_(1U << survey.last_sequence()),
+        earlier_bits_(last_bit_ - 1U),
+        truth_(survey.last_observed.voxel_size_m()),
+        seen_(survey.last_observed.voxel_size_m()),
+        reference_(reference) {}
 
-void SortStandingPlace(const SurveyedPlace& place,
-                       const RouteSurvey& survey,
-                       Reference* reference) {
-  const std::uint32_t last_bit = 1U << survey.last_sequence();
-  for (std::size_t i = 0; i < place.points.size(); ++i) {
-    const bool is_seen = (place.seen_in[i] & last_bit) != 0;
-    (is_seen ? reference->seen : reference->unseen).push_back(place.points[i]);
-    if (!is_seen && (place.seen_in[i] & EarlierBits(survey)) != 0) {
-      reference->remembered.push_back(place.points[i]);
+  void SortStanding(const SurveyedPlace& place) {
+    truth_.Add(place.points);
+    for (std::size_t i = 0; i < place.points.size(); ++i) {
+      const SurfacePoint& point = place.points[i];
+      if ((place.seen_in[i] & last_bit_) != 0) {
+        reference_->seen.push_back(point);
+        seen_.Add(point.position_world);
+      } else {
+        reference_->unseen.push_back(point);
+      }
     }
   }
-}
 
-void SortVanishedPlace(const SurveyedPlace& place,
-                       const RouteSurvey& survey,
-                       const PointIndex& truth,
-                       Reference* reference) {
-  const std::uint32_t last_bit = 1U << survey.last_sequence();
-  for (std::size_t i = 0; i < place.points.size(); ++i) {
-    const bool was_seen = (place.seen_in[i] & EarlierBits(survey)) != 0;
-    const bool is_refuted = (place.looked_through_in[i] & last_bit) != 0;
-    if (!was_seen || !is_refuted || truth.HasNear(place.points[i].position_world)) continue;
-    reference->vanished.push_back(place.points[i]);
+  void SortIgnored(const SurveyedPlace& place) {
+    truth_.Add(place.points);
+    reference_->ignored.insert(reference_->ignored.end(), place.points.begin(), place.points.end());
   }
-}
+
+  // Once all surface that stands is sorted.
+  void SortRemembered(const SurveyedPlace& place) {
+    for (std::size_t i = 0; i < place.points.size(); ++i) {
+      const SurfacePoint& point = place.points[i];
+      if ((place.seen_in[i] & last_bit_) != 0 || (place.seen_in[i] & earlier_bits_) == 0) continue;
+      if (!seen_.HasNear(point.position_world)) reference_->remembered.push_back(point);
+    }
+  }
+
+  // Once all surface that stands is sorted.
+  void SortVanished(const SurveyedPlace& place) {
+    for (std::size_t i = 0; i < place.points.size(); ++i) {
+      const SurfacePoint& point = place.points[i];
+      const bool is_refuted = (place.looked_through_in[i] & last_bit_) != 0;
+      if (!is_refuted || (place.seen_in[i] & earlier_bits_) == 0) continue;
+      if (!truth_.HasNear(point.position_world)) reference_->vanished.push_back(point);
+    }
+  }
+
+ private:
+  std::uint32_t last_bit_;
+  std::uint32_t earlier_bits_;
+  // A map's surface may be off by half a voxel from what it stands for. So that the same surface
+  // never counts for two things, what has vanished lies a voxel from what is true, and what is
+  // remembered a voxel from what is seen.
+  PointIndex truth_;
+  PointIndex seen_;
+  Reference* reference_;
+};
 
 }  // namespace
 
 Reference MakeReference(RouteSurvey* survey, bool with_ground) {
-  const double voxel_size_m = survey->last_observed.voxel_size_m();
-  Reference reference{.observed = std::move(survey->last_observed)};
-  // What lies within the tolerance of the truth is no ghost: the score could not tell it from
-  // truth.
-  PointIndex truth(0.5 * voxel_size_m);
+  Reference reference{.observed = {1.0, 1.0}};
+  Sorter sorter(*survey, &reference);
+  const auto is_scored = [with_ground](const SurveyedPlace& place) {
+    return with_ground || place.semantic_class != SceneClass::kGround;
+  };
   for (const SurveyedPlace& place : survey->places) {
     if (!place.StandsIn(survey->last_sequence())) continue;
-    truth.Add(place.points);
-    if (place.semantic_class == SceneClass::kGround && !with_ground) {
-      reference.ignored.insert(reference.ignored.end(), place.points.begin(), place.points.end());
+    if (is_scored(place)) {
+      sorter.SortStanding(place);
     } else {
-      SortStandingPlace(place, *survey, &reference);
+      sorter.SortIgnored(place);
     }
   }
   for (const SurveyedPlace& place : survey->places) {
-    if (place.StandsIn(survey->last_sequence())) continue;
-    SortVanishedPlace(place, *survey, truth, &reference);
+    if (!is_scored(place)) continue;
+    if (place.StandsIn(survey->last_sequence())) {
+      sorter.SortRemembered(place);
+    } else {
+      sorter.SortVanished(place);
+    }
   }
+  reference.observed = std::move(survey->last_observed);
   return reference;
 }
 

@@ -37,7 +37,8 @@ class Viewer {
         fy_(static_cast<float>(view.camera.fy)),
         cx_(static_cast<float>(view.camera.cx)),
         cy_(static_cast<float>(view.camera.cy)),
-        max_depth_m_(static_cast<float>(options.max_depth_m)) {}
+        max_depth_m_(static_cast<float>(options.max_depth_m)),
+        max_range_m_(static_cast<float>(SensorModel::Ideal().max_range_m)) {}
 
   Sight Look(const SurfacePoint& point) const {
     const Eigen::Vector3f p_camera = T_camera_world_ * point.position_world;
@@ -50,7 +51,7 @@ class Viewer {
       return Sight::kNone;
     }
     const float measured_m = view_.depth_m.At(static_cast<int>(u), static_cast<int>(v));
-    if (!(measured_m > 0.0F)) return Sight::kNone;
+    if (measured_m > max_range_m_) return Sight::kNone;
     if (measured_m > depth_m + kBehindM && !IsBesideSlope(point, depth_m, measured_m)) {
       return Sight::kLookedThrough;
     }
@@ -74,6 +75,7 @@ class Viewer {
   Eigen::Vector3f eye_world_;
   float fx_, fy_, cx_, cy_;
   float max_depth_m_;
+  float max_range_m_;  // Beyond it there is no return, and nothing is learnt.
 };
 
 // Whether any of a place may be within sight: a sphere against the reach and the camera's plane.
@@ -104,11 +106,11 @@ void LookAtPlace(const Viewer& viewer,
   }
 }
 
-void FillDepth(const SurfaceImage& surfaces, double max_range_m, Image<float>* depth_m) {
+// Where a ray meets nothing, its depth is infinite.
+void FillDepth(const SurfaceImage& surfaces, Image<float>* depth_m) {
   const float* inverse_depth = surfaces.pixels.inverse_depth_per_m.data();
-  const auto least = static_cast<float>(1 / max_range_m);
   for (std::size_t i = 0; i < depth_m->size(); ++i) {
-    depth_m->data()[i] = inverse_depth[i] >= least ? 1.0F / inverse_depth[i] : 0.0F;
+    depth_m->data()[i] = 1.0F / inverse_depth[i];
   }
 }
 
@@ -183,20 +185,18 @@ RouteSurvey SurveyRoute(const Simulation& simulation, const SurveyOptions& optio
                      .point_area_m2 = options.spacing_m * options.spacing_m,
                      .places = ListPlaces(simulation, options),
                      .last_observed = {options.voxel_size_m, options.max_depth_m}};
-  const SensorModel perfect = SensorModel::Ideal();
   DepthView view;
   view.camera = route.camera;
   view.depth_m = Image<float>(route.camera.width_px, route.camera.height_px);
   for (std::size_t sequence = 0; sequence < survey.sequence_count; ++sequence) {
     const RouteSequence& drive = route.sequences[sequence];
-    Renderer renderer(&drive.scene, route.camera, perfect);
+    Renderer renderer(&drive.scene, route.camera, SensorModel::Ideal());
     const std::size_t first = survey.first_frames[sequence];
     for (std::size_t frame = first; frame < survey.first_frames[sequence + 1]; ++frame) {
       const auto step = static_cast<double>((frame - first) * simulation.options().stride);
       const double time_s = step * drive.trajectory.frame_period_s;
       view.T_world_camera = simulation.TruePose(frame);
-      FillDepth(
-          renderer.RenderSurfaces(view.T_world_camera, time_s), perfect.max_range_m, &view.depth_m);
+      FillDepth(renderer.RenderSurfaces(view.T_world_camera, time_s), &view.depth_m);
       if (sequence == survey.last_sequence()) survey.last_observed.AddView(view);
       const Viewer viewer(view, options);
       for (SurveyedPlace& place : survey.places) {

@@ -38,7 +38,9 @@ struct RouteSurvey {
   std::vector<std::size_t> first_frames;  ///< Of each sequence, then the number of frames.
   double point_area_m2 = 0.0;             ///< Surface that one point stands for.
   std::vector<SurveyedPlace> places;      ///< Of all things that stand still during sequences.
-  ObservedSpace last_observed;            ///< What the last sequence observed.
+  /// What the rays of the last sequence met or passed through, those without a return included:
+  /// they met nothing.
+  ObservedSpace last_observed;
 
   std::size_t last_sequence() const { return sequence_count - 1; }
 };
