@@ -9,6 +9,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "client/evaluation/event_score.h"
 #include "client/evaluation/map_score.h"
 #include "client/evaluation/method.h"
 #include "client/simulator/simulation.h"
@@ -19,6 +20,7 @@ namespace steadymap {
 struct MethodScore {
   std::string name;
   MapScore map;                  ///< Counts of all seeds together.
+  EventScore events;             ///< The same.
   std::size_t memory_bytes = 0;  ///< Of the last seed's map.
   double median_frame_ms = 0.0;  ///< Of the last seed.
 };

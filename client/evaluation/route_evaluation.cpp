@@ -10,9 +10,10 @@ namespace {
 
 constexpr std::string_view kTableTop = "table-top";
 
-// Plays all frames; an error only before the first.
-absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(Simulation* simulation,
-                                                      const RouteEvaluationOptions& options) {
+// Plays all frames, and notes when they were taken; an error only before the first.
+absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptions& options,
+                                                      Simulation* simulation,
+                                                      std::vector<Timestamp>* capture_times) {
   std::vector<MethodRun> runs;
   for (const Method& method : options.methods) {
     absl::StatusOr<MethodRun> run = MethodRun::Start(method);
@@ -22,6 +23,7 @@ absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(Simulation* simulation,
   const std::size_t last_sequence = simulation->route().sequences.size() - 1;
   for (std::size_t i = 0; i < simulation->frame_count(); ++i) {
     const Frame frame = simulation->Render(i);
+    capture_times->push_back(frame.capture_time);
     const bool is_last_sequence = simulation->SequenceOf(i) == last_sequence;
     for (MethodRun& run : runs) run.Integrate(frame, is_last_sequence);
     if (options.on_frame) options.on_frame(i + 1);
@@ -56,6 +58,7 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
   const Simulation first(route, options.simulation);
   evaluation.frame_count = first.frame_count();
   RouteSurvey survey = SurveyRoute(first, SurveyOptionsFor(options));
+  EventTruth event_truth = ListTrueEvents(route, survey);
   const MapScorer scorer(MakeReference(&survey, options.with_ground));
   evaluation.scored_voxels = scorer.scored_voxels();
 
@@ -63,12 +66,15 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
     SimulationOptions noise = options.simulation;
     noise.seed = options.seeds[seed];
     Simulation simulation(route, noise);
-    const absl::StatusOr<std::vector<MethodOutcome>> outcomes = PlayFrames(&simulation, options);
+    event_truth.capture_times.clear();
+    const absl::StatusOr<std::vector<MethodOutcome>> outcomes =
+        PlayFrames(options, &simulation, &event_truth.capture_times);
     if (!outcomes.ok()) return outcomes.status();
     for (std::size_t i = 0; i < outcomes->size(); ++i) {
       const MethodOutcome& outcome = (*outcomes)[i];
       MethodScore& row = evaluation.rows[i];
       row.map += scorer.Score(outcome.surface);
+      row.events += ScoreEvents(event_truth, outcome.events);
       row.memory_bytes = outcome.memory_bytes;
       row.median_frame_ms = outcome.median_frame_ms;
       if (seed == 0 && options.visit_map) options.visit_map(row.name, scorer, outcome.surface);

@@ -15,6 +15,10 @@ std::string Percent(double share, int decimals) {
   return absl::StrFormat("%.*f", decimals, 100.0 * share);
 }
 
+std::string Decimal(double value, int decimals) {
+  return std::isfinite(value) ? absl::StrFormat("%.*f", decimals, value) : "-";
+}
+
 std::string SurfaceCells(const SurfaceScore& score) {
   return absl::StrFormat("%6s %6s %5s",
                          Percent(score.precision(), 1),
@@ -46,6 +50,35 @@ std::string MethodLine(const MethodScore& row, const Evaluation& evaluation) {
                          Percent(KeptOfStatic(row, evaluation), 1),
                          static_cast<double>(row.memory_bytes) / 1e6,
                          row.median_frame_ms);
+}
+
+std::string DetectionCells(const DetectionScore& score) {
+  return absl::StrFormat("%6s %6s %5s",
+                         Percent(score.precision(), 1),
+                         Percent(score.recall(), 1),
+                         Percent(score.f1(), 1));
+}
+
+std::string EventLine(const MethodScore& row) {
+  const EventScore& events = row.events;
+  return absl::StrFormat("%-21s|%s |%s |%s |%s |%6s %6s\n",
+                         row.name,
+                         DetectionCells(events.lenient.created),
+                         DetectionCells(events.lenient.removed),
+                         DetectionCells(events.lenient.moved),
+                         DetectionCells(events.one_to_one.all()),
+                         Decimal(events.median_latency_frames(), 0),
+                         Decimal(events.false_removals_per_1000_frames(), 1));
+}
+
+std::string EventTable(const Evaluation& evaluation) {
+  std::string text =
+      "                     | created, lenient   | removed, lenient   | moved, lenient     |"
+      " all, one to one    | frames  false\n"
+      "events               |  prec. recall    F1|  prec. recall    F1|  prec. recall    F1|"
+      "  prec. recall    F1|  until /1000f\n";
+  for (const MethodScore& row : evaluation.rows) text += EventLine(row);
+  return text;
 }
 
 std::string Heading(const Evaluation& evaluation) {
@@ -81,6 +114,7 @@ std::string ScoreTable(const Evaluation& evaluation) {
                           row.recall_percent,
                           row.false_positive_percent);
   }
+  if (evaluation.has_history) text += EventTable(evaluation);
   return text;
 }
 
