@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,8 +20,11 @@ namespace steadymap {
 /// What is said of one method on one route.
 struct MethodScore {
   std::string name;
-  MapScore map;                  ///< Counts of all seeds together.
-  EventScore events;             ///< The same.
+  bool last_sequence_only = false;  ///< So it cannot notice changes, and has no events to score.
+  MapScore map;                     ///< Counts of all seeds together.
+  EventScore events;                ///< The same.
+  /// Brier score of the map's beliefs (`belief_score.h`); NaN where it has none.
+  double brier = std::numeric_limits<double>::quiet_NaN();
   std::size_t memory_bytes = 0;  ///< Of the last seed's map.
   double median_frame_ms = 0.0;  ///< Of the last seed.
 };
@@ -29,7 +33,8 @@ struct MethodScore {
 struct Evaluation {
   std::string title;  ///< Of the route or recording.
   double voxel_size_m = 0.2;
-  std::size_t frame_count = 0;  ///< A seed.
+  std::size_t frame_count = 0;    ///< A seed.
+  std::size_t skipped_count = 0;  ///< Frames of a recording that could not be used.
   std::size_t seed_count = 1;
   bool has_history = false;  ///< Whether the scores of ghosts, memory and events mean anything.
   std::size_t scored_voxels = 0;  ///< Observed voxels that count.
@@ -47,9 +52,8 @@ struct RouteEvaluationOptions {
   double voxel_size_m = 0.2;
   bool with_ground = false;  ///< Whether the ground's voxels are scored.
   std::vector<Method> methods;
-  MapVisitor visit_map;  ///< Of the first seed; may be empty.
-  std::function<void(std::size_t)>
-      on_frame;  ///< After each frame, with their number; may be empty.
+  MapVisitor visit_map;            ///< Of the first seed; may be empty.
+  std::function<void()> on_frame;  ///< After each frame; may be empty.
 };
 
 /// Plays `route` once a seed through all methods at a time and scores what they made of it. One

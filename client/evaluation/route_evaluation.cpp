@@ -26,7 +26,7 @@ absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptio
     capture_times->push_back(frame.capture_time);
     const bool is_last_sequence = simulation->SequenceOf(i) == last_sequence;
     for (MethodRun& run : runs) run.Integrate(frame, is_last_sequence);
-    if (options.on_frame) options.on_frame(i + 1);
+    if (options.on_frame) options.on_frame();
   }
   std::vector<MethodOutcome> outcomes;
   for (MethodRun& run : runs) {
@@ -53,7 +53,11 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
   evaluation.voxel_size_m = options.voxel_size_m;
   evaluation.seed_count = options.seeds.size();
   evaluation.has_history = route.sequences.size() > 1;
-  for (const Method& method : options.methods) evaluation.rows.emplace_back().name = method.name;
+  for (const Method& method : options.methods) {
+    MethodScore& row = evaluation.rows.emplace_back();
+    row.name = method.name;
+    row.last_sequence_only = method.last_sequence_only;
+  }
 
   const Simulation first(route, options.simulation);
   evaluation.frame_count = first.frame_count();

@@ -77,16 +77,22 @@ std::string EventTable(const Evaluation& evaluation) {
       " all, one to one    | frames  false\n"
       "events               |  prec. recall    F1|  prec. recall    F1|  prec. recall    F1|"
       "  prec. recall    F1|  until /1000f\n";
-  for (const MethodScore& row : evaluation.rows) text += EventLine(row);
+  for (const MethodScore& row : evaluation.rows) {
+    if (!row.last_sequence_only) text += EventLine(row);
+  }
   return text;
 }
 
 std::string Heading(const Evaluation& evaluation) {
   const SurfaceScore& near = evaluation.rows.front().map.near;
+  const std::string skipped = evaluation.skipped_count > 0
+                                  ? absl::StrFormat(" (%d more unusable)", evaluation.skipped_count)
+                                  : std::string();
   return absl::StrFormat(
-      "%s: %d frames, %d %s, voxels of %g cm, %d of them scored, %d with surface\n",
+      "%s: %d frames%s, %d %s, voxels of %g cm, %d of them scored, %d with surface\n",
       evaluation.title,
       evaluation.frame_count,
+      skipped,
       evaluation.seed_count,
       evaluation.seed_count == 1 ? "seed" : "seeds",
       100.0 * evaluation.voxel_size_m,
