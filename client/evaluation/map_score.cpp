@@ -18,6 +18,12 @@ using VoxelSet = std::unordered_set<VoxelIndex>;
 // How far apart surfaces of map and truth may be in the row `near`, in voxels.
 constexpr double kNearVoxels = 0.5;
 
+// Noise and drift of a few metres' distance put the ground up to this far from where it is.
+constexpr double kGroundNoiseM = 0.12;
+
+// What faces up as the ground does is mapped ground.
+constexpr float kMinGroundCosine = 0.7F;
+
 double Ratio(std::uint64_t part, std::uint64_t whole) {
   if (whole == 0) return std::numeric_limits<double>::quiet_NaN();
   return static_cast<double>(part) / static_cast<double>(whole);
@@ -57,10 +63,10 @@ const std::vector<Eigen::Vector3f>* FindPoints(const VoxelPoints& voxels, const 
   return found == voxels.end() ? nullptr : &found->second;
 }
 
-Share ShareNear(const VoxelPoints& voxels, const VoxelSet& ignored, const PointIndex& map) {
+Share ShareNear(const VoxelPoints& voxels, const VoxelSet& ground, const PointIndex& map) {
   Share share;
   for (const auto& [voxel, points] : voxels) {
-    if (ignored.contains(voxel)) continue;
+    if (ground.contains(voxel)) continue;
     ++share.whole;
     if (AnyNear(points, map)) ++share.part;
   }
@@ -106,12 +112,23 @@ struct MapScorer::State {
         observed(std::move(reference.observed)),
         seen(SortIntoVoxels(reference.seen, voxel_size_m)),
         unseen(VoxelsOf(reference.unseen, voxel_size_m)),
-        ignored(VoxelsOf(reference.ignored, voxel_size_m)),
+        ground(VoxelsOf(reference.ground, voxel_size_m)),
         vanished(SortIntoVoxels(reference.vanished, voxel_size_m)),
         remembered(SortIntoVoxels(reference.remembered, voxel_size_m)),
-        truth(IndexOf(reference.seen, voxel_size_m)) {
+        truth(IndexOf(reference.seen, voxel_size_m)),
+        ground_points(kGroundNoiseM) {
     truth.Add(reference.unseen);
-    truth.Add(reference.ignored);
+    truth.Add(reference.ground);
+    ground_points.Add(reference.ground);
+  }
+
+  // The surface of a map without the ground.
+  std::vector<SurfacePoint> WithoutGround(std::vector<SurfacePoint> map) const {
+    std::erase_if(map, [this](const SurfacePoint& point) {
+      return point.normal_world.z() > kMinGroundCosine &&
+             ground_points.HasNear(point.position_world);
+    });
+    return map;
   }
 
   // Calls `judge(voxel, points of the map, points of the truth, whether there is unseen truth)` for
@@ -119,7 +136,7 @@ struct MapScorer::State {
   template <typename Function>
   void ForEachCounted(const VoxelPoints& map, Function judge) const {
     observed.ForEach([&](const VoxelIndex& voxel) {
-      if (ignored.contains(voxel)) return;
+      if (ground.contains(voxel)) return;
       judge(voxel, FindPoints(map, voxel), FindPoints(seen, voxel), unseen.contains(voxel));
     });
   }
@@ -128,10 +145,11 @@ struct MapScorer::State {
   ObservedSpace observed;
   VoxelPoints seen;
   VoxelSet unseen;
-  VoxelSet ignored;
+  VoxelSet ground;
   VoxelPoints vanished;
   VoxelPoints remembered;
   PointIndex truth;  // All that is true, seen or not.
+  PointIndex ground_points;
 };
 
 MapScorer::MapScorer(Reference reference) : state_(std::make_unique<State>(std::move(reference))) {}
@@ -144,14 +162,15 @@ double MapScorer::voxel_size_m() const { return state_->voxel_size_m; }
 std::size_t MapScorer::scored_voxels() const {
   std::size_t count = 0;
   state_->observed.ForEach(
-      [&](const VoxelIndex& voxel) { count += state_->ignored.contains(voxel) ? 0U : 1U; });
+      [&](const VoxelIndex& voxel) { count += state_->ground.contains(voxel) ? 0U : 1U; });
   return count;
 }
 
 MapScore MapScorer::Score(const std::vector<SurfacePoint>& map) const {
   using Points = std::vector<Eigen::Vector3f>;
-  const VoxelPoints map_voxels = SortIntoVoxels(map, state_->voxel_size_m);
-  const PointIndex map_index = IndexOf(map, state_->voxel_size_m);
+  const std::vector<SurfacePoint> scored = state_->WithoutGround(map);
+  const VoxelPoints map_voxels = SortIntoVoxels(scored, state_->voxel_size_m);
+  const PointIndex map_index = IndexOf(scored, state_->voxel_size_m);
   MapScore score;
   state_->ForEachCounted(
       map_voxels,
@@ -170,15 +189,16 @@ MapScore MapScorer::Score(const std::vector<SurfacePoint>& map) const {
           ++score.near.empty;
         }
       });
-  score.ghosts = ShareNear(state_->vanished, state_->ignored, map_index);
-  score.kept = ShareNear(state_->remembered, state_->ignored, map_index);
+  score.ghosts = ShareNear(state_->vanished, state_->ground, map_index);
+  score.kept = ShareNear(state_->remembered, state_->ground, map_index);
   return score;
 }
 
 std::vector<JudgedVoxel> MapScorer::Judge(const std::vector<SurfacePoint>& map) const {
   using Points = std::vector<Eigen::Vector3f>;
-  const VoxelPoints map_voxels = SortIntoVoxels(map, state_->voxel_size_m);
-  const PointIndex map_index = IndexOf(map, state_->voxel_size_m);
+  const std::vector<SurfacePoint> scored = state_->WithoutGround(map);
+  const VoxelPoints map_voxels = SortIntoVoxels(scored, state_->voxel_size_m);
+  const PointIndex map_index = IndexOf(scored, state_->voxel_size_m);
   std::vector<JudgedVoxel> judged;
   state_->ForEachCounted(
       map_voxels, [&](const VoxelIndex& voxel, const Points* mapped, const Points* seen, bool) {

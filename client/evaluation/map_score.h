@@ -50,17 +50,24 @@ struct MapScore {
 
 /// What a map is compared with.
 struct Reference {
-  ObservedSpace observed;              ///< Other voxels do not count.
-  std::vector<SurfacePoint> seen{};    ///< True surface that the last run could see.
-  std::vector<SurfacePoint> unseen{};  ///< True surface that it could not: voxels with such surface
-                                       ///< only do not count.
-  std::vector<SurfacePoint> vanished{};    ///< Surface that earlier runs saw, that is no more, and
-                                           ///< that the last run looked through.
-  std::vector<SurfacePoint> remembered{};  ///< True surface that only earlier runs saw.
-  std::vector<SurfacePoint> ignored{};     ///< Voxels with such surface do not count: the ground.
+  /// Other voxels do not count.
+  ObservedSpace observed;
+  /// True surface that the last run could see.
+  std::vector<SurfacePoint> seen{};
+  /// True surface that it could not: voxels with no other true surface do not count.
+  std::vector<SurfacePoint> unseen{};
+  /// Surface that earlier runs saw, that is no more, and that the last run looked through.
+  std::vector<SurfacePoint> vanished{};
+  /// True surface that only earlier runs saw.
+  std::vector<SurfacePoint> remembered{};
+  /// Not scored: the voxels it runs through, and what of a map lies within 0.12 m of it and faces
+  /// up. There is so much ground that it would drown what the score is about.
+  std::vector<SurfacePoint> ground{};
 };
 
 /// Sorts a route's surface into what the score asks for. The survey's observed space is moved out.
+/// What lies within a voxel of true surface is not `vanished`, and what lies within a voxel of seen
+/// surface is not `remembered`: a map's surface there may stand for either.
 Reference MakeReference(RouteSurvey* survey, bool with_ground);
 
 /// What a voxel of the row `near` turned out to be.

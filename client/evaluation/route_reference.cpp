@@ -30,9 +30,9 @@ class Sorter {
     }
   }
 
-  void SortIgnored(const SurveyedPlace& place) {
+  void SortGround(const SurveyedPlace& place) {
     truth_.Add(place.points);
-    reference_->ignored.insert(reference_->ignored.end(), place.points.begin(), place.points.end());
+    reference_->ground.insert(reference_->ground.end(), place.points.begin(), place.points.end());
   }
 
   // Once all surface that stands is sorted.
@@ -78,7 +78,7 @@ Reference MakeReference(RouteSurvey* survey, bool with_ground) {
     if (is_scored(place)) {
       sorter.SortStanding(place);
     } else {
-      sorter.SortIgnored(place);
+      sorter.SortGround(place);
     }
   }
   for (const SurveyedPlace& place : survey->places) {

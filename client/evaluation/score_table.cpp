@@ -84,12 +84,13 @@ std::string EventTable(const Evaluation& evaluation) {
 }
 
 std::string Heading(const Evaluation& evaluation) {
-  const SurfaceScore& near = evaluation.rows.front().map.near;
+  const MapScore& map = evaluation.rows.front().map;
   const std::string skipped = evaluation.skipped_count > 0
                                   ? absl::StrFormat(" (%d more unusable)", evaluation.skipped_count)
                                   : std::string();
   return absl::StrFormat(
-      "%s: %d frames%s, %d %s, voxels of %g cm, %d of them scored, %d with surface\n",
+      "%s: %d frames%s, %d %s, voxels of %g cm, %d of them scored: %d true, %d vanished, "
+      "%d remembered\n",
       evaluation.title,
       evaluation.frame_count,
       skipped,
@@ -97,7 +98,9 @@ std::string Heading(const Evaluation& evaluation) {
       evaluation.seed_count == 1 ? "seed" : "seeds",
       100.0 * evaluation.voxel_size_m,
       evaluation.scored_voxels,
-      (near.found + near.missed) / evaluation.seed_count);
+      (map.near.found + map.near.missed) / evaluation.seed_count,
+      map.ghosts.whole / evaluation.seed_count,
+      map.kept.whole / evaluation.seed_count);
 }
 
 }  // namespace
