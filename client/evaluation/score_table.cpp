@@ -10,6 +10,16 @@
 namespace steadymap {
 namespace {
 
+// clang-format off
+constexpr char kMapHeading[] =
+    "                     | voxel               | near                |ghosts   kept  kept/ |    MB     ms/\n"
+    "map                  | prec. recall    FPR | prec. recall    FPR |               static |        frame\n";
+constexpr char kEventHeading[] =
+    "                     | created, lenient    | removed, lenient    | moved, lenient      | all, one to one     |frames  false\n"
+    "events               | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | until /1000f\n";
+
+// clang-format on
+
 std::string Percent(double share, int decimals) {
   if (!std::isfinite(share)) return "-";
   return absl::StrFormat("%.*f", decimals, 100.0 * share);
@@ -20,7 +30,7 @@ std::string Decimal(double value, int decimals) {
 }
 
 std::string SurfaceCells(const SurfaceScore& score) {
-  return absl::StrFormat("%6s %6s %5s",
+  return absl::StrFormat("%6s %6s %6s",
                          Percent(score.precision(), 1),
                          Percent(score.recall(), 1),
                          Percent(score.false_positive_rate(), 2));
@@ -41,7 +51,7 @@ double KeptOfStatic(const MethodScore& row, const Evaluation& evaluation) {
 }
 
 std::string MethodLine(const MethodScore& row, const Evaluation& evaluation) {
-  return absl::StrFormat("%-21s|%s |%s |%6s %6s %6s |%7.1f %6.2f\n",
+  return absl::StrFormat("%-21s|%s |%s |%6s %6s %7s |%7.1f %6.2f\n",
                          row.name,
                          SurfaceCells(row.map.voxel),
                          SurfaceCells(row.map.near),
@@ -53,7 +63,7 @@ std::string MethodLine(const MethodScore& row, const Evaluation& evaluation) {
 }
 
 std::string DetectionCells(const DetectionScore& score) {
-  return absl::StrFormat("%6s %6s %5s",
+  return absl::StrFormat("%6s %6s %6s",
                          Percent(score.precision(), 1),
                          Percent(score.recall(), 1),
                          Percent(score.f1(), 1));
@@ -72,11 +82,7 @@ std::string EventLine(const MethodScore& row) {
 }
 
 std::string EventTable(const Evaluation& evaluation) {
-  std::string text =
-      "                     | created, lenient   | removed, lenient   | moved, lenient     |"
-      " all, one to one    | frames  false\n"
-      "events               |  prec. recall    F1|  prec. recall    F1|  prec. recall    F1|"
-      "  prec. recall    F1|  until /1000f\n";
+  std::string text = kEventHeading;
   for (const MethodScore& row : evaluation.rows) {
     if (!row.last_sequence_only) text += EventLine(row);
   }
@@ -107,17 +113,13 @@ std::string Heading(const Evaluation& evaluation) {
 
 std::string ScoreTable(const Evaluation& evaluation) {
   std::string text = Heading(evaluation);
-  absl::StrAppend(&text,
-                  "                     |        voxel       |        near        |      memory"
-                  "          |   MB    ms/\n"
-                  "                     |  prec. recall   FPR|  prec. recall   FPR| ghosts   kept "
-                  "of st. |        frame\n");
+  text += kMapHeading;
   for (const MethodScore& row : evaluation.rows) {
     absl::StrAppend(&text, MethodLine(row, evaluation));
   }
   for (const ReportedScore& row : ReportedScoresFor(evaluation.title)) {
     absl::StrAppendFormat(&text,
-                          "%-21s|%6.1f %6.1f %5.1f |  as its authors reported\n",
+                          "%-21s|%6.1f %6.1f %6.1f | as its authors reported\n",
                           std::string(row.method),
                           row.precision_percent,
                           row.recall_percent,

@@ -1,0 +1,98 @@
+#include "client/evaluation/evaluation.h"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "client/evaluation/recording_evaluation.h"
+#include "client/simulator/torwic_writer.h"
+#include "tests/support/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+RouteEvaluationOptions Options(const SensorModel& sensor, std::size_t stride) {
+  RouteEvaluationOptions options;
+  options.simulation.sensor = sensor;
+  options.simulation.stride = stride;
+  options.methods = SelectMethods({}, MapConfig()).value();
+  return options;
+}
+
+const MethodScore& Row(const Evaluation& evaluation, const std::string& name) {
+  for (const MethodScore& row : evaluation.rows) {
+    if (row.name == name) return row;
+  }
+  ADD_FAILURE() << "no row " << name;
+  return evaluation.rows.front();
+}
+
+TEST(EvaluateRoute, YardsticksBracketWhatAMapCanBe) {
+  const auto evaluation =
+      EvaluateRoute(MakeRoute("1-5").value(), Options(SensorModel::Ideal(), 12));
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  const MapScore& fused = Row(*evaluation, "static").map;
+  const MapScore& fresh = Row(*evaluation, "fresh").map;
+  EXPECT_GT(fresh.near.precision(), 0.97);
+  EXPECT_GT(fresh.near.precision(), fused.near.precision() + 0.1);
+  EXPECT_GT(fused.near.recall(), 0.9);
+  EXPECT_LT(fresh.near.false_positive_rate(), 0.2 * fused.near.false_positive_rate());
+  EXPECT_GT(fused.ghosts.value(), 0.7);
+  EXPECT_LT(fresh.ghosts.value(), 0.05);
+  EXPECT_GT(fused.kept.value(), 0.8);
+  EXPECT_LT(fresh.kept.value(), 0.05);
+  EXPECT_GT(fused.ghosts.whole, 100U);
+  EXPECT_GT(fused.kept.whole, 100U);
+}
+
+TEST(EvaluateRoute, AnUnchangedRouteHasNoGhosts) {
+  RouteEvaluationOptions options = Options(SensorModel::Full(), 12);
+  options.seeds = {1, 2};
+  std::map<std::string, std::size_t> visits;
+  options.visit_map = [&visits](const std::string& method,
+                                const MapScorer&,
+                                const std::vector<SurfacePoint>&) { ++visits[method]; };
+  const auto evaluation = EvaluateRoute(MakeRoute("baseline").value(), options);
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  const MethodScore& row = Row(*evaluation, "static");
+  EXPECT_EQ(row.map.ghosts.whole, 0U);
+  EXPECT_GT(row.map.near.precision(), 0.95);
+  EXPECT_GT(row.map.near.recall(), 0.85);
+  EXPECT_GT(row.memory_bytes, 100'000U);
+  EXPECT_EQ(visits, (std::map<std::string, std::size_t>{{"static", 1}, {"fresh", 1}}));
+}
+
+TEST(EvaluateRecording, TheMapOfTheLastSequenceIsTheTruth) {
+  const TemporaryFolder folder;
+  SimulationOptions simulation;
+  simulation.sensor = SensorModel::Ideal();
+  simulation.stride = 40;
+  ASSERT_TRUE(WriteTorwicFolder(MakeRoute("1-2").value(), folder.path(), simulation).ok());
+  RecordingEvaluationOptions options;
+  options.format = "torwic";
+  options.sequences = {folder.path() / "01-baseline", folder.path() / "02-1-2"};
+  options.methods = SelectMethods({}, MapConfig()).value();
+  const auto evaluation = EvaluateRecording(options);
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  EXPECT_EQ(Row(*evaluation, "fresh").map.voxel.precision(), 1.0);
+  EXPECT_EQ(Row(*evaluation, "fresh").map.voxel.recall(), 1.0);
+  EXPECT_LT(Row(*evaluation, "static").map.voxel.precision(), 0.98);
+  EXPECT_GT(Row(*evaluation, "static").map.voxel.recall(), 0.98);
+  EXPECT_EQ(evaluation->frame_count, 20U);
+  EXPECT_FALSE(evaluation->has_history);
+}
+
+TEST(EvaluateRecording, WhatIsMissingIsAnError) {
+  RecordingEvaluationOptions options;
+  options.format = "torwic";
+  options.methods = SelectMethods({}, MapConfig()).value();
+  EXPECT_EQ(EvaluateRecording(options).status().code(), absl::StatusCode::kInvalidArgument);
+  const TemporaryFolder folder;
+  options.sequences = {folder.path() / "none"};
+  EXPECT_EQ(EvaluateRecording(options).status().code(), absl::StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,110 @@
+#include "client/evaluation/score_table.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "client/cli/evaluation_json.h"
+#include "client/evaluation/method.h"
+#include "client/evaluation/score_picture.h"
+
+namespace steadymap {
+namespace {
+
+Evaluation Example() {
+  Evaluation evaluation;
+  evaluation.title = "1-5";
+  evaluation.frame_count = 746;
+  evaluation.has_history = true;
+  MethodScore& row = evaluation.rows.emplace_back();
+  row.name = "static";
+  row.map.near = {780, 220, 991, 9, 5000};
+  row.map.voxel = {600, 400, 750, 250, 5000};
+  row.map.ghosts = {79, 100};
+  row.map.kept = {45, 50};
+  row.memory_bytes = 6'600'000;
+  row.median_frame_ms = 0.74;
+  evaluation.rows.push_back(row);
+  evaluation.rows[1].name = "fresh";
+  evaluation.rows[1].last_sequence_only = true;
+  evaluation.rows[1].map.kept = {9, 50};
+  return evaluation;
+}
+
+std::vector<std::string> LinesOf(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(ScoreTable, ShowsEveryMethodAndWhatOthersReported) {
+  const std::vector<std::string> lines = LinesOf(ScoreTable(Example()));
+  ASSERT_EQ(lines.size(), 3U + 2U + 5U + 3U);
+  EXPECT_EQ(lines[0],
+            "1-5: 746 frames, 1 seed, voxels of 20 cm, 0 of them scored: 1000 true, 100 vanished, "
+            "50 remembered");
+  EXPECT_EQ(
+      lines[3],
+      "static               |  60.0   75.0   7.41 |  78.0   99.1   4.21 |  79.0   90.0   100.0 "
+      "|    6.6   0.74");
+  EXPECT_TRUE(lines[4].starts_with("fresh ")) << lines[4];
+  EXPECT_NE(lines[4].find(" 18.0    20.0 |"), std::string::npos) << lines[4];
+  EXPECT_TRUE(lines[9].starts_with("POCD                 |  80.2   78.7    3.0 |")) << lines[9];
+  EXPECT_TRUE(lines[12].starts_with("static ")) << "fresh has no events: " << lines[12];
+}
+
+TEST(ScoreTable, LinesOfOneBlockAreAsLong) {
+  const std::vector<std::string> lines = LinesOf(ScoreTable(Example()));
+  for (const std::size_t line : {2U, 4U}) EXPECT_EQ(lines[3].size(), lines[line].size());
+  EXPECT_LE(lines[3].size(), 120U);
+  EXPECT_EQ(lines[11].size(), lines[12].size());
+}
+
+TEST(ScoreTable, OtherRoutesStandAlone) {
+  Evaluation evaluation = Example();
+  evaluation.title = "people";
+  evaluation.has_history = false;
+  EXPECT_EQ(LinesOf(ScoreTable(evaluation)).size(), 5U);
+}
+
+TEST(EvaluationJson, HoldsTheCounts) {
+  const std::string json = EvaluationJson({Example()});
+  EXPECT_NE(json.find("\"wrong_voxels\": 220"), std::string::npos);
+  EXPECT_NE(json.find("\"method\": \"POCD\""), std::string::npos);
+  EXPECT_NE(json.find("\"brier\": null"), std::string::npos);
+}
+
+TEST(SelectMethods, TheYardsticksAreAlwaysThere) {
+  const auto methods = SelectMethods({}, MapConfig());
+  ASSERT_TRUE(methods.ok()) << methods.status();
+  ASSERT_GE(methods->size(), 2U);
+  EXPECT_EQ((*methods)[0].name, "static");
+  EXPECT_EQ((*methods)[1].name, "fresh");
+  EXPECT_TRUE((*methods)[1].last_sequence_only);
+  EXPECT_EQ(SelectMethods({"fresh"}, MapConfig())->size(), 2U);
+  EXPECT_EQ(SelectMethods({"best"}, MapConfig()).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+bool HasColor(const Image<Rgb>& picture, const Rgb& color) {
+  return std::find(picture.data(), picture.data() + picture.size(), color) !=
+         picture.data() + picture.size();
+}
+
+TEST(DrawScorePicture, ShowsVerdictsInTheirColours) {
+  std::vector<JudgedVoxel> voxels;
+  for (int z = 0; z < 4; ++z) voxels.push_back({{0, 0, z}, VoxelVerdict::kWrong});
+  const Image<Rgb> picture = DrawScorePicture(voxels, 0.2, {"route, policy", "below"});
+  const Image<Rgb> empty = DrawScorePicture({}, 0.2, {"route, policy", "below"});
+  EXPECT_GE(picture.width_px(), 500);
+  EXPECT_GT(empty.width_px(), 500);
+  // Five voxels wide, so the middle of the map is the column; the legend lies outside of it.
+  const Rgb middle = picture.At(28 + 24 * 5 / 2, 84 + 24 * 5 / 2);
+  EXPECT_EQ(middle, (Rgb{213, 80, 0}));
+  EXPECT_TRUE(HasColor(empty, {70, 125, 105})) << "the legend";
+}
+
+}  // namespace
+}  // namespace steadymap
