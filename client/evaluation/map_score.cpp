@@ -157,6 +157,14 @@ MapScorer::MapScorer(Reference reference) : state_(std::make_unique<State>(std::
 MapScorer::~MapScorer() = default;
 MapScorer::MapScorer(MapScorer&&) noexcept = default;
 
+bool MapScorer::IsStillTrue(const std::vector<SurfacePoint>& surface) const {
+  const auto count =
+      std::count_if(surface.begin(), surface.end(), [this](const SurfacePoint& point) {
+        return state_->truth.HasNear(point.position_world);
+      });
+  return count > 0 && 2 * static_cast<std::size_t>(count) >= surface.size();
+}
+
 double MapScorer::voxel_size_m() const { return state_->voxel_size_m; }
 
 std::size_t MapScorer::scored_voxels() const {

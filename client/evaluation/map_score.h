@@ -97,6 +97,10 @@ class MapScorer {
   /// The verdicts behind the row `near`, in no particular order.
   std::vector<JudgedVoxel> Judge(const std::vector<SurfacePoint>& map) const;
 
+  /// Whether a thing with this surface stands where the map has it: at least half of the surface
+  /// lies within half a voxel of true surface. Nothing is not true.
+  bool IsStillTrue(const std::vector<SurfacePoint>& surface) const;
+
   double voxel_size_m() const;
 
   /// Observed voxels that count.

@@ -37,7 +37,8 @@ class ObservedSpace {
 
  private:
   static constexpr int kBlockSide = 8;
-  using Block = std::array<std::uint8_t, kBlockSide * kBlockSide * kBlockSide>;
+  static constexpr std::size_t kBlockVoxels = 512;
+  using Block = std::array<std::uint8_t, kBlockVoxels>;
 
   void MarkObserved(const VoxelIndex& voxel);
   void CastRay(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);

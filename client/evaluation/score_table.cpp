@@ -12,8 +12,8 @@ namespace {
 
 // clang-format off
 constexpr char kMapHeading[] =
-    "                     | voxel               | near                |ghosts   kept  kept/ |    MB     ms/\n"
-    "map                  | prec. recall    FPR | prec. recall    FPR |               static |        frame\n";
+    "                     | voxel               | near                |ghosts   kept   kept/ |     MB    ms/\n"
+    "map                  | prec. recall    FPR | prec. recall    FPR |               static |         frame\n";
 constexpr char kEventHeading[] =
     "                     | created, lenient    | removed, lenient    | moved, lenient      | all, one to one     |frames  false\n"
     "events               | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | until /1000f\n";

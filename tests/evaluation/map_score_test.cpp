@@ -172,6 +172,15 @@ TEST(MapScorer, JudgesTheVoxelsThatItCounts) {
   EXPECT_EQ(count(VoxelVerdict::kMissed), score.near.missed);
 }
 
+TEST(MapScorer, AThingIsTrueWhileHalfOfItsSurfaceIs) {
+  const MapScorer scorer(WallReference());
+  EXPECT_TRUE(scorer.IsStillTrue(Wall(1.05, 3)));
+  EXPECT_FALSE(scorer.IsStillTrue(Wall(1.15, 3)));
+  EXPECT_TRUE(scorer.IsStillTrue(Wall(1.0, 6)));
+  EXPECT_FALSE(scorer.IsStillTrue(Wall(1.0, 8)));
+  EXPECT_FALSE(scorer.IsStillTrue({}));
+}
+
 TEST(BrierScore, IsTheMeanSquaredError) {
   const std::vector<BeliefSample> samples = {{1.0, true}, {0.5, false}, {0.2, true}};
   EXPECT_NEAR(BrierScore(samples), (0.0 + 0.25 + 0.64) / 3.0, 1e-12);

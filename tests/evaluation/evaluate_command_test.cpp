@@ -1,0 +1,64 @@
+#include "client/cli/evaluate_command.h"
+
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "client/cli/command_line.h"
+#include "tests/support/temporary_folder.h"
+
+namespace steadymap {
+namespace {
+
+/// What the command printed and returned.
+struct Outcome {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome Evaluate(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "evaluate");
+  std::ostringstream out;
+  std::ostringstream err;
+  CommandContext context{.out = out, .err = err};
+  const int exit_code = RunCommandLine(arguments, &context);
+  return {exit_code, out.str(), err.str()};
+}
+
+TEST(EvaluateCommand, PrintsATableAndDrawsAPictureAMethod) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pictures = folder.path() / "pictures";
+  const Outcome outcome =
+      Evaluate({"--route", "twin", "--stride", "20", "--ideal", "--pictures", pictures.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(outcome.out.starts_with("twin: ")) << outcome.out;
+  for (const std::string& method : MethodNames()) {
+    EXPECT_NE(outcome.out.find("\n" + method + " "), std::string::npos) << outcome.out;
+    EXPECT_TRUE(std::filesystem::exists(pictures / ("twin-" + method + ".png"))) << method;
+  }
+}
+
+TEST(EvaluateCommand, PrintsJsonInstead) {
+  const Outcome outcome = Evaluate({"--route", "twin", "--stride", "30", "--ideal", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(outcome.out.starts_with("[\n")) << outcome.out;
+  EXPECT_NE(outcome.out.find("\"policy\": \"static\""), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("prec."), std::string::npos) << outcome.out;
+}
+
+TEST(EvaluateCommand, MisuseIsAnErrorThatSaysWhy) {
+  EXPECT_EQ(Evaluate({}).exit_code, 1);
+  EXPECT_EQ(Evaluate({"--route", "nowhere"}).exit_code, 2);
+  EXPECT_EQ(Evaluate({"--route", "twin", "--policy", "best"}).exit_code, 2);
+  EXPECT_EQ(Evaluate({"--sequence", "/nowhere"}).exit_code, 2);
+  const Outcome missing = Evaluate({"--format", "tum", "--sequence", "/nowhere"});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_NE(missing.err.find("/nowhere"), std::string::npos) << missing.err;
+}
+
+}  // namespace
+}  // namespace steadymap
