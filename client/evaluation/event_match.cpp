@@ -135,6 +135,7 @@ std::vector<std::size_t> CountMatches(const Candidates& candidates,
     taker_of_slot.insert(taker_of_slot.end(), capacities[taker] - 1, taker);
   }
   Candidates slots;
+  slots.reserve(taker_of_slot.size());
   for (const std::size_t taker : taker_of_slot) slots.push_back(candidates[taker]);
 
   std::vector<std::size_t> slot_of_candidate(candidate_count, kFree);

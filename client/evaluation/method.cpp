@@ -27,6 +27,7 @@ constexpr std::array<MethodRow, 2> kMethods = {{
 
 std::vector<std::string> MethodNames() {
   std::vector<std::string> names;
+  names.reserve(kMethods.size());
   for (const MethodRow& row : kMethods) names.emplace_back(row.name);
   return names;
 }

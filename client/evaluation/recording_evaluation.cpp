@@ -85,6 +85,7 @@ class RecordingPlayer {
 
 std::vector<MethodOutcome> FinishAll(double spacing_m, std::vector<MethodRun>* runs) {
   std::vector<MethodOutcome> outcomes;
+  outcomes.reserve(runs->size());
   for (MethodRun& run : *runs) outcomes.push_back(run.Finish(spacing_m));
   return outcomes;
 }

@@ -29,6 +29,7 @@ absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptio
     if (options.on_frame) options.on_frame();
   }
   std::vector<MethodOutcome> outcomes;
+  outcomes.reserve(runs.size());
   for (MethodRun& run : runs) {
     outcomes.push_back(run.Finish(SampleSpacingFor(options.voxel_size_m)));
   }

@@ -22,11 +22,14 @@ struct SurveyedPlace {
   std::string group;                                    ///< `SceneObject::group`.
   SceneClass semantic_class = SceneClass::kBackground;  ///< `SceneObject::semantic_class`.
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  Eigen::AlignedBox3d box_world;                 ///< Around its whole surface.
-  std::vector<SurfacePoint> points;              ///< Its surface within the robot's reach.
-  std::uint32_t stands_in = 0;                   ///< Bit k: it stands here in sequence k.
-  std::vector<std::uint32_t> seen_in;            ///< A point each. Bit k: in sequence k ...
-  std::vector<std::uint32_t> looked_through_in;  ///< ... it was seen, or something behind.
+  Eigen::AlignedBox3d box_world;     ///< Around its whole surface.
+  std::vector<SurfacePoint> points;  ///< Its surface within the robot's reach.
+  std::uint32_t stands_in = 0;       ///< Bit k: it stands here in sequence k.
+  /// A word a point. Bit k: sequence k saw it.
+  std::vector<std::uint32_t> seen_in;
+  /// A word a point. Bit k: sequence k measured depth behind it. Where there is nothing behind
+  /// there is no return, and so no evidence that it is gone.
+  std::vector<std::uint32_t> looked_through_in;
   std::vector<std::size_t> frames_in_view;  ///< Frames that saw it or looked through it, rising.
 
   bool StandsIn(std::size_t sequence) const { return ((stands_in >> sequence) & 1U) != 0; }

@@ -99,6 +99,7 @@ TEST(ScoreEvents, AGroupTakesAnEventForEachOfItsThings) {
   truth.changes[0].departure.boxes_world.push_back(BoxAt(0.5, 0));
   for (const std::vector<double>& places : {std::vector<double>{0.25}, {0.0, 0.5}}) {
     std::vector<ObjectEvent> events;
+    events.reserve(places.size());
     for (const double x : places) events.push_back(Event(EventType::kRemoved, x, 14));
     const EventScore score = ScoreEvents(truth, events);
     EXPECT_EQ(score.one_to_one.removed.precision(), 1.0);
