@@ -9,6 +9,7 @@
 
 #include "core/cuboid.h"
 #include "core/identifiers.h"
+#include "core/object_evidence.h"
 #include "core/stationarity.h"
 #include "core/timestamp.h"
 #include "core/tsdf_grid.h"
@@ -54,6 +55,7 @@ struct MapObject {
   UprightPose T_world_object;
   Cuboid cuboid;  ///< Around the surface, world frame.
   Belief belief;
+  ObjectEvidence evidence;
   Timestamp first_seen;                    ///< Capture time of the first frame that saw it.
   Timestamp last_seen;                     ///< Capture time of the last frame that agreed with it.
   std::uint64_t views = 0;                 ///< Frames that agreed with it.

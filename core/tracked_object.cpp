@@ -1,0 +1,65 @@
+#include "core/tracked_object.h"
+
+#include <vector>
+
+namespace steadymap {
+
+TrackedObject::TrackedObject(ObjectId id,
+                             const Eigen::Vector3d& position_world,
+                             const VoxelScale& scale)
+    : scale_(scale), volume_(std::make_shared<TsdfGrid>()) {
+  state_.id = id;
+  state_.T_world_object.position_world = position_world;
+}
+
+TrackedObject::TrackedObject(const MapObject& state, const VoxelScale& scale)
+    : state_(state), scale_(scale), volume_(state.volume->Clone()) {
+  state_.volume = nullptr;
+  surface_.Rebuild(*volume_, scale_);
+  UpdateBounds();
+}
+
+TsdfGrid& TrackedObject::MutableVolume() {
+  if (volume_.use_count() > 1) volume_ = volume_->Clone();
+  return *volume_;
+}
+
+void TrackedObject::UpdateSurface(std::span<const LeafOrigin> changed_leaves) {
+  if (changed_leaves.empty()) return;
+  surface_.Update(*volume_, scale_, changed_leaves);
+  UpdateBounds();
+}
+
+void TrackedObject::RebuildSurface() {
+  surface_.Rebuild(*volume_, scale_);
+  UpdateBounds();
+}
+
+void TrackedObject::UpdateBounds() {
+  Eigen::AlignedBox3f bounds;
+  for (const SurfaceLeaf& leaf : surface_.leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) bounds.extend(point.position_object);
+  }
+  bounds_object_ = bounds.cast<double>();
+}
+
+Cuboid TrackedObject::ComputeCuboid() const {
+  std::vector<Eigen::Vector3d> points_world;
+  points_world.reserve(surface_.point_count());
+  const Eigen::Isometry3d T_world_object = state_.T_world_object.ToIsometry();
+  for (const SurfaceLeaf& leaf : surface_.leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      points_world.push_back(T_world_object * point.position_object.cast<double>());
+    }
+  }
+  return FitCuboid(points_world);
+}
+
+std::shared_ptr<const MapObject> TrackedObject::Publish() const {
+  auto published = std::make_shared<MapObject>(state_);
+  published->cuboid = ComputeCuboid();
+  published->volume = volume_;
+  return published;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/geometry.h"
+#include "core/map_object.h"
+#include "core/object_surface.h"
+
+namespace steadymap {
+
+/// An object in the hands of the mapper: its published state and what is kept beside it for speed.
+class TrackedObject {
+ public:
+  /// A new object whose frame has its origin at `position_world`.
+  TrackedObject(ObjectId id, const Eigen::Vector3d& position_world, const VoxelScale& scale);
+
+  /// Goes on from a published state.
+  TrackedObject(const MapObject& state, const VoxelScale& scale);
+
+  MapObject& state() { return state_; }
+
+  const MapObject& state() const { return state_; }
+
+  ObjectId id() const { return state_.id; }
+
+  bool is_archived() const { return state_.standing == ObjectStanding::kArchived; }
+
+  const TsdfGrid& volume() const { return *volume_; }
+
+  /// The volume for writing; cloned first if a published state shares it.
+  TsdfGrid& MutableVolume();
+
+  const ObjectSurface& surface() const { return surface_; }
+
+  /// Around the surface, object frame.
+  const Box& bounds_object() const { return bounds_object_; }
+
+  /// Brings surface and bounds up to date after leaves of the volume changed.
+  void UpdateSurface(std::span<const LeafOrigin> changed_leaves);
+
+  /// The same after the whole volume changed.
+  void RebuildSurface();
+
+  /// The upright box around the surface, world frame.
+  Cuboid ComputeCuboid() const;
+
+  /// The state for publication; shares the volume.
+  std::shared_ptr<const MapObject> Publish() const;
+
+ private:
+  void UpdateBounds();
+
+  MapObject state_;
+  VoxelScale scale_;
+  std::shared_ptr<TsdfGrid> volume_;
+  ObjectSurface surface_;
+  Box bounds_object_;
+};
+
+}  // namespace steadymap
