@@ -25,9 +25,6 @@ struct CellSelection {
   CellRange range;  ///< Holds all of them.
 };
 
-/// Owner of the cells that belong to no object.
-inline constexpr std::uint32_t kBackgroundOwner = 0;
-
 /// Fuses frames into a volume: the block-projective update of platform.md. Keeps its scratch memory
 /// from frame to frame. One thread at a time.
 class TsdfIntegrator {

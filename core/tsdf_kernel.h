@@ -25,6 +25,9 @@ struct alignas(32) SurfaceCell {
   std::uint32_t owner;  ///< Whose surface it is; 0 until somebody says otherwise.
 };
 
+/// Owner of the cells that belong to no object.
+inline constexpr std::uint32_t kBackgroundOwner = 0;
+
 /// Distance from a cell to the cells that its plane is fitted through, in cells; where one side is
 /// cut off, twice as far on the other.
 inline constexpr int kSurfaceReach = 3;

@@ -142,6 +142,17 @@ bool TsdfSampler::SampleDistance(const Eigen::Vector3d& point_m, double* distanc
   return true;
 }
 
+bool TsdfSampler::SampleNearest(const Eigen::Vector3d& point_m, double* distance_m) {
+  const Eigen::Vector3d voxel = (point_m / scale_.voxel_size_m).array() + 0.5;
+  if (!(voxel.cwiseAbs().maxCoeff() < kMaxVoxelIndex)) return false;
+  const Eigen::Vector3i index = voxel.array().floor().cast<std::int32_t>();
+  const LeafView& leaf = LeafAt(LeafOf(index.x(), index.y(), index.z()));
+  const std::size_t offset = OffsetInLeaf(index.x(), index.y(), index.z());
+  if (!leaf || !IsSet(leaf.observed, offset)) return false;
+  *distance_m = static_cast<double>(leaf.distance_m[offset]);
+  return true;
+}
+
 double TsdfSampler::EmptyRun(const Eigen::Vector3d& point_m,
                              const Eigen::Vector3d& unit_direction) {
   const Eigen::Vector3d voxel = point_m / scale_.voxel_size_m;

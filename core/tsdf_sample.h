@@ -34,6 +34,10 @@ class TsdfSampler {
   /// The distance alone; false where not known.
   bool SampleDistance(const Eigen::Vector3d& point_m, double* distance_m);
 
+  /// The distance at the voxel nearest to a point, for the rim of what was observed; false where
+  /// that voxel was not.
+  bool SampleNearest(const Eigen::Vector3d& point_m, double* distance_m);
+
   /// How far a ray may go from `point_m` along `unit_direction` before it leaves a leaf that does
   /// not exist, metres; 0 if the leaf at the point exists or the point is out of range.
   double EmptyRun(const Eigen::Vector3d& point_m, const Eigen::Vector3d& unit_direction);

@@ -1,0 +1,148 @@
+#include "core/association.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+constexpr float kFitBaseM = 0.045F;
+constexpr float kFitPerSquareMetre = 0.004F;
+
+// A surface seen from behind is another one: the far side of a fence.
+constexpr double kMinNormalCosine = 0.3;
+
+/// Samples that a box covers in the picture; everything if it reaches behind the camera.
+ObjectInView CoverOf(TrackedObject* object,
+                     const Box& box,
+                     const SemanticCloud& cloud,
+                     const SampleGrid& samples) {
+  ObjectInView cover{object, 0, samples.width(), 0, samples.height()};
+  const Eigen::Isometry3d T_camera_object =
+      cloud.T_world_camera().inverse() * object->state().T_world_object.ToIsometry();
+  Eigen::Vector2d low(1e9, 1e9);
+  Eigen::Vector2d high(-1e9, -1e9);
+  bool is_ahead = false;
+  bool is_whole = true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d point_camera =
+        T_camera_object * box.corner(static_cast<Box::CornerType>(corner));
+    if (point_camera.z() < 0.05) {
+      is_whole = false;
+      continue;
+    }
+    is_ahead = true;
+    const PinholeCamera& camera = cloud.camera();
+    const Eigen::Vector2d cell(camera.fx * point_camera.x() / point_camera.z() + camera.cx,
+                               camera.fy * point_camera.y() / point_camera.z() + camera.cy);
+    low = low.cwiseMin(cell);
+    high = high.cwiseMax(cell);
+  }
+  if (!is_ahead) {
+    cover.end_column = 0;
+  } else if (is_whole) {
+    const auto clamp = [](double cell, int end) {
+      return static_cast<int>(std::clamp(cell / SampleGrid::kStrideCells, -1.0, end + 1.0));
+    };
+    cover.first_column = std::max(clamp(std::floor(low.x()), samples.width()), 0);
+    cover.end_column = std::min(clamp(std::ceil(high.x()), samples.width()) + 1, samples.width());
+    cover.first_row = std::max(clamp(std::floor(low.y()), samples.height()), 0);
+    cover.end_row = std::min(clamp(std::ceil(high.y()), samples.height()) + 1, samples.height());
+  }
+  return cover;
+}
+
+/// Offers one volume to the samples of a rectangle.
+class Claimant {
+ public:
+  Claimant(const VoxelReader& volume,
+           const VoxelScale& scale,
+           const Eigen::Isometry3d& T_volume_world,
+           std::uint32_t owner)
+      : sampler_(volume, scale), T_volume_world_(T_volume_world), owner_(owner) {}
+
+  void Claim(const SurfaceSample& sample, std::size_t index, Association* association) {
+    const Eigen::Vector3d position = T_volume_world_ * sample.position_world.cast<double>();
+    double distance_m = 0.0;
+    const bool is_inner = sampler_.SampleDistance(position, &distance_m);
+    if (!is_inner && !sampler_.SampleNearest(position, &distance_m)) return;
+    const double magnitude_m = std::abs(distance_m);
+    const auto tolerance_m = static_cast<double>(FitTolerance(sample.depth_m));
+    if (is_inner && distance_m > tolerance_m) association->is_in_front[index] = 1;
+    if (magnitude_m > tolerance_m ||
+        (association->owner[index] != Association::kNone &&
+         magnitude_m >= static_cast<double>(std::abs(association->distance_m[index])))) {
+      return;
+    }
+    const Eigen::Vector3d normal = T_volume_world_.linear() * sample.normal_world.cast<double>();
+    if (is_inner && sampler_.Sample(position).gradient.dot(normal) < kMinNormalCosine) return;
+    association->owner[index] = owner_;
+    association->distance_m[index] = static_cast<float>(distance_m);
+  }
+
+ private:
+  TsdfSampler sampler_;
+  Eigen::Isometry3d T_volume_world_;
+  std::uint32_t owner_;
+};
+
+}  // namespace
+
+float FitTolerance(float depth_m) { return kFitBaseM + kFitPerSquareMetre * depth_m * depth_m; }
+
+std::vector<ObjectInView> FindObjectsInView(const std::vector<TrackedObject*>& objects,
+                                            const SemanticCloud& cloud,
+                                            const SampleGrid& samples,
+                                            double max_range_m) {
+  std::vector<ObjectInView> in_view;
+  const Eigen::Vector3d camera_world = cloud.T_world_camera().translation();
+  for (TrackedObject* object : objects) {
+    if (object->is_archived() || object->bounds_object().isEmpty()) continue;
+    const Eigen::Vector3d camera_object =
+        object->state().T_world_object.ToIsometry().inverse() * camera_world;
+    if (object->bounds_object().exteriorDistance(camera_object) > max_range_m) continue;
+    const ObjectInView cover = CoverOf(object, object->bounds_object(), cloud, samples);
+    if (cover.first_column < cover.end_column && cover.first_row < cover.end_row) {
+      in_view.push_back(cover);
+    }
+  }
+  return in_view;
+}
+
+void AssociateSamples(const SampleGrid& samples,
+                      const std::vector<ObjectInView>& objects,
+                      const Background& background,
+                      const VoxelScale& scale,
+                      Association* association) {
+  association->owner.assign(samples.size(), Association::kNone);
+  association->distance_m.assign(samples.size(), 0.0F);
+  association->is_in_front.assign(samples.size(), 0);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectInView& view = objects[i];
+    const Eigen::Isometry3d T_object_world =
+        view.object->state().T_world_object.ToIsometry().inverse();
+    Claimant claimant(
+        view.object->volume(), scale, T_object_world, static_cast<std::uint32_t>(i + 1));
+    Eigen::AlignedBox3f bounds = view.object->bounds_object().cast<float>();
+    bounds.min().array() -= static_cast<float>(scale.truncation_m);
+    bounds.max().array() += static_cast<float>(scale.truncation_m);
+    const Eigen::Isometry3f T_object_world_f = T_object_world.cast<float>();
+    for (int row = view.first_row; row < view.end_row; ++row) {
+      for (int column = view.first_column; column < view.end_column; ++column) {
+        const std::size_t index = samples.Index(column, row);
+        const SurfaceSample& sample = samples[index];
+        if (sample.is_valid() && bounds.contains(T_object_world_f * sample.position_world)) {
+          claimant.Claim(sample, index, association);
+        }
+      }
+    }
+  }
+  Claimant claimant(background, scale, Eigen::Isometry3d::Identity(), kBackgroundOwner);
+  for (std::size_t index = 0; index < samples.size(); ++index) {
+    if (samples[index].is_valid()) claimant.Claim(samples[index], index, association);
+  }
+}
+
+}  // namespace steadymap

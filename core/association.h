@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/background.h"
+#include "core/sample_grid.h"
+#include "core/tracked_object.h"
+
+namespace steadymap {
+
+/// Whom each sample of a frame belongs to.
+struct Association {
+  /// No known surface explains the sample.
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+  /// By sample: `kNone`, `kBackgroundOwner`, or the place of the object in the list of objects
+  /// in view, plus one.
+  std::vector<std::uint32_t> owner;
+  /// By sample: signed distance from the owner's surface, metres.
+  std::vector<float> distance_m;
+  /// By sample: whether it floats in front of a known surface, where nothing was before.
+  std::vector<std::uint8_t> is_in_front;
+};
+
+/// An object that a frame may see, and where in the grid of samples.
+struct ObjectInView {
+  TrackedObject* object = nullptr;
+  int first_column = 0;
+  int end_column = 0;
+  int first_row = 0;
+  int end_row = 0;
+};
+
+/// The objects that lie at least partly in the camera's view and within `max_range_m`, in the order
+/// given; archived ones left out.
+std::vector<ObjectInView> FindObjectsInView(const std::vector<TrackedObject*>& objects,
+                                            const SemanticCloud& cloud,
+                                            const SampleGrid& samples,
+                                            double max_range_m);
+
+/// How far a sample may lie from the surface that explains it, metres: sensor noise and pose error.
+float FitTolerance(float depth_m);
+
+/// Gives each sample to the object, or the background, on whose surface it lies where it stands
+/// (identity first: nothing is moved). Where several qualify: the closest.
+void AssociateSamples(const SampleGrid& samples,
+                      const std::vector<ObjectInView>& objects,
+                      const Background& background,
+                      const VoxelScale& scale,
+                      Association* association);
+
+}  // namespace steadymap

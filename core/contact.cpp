@@ -1,0 +1,39 @@
+#include "core/contact.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace steadymap {
+namespace {
+
+bool IsObject(std::uint32_t owner) {
+  return owner != Association::kNone && owner != kBackgroundOwner;
+}
+
+}  // namespace
+
+std::vector<Contact> FindContacts(const SampleGrid& samples, const Association& association) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> counts;
+  const auto count = [&](std::size_t a, std::size_t b) {
+    const std::uint32_t first = association.owner[a];
+    const std::uint32_t second = association.owner[b];
+    if (first != second && IsObject(first) && IsObject(second) &&
+        AreConnected(samples[a], samples[b])) {
+      ++counts[std::minmax(first, second)];
+    }
+  };
+  for (int row = 0; row + 1 < samples.height(); ++row) {
+    for (int column = 0; column + 1 < samples.width(); ++column) {
+      count(samples.Index(column, row), samples.Index(column + 1, row));
+      count(samples.Index(column, row), samples.Index(column, row + 1));
+    }
+  }
+  std::vector<Contact> contacts;
+  for (const auto& [owners, found] : counts) {
+    contacts.push_back({owners.first, owners.second, found});
+  }
+  return contacts;
+}
+
+}  // namespace steadymap
