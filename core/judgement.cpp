@@ -1,0 +1,60 @@
+#include "core/judgement.h"
+
+#include <algorithm>
+
+namespace steadymap {
+namespace {
+
+// One look that finds a surface outweighs all that missed it but two: what was hidden for long and
+// is seen again must not fall to the next bad frame, nor stay doubted.
+constexpr int kDoubtThatRemains = -2;
+
+}  // namespace
+
+void AddEvidence(const ObjectVerdict& verdict,
+                 const ObjectSurface& surface,
+                 Timestamp now,
+                 ObjectEvidence* evidence) {
+  for (const CellVerdict& judged : verdict.cells) {
+    LeafEvidence& leaf = evidence->MutableLeaf(surface.leaves()[judged.leaf].origin);
+    std::int8_t& score = leaf.score[judged.cell];
+    if (judged.verdict == Verdict::kPresent) {
+      const int raised = std::max<int>(score, kDoubtThatRemains) + 1;
+      score = static_cast<std::int8_t>(std::min<int>(raised, kMaxCellScore));
+      if (now.nanoseconds() - leaf.confirmed.nanoseconds() >= kConfirmationGrainNs) {
+        leaf.confirmed = now;
+      }
+    } else {
+      score = static_cast<std::int8_t>(std::max<int>(score - 1, kMinCellScore));
+    }
+  }
+  const auto present = static_cast<double>(verdict.present);
+  const auto absent = static_cast<double>(verdict.seen_through + verdict.replaced);
+  evidence->present_cells += present;
+  evidence->absent_cells += absent;
+  evidence->absent_streak_cells = present > absent ? 0.0 : evidence->absent_streak_cells + absent;
+}
+
+bool UpdateBelief(StationarityPrior prior,
+                  Timestamp now,
+                  const JudgementParameters& parameters,
+                  MapObject* object) {
+  ObjectEvidence& evidence = object->evidence;
+  const double judged = evidence.present_cells + evidence.absent_cells;
+  if (judged < parameters.cells_per_update) return false;
+  const double absent_share = evidence.absent_cells / judged;
+  evidence.present_cells = 0.0;
+  evidence.absent_cells = 0.0;
+  if (absent_share >= parameters.absent_share) {
+    ++object->absences;
+    const double change_m = parameters.stationarity.max_change_m;
+    object->belief =
+        UpdateStationarity(object->belief, change_m, prior, parameters.stationarity).belief;
+  } else if (absent_share < parameters.present_share) {
+    object->last_seen = now;
+    object->belief = UpdateStationarity(object->belief, 0.0, prior, parameters.stationarity).belief;
+  }
+  return true;
+}
+
+}  // namespace steadymap

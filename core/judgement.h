@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/map_object.h"
+#include "core/object_surface.h"
+#include "core/timestamp.h"
+#include "core/visibility.h"
+
+namespace steadymap {
+
+/// How much evidence a belief takes to change.
+struct JudgementParameters {
+  StationarityParameters stationarity;
+  /// Share of an object's judged cells that must be gone to speak against it (theta_vis).
+  double absent_share = 0.35;
+  /// Below this share they speak for it; in between they say nothing.
+  double present_share = 0.20;
+  /// Cells to be judged before the belief is updated.
+  double cells_per_update = 15.0;
+};
+
+/// Adds what a frame taken at `now` says about each part of an object's surface to what is known.
+void AddEvidence(const ObjectVerdict& verdict,
+                 const ObjectSurface& surface,
+                 Timestamp now,
+                 ObjectEvidence* evidence);
+
+/// Turns the evidence since the last update into one measurement and updates the belief with it, if
+/// there is enough of it (evidence.md, rule C); whether there was.
+bool UpdateBelief(StationarityPrior prior,
+                  Timestamp now,
+                  const JudgementParameters& parameters,
+                  MapObject* object);
+
+}  // namespace steadymap

@@ -1,0 +1,203 @@
+#include "core/visibility.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace steadymap {
+namespace {
+
+constexpr float kMinDepthM = 0.3F;
+
+// Surface seen flatter than this is not judged: its depth changes too fast along the picture.
+constexpr float kMinCosine = 0.25F;
+
+// Measured depth must lie this far behind a surface to have seen through it: noise and pose error
+// stay below it, shifts of a decimetre do not.
+constexpr float kThroughBaseM = 0.05F;
+constexpr float kThroughPerSquareMetre = 0.007F;
+
+// Surface that was measured this close may be the one that should be there: pose error and half the
+// way between samples.
+constexpr float kPresentReachM = 0.06F;
+constexpr float kPresentReachPerMetre = 0.025F;
+
+// Nearer than this a newer surface may be the same one, badly fitted.
+constexpr float kReplacedFromM = 0.08F;
+constexpr float kReplacedCosine = 0.7F;
+
+}  // namespace
+
+void DepthTiles::Compute(const DepthImage& depth) {
+  width_ = depth.units.width_px() / kTilePx;
+  height_ = depth.units.height_px() / kTilePx;
+  nearest_m_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0F);
+  is_measured_.assign(nearest_m_.size(), 0);
+  const auto metres_per_unit = static_cast<float>(depth.metres_per_unit);
+  for (int row = 0; row < height_; ++row) {
+    for (int column = 0; column < width_; ++column) {
+      std::uint32_t nearest = std::numeric_limits<std::uint32_t>::max();
+      int returns = 0;
+      for (int v = row * kTilePx; v < (row + 1) * kTilePx; ++v) {
+        const std::uint16_t* pixels = &depth.units.At(column * kTilePx, v);
+        for (int u = 0; u < kTilePx; ++u) {
+          // No return becomes the farthest: 0 wraps round, 65535 stays.
+          const std::uint32_t units = static_cast<std::uint16_t>(pixels[u] - 1);
+          const bool is_return = units < kInvalidDepth - 1;
+          nearest = std::min(nearest, is_return ? units + 1 : nearest);
+          returns += is_return ? 1 : 0;
+        }
+      }
+      const std::size_t index = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+                                static_cast<std::size_t>(column);
+      nearest_m_[index] = returns > 0 ? static_cast<float>(nearest) * metres_per_unit
+                                      : std::numeric_limits<float>::infinity();
+      is_measured_[index] = 2 * returns >= kTilePx * kTilePx ? 1 : 0;
+    }
+  }
+}
+
+float DepthTiles::NearestAround(int column, int row) const {
+  const auto index = [this](int u, int v) {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(u);
+  };
+  if (column < 1 || row < 1 || column + 1 >= width_ || row + 1 >= height_ ||
+      is_measured_[index(column, row)] == 0) {
+    return 0.0F;
+  }
+  float nearest_m = std::numeric_limits<float>::infinity();
+  for (int v = row - 1; v <= row + 1; ++v) {
+    for (int u = column - 1; u <= column + 1; ++u) {
+      nearest_m = std::min(nearest_m, nearest_m_[index(u, v)]);
+    }
+  }
+  return nearest_m;
+}
+
+VisibilityTest::VisibilityTest(const SemanticCloud& cloud,
+                               const SampleGrid& samples,
+                               const DepthTiles& tiles,
+                               const std::vector<ObjectInView>& objects,
+                               const Association& association,
+                               const VisibilityParameters& parameters)
+    : cloud_(cloud),
+      samples_(samples),
+      tiles_(tiles),
+      objects_(objects),
+      association_(association),
+      parameters_(parameters),
+      T_camera_world_(cloud.T_world_camera().inverse().cast<float>()) {}
+
+bool VisibilityTest::IsPresent(const TrackedObject& object,
+                               int column,
+                               int row,
+                               const Eigen::Vector3f& point_world,
+                               float depth_m) const {
+  const float reach_m = kPresentReachM + kPresentReachPerMetre * depth_m;
+  for (int v = std::max(row - 1, 0); v <= std::min(row + 1, samples_.height() - 1); ++v) {
+    for (int u = std::max(column - 1, 0); u <= std::min(column + 1, samples_.width() - 1); ++u) {
+      const SurfaceSample& sample = samples_.At(u, v);
+      if (!sample.is_valid() || sample.label != object.state().class_id.value()) continue;
+      const Eigen::Vector3f way = point_world - sample.position_world;
+      if (way.squaredNorm() < reach_m * reach_m &&
+          std::abs(way.dot(sample.normal_world)) < FitTolerance(depth_m)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool VisibilityTest::IsReplaced(const TrackedObject& object,
+                                LeafOrigin leaf,
+                                std::size_t sample_index,
+                                const Eigen::Vector3f& point_world,
+                                const Eigen::Vector3f& normal_world) const {
+  const std::uint32_t owner = association_.owner[sample_index];
+  if (owner == Association::kNone || owner == kBackgroundOwner) return false;
+  const MapObject& newer = objects_[owner - 1].object->state();
+  if (newer.id == object.id() || newer.standing != ObjectStanding::kPresent ||
+      newer.class_id != object.state().class_id) {
+    return false;
+  }
+  const SurfaceSample& sample = samples_[sample_index];
+  const float ahead_m = (sample.position_world - point_world).dot(normal_world);
+  if (ahead_m < kReplacedFromM || ahead_m > static_cast<float>(parameters_.replaced_within_m) ||
+      sample.normal_world.dot(normal_world) < kReplacedCosine) {
+    return false;
+  }
+  const Timestamp confirmed = object.state().evidence.ConfirmedAt(leaf);
+  return newer.first_seen.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
+}
+
+bool VisibilityTest::JudgePoint(const TrackedObject& object,
+                                LeafOrigin leaf,
+                                const Eigen::Vector3f& point_world,
+                                const Eigen::Vector3f& normal_world,
+                                Verdict* verdict) const {
+  const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
+  const float depth_m = point_camera.z();
+  if (depth_m < kMinDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) return false;
+  const Eigen::Vector3f normal_camera = T_camera_world_.linear() * normal_world;
+  if (-normal_camera.dot(point_camera) < kMinCosine * point_camera.norm()) return false;
+  const PinholeCamera& camera = cloud_.camera();
+  const float u = static_cast<float>(camera.fx) * point_camera.x() / depth_m +
+                  static_cast<float>(camera.cx) + 0.5F;
+  const float v = static_cast<float>(camera.fy) * point_camera.y() / depth_m +
+                  static_cast<float>(camera.cy) + 0.5F;
+  if (u < 0.0F || v < 0.0F) return false;
+  const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
+  const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
+  if (column >= samples_.width() || row >= samples_.height()) return false;
+  if (IsPresent(object, column, row, point_world, depth_m)) {
+    *verdict = Verdict::kPresent;
+    return true;
+  }
+  const float nearest_m = tiles_.NearestAround(column, row);
+  if (nearest_m > depth_m + kThroughBaseM + kThroughPerSquareMetre * depth_m * depth_m) {
+    *verdict = Verdict::kSeenThrough;
+    return true;
+  }
+  if (IsReplaced(object, leaf, samples_.Index(column, row), point_world, normal_world)) {
+    *verdict = Verdict::kReplaced;
+    return true;
+  }
+  return false;
+}
+
+ObjectVerdict VisibilityTest::Judge(const TrackedObject& object) const {
+  ObjectVerdict result;
+  const Eigen::Isometry3f T_world_object = object.state().T_world_object.ToIsometry().cast<float>();
+  const std::vector<SurfaceLeaf>& leaves = object.surface().leaves();
+  for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
+    // Votes of each cell's points, by verdict.
+    std::array<std::array<std::uint8_t, 3>, kEvidenceCells> votes{};
+    for (const SurfaceVoxel& point : leaves[leaf].points) {
+      Verdict verdict = Verdict::kPresent;
+      if (JudgePoint(object,
+                     leaves[leaf].origin,
+                     T_world_object * point.position_object,
+                     T_world_object.linear() * point.normal_object,
+                     &verdict)) {
+        ++votes[point.cell][static_cast<std::size_t>(verdict)];
+      }
+    }
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      const auto& [present, seen_through, replaced] = votes[cell];
+      if (present + seen_through + replaced == 0) continue;
+      Verdict verdict = Verdict::kPresent;
+      if (present == 0) {
+        verdict = seen_through > 0 ? Verdict::kSeenThrough : Verdict::kReplaced;
+      }
+      result.cells.push_back({leaf, static_cast<std::uint8_t>(cell), verdict});
+      result.present += verdict == Verdict::kPresent ? 1U : 0U;
+      result.seen_through += verdict == Verdict::kSeenThrough ? 1U : 0U;
+      result.replaced += verdict == Verdict::kReplaced ? 1U : 0U;
+    }
+  }
+  return result;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/association.h"
+#include "core/frame.h"
+#include "core/sample_grid.h"
+#include "core/tracked_object.h"
+
+namespace steadymap {
+
+/// Nearest raw depth by tiles of pixels, one tile a sample of the grid. Depth beyond what is fused
+/// counts too: one can look through a place from further away than one can map it.
+class DepthTiles {
+ public:
+  /// Pixels of a tile's side.
+  static constexpr int kTilePx = 2 * SampleGrid::kStrideCells;
+
+  void Compute(const DepthImage& depth);
+
+  /// Nearest depth in the tile and its eight neighbours, metres; 0 if half of the tile itself has
+  /// no return.
+  float NearestAround(int column, int row) const;
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<float> nearest_m_;  ///< Infinite without any return.
+  std::vector<std::uint8_t> is_measured_;
+};
+
+/// What a frame says about one evidence cell of an object.
+enum class Verdict : std::uint8_t {
+  kPresent,      ///< Surface was measured where it should be.
+  kSeenThrough,  ///< Depth was measured behind it.
+  kReplaced,     ///< Newer surface stands closer in front of it than anything fits between.
+};
+
+/// The verdict on one evidence cell.
+struct CellVerdict {
+  std::size_t leaf = 0;   ///< Place among the leaves of the object's surface.
+  std::uint8_t cell = 0;  ///< In that leaf.
+  Verdict verdict = Verdict::kPresent;
+};
+
+/// What a frame says about one object.
+struct ObjectVerdict {
+  std::vector<CellVerdict> cells;  ///< Judged cells only: what is hidden or out of view is not.
+  std::size_t present = 0;
+  std::size_t seen_through = 0;
+  std::size_t replaced = 0;
+
+  std::size_t judged() const { return present + seen_through + replaced; }
+};
+
+/// How objects are judged.
+struct VisibilityParameters {
+  /// Objects are judged up to this depth, metres.
+  double max_depth_m = 5.0;
+  /// Surface this far behind a newer surface of its class is taken as replaced, metres; 0: never.
+  double replaced_within_m = 0.45;
+};
+
+/// Judges the surface of each object in view against a frame (pocd.md section 2, step 4: by depth,
+/// not by frustum).
+class VisibilityTest {
+ public:
+  VisibilityTest(const SemanticCloud& cloud,
+                 const SampleGrid& samples,
+                 const DepthTiles& tiles,
+                 const std::vector<ObjectInView>& objects,
+                 const Association& association,
+                 const VisibilityParameters& parameters);
+
+  ObjectVerdict Judge(const TrackedObject& object) const;
+
+ private:
+  bool JudgePoint(const TrackedObject& object,
+                  LeafOrigin leaf,
+                  const Eigen::Vector3f& point_world,
+                  const Eigen::Vector3f& normal_world,
+                  Verdict* verdict) const;
+  bool IsPresent(const TrackedObject& object,
+                 int column,
+                 int row,
+                 const Eigen::Vector3f& point_world,
+                 float depth_m) const;
+  bool IsReplaced(const TrackedObject& object,
+                  LeafOrigin leaf,
+                  std::size_t sample_index,
+                  const Eigen::Vector3f& point_world,
+                  const Eigen::Vector3f& normal_world) const;
+
+  const SemanticCloud& cloud_;
+  const SampleGrid& samples_;
+  const DepthTiles& tiles_;
+  const std::vector<ObjectInView>& objects_;
+  const Association& association_;
+  VisibilityParameters parameters_;
+  Eigen::Isometry3f T_camera_world_;
+};
+
+}  // namespace steadymap
