@@ -72,12 +72,13 @@ void CheckClasses(const std::vector<SemanticClass>& classes, Violations* violati
 std::vector<SemanticClass> TorwicClasses() {
   using enum ClassMotion;
   std::vector<SemanticClass> classes;
-  const auto add = [&classes](const char* name, ClassMotion motion) {
-    classes.push_back({ClassId(static_cast<std::uint16_t>(classes.size())), name, motion});
+  const auto add = [&classes](const char* name, ClassMotion motion, bool in_background = false) {
+    classes.push_back(
+        {ClassId(static_cast<std::uint16_t>(classes.size())), name, motion, in_background});
   };
-  add("background", kStatic);
-  add("driveable ground", kStatic);
-  add("ceiling", kStatic);
+  add("background", kStatic, /*in_background=*/true);
+  add("driveable ground", kStatic, /*in_background=*/true);
+  add("ceiling", kStatic, /*in_background=*/true);
   add("ego vehicle", kDynamic);
   add("wall/fence/pillar", kStatic);
   add("misc static feature", kStatic);

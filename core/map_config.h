@@ -13,6 +13,7 @@ namespace steadymap {
 /// How a map decides what to believe.
 enum class UpdatePolicy {
   kStatic,  ///< Every frame is fused, nothing is ever removed.
+  kPocd,    ///< Objects with a belief each, whether they still stand where they stood.
 };
 
 /// Whether things of a class move on their own.
@@ -27,6 +28,9 @@ struct SemanticClass {
   ClassId id;        ///< The value in label images.
   std::string name;  ///< For people, 1 to 64 characters.
   ClassMotion motion = ClassMotion::kStatic;
+  /// Whether its surfaces belong to the background instead of forming objects: ground, ceiling, and
+  /// whatever has no class.
+  bool in_background = false;
 
   friend bool operator==(const SemanticClass&, const SemanticClass&) = default;
 };

@@ -26,7 +26,7 @@ PackedLeaves PackAll(const MapSnapshot& snapshot) {
 
 MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after) {
   assert(before.scale == after.scale);
-  MapDelta delta{before.revision, after.revision, after.last_capture_time, {}};
+  MapDelta delta{before.revision, after.revision, after.last_capture_time, {}, {}};
   PackedLeaves changes = PackAll(after);
   for (const auto& [key, packed] : PackAll(before)) {
     const auto [change, vanished] = changes.try_emplace(key);
@@ -59,7 +59,8 @@ absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
 
 MapDelta Merge(const MapDelta& first, const MapDelta& second) {
   assert(first.to == second.from);
-  MapDelta merged{first.from, second.to, second.last_capture_time, {}};
+  MapDelta merged{first.from, second.to, second.last_capture_time, {}, first.events};
+  merged.events.insert(merged.events.end(), second.events.begin(), second.events.end());
   merged.leaves.reserve(first.leaves.size() + second.leaves.size());
   auto older = first.leaves.begin();
   for (const LeafChange& newer : second.leaves) {

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <map>
+#include <memory>
+
 #include "core/background.h"
 #include "core/identifiers.h"
+#include "core/map_object.h"
 #include "core/timestamp.h"
 #include "core/voxel_leaf.h"
 
@@ -17,6 +21,7 @@ struct MapSnapshot {
   Timestamp last_capture_time;  ///< Of the newest frame; the epoch while there is none.
   VoxelScale scale;
   Background background;
+  std::map<ObjectId, std::shared_ptr<const MapObject>> objects;  ///< Archived ones included.
 };
 
 }  // namespace steadymap

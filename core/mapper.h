@@ -11,6 +11,7 @@
 #include "core/map_config.h"
 #include "core/map_delta.h"
 #include "core/map_snapshot.h"
+#include "core/object_mapper.h"
 #include "core/semantic_cloud.h"
 #include "core/tsdf_integrator.h"
 
@@ -52,14 +53,17 @@ class Mapper {
  private:
   explicit Mapper(const MapConfig& config);
 
+  void TakeObjectChanges(MapDelta* delta);
+
   MapConfig config_;
   SemanticCloud cloud_;  ///< Of the frame at hand.
   TsdfIntegrator integrator_;
-  MapSnapshot map_;  ///< The working state; ahead of the last commit.
+  std::unique_ptr<ObjectMapper> object_mapper_;  ///< Null for policies without objects.
+  MapSnapshot map_;                              ///< The working state; ahead of the last commit.
   MapSequence head_;
   Revision committed_;
   std::size_t uncommitted_frames_ = 0;
-  std::vector<LeafOrigin> changed_leaves_;  ///< Since the last commit, with repetitions.
+  std::vector<LeafKey> changed_leaves_;  ///< Since the last commit, with repetitions.
 };
 
 }  // namespace steadymap

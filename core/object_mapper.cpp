@@ -1,0 +1,384 @@
+#include "core/object_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/cell_ownership.h"
+#include "core/class_votes.h"
+#include "core/contact.h"
+#include "core/ground.h"
+#include "core/object_parts.h"
+
+namespace steadymap {
+namespace {
+
+// A view counts when at least so many samples fit.
+constexpr std::size_t kMinFittingSamples = 12;
+
+// Free space ends this far before what was measured.
+constexpr double kFreeMarginM = 0.15;
+
+// Free space this deep inside a surface was free before the surface came.
+constexpr float kInsideM = 0.08F;
+
+}  // namespace
+
+ObjectMapper::ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters)
+    : config_(config),
+      parameters_(parameters),
+      scale_{config.voxel_size_m, config.truncation_m},
+      free_space_(2.0 * config.voxel_size_m) {}
+
+void ObjectMapper::Process(Revision revision,
+                           const Frame& frame,
+                           SemanticCloud* cloud,
+                           TsdfIntegrator* integrator,
+                           Background* background) {
+  revision_ = revision;
+  frame_ = &frame;
+  cloud_ = cloud;
+  samples_.Compute(*cloud);
+  tiles_.Compute(frame.depth);
+  FindOwners(*background);
+  JudgeObjects();
+  observations_ = FindObservations(samples_, association_);
+  PlaceObservations();
+  CountViews();
+  GiveCellsToOwners(samples_, association_, cloud_);
+  Integrate(integrator, background);
+  MergeConnected();
+  ConfirmAndForget();
+  FindMoves();
+  MarkFreeSpace();
+}
+
+ObjectChanges ObjectMapper::TakeChanges() { return std::exchange(changes_, {}); }
+
+const SemanticClass* ObjectMapper::FindClass(std::uint16_t label) const {
+  for (const SemanticClass& row : config_.classes) {
+    if (row.id.value() == label) return &row;
+  }
+  return nullptr;
+}
+
+bool ObjectMapper::IsInBackground(std::uint16_t label) const {
+  const SemanticClass* row = FindClass(label);
+  return row == nullptr || row->in_background;
+}
+
+void ObjectMapper::FindOwners(const Background& background) {
+  std::vector<TrackedObject*> candidates;
+  for (auto& [id, object] : objects_) candidates.push_back(&object);
+  in_view_ = FindObjectsInView(candidates, *cloud_, samples_, parameters_.visibility.max_depth_m);
+  AssociateSamples(samples_, in_view_, background, scale_, &association_);
+  const double camera_height_m = cloud_->T_world_camera().translation().z();
+  if (const std::optional<double> ground = FindGroundHeight(samples_, camera_height_m)) {
+    AssignGround(samples_, *ground, &association_);
+  }
+}
+
+void ObjectMapper::JudgeObjects() {
+  const VisibilityTest test(
+      *cloud_, samples_, tiles_, in_view_, association_, parameters_.visibility);
+  std::vector<ObjectVerdict> verdicts;
+  verdicts.reserve(in_view_.size());
+  for (const ObjectInView& view : in_view_) verdicts.push_back(test.Judge(*view.object));
+  for (std::size_t i = 0; i < in_view_.size(); ++i) {
+    if (verdicts[i].judged() == 0) continue;
+    TrackedObject* object = in_view_[i].object;
+    AddEvidence(verdicts[i], object->surface(), frame_->capture_time, &object->state().evidence);
+    changes_.objects.insert(object->id());
+    DecideOn(object);
+  }
+}
+
+/// Updates the belief in an object, and removes it or what is gone of it.
+void ObjectMapper::DecideOn(TrackedObject* object) {
+  MapObject& state = object->state();
+  const SemanticClass* row = FindClass(state.class_id.value());
+  const StationarityPrior prior = row == nullptr || row->motion == ClassMotion::kStatic
+                                      ? StationarityPrior::kStays
+                                      : StationarityPrior::kMoves;
+  if (!UpdateBelief(prior, frame_->capture_time, parameters_.judgement, &state)) return;
+  if (state.belief.stationarity() < parameters_.min_stationarity) {
+    Archive(object, EventReason::kSeenThrough);
+  } else {
+    RemoveGoneParts(object);
+  }
+}
+
+void ObjectMapper::Archive(TrackedObject* object, EventReason reason) {
+  MapObject& state = object->state();
+  if (state.standing == ObjectStanding::kPresent) {
+    changes_.events.push_back(MakeEvent(EventType::kRemoved, reason, *object));
+  }
+  state.standing = ObjectStanding::kArchived;
+  changes_.objects.insert(state.id);
+}
+
+/// Cuts off what frames have found gone again and again while the rest of the object stands. The
+/// part becomes an archived object of its own.
+void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
+  std::size_t gone = 0;
+  std::size_t doubted = 0;
+  for (const LeafEvidence& leaf : object->state().evidence.leaves) {
+    for (const std::int8_t score : leaf.score) {
+      gone += score <= -parameters_.gone_score ? 1U : 0U;
+      doubted += score < 0 ? 1U : 0U;
+    }
+  }
+  // While more cells are on their way, the part is not known yet.
+  if (gone < parameters_.min_gone_cells || 2 * doubted > 3 * gone) return;
+  last_id_ = last_id_.Next();
+  TrackedObject& part =
+      objects_
+          .try_emplace(last_id_, last_id_, object->state().T_world_object.position_world, scale_)
+          .first->second;
+  part.state() = object->state();
+  part.state().id = last_id_;
+  part.state().evidence = {};
+  part.state().standing = ObjectStanding::kArchived;
+  for (const LeafOrigin& origin : MoveGoneVoxels(-parameters_.gone_score, object, &part)) {
+    changes_.leaves.push_back({object->id(), origin});
+    changes_.leaves.push_back({part.id(), origin});
+  }
+  changes_.objects.insert(part.id());
+  if (object->state().standing != ObjectStanding::kPresent ||
+      gone < parameters_.min_reported_cells) {
+    return;
+  }
+  ObjectEvent split = MakeEvent(EventType::kSplit, EventReason::kDisconnected, *object);
+  split.related = part.id();
+  changes_.events.push_back(split);
+  changes_.events.push_back(MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, part));
+}
+
+void ObjectMapper::PlaceObservations() {
+  for (const Observation& observation : observations_) {
+    const std::uint32_t owner = ChooseOwner(observation);
+    if (owner == Association::kNone) continue;
+    for (const std::size_t index : observation.samples) association_.owner[index] = owner;
+  }
+}
+
+bool ObjectMapper::IsRecent(const MapObject& state) const {
+  return frame_->capture_time.seconds() - state.first_seen.seconds() < parameters_.recent_s;
+}
+
+/// Makes one of objects whose surfaces were found connected on one visit.
+void ObjectMapper::MergeConnected() {
+  if (parameters_.merging_contacts == 0) return;
+  for (const Contact& contact : FindContacts(samples_, association_)) {
+    if (contact.samples < parameters_.merging_contacts) continue;
+    TrackedObject* a = in_view_[contact.first - 1].object;
+    TrackedObject* b = in_view_[contact.second - 1].object;
+    const double apart_s = a->state().first_seen.seconds() - b->state().first_seen.seconds();
+    if (a->is_archived() || b->is_archived() || a->state().class_id != b->state().class_id ||
+        std::abs(apart_s) > parameters_.recent_s || !ShareLattice(a->state(), b->state())) {
+      continue;
+    }
+    const bool a_is_older = a->id() < b->id();
+    Merge(a_is_older ? a : b, a_is_older ? b : a);
+  }
+}
+
+void ObjectMapper::Merge(TrackedObject* into, TrackedObject* from) {
+  MapObject& state = into->state();
+  MapObject& other = from->state();
+  const MovedLeaves moved = CopyVoxels(*from, scale_, into);
+  for (const LeafOrigin& origin : moved.into) changes_.leaves.push_back({state.id, origin});
+  state.first_seen = std::min(state.first_seen, other.first_seen);
+  state.last_seen = std::max(state.last_seen, other.last_seen);
+  state.views = std::max(state.views, other.views);
+  if (other.standing == ObjectStanding::kPresent) {
+    ObjectEvent event = MakeEvent(EventType::kMerged, EventReason::kConnected, *from);
+    event.related = state.id;
+    changes_.events.push_back(event);
+  }
+  other.standing = ObjectStanding::kArchived;
+  changes_.objects.insert(state.id);
+  changes_.objects.insert(other.id);
+}
+
+bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
+  std::size_t free = 0;
+  for (const std::size_t index : observation.samples) {
+    const SurfaceSample& sample = samples_[index];
+    const Eigen::Vector3f inside_world = sample.position_world - kInsideM * sample.normal_world;
+    if (association_.is_in_front[index] != 0 || free_space_.IsFree(inside_world.cast<double>())) {
+      ++free;
+    }
+  }
+  return static_cast<double>(free) >
+         parameters_.free_share * static_cast<double>(observation.samples.size());
+}
+
+std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
+  if (observation.instance == 0 && IsInBackground(observation.label)) return kBackgroundOwner;
+  const bool is_free = IsInFreeSpace(observation);
+  const bool is_small = observation.area_m2 < parameters_.min_new_area_m2;
+  for (const BorderContact& contact : observation.contacts) {
+    if (contact.owner == kBackgroundOwner) continue;
+    const MapObject& state = in_view_[contact.owner - 1].object->state();
+    if (state.standing == ObjectStanding::kArchived) continue;
+    if (is_free && !IsRecent(state)) continue;
+    if (is_small || state.class_id.value() == observation.label) return contact.owner;
+  }
+  if (is_small) return Association::kNone;
+  return AddObject(observation);
+}
+
+std::uint32_t ObjectMapper::AddObject(const Observation& observation) {
+  Eigen::Vector3d mean_world = Eigen::Vector3d::Zero();
+  for (const std::size_t index : observation.samples) {
+    mean_world += samples_[index].position_world.cast<double>();
+  }
+  mean_world /= static_cast<double>(observation.samples.size());
+  const Eigen::Vector3d leaf_index = mean_world.array() / scale_.leaf_size_m();
+  const Eigen::Vector3d origin_world = leaf_index.array().round() * scale_.leaf_size_m();
+  last_id_ = last_id_.Next();
+  TrackedObject& object =
+      objects_.try_emplace(last_id_, last_id_, origin_world, scale_).first->second;
+  MapObject& state = object.state();
+  state.class_id = ClassId(observation.label);
+  state.belief = InitialBelief(parameters_.initial_stationarity);
+  state.first_seen = frame_->capture_time;
+  state.last_seen = frame_->capture_time;
+  in_view_.push_back({&object, 0, samples_.width(), 0, samples_.height()});
+  return static_cast<std::uint32_t>(in_view_.size());
+}
+
+/// Counts the frame for the objects it shows, with a vote on their class.
+void ObjectMapper::CountViews() {
+  fitting_samples_.assign(in_view_.size(), 0);
+  std::vector<std::map<ClassId, std::size_t>> samples_by_class(in_view_.size());
+  for (std::size_t index = 0; index < samples_.size(); ++index) {
+    const std::uint32_t owner = association_.owner[index];
+    if (!samples_[index].is_valid() || owner == Association::kNone || owner == kBackgroundOwner) {
+      continue;
+    }
+    ++fitting_samples_[owner - 1];
+    const std::uint16_t label = samples_[index].label;
+    if (!IsInBackground(label)) ++samples_by_class[owner - 1][ClassId(label)];
+  }
+  for (std::size_t i = 0; i < in_view_.size(); ++i) {
+    if (fitting_samples_[i] < kMinFittingSamples) continue;
+    MapObject& state = in_view_[i].object->state();
+    ++state.views;
+    if (state.standing == ObjectStanding::kTentative) state.last_seen = frame_->capture_time;
+    AddVotes(samples_by_class[i], &state);
+    changes_.objects.insert(state.id);
+  }
+}
+
+void ObjectMapper::Integrate(TsdfIntegrator* integrator, Background* background) {
+  std::vector<LeafOrigin> changed;
+  integrator->Integrate(*cloud_, background, &changed);
+  for (const LeafOrigin& origin : changed) changes_.leaves.push_back({kBackgroundId, origin});
+  for (std::size_t i = 0; i < in_view_.size(); ++i) {
+    TrackedObject* object = in_view_[i].object;
+    if (fitting_samples_[i] == 0 || object->is_archived()) continue;
+    changed.clear();
+    const ObjectInView& view = in_view_[i];
+    const CellSelection selection{static_cast<std::uint32_t>(i + 1),
+                                  {0, cloud_->cells_wide(), 0, cloud_->cells_high()}};
+    integrator->Integrate(*cloud_,
+                          selection,
+                          view.object->state().T_world_object.ToIsometry(),
+                          &object->MutableVolume(),
+                          &changed);
+    for (const LeafOrigin& origin : changed) changes_.leaves.push_back({object->id(), origin});
+    object->UpdateSurface(changed);
+  }
+}
+
+void ObjectMapper::ConfirmAndForget() {
+  for (auto next = objects_.begin(); next != objects_.end();) {
+    auto& [id, object] = *next++;
+    MapObject& state = object.state();
+    if (state.standing != ObjectStanding::kTentative) continue;
+    if (state.views >= parameters_.confirming_views) {
+      state.standing = ObjectStanding::kPresent;
+      changes_.events.push_back(MakeEvent(EventType::kCreated, EventReason::kNewSurface, object));
+      changes_.objects.insert(id);
+    } else if (frame_->capture_time.seconds() - state.last_seen.seconds() >
+               parameters_.tentative_age_s) {
+      state.standing = ObjectStanding::kArchived;
+      changes_.objects.insert(id);
+    }
+  }
+}
+
+bool ObjectMapper::IsSameThing(const TrackedObject& before, const TrackedObject& after) const {
+  const Cuboid a = before.ComputeCuboid();
+  const Cuboid b = after.ComputeCuboid();
+  const auto sides = [](const Cuboid& cuboid) {
+    const auto [shorter, longer] = std::minmax(cuboid.size_m.x(), cuboid.size_m.y());
+    return Eigen::Vector3d(shorter, longer, cuboid.size_m.z());
+  };
+  return (a.center_world - b.center_world).norm() <= parameters_.move_distance_m &&
+         (sides(a) - sides(b)).cwiseAbs().maxCoeff() <= parameters_.move_size_tolerance_m;
+}
+
+/// Takes an object that vanishes next to where one like it appeared as moved.
+void ObjectMapper::FindMoves() {
+  for (const ObjectInView& view : in_view_) {
+    const TrackedObject& after = *view.object;
+    const MapObject& state = after.state();
+    if (state.standing != ObjectStanding::kPresent || state.views < parameters_.move_views ||
+        !IsRecent(state)) {
+      continue;
+    }
+    for (const ObjectInView& other : in_view_) {
+      TrackedObject* before = other.object;
+      const MapObject& old = before->state();
+      if (old.standing != ObjectStanding::kPresent || old.class_id != state.class_id ||
+          old.evidence.absent_streak_cells < parameters_.move_absent_cells ||
+          old.first_seen >= state.first_seen || !IsSameThing(*before, after)) {
+        continue;
+      }
+      ObjectEvent event = MakeEvent(EventType::kMoved, EventReason::kDisplaced, *before);
+      event.old_center_world = event.center_world;
+      event.center_world = after.ComputeCuboid().center_world;
+      event.related = after.id();
+      changes_.events.push_back(event);
+      before->state().standing = ObjectStanding::kArchived;
+      changes_.objects.insert(before->id());
+    }
+  }
+}
+
+void ObjectMapper::MarkFreeSpace() {
+  constexpr int kStride = 2;
+  const Eigen::Vector3d camera_world = cloud_->T_world_camera().translation();
+  for (int row = 0; row < samples_.height(); row += kStride) {
+    for (int column = 0; column < samples_.width(); column += kStride) {
+      const SurfaceSample& sample = samples_.At(column, row);
+      if (!sample.is_valid()) continue;
+      const Eigen::Vector3d way = sample.position_world.cast<double>() - camera_world;
+      const double length_m = way.norm();
+      if (length_m < 2.0 * kFreeMarginM) continue;
+      free_space_.MarkRay(camera_world + way * (kFreeMarginM / length_m),
+                          camera_world + way * (1.0 - kFreeMarginM / length_m),
+                          &changes_.free_blocks);
+    }
+  }
+}
+
+ObjectEvent ObjectMapper::MakeEvent(EventType type,
+                                    EventReason reason,
+                                    const TrackedObject& object) const {
+  ObjectEvent event;
+  event.type = type;
+  event.reason = reason;
+  event.object = object.id();
+  event.class_id = object.state().class_id;
+  event.time = frame_->capture_time;
+  event.revision = revision_;
+  event.center_world = object.ComputeCuboid().center_world;
+  event.after = object.state().belief;
+  return event;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/association.h"
+#include "core/background.h"
+#include "core/frame.h"
+#include "core/free_space.h"
+#include "core/judgement.h"
+#include "core/map_config.h"
+#include "core/map_delta.h"
+#include "core/object_event.h"
+#include "core/observation.h"
+#include "core/sample_grid.h"
+#include "core/semantic_cloud.h"
+#include "core/tracked_object.h"
+#include "core/tsdf_integrator.h"
+#include "core/visibility.h"
+
+namespace steadymap {
+
+/// How objects come, are judged and go. Defaults: TorWIC (pocd.md section 5), and what evidence.md
+/// found.
+struct ObjectMapperParameters {
+  JudgementParameters judgement;
+  VisibilityParameters visibility;
+  /// E[v] of a new object.
+  double initial_stationarity = 0.67;
+  /// Objects below this E[v] leave the map (theta_stat).
+  double min_stationarity = 0.40;
+  /// Smallest surface that becomes an object, square metres.
+  double min_new_area_m2 = 0.06;
+  /// Frames that must agree with a new object before it is part of the map.
+  std::uint64_t confirming_views = 4;
+  /// A tentative object that was not seen for so long is forgotten, seconds.
+  double tentative_age_s = 10.0;
+  /// Share of an observation that must lie in known free space to be a new thing rather than more
+  /// of an old one.
+  double free_share = 0.4;
+  /// Surface that touches an object which was first seen less long ago is more of it, even in what
+  /// was free space before, seconds.
+  double recent_s = 20.0;
+  /// Objects of one class and one visit become one where so many neighbouring samples are
+  /// connected; 0: never.
+  std::size_t merging_contacts = 8;
+  /// A part of an object is cut off when its cells were found gone in so many more frames than not.
+  int gone_score = 5;
+  /// An object that stands no further than this from where another one vanishes may be it, metres.
+  double move_distance_m = 0.9;
+  /// Cells of the old place that must be found gone, and none found there again.
+  double move_absent_cells = 8.0;
+  /// Frames that must have seen the new place.
+  std::uint64_t move_views = 10;
+  /// Sides of the same thing differ by no more than this, metres.
+  double move_size_tolerance_m = 0.2;
+  /// Fewest connected cells that are cut off.
+  std::size_t min_gone_cells = 8;
+  /// Fewest cells whose loss is told as an event.
+  std::size_t min_reported_cells = 25;
+};
+
+/// What frames changed since the last commit.
+struct ObjectChanges {
+  std::vector<LeafKey> leaves;          ///< With repetitions.
+  std::set<ObjectId> objects;           ///< Whose state changed.
+  std::vector<LeafOrigin> free_blocks;  ///< With repetitions.
+  std::vector<ObjectEvent> events;
+};
+
+/// Keeps the objects of a map true: the `pocd` policy. One thread at a time.
+class ObjectMapper {
+ public:
+  ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters);
+
+  /// Takes in a frame whose cloud was just computed, and gives each of the cloud's cells to its
+  /// owner. Fuses objects and background.
+  void Process(Revision revision,
+               const Frame& frame,
+               SemanticCloud* cloud,
+               TsdfIntegrator* integrator,
+               Background* background);
+
+  /// All objects by id, archived ones included.
+  const std::map<ObjectId, TrackedObject>& objects() const { return objects_; }
+
+  const FreeSpace& free_space() const { return free_space_; }
+
+  /// What changed since the last call.
+  ObjectChanges TakeChanges();
+
+ private:
+  void FindOwners(const Background& background);
+  void JudgeObjects();
+  void DecideOn(TrackedObject* object);
+  void RemoveGoneParts(TrackedObject* object);
+  void PlaceObservations();
+  bool IsInFreeSpace(const Observation& observation) const;
+  std::uint32_t ChooseOwner(const Observation& observation);
+  std::uint32_t AddObject(const Observation& observation);
+  bool IsRecent(const MapObject& state) const;
+  void MergeConnected();
+  void FindMoves();
+  bool IsSameThing(const TrackedObject& before, const TrackedObject& after) const;
+  void Merge(TrackedObject* into, TrackedObject* from);
+  void CountViews();
+  void Integrate(TsdfIntegrator* integrator, Background* background);
+  void ConfirmAndForget();
+  void MarkFreeSpace();
+  void Archive(TrackedObject* object, EventReason reason);
+  ObjectEvent MakeEvent(EventType type, EventReason reason, const TrackedObject& object) const;
+  const SemanticClass* FindClass(std::uint16_t label) const;
+  bool IsInBackground(std::uint16_t label) const;
+
+  MapConfig config_;
+  ObjectMapperParameters parameters_;
+  VoxelScale scale_;
+  std::map<ObjectId, TrackedObject> objects_;
+  ObjectId last_id_;
+  FreeSpace free_space_;
+  ObjectChanges changes_;
+
+  // The frame at hand.
+  Revision revision_;
+  const Frame* frame_ = nullptr;
+  SemanticCloud* cloud_ = nullptr;
+  SampleGrid samples_;
+  DepthTiles tiles_;
+  Association association_;
+  std::vector<ObjectInView> in_view_;
+  std::vector<Observation> observations_;
+  std::vector<std::size_t> fitting_samples_;  ///< By place in view.
+};
+
+}  // namespace steadymap

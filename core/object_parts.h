@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "core/tracked_object.h"
+
+/// Moves voxels between objects that turn out to be one, or one that turns out to be two.
+namespace steadymap {
+
+/// Leaves that changed, each in its own object's frame.
+struct MovedLeaves {
+  std::vector<LeafOrigin> from;
+  std::vector<LeafOrigin> into;
+};
+
+/// Whether the voxels of two objects lie on one lattice: neither was turned.
+bool ShareLattice(const MapObject& a, const MapObject& b);
+
+/// Copies all voxels and evidence of `from` into `into`; of two voxels in one place the one that
+/// was seen better stays. The objects must share their lattice (asserted). `from` keeps its voxels.
+MovedLeaves CopyVoxels(const TrackedObject& from, const VoxelScale& scale, TrackedObject* into);
+
+/// Moves the voxels of the evidence cells with scores of at most `max_score` to `part`, which must
+/// have the same frame as `object`, and forgets those scores.
+std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part);
+
+}  // namespace steadymap
