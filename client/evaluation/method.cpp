@@ -16,11 +16,14 @@ struct MethodRow {
 
 void FuseEverything(MapConfig* config) { config->policy = UpdatePolicy::kStatic; }
 
+void KeepObjects(MapConfig* config) { config->policy = UpdatePolicy::kPocd; }
+
 // One line a method. `static` is what a map becomes that never forgets, `fresh` what it could be
 // that forgot everything else (targets.md).
-constexpr std::array<MethodRow, 2> kMethods = {{
+constexpr std::array<MethodRow, 3> kMethods = {{
     {"static", FuseEverything, true, false},
     {"fresh", FuseEverything, true, true},
+    {"pocd", KeepObjects},
 }};
 
 }  // namespace

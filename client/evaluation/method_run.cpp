@@ -38,7 +38,11 @@ void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
   if (mapper_->uncommitted_frames() >= kFramesACommit) Commit();
 }
 
-void MethodRun::Commit() { snapshot_ = mapper_->Commit().snapshot; }
+void MethodRun::Commit() {
+  MapCommit commit = mapper_->Commit();
+  snapshot_ = std::move(commit.snapshot);
+  events_.insert(events_.end(), commit.delta.events.begin(), commit.delta.events.end());
+}
 
 MethodOutcome MethodRun::Finish(double spacing_m) {
   Commit();

@@ -101,7 +101,14 @@ std::vector<SurfacePoint> SampleObject(const MapObject& object,
 }
 
 std::vector<SurfacePoint> SampleMap(const MapSnapshot& snapshot, double spacing_m) {
-  return SampleMesh(ExtractMesh(snapshot.background, snapshot.scale, nullptr), spacing_m);
+  std::vector<SurfacePoint> points =
+      SampleMesh(ExtractMesh(snapshot.background, snapshot.scale, nullptr), spacing_m);
+  for (const auto& [id, object] : snapshot.objects) {
+    if (object->standing != ObjectStanding::kPresent) continue;
+    const std::vector<SurfacePoint> more = SampleObject(*object, snapshot.scale, spacing_m);
+    points.insert(points.end(), more.begin(), more.end());
+  }
+  return points;
 }
 
 }  // namespace steadymap
