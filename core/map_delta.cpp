@@ -26,7 +26,7 @@ PackedLeaves PackAll(const MapSnapshot& snapshot) {
 
 MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after) {
   assert(before.scale == after.scale);
-  MapDelta delta{before.revision, after.revision, after.last_capture_time, {}, {}};
+  MapDelta delta{before.revision, after.revision, after.last_capture_time, {}};
   PackedLeaves changes = PackAll(after);
   for (const auto& [key, packed] : PackAll(before)) {
     const auto [change, vanished] = changes.try_emplace(key);

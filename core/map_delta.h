@@ -34,11 +34,11 @@ struct LeafChange {
 /// What takes a map from one revision to another: states, never operations, so that a delta may be
 /// applied twice or merged without harm. The store, recovery and watchers use the same one.
 struct MapDelta {
-  Revision from;                    ///< The revision that the delta applies to.
-  Revision to;                      ///< The revision that it leads to; not below `from`.
-  Timestamp last_capture_time;      ///< Of the newest frame in `to`.
-  std::vector<LeafChange> leaves;   ///< Sorted by key, no key twice.
-  std::vector<ObjectEvent> events;  ///< In the order they happened.
+  Revision from;                      ///< The revision that the delta applies to.
+  Revision to;                        ///< The revision that it leads to; not below `from`.
+  Timestamp last_capture_time;        ///< Of the newest frame in `to`.
+  std::vector<LeafChange> leaves;     ///< Sorted by key, no key twice.
+  std::vector<ObjectEvent> events{};  ///< In the order they happened.
 
   friend bool operator==(const MapDelta&, const MapDelta&) = default;
 };

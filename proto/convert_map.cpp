@@ -56,7 +56,10 @@ absl::StatusOr<SemanticClass> FromProto(const v1::SemanticClass& message) {
   }
   absl::StatusOr<ClassMotion> motion = MotionOf(message.motion());
   if (!motion.ok()) return motion.status();
-  return SemanticClass{ClassId(static_cast<std::uint16_t>(message.id())), message.name(), *motion};
+  return SemanticClass{ClassId(static_cast<std::uint16_t>(message.id())),
+                       message.name(),
+                       *motion,
+                       message.in_background()};
 }
 
 absl::StatusOr<std::vector<SemanticClass>> ReadClasses(const v1::MapConfig& message) {
@@ -112,6 +115,7 @@ v1::MapConfig ToProto(const MapConfig& config) {
     added->set_id(row.id.value());
     added->set_name(row.name);
     added->set_motion(ToProto(row.motion));
+    added->set_in_background(row.in_background);
   }
   return message;
 }

@@ -29,6 +29,8 @@ std::uint32_t ToNumber(UpdatePolicy policy) {
   switch (policy) {
     case UpdatePolicy::kStatic:
       return 1;
+    case UpdatePolicy::kPocd:
+      return 5;
   }
   return 0;
 }
@@ -50,8 +52,11 @@ absl::Status Impossible(const char* what) {
 }
 
 absl::StatusOr<MapConfig> FromProto(const storage::v1::MapConfig& config) {
-  if (config.policy() != 1) return Impossible("a map record holds an unknown update policy");
+  if (config.policy() != 1 && config.policy() != 5) {
+    return Impossible("a map record holds an unknown update policy");
+  }
   MapConfig result;
+  result.policy = config.policy() == 1 ? UpdatePolicy::kStatic : UpdatePolicy::kPocd;
   result.voxel_size_m = config.voxel_size_m();
   result.truncation_m = config.truncation_m();
   result.max_depth_m = config.max_depth_m();
@@ -62,8 +67,10 @@ absl::StatusOr<MapConfig> FromProto(const storage::v1::MapConfig& config) {
     }
     static constexpr std::array kMotions = {
         ClassMotion::kStatic, ClassMotion::kSemiStatic, ClassMotion::kDynamic};
-    result.classes.push_back(
-        {ClassId{static_cast<std::uint16_t>(row.id())}, row.name(), kMotions.at(row.motion() - 1)});
+    result.classes.push_back({ClassId{static_cast<std::uint16_t>(row.id())},
+                              row.name(),
+                              kMotions.at(row.motion() - 1),
+                              row.in_background()});
   }
   return result;
 }
@@ -134,6 +141,7 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
     added.set_id(row.id.value());
     added.set_name(row.name);
     added.set_motion(ToNumber(row.motion));
+    added.set_in_background(row.in_background);
   }
   proto.set_frame_log_age_s(record.frame_log_age.count());
   proto.set_frame_log_bytes(record.frame_log_bytes);

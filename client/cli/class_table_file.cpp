@@ -27,16 +27,24 @@ std::optional<ClassId> ParseClassId(const std::string& word) {
   return ClassId(id);
 }
 
+// What the last word of a line may say of a class.
+bool ParseTraits(const std::string& word, SemanticClass* semantic_class) {
+  if (word == "background") {
+    semantic_class->in_background = true;
+    return true;
+  }
+  const std::optional<ClassMotion> motion = ParseMotion(word);
+  if (motion) semantic_class->motion = *motion;
+  return motion.has_value();
+}
+
 // A class from the words of its line; none if they are not one.
 std::optional<SemanticClass> ParseClass(std::vector<std::string> words) {
   const std::optional<ClassId> id = ParseClassId(words.front());
   if (!id || words.size() < 2) return std::nullopt;
-  SemanticClass semantic_class{*id, {}, ClassMotion::kStatic};
-  const std::optional<ClassMotion> motion = ParseMotion(words.back());
-  if (motion && words.size() > 2) {
-    semantic_class.motion = *motion;
-    words.pop_back();
-  }
+  SemanticClass semantic_class;
+  semantic_class.id = *id;
+  if (words.size() > 2 && ParseTraits(words.back(), &semantic_class)) words.pop_back();
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (i > 1) semantic_class.name += ' ';
     semantic_class.name += words[i];
@@ -64,8 +72,8 @@ absl::StatusOr<std::vector<SemanticClass>> LoadClassTable(const std::filesystem:
           absl::StrCat(file.string(),
                        ":",
                        number,
-                       ": expected ID NAME [static|semi-static|dynamic] with an id in [0, 65535], "
-                       "got \"",
+                       ": expected ID NAME [static|semi-static|dynamic|background] with an id in "
+                       "[0, 65535], got \"",
                        line.substr(0, 80),
                        "\""));
     }

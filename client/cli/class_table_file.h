@@ -9,8 +9,9 @@
 
 namespace steadymap {
 
-/// Reads a class table: a line `ID NAME [static|semi-static|dynamic]` a class; the motion is static
-/// where none is given, names may hold spaces, and what follows a # is a comment.
+/// Reads a class table: a line `ID NAME [static|semi-static|dynamic|background]` a class. The motion
+/// is static where none is given; `background` is a static class whose surfaces form no objects.
+/// Names may hold spaces, and what follows a # is a comment.
 /// Errors: `NotFound` for a missing file; `InvalidArgument` naming the file and line of anything
 /// else, and for a file without any class.
 absl::StatusOr<std::vector<SemanticClass>> LoadClassTable(const std::filesystem::path& file);

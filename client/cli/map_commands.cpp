@@ -44,7 +44,8 @@ void MapCommands::AddCreate(CLI::App* map) {
   command->footer(
       "How a map is built is fixed here, so that its frames always lead to the same map.\n"
       "The truncation's default is 0.15 m, or three voxels where 0.15 m is not 2 to 16 of them.\n"
-      "--classes names a text file with a line `ID NAME [static|semi-static|dynamic]` a class;\n"
+      "--classes names a text file with a line `ID NAME [static|semi-static|dynamic|background]` a "
+      "class;\n"
       "pixels of dynamic classes are never mapped. Without it the map has the TorWIC classes.");
   command->add_option("NAME", name_, kNameHelp)->required();
   command->add_option("--voxel-size", config_.voxel_size_m, "Edge of a voxel, metres, 0.001 to 1")

@@ -49,6 +49,7 @@ void WriteConfigJson(const v1::MapConfig& config, JsonWriter* json) {
     json->Key("id").Integer(semantic_class.id());
     json->Key("name").Text(semantic_class.name());
     json->Key("motion").Text(MotionText(semantic_class.motion()));
+    json->Key("in_background").Boolean(semantic_class.in_background());
     json->EndObject();
   }
   json->EndArray();

@@ -107,13 +107,14 @@ TEST_F(LoadClassTableTest, ReadsIdsNamesAndMotions) {
   const auto classes = LoadClassTable(
       folder_.Write("classes.txt",
                     "# ids\n0 background\n\n7 stacked goods semi-static # boxes\n13 dynamic\n"
-                    "14 fork truck dynamic\n"));
+                    "14 fork truck dynamic\n2 ceiling background\n"));
   ASSERT_TRUE(classes.ok()) << classes.status();
   EXPECT_EQ(*classes,
             (std::vector<SemanticClass>{{ClassId(0), "background", ClassMotion::kStatic},
                                         {ClassId(7), "stacked goods", ClassMotion::kSemiStatic},
                                         {ClassId(13), "dynamic", ClassMotion::kStatic},
-                                        {ClassId(14), "fork truck", ClassMotion::kDynamic}}));
+                                        {ClassId(14), "fork truck", ClassMotion::kDynamic},
+                                        {ClassId(2), "ceiling", ClassMotion::kStatic, true}}));
 }
 
 TEST_F(LoadClassTableTest, ErrorsNameFileAndLine) {

@@ -20,7 +20,7 @@ TEST(FrameUploader, SendsEveryFrameOnceInOrderAndWaitsForIntegration) {
   UploadHarness harness({[&](ScriptedStream& stream) {
     open = stream.ReadOpen();
     stream.SendOpened(0, 64);
-    const grpc::Status status = stream.AcceptRest();
+    grpc::Status status = stream.AcceptRest();
     received = stream.received();
     return status;
   }});
@@ -84,7 +84,7 @@ TEST(FrameUploader, SendsOnlyWhatIsNotDurableAfterTheStreamBreaks) {
                            // Frame 5 and 6 were made durable too; only the acknowledgement was
                            // lost.
                            stream.SendOpened(6, 100);
-                           const grpc::Status status = stream.AcceptRest();
+                           grpc::Status status = stream.AcceptRest();
                            second = stream.received();
                            return status;
                          }});
@@ -105,7 +105,7 @@ TEST(FrameUploader, GoesOnWhereAnEarlierProcessOfTheSessionStopped) {
   UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(12, 100);
-    const grpc::Status status = stream.AcceptRest();
+    grpc::Status status = stream.AcceptRest();
     received = stream.received();
     return status;
   }});
@@ -255,7 +255,7 @@ TEST(UploadAll, LeavesOutWhatTheSourceCannotRead) {
   UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 10);
-    const grpc::Status status = stream.AcceptRest();
+    grpc::Status status = stream.AcceptRest();
     received = stream.received();
     return status;
   }});
