@@ -61,7 +61,19 @@ TEST(EvaluateRoute, AnUnchangedRouteHasNoGhosts) {
   EXPECT_GT(row.map.near.precision(), 0.95);
   EXPECT_GT(row.map.near.recall(), 0.85);
   EXPECT_GT(row.memory_bytes, 100'000U);
-  EXPECT_EQ(visits, (std::map<std::string, std::size_t>{{"static", 1}, {"fresh", 1}}));
+  EXPECT_EQ(visits, (std::map<std::string, std::size_t>{{"static", 1}, {"fresh", 1}, {"pocd", 1}}));
+}
+
+TEST(EvaluateRoute, PocdForgetsWhatMovedAndKeepsWhatIsOutOfView) {
+  const auto evaluation = EvaluateRoute(MakeRoute("1-5").value(), Options(SensorModel::Full(), 1));
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  const MapScore& pocd = Row(*evaluation, "pocd").map;
+  const MapScore& fresh = Row(*evaluation, "fresh").map;
+  EXPECT_GT(pocd.near.precision(), fresh.near.precision() - 0.015);
+  EXPECT_GT(pocd.near.recall(), fresh.near.recall() - 0.01);
+  EXPECT_LT(pocd.near.false_positive_rate(), fresh.near.false_positive_rate() + 0.003);
+  EXPECT_LT(pocd.ghosts.value(), 0.03);
+  EXPECT_GT(pocd.kept.value(), 0.85);
 }
 
 TEST(EvaluateRecording, TheMapOfTheLastSequenceIsTheTruth) {
