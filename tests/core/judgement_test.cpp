@@ -1,0 +1,198 @@
+#include "core/judgement.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/analytic_solid.h"
+
+namespace steadymap {
+namespace {
+
+constexpr VoxelScale kScale;
+constexpr Timestamp kNow = Timestamp::FromNanoseconds(100'000'000'000);
+constexpr std::uint8_t kCell = 17;
+
+Timestamp Later(double seconds) {
+  return Timestamp::FromNanoseconds(kNow.nanoseconds() + static_cast<std::int64_t>(seconds * 1e9));
+}
+
+/// A surface with two leaves.
+ObjectSurface TwoLeaves() {
+  ObjectSurface surface;
+  surface.Rebuild(
+      testing::MakeVolume([](const Eigen::Vector3d& point) { return point.x() - 0.1; },
+                          Box(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.39, 0.79, 0.39)),
+                          kScale,
+                          [](const Eigen::Vector3d&) { return true; }),
+      kScale);
+  return surface;
+}
+
+ObjectVerdict OneCell(Verdict verdict) {
+  ObjectVerdict result;
+  result.cells = {{1, kCell, verdict}};
+  result.present = verdict == Verdict::kPresent ? 1 : 0;
+  result.seen_through = verdict == Verdict::kSeenThrough ? 1 : 0;
+  result.replaced = verdict == Verdict::kReplaced ? 1 : 0;
+  return result;
+}
+
+/// Adds the same verdict so many times; the score of the judged cell afterwards.
+int ScoreAfter(int times, Verdict verdict, ObjectEvidence* evidence) {
+  const ObjectSurface surface = TwoLeaves();
+  for (int i = 0; i < times; ++i) AddEvidence(OneCell(verdict), surface, kNow, evidence);
+  return evidence->FindLeaf(surface.leaves()[1].origin)->score[kCell];
+}
+
+TEST(AddEvidence, ScoresOnlyTheCellsThatWereJudged) {
+  const ObjectSurface surface = TwoLeaves();
+  ASSERT_EQ(surface.leaves().size(), 2U);
+  ObjectEvidence evidence;
+  AddEvidence(OneCell(Verdict::kPresent), surface, kNow, &evidence);
+  ASSERT_EQ(evidence.leaves.size(), 1U);
+  EXPECT_EQ(evidence.leaves[0].origin, surface.leaves()[1].origin);
+  for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+    EXPECT_EQ(evidence.leaves[0].score[cell], cell == kCell ? 1 : 0);
+  }
+}
+
+TEST(AddEvidence, ScoresStayWithinTheirBounds) {
+  ObjectEvidence evidence;
+  EXPECT_EQ(ScoreAfter(10, Verdict::kPresent, &evidence), kMaxCellScore);
+  EXPECT_EQ(ScoreAfter(300, Verdict::kSeenThrough, &evidence), kMinCellScore);
+}
+
+TEST(AddEvidence, ReplacedCountsAsGone) {
+  ObjectEvidence evidence;
+  EXPECT_EQ(ScoreAfter(4, Verdict::kReplaced, &evidence), -4);
+  EXPECT_EQ(evidence.absent_cells, 4.0);
+}
+
+TEST(AddEvidence, OneLookThatFindsACellOutweighsAllButOneThatMissedIt) {
+  ObjectEvidence evidence;
+  ScoreAfter(50, Verdict::kSeenThrough, &evidence);
+  EXPECT_EQ(ScoreAfter(1, Verdict::kPresent, &evidence), -1);
+  EXPECT_EQ(ScoreAfter(1, Verdict::kPresent, &evidence), 0);
+}
+
+TEST(AddEvidence, StreakOfAbsenceEndsWhenMoreIsFoundThanMissed) {
+  const ObjectSurface surface = TwoLeaves();
+  ObjectEvidence evidence;
+  ObjectVerdict missing;
+  missing.seen_through = 5;
+  missing.replaced = 1;
+  missing.present = 2;
+  AddEvidence(missing, surface, kNow, &evidence);
+  AddEvidence(missing, surface, kNow, &evidence);
+  EXPECT_EQ(evidence.absent_streak_cells, 12.0);
+  EXPECT_EQ(evidence.absent_cells, 12.0);
+  EXPECT_EQ(evidence.present_cells, 4.0);
+  ObjectVerdict found;
+  found.present = 3;
+  found.seen_through = 2;
+  AddEvidence(found, surface, kNow, &evidence);
+  EXPECT_EQ(evidence.absent_streak_cells, 0.0);
+  EXPECT_EQ(evidence.absent_cells, 14.0);
+}
+
+TEST(AddEvidence, StampsConfirmationsCoarselyAndOnlyWhatWasFound) {
+  const ObjectSurface surface = TwoLeaves();
+  const LeafOrigin leaf = surface.leaves()[1].origin;
+  ObjectEvidence evidence;
+  AddEvidence(OneCell(Verdict::kSeenThrough), surface, kNow, &evidence);
+  EXPECT_EQ(evidence.ConfirmedAt(leaf), Timestamp());
+  AddEvidence(OneCell(Verdict::kPresent), surface, kNow, &evidence);
+  EXPECT_EQ(evidence.ConfirmedAt(leaf), kNow);
+  AddEvidence(OneCell(Verdict::kPresent), surface, Later(1.9), &evidence);
+  EXPECT_EQ(evidence.ConfirmedAt(leaf), kNow);
+  AddEvidence(OneCell(Verdict::kPresent), surface, Later(2.0), &evidence);
+  EXPECT_EQ(evidence.ConfirmedAt(leaf), Later(2.0));
+  EXPECT_EQ(evidence.ConfirmedAt(surface.leaves()[0].origin), Timestamp());
+}
+
+TEST(AddEvidence, SaysNothingWithoutJudgedCells) {
+  ObjectEvidence evidence;
+  evidence.absent_streak_cells = 5.0;
+  const ObjectEvidence before = evidence;
+  AddEvidence(ObjectVerdict(), TwoLeaves(), kNow, &evidence);
+  EXPECT_EQ(evidence, before);
+}
+
+MapObject ObjectWith(double present_cells, double absent_cells) {
+  MapObject object;
+  object.belief = InitialBelief(0.67);
+  object.evidence.present_cells = present_cells;
+  object.evidence.absent_cells = absent_cells;
+  return object;
+}
+
+bool Update(MapObject* object) {
+  return UpdateBelief(StationarityPrior::kMoves, kNow, JudgementParameters(), object);
+}
+
+TEST(UpdateBelief, WaitsForEnoughCells) {
+  MapObject object = ObjectWith(7.0, 7.0);
+  EXPECT_FALSE(Update(&object));
+  EXPECT_EQ(object.belief, InitialBelief(0.67));
+  EXPECT_EQ(object.evidence.present_cells, 7.0);
+  EXPECT_EQ(object.evidence.absent_cells, 7.0);
+  object.evidence.absent_cells = 8.0;
+  EXPECT_TRUE(Update(&object));
+}
+
+TEST(UpdateBelief, RisesWhereTheSurfaceWasFound) {
+  MapObject object = ObjectWith(17.0, 3.0);
+  EXPECT_TRUE(Update(&object));
+  EXPECT_GT(object.belief.stationarity(), 0.67);
+  EXPECT_EQ(object.last_seen, kNow);
+  EXPECT_EQ(object.absences, 0U);
+  EXPECT_EQ(object.evidence.present_cells, 0.0);
+  EXPECT_EQ(object.evidence.absent_cells, 0.0);
+}
+
+TEST(UpdateBelief, FallsWhereTheSurfaceIsGone) {
+  MapObject object = ObjectWith(13.0, 7.0);
+  EXPECT_TRUE(Update(&object));
+  EXPECT_LT(object.belief.stationarity(), 0.67);
+  EXPECT_EQ(object.last_seen, Timestamp());
+  EXPECT_EQ(object.absences, 1U);
+}
+
+TEST(UpdateBelief, SaysNothingInBetweenButStartsAnew) {
+  for (const double absent_cells : {4.0, 6.0}) {
+    MapObject object = ObjectWith(20.0 - absent_cells, absent_cells);
+    EXPECT_TRUE(Update(&object));
+    EXPECT_EQ(object.belief, InitialBelief(0.67)) << absent_cells;
+    EXPECT_EQ(object.absences, 0U);
+    EXPECT_EQ(object.last_seen, Timestamp());
+    EXPECT_EQ(object.evidence.present_cells, 0.0);
+    EXPECT_EQ(object.evidence.absent_cells, 0.0);
+  }
+}
+
+/// Updates that find everything gone until the belief falls below the limit of removal.
+int AbsencesUntilRemoval(StationarityPrior prior, int agreements_before) {
+  MapObject object = ObjectWith(0.0, 0.0);
+  for (int i = 0; i < agreements_before; ++i) {
+    object.evidence.present_cells = 15.0;
+    UpdateBelief(prior, kNow, JudgementParameters(), &object);
+  }
+  int absences = 0;
+  while (object.belief.stationarity() >= 0.40 && absences < 100) {
+    object.evidence.absent_cells = 15.0;
+    UpdateBelief(prior, kNow, JudgementParameters(), &object);
+    ++absences;
+  }
+  return absences;
+}
+
+TEST(UpdateBelief, TakesMoreAbsencesToLoseWhatWasLongKnownOrIsExpectedToStay) {
+  const int moving_new = AbsencesUntilRemoval(StationarityPrior::kMoves, 0);
+  const int moving_known = AbsencesUntilRemoval(StationarityPrior::kMoves, 50);
+  const int staying_known = AbsencesUntilRemoval(StationarityPrior::kStays, 50);
+  EXPECT_LT(moving_new, moving_known);
+  EXPECT_LT(moving_known, staying_known);
+  EXPECT_LE(staying_known, 20) << "nothing is known for ever";
+}
+
+}  // namespace
+}  // namespace steadymap
