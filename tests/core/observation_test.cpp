@@ -1,0 +1,126 @@
+#include "core/observation.h"
+
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/map_config.h"
+#include "tests/support/analytic_scene.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::Scene;
+
+constexpr std::uint16_t kWallClass = 4;
+constexpr std::uint16_t kGoodsClass = 7;
+
+SampleGrid SamplesOf(const Frame& frame) {
+  SemanticCloud cloud{MapConfig()};
+  cloud.Compute(frame);
+  SampleGrid samples;
+  samples.Compute(cloud);
+  return samples;
+}
+
+/// Nothing is known yet.
+Association NoOwners(const SampleGrid& samples) {
+  Association association;
+  association.owner.assign(samples.size(), Association::kNone);
+  association.distance_m.assign(samples.size(), 0.0F);
+  association.is_in_front.assign(samples.size(), 0);
+  return association;
+}
+
+std::size_t CountValid(const SampleGrid& samples) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) count += samples[i].is_valid() ? 1U : 0U;
+  return count;
+}
+
+/// A wall at 2 m that fills the picture: goods to the left, wall to the right.
+Frame HalfAndHalf() {
+  return RenderScene({Body(kGoodsClass, {2.0, 0.0, -4.0}, {2.3, 4.0, 4.0}),
+                      Body(kWallClass, {2.0, -4.0, -4.0}, {2.3, 0.0, 4.0})},
+                     {});
+}
+
+TEST(FindObservations, GroupsConnectedSurfaceOfOneClass) {
+  const SampleGrid samples = SamplesOf(HalfAndHalf());
+  const std::vector<Observation> found = FindObservations(samples, NoOwners(samples));
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].label, kGoodsClass);
+  EXPECT_EQ(found[1].label, kWallClass);
+  EXPECT_EQ(found[0].samples.size() + found[1].samples.size(), CountValid(samples));
+  // The picture covers 320 / 277 by 240 / 277 of the depth; towards its corners a sample counts
+  // for a little more than it covers.
+  const double picture_m2 = 4.0 * 320.0 * 240.0 / (277.0 * 277.0);
+  const double found_m2 = found[0].area_m2 + found[1].area_m2;
+  EXPECT_GT(found_m2, 0.95 * picture_m2);
+  EXPECT_LT(found_m2, 1.15 * picture_m2);
+}
+
+TEST(FindObservations, HoldsNoSampleTwice) {
+  const SampleGrid samples = SamplesOf(HalfAndHalf());
+  std::set<std::size_t> seen;
+  for (const Observation& observation : FindObservations(samples, NoOwners(samples))) {
+    EXPECT_FALSE(observation.samples.empty());
+    for (const std::size_t index : observation.samples) {
+      EXPECT_TRUE(seen.insert(index).second);
+      EXPECT_EQ(samples[index].label, observation.label);
+    }
+  }
+}
+
+TEST(FindObservations, SeparatesThingsOfOneClassThatStandApart) {
+  const Scene scene = {Body(kGoodsClass, {1.5, -0.6, -0.3}, {1.9, -0.2, 0.3}),
+                       Body(kGoodsClass, {1.5, 0.2, -0.3}, {1.9, 0.6, 0.3}),
+                       Body(kGoodsClass, {2.6, -4.0, -4.0}, {2.9, 4.0, 4.0})};
+  const SampleGrid samples = SamplesOf(RenderScene(scene, {}));
+  EXPECT_EQ(FindObservations(samples, NoOwners(samples)).size(), 3U);
+}
+
+TEST(FindObservations, GroupsByInstanceWhereThereIsOne) {
+  Frame frame = HalfAndHalf();
+  frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px, 5);
+  const SampleGrid samples = SamplesOf(frame);
+  const std::vector<Observation> whole = FindObservations(samples, NoOwners(samples));
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_EQ(whole[0].instance, 5);
+
+  for (int v = 0; v < frame.camera.height_px / 2; ++v) {
+    for (int u = 0; u < frame.camera.width_px; ++u) frame.instances.At(u, v) = 6;
+  }
+  const SampleGrid halves = SamplesOf(frame);
+  EXPECT_EQ(FindObservations(halves, NoOwners(halves)).size(), 2U);
+}
+
+TEST(FindObservations, LeavesOutWhatIsOwnedAndNamesWhomItTouches) {
+  const SampleGrid samples = SamplesOf(HalfAndHalf());
+  Association association = NoOwners(samples);
+  for (int row = 0; row < samples.height(); ++row) {
+    for (int column = 0; column < samples.width(); ++column) {
+      const std::size_t index = samples.Index(column, row);
+      if (samples[index].label != kWallClass) continue;
+      association.owner[index] = row < samples.height() / 4 ? kBackgroundOwner : 3;
+    }
+  }
+  const std::vector<Observation> found = FindObservations(samples, association);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].label, kGoodsClass);
+  ASSERT_EQ(found[0].contacts.size(), 2U);
+  EXPECT_EQ(found[0].contacts[0].owner, 3U) << "the longer border first";
+  EXPECT_EQ(found[0].contacts[1].owner, kBackgroundOwner);
+  EXPECT_GT(found[0].contacts[0].samples, found[0].contacts[1].samples);
+}
+
+TEST(FindObservations, FindsNothingWithoutReturns) {
+  const SampleGrid samples = SamplesOf(RenderScene({}, {}));
+  EXPECT_TRUE(FindObservations(samples, NoOwners(samples)).empty());
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,186 @@
+// Scenes whose answer is known: a wall at 2 m that a frame finds, misses, or cannot see.
+
+#include "core/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/background.h"
+#include "core/map_config.h"
+#include "tests/support/analytic_scene.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::Scene;
+
+constexpr VoxelScale kScale;
+constexpr std::uint16_t kWallClass = 4;
+constexpr std::uint16_t kGoodsClass = 7;
+
+/// A known wall of one square metre that faces the camera at the world's origin from `depth_m`
+/// away along x.
+std::unique_ptr<TrackedObject> KnownWall(ObjectId id, double depth_m) {
+  auto object = std::make_unique<TrackedObject>(id, Eigen::Vector3d::Zero(), kScale);
+  object->MutableVolume() = MakeVolume(
+      [depth_m](const Eigen::Vector3d& point) { return depth_m - point.x(); },
+      Box(Eigen::Vector3d(depth_m - 0.2, -0.5, -0.5), Eigen::Vector3d(depth_m + 0.2, 0.5, 0.5)),
+      kScale,
+      [](const Eigen::Vector3d& point) {
+        return std::abs(point.y()) <= 0.5 && std::abs(point.z()) <= 0.5;
+      });
+  object->RebuildSurface();
+  object->state().class_id = ClassId(kWallClass);
+  object->state().standing = ObjectStanding::kPresent;
+  return object;
+}
+
+/// A wall that fills the picture.
+testing::SceneBody SeenWall(double depth_m, std::uint16_t label = kWallClass) {
+  return Body(label, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0});
+}
+
+/// What a frame says about the first of the objects. The camera looks along x.
+ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects, const Frame& frame) {
+  SemanticCloud cloud{MapConfig()};
+  cloud.Compute(frame);
+  SampleGrid samples;
+  samples.Compute(cloud);
+  DepthTiles tiles;
+  tiles.Compute(frame.depth);
+  const VisibilityParameters parameters;
+  const std::vector<ObjectInView> in_view =
+      FindObjectsInView(objects, cloud, samples, parameters.max_depth_m);
+  Association association;
+  AssociateSamples(samples, in_view, Background(), kScale, &association);
+  const VisibilityTest test(cloud, samples, tiles, in_view, association, parameters);
+  return test.Judge(*objects.front());
+}
+
+ObjectVerdict JudgeWallAt2m(const Frame& frame) {
+  const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
+  return JudgeFirst({wall.get()}, frame);
+}
+
+/// Evidence cells that the surface of the known wall passes.
+std::size_t CellsOfWallAt2m() {
+  const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
+  std::size_t cells = 0;
+  for (const SurfaceLeaf& leaf : wall->surface().leaves()) {
+    std::vector<bool> is_passed(kEvidenceCells, false);
+    for (const SurfaceVoxel& point : leaf.points) is_passed[point.cell] = true;
+    cells += static_cast<std::size_t>(std::count(is_passed.begin(), is_passed.end(), true));
+  }
+  return cells;
+}
+
+TEST(VisibilityTest, FindsAWallThatStands) {
+  const ObjectVerdict verdict = JudgeWallAt2m(RenderScene({SeenWall(2.0)}, {}));
+  EXPECT_EQ(verdict.present, CellsOfWallAt2m());
+  EXPECT_EQ(verdict.seen_through, 0U);
+  EXPECT_EQ(verdict.cells.size(), verdict.judged());
+}
+
+TEST(VisibilityTest, SeesThroughAWallThatIsGone) {
+  const ObjectVerdict verdict = JudgeWallAt2m(RenderScene({SeenWall(2.6)}, {}));
+  EXPECT_EQ(verdict.seen_through, CellsOfWallAt2m());
+  EXPECT_EQ(verdict.present, 0U);
+}
+
+TEST(VisibilityTest, SeesThroughToSurfaceTooFarToBeFused) {
+  ASSERT_LT(MapConfig().max_depth_m, 5.0);
+  const ObjectVerdict verdict = JudgeWallAt2m(RenderScene({SeenWall(5.0)}, {}));
+  EXPECT_EQ(verdict.seen_through, CellsOfWallAt2m());
+}
+
+TEST(VisibilityTest, SaysNothingOfAWallBehindANearerThing) {
+  EXPECT_EQ(JudgeWallAt2m(RenderScene({SeenWall(1.0, kGoodsClass)}, {})).judged(), 0U);
+  EXPECT_EQ(JudgeWallAt2m(RenderScene({SeenWall(1.0)}, {})).judged(), 0U);
+}
+
+TEST(VisibilityTest, SaysNothingWithoutReturns) {
+  EXPECT_EQ(JudgeWallAt2m(RenderScene({}, {})).judged(), 0U);
+  Frame invalid = RenderScene({SeenWall(2.0)}, {});
+  invalid.depth.units = Image<std::uint16_t>(320, 240, kInvalidDepth);
+  EXPECT_EQ(JudgeWallAt2m(invalid).judged(), 0U);
+}
+
+TEST(VisibilityTest, SaysNothingOfAWallInPlaceWithAnotherClass) {
+  EXPECT_EQ(JudgeWallAt2m(RenderScene({SeenWall(2.0, kGoodsClass)}, {})).judged(), 0U);
+}
+
+TEST(VisibilityTest, SaysNothingOfAWallSeenFromBehind) {
+  const Frame frame = RenderScene({SeenWall(-3.0)},
+                                  {.eye_world = {4.0, 0.0, 0.0}, .target_world = {0.0, 0.0, 0.0}});
+  EXPECT_EQ(JudgeWallAt2m(frame).judged(), 0U);
+}
+
+TEST(VisibilityTest, SaysNothingBeyondItsReach) {
+  const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 5.5);
+  const ObjectVerdict verdict = JudgeFirst({wall.get()}, RenderScene({SeenWall(5.9)}, {}));
+  EXPECT_EQ(verdict.judged(), 0U);
+}
+
+TEST(VisibilityTest, JudgesOnlyThePartThatIsNotHidden) {
+  const Scene half_hidden = {SeenWall(2.6), Body(kGoodsClass, {0.9, 0.0, -4.0}, {1.0, 4.0, 4.0})};
+  const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
+  const ObjectVerdict verdict = JudgeFirst({wall.get()}, RenderScene(half_hidden, {}));
+  EXPECT_GT(verdict.seen_through, CellsOfWallAt2m() / 3);
+  for (const CellVerdict& cell : verdict.cells) {
+    EXPECT_EQ(cell.verdict, Verdict::kSeenThrough);
+    const SurfaceLeaf& leaf = wall->surface().leaves()[cell.leaf];
+    for (const SurfaceVoxel& point : leaf.points) {
+      if (point.cell == cell.cell) {
+        EXPECT_LT(point.position_object.y(), 0.15F);
+      }
+    }
+  }
+}
+
+TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
+  const std::unique_ptr<TrackedObject> older = KnownWall(ObjectId(1), 2.0);
+  const std::unique_ptr<TrackedObject> newer = KnownWall(ObjectId(2), 1.75);
+  for (const SurfaceLeaf& leaf : older->surface().leaves()) {
+    older->state().evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
+  }
+  newer->state().first_seen = Timestamp::FromSeconds(95.0);
+  const Frame frame = RenderScene({SeenWall(1.75)}, {});
+  const ObjectVerdict verdict = JudgeFirst({older.get(), newer.get()}, frame);
+  EXPECT_GT(verdict.replaced, CellsOfWallAt2m() / 2);
+  EXPECT_EQ(verdict.replaced, verdict.judged());
+
+  newer->state().first_seen = Timestamp::FromSeconds(91.0);
+  EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U)
+      << "both were there at once";
+  newer->state().first_seen = Timestamp::FromSeconds(95.0);
+  newer->state().class_id = ClassId(kGoodsClass);
+  EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
+}
+
+TEST(DepthTiles, FindsTheNearestAroundATileThatWasMeasured) {
+  DepthImage depth;
+  depth.units = Image<std::uint16_t>(20, 20, 2000);
+  depth.units.At(4, 4) = 900;  // In tile (1, 1).
+  for (int v = 12; v < 16; ++v) {
+    for (int u = 12; u < 15; ++u) depth.units.At(u, v) = u == 12 ? kInvalidDepth : kNoDepth;
+  }
+  DepthTiles tiles;
+  tiles.Compute(depth);
+  EXPECT_FLOAT_EQ(tiles.NearestAround(1, 1), 0.9F);
+  EXPECT_FLOAT_EQ(tiles.NearestAround(2, 2), 0.9F);
+  EXPECT_EQ(tiles.NearestAround(3, 1), 2.0F);
+  EXPECT_EQ(tiles.NearestAround(3, 3), 0.0F) << "hardly measured";
+  EXPECT_EQ(tiles.NearestAround(0, 2), 0.0F) << "at the border";
+  EXPECT_EQ(tiles.NearestAround(4, 2), 0.0F);
+  EXPECT_EQ(tiles.NearestAround(-1, 700), 0.0F);
+}
+
+}  // namespace
+}  // namespace steadymap
