@@ -1,0 +1,311 @@
+// Small scenes with a known answer, run through a map of the pocd policy: things in front of a
+// wall, looked at from changing places.
+
+#include "core/object_mapper.h"
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/mapper.h"
+#include "core/tsdf_codec.h"
+#include "tests/support/analytic_scene.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::Scene;
+using ::steadymap::testing::SceneBody;
+
+constexpr std::uint16_t kWallClass = 4;
+constexpr std::uint16_t kRackClass = 6;
+constexpr std::uint16_t kGoodsClass = 7;
+constexpr std::uint16_t kPersonClass = 13;
+
+constexpr double kSecondsPerFrame = 0.5;
+
+SceneBody FarWall() { return Body(kWallClass, {2.6, -4.0, -3.0}, {3.0, 4.0, 3.0}); }
+
+/// A box half a metre wide in front of the wall, its middle at `y`.
+SceneBody Goods(double y) { return Body(kGoodsClass, {1.6, y - 0.25, -0.3}, {2.0, y + 0.25, 0.3}); }
+
+MapConfig PocdConfig() {
+  MapConfig config;
+  config.policy = UpdatePolicy::kPocd;
+  return config;
+}
+
+/// Frames of a scene from a camera that swings to and fro, going on from frame `first`.
+std::vector<Frame> Look(const Scene& scene, int first, int count) {
+  std::vector<Frame> frames;
+  for (int i = first; i < first + count; ++i) {
+    frames.push_back(RenderScene(scene,
+                                 {.eye_world = {0.0, 0.4 * std::sin(0.7 * i), 0.1},
+                                  .target_world = {2.0, 0.1, 0.0},
+                                  .capture_time_s = 100.0 + kSecondsPerFrame * i}));
+  }
+  return frames;
+}
+
+/// A map under observation.
+class Story {
+ public:
+  /// Takes in frames, with a commit after every `frames_per_commit` and at the end.
+  void Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1) {
+    for (const Frame& frame : frames) {
+      mapper_->Integrate(mapper_->head().Next(), frame);
+      if (mapper_->uncommitted_frames() == frames_per_commit) Commit();
+    }
+    Commit();
+  }
+
+  /// Goes on looking at a scene.
+  void Look(const Scene& scene, int count) {
+    Tell(steadymap::Look(scene, static_cast<int>(mapper_->head().value()), count));
+  }
+
+  const std::vector<ObjectEvent>& events() const { return events_; }
+
+  const MapSnapshot& map() const { return *map_; }
+
+  /// All leaves as the deltas told them.
+  const std::map<LeafKey, std::string>& told_leaves() const { return told_leaves_; }
+
+  /// Events of a type about things of a class, from revision `after` + 1 on.
+  std::vector<ObjectEvent> EventsOf(EventType type,
+                                    std::uint16_t label,
+                                    Revision after = Revision(0)) const {
+    std::vector<ObjectEvent> found;
+    for (const ObjectEvent& event : events_) {
+      if (event.type == type && event.class_id == ClassId(label) && event.revision > after) {
+        found.push_back(event);
+      }
+    }
+    return found;
+  }
+
+  /// Present objects of a class.
+  std::vector<std::shared_ptr<const MapObject>> Present(std::uint16_t label) const {
+    std::vector<std::shared_ptr<const MapObject>> found;
+    for (const auto& [id, object] : map_->objects) {
+      if (object->standing == ObjectStanding::kPresent && object->class_id == ClassId(label)) {
+        found.push_back(object);
+      }
+    }
+    return found;
+  }
+
+ private:
+  void Commit() {
+    const MapCommit commit = mapper_->Commit();
+    map_ = commit.snapshot;
+    events_.insert(events_.end(), commit.delta.events.begin(), commit.delta.events.end());
+    for (const LeafChange& change : commit.delta.leaves) {
+      told_leaves_[change.key] = change.packed;
+      if (change.packed.empty()) told_leaves_.erase(change.key);
+    }
+  }
+
+  std::unique_ptr<Mapper> mapper_ = Mapper::Create(PocdConfig()).value();
+  std::shared_ptr<const MapSnapshot> map_;
+  std::vector<ObjectEvent> events_;
+  std::map<LeafKey, std::string> told_leaves_;
+};
+
+std::map<LeafKey, std::string> PackedLeaves(const MapSnapshot& map) {
+  std::map<LeafKey, std::string> packed;
+  map.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    packed[{kBackgroundId, origin}] = PackLeaf(leaf, map.scale);
+  });
+  for (const auto& [id, object] : map.objects) {
+    object->volume->ForEachLeaf([&, key = id](LeafOrigin origin, const LeafView& leaf) {
+      packed[{key, origin}] = PackLeaf(leaf, map.scale);
+    });
+  }
+  return packed;
+}
+
+void ExpectSameObject(const MapObject& a, const MapObject& b) {
+  EXPECT_EQ(a.standing, b.standing);
+  EXPECT_EQ(a.class_id, b.class_id);
+  EXPECT_EQ(a.votes, b.votes);
+  EXPECT_EQ(a.T_world_object, b.T_world_object);
+  EXPECT_EQ(a.cuboid, b.cuboid);
+  EXPECT_EQ(a.belief, b.belief);
+  EXPECT_EQ(a.evidence, b.evidence);
+  EXPECT_EQ(a.first_seen, b.first_seen);
+  EXPECT_EQ(a.last_seen, b.last_seen);
+  EXPECT_EQ(a.views, b.views);
+  EXPECT_EQ(a.absences, b.absences);
+}
+
+void ExpectSameMap(const MapSnapshot& a, const MapSnapshot& b) {
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_TRUE(PackedLeaves(a) == PackedLeaves(b));
+  ASSERT_EQ(a.objects.size(), b.objects.size());
+  for (const auto& [id, object] : a.objects) {
+    SCOPED_TRACE(id.value());
+    ASSERT_TRUE(b.objects.contains(id));
+    ExpectSameObject(*object, *b.objects.at(id));
+  }
+}
+
+/// Observed voxels of present objects and the background within a box, world frame.
+std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {
+  std::size_t count = 0;
+  const auto count_in = [&](const VoxelReader& volume, const Eigen::Vector3d& position_world) {
+    volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+      for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+        const Eigen::Vector3i voxel(origin.x + static_cast<int>(offset >> 6),
+                                    origin.y + static_cast<int>((offset >> 3) & 7),
+                                    origin.z + static_cast<int>(offset & 7));
+        const Eigen::Vector3d center_world =
+            position_world + voxel.cast<double>() * map.scale.voxel_size_m;
+        if (IsSet(leaf.observed, offset) && box_world.contains(center_world)) ++count;
+      }
+    });
+  };
+  count_in(map.background, Eigen::Vector3d::Zero());
+  for (const auto& [id, object] : map.objects) {
+    if (object->standing != ObjectStanding::kPresent) continue;
+    count_in(*object->volume, object->T_world_object.position_world);
+  }
+  return count;
+}
+
+TEST(ObjectMapper, CreatesABoxAfterTheConfirmingViews) {
+  const Scene scene = {FarWall(), Goods(0.0)};
+  Story story;
+  story.Look(scene, 3);
+  EXPECT_TRUE(story.events().empty());
+  EXPECT_TRUE(story.Present(kGoodsClass).empty());
+  story.Look(scene, 20);
+  const std::vector<ObjectEvent> created = story.EventsOf(EventType::kCreated, kGoodsClass);
+  ASSERT_EQ(created.size(), 1U);
+  EXPECT_EQ(created[0].revision, Revision(4));
+  EXPECT_EQ(created[0].reason, EventReason::kNewSurface);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kWallClass).size(), 1U);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject& box = *story.Present(kGoodsClass)[0];
+  EXPECT_EQ(box.id, created[0].object);
+  EXPECT_NEAR(box.cuboid.center_world.y(), 0.0, 0.06);
+  EXPECT_NEAR(box.cuboid.size_m.z(), 0.6, 0.11);
+  EXPECT_GT(box.belief.stationarity(), 0.67);
+}
+
+TEST(ObjectMapper, ReportsNoChangeOfASceneThatStaysTheSame) {
+  Story story;
+  story.Look({FarWall(), Goods(-0.5), Goods(0.4)}, 60);
+  EXPECT_EQ(story.Present(kGoodsClass).size(), 2U);
+  for (const ObjectEvent& event : story.events()) {
+    EXPECT_EQ(event.type, EventType::kCreated) << NameOf(event.type);
+  }
+}
+
+TEST(ObjectMapper, RemovesABoxThatDisappeared) {
+  Story story;
+  story.Look({FarWall(), Goods(0.0)}, 30);
+  const Box place(Goods(0.0).box_world.min().array() - 0.1,
+                  Goods(0.0).box_world.max().array() + 0.1);
+  EXPECT_GT(CountVoxelsIn(story.map(), place), 200U);
+  story.Look({FarWall()}, 15);
+  const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
+  ASSERT_EQ(removed.size(), 1U);
+  EXPECT_EQ(removed[0].reason, EventReason::kSeenThrough);
+  EXPECT_GT(removed[0].revision, Revision(30));
+  EXPECT_TRUE(story.Present(kGoodsClass).empty());
+  EXPECT_EQ(CountVoxelsIn(story.map(), place), 0U);
+  EXPECT_EQ(story.Present(kWallClass).size(), 1U) << "the wall behind stays";
+}
+
+TEST(ObjectMapper, FindsABoxThatWasMovedAsideAtItsNewPlaceOnly) {
+  Story story;
+  story.Look({FarWall(), Goods(-0.3)}, 45);
+  story.Look({FarWall(), Goods(0.3)}, 25);
+  const Revision before(45);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass, before).size(), 1U);
+  EXPECT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass, before).size() +
+                story.EventsOf(EventType::kMoved, kGoodsClass, before).size(),
+            1U);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  EXPECT_NEAR(story.Present(kGoodsClass)[0]->cuboid.center_world.y(), 0.3, 0.1);
+}
+
+TEST(ObjectMapper, KeepsABoxThatIsHidden) {
+  const SceneBody rack = Body(kRackClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
+  Story story;
+  story.Look({FarWall(), Goods(0.0)}, 20);
+  story.Look({FarWall(), Goods(0.0), rack}, 40);
+  EXPECT_TRUE(story.EventsOf(EventType::kRemoved, kGoodsClass).empty());
+  EXPECT_EQ(story.Present(kGoodsClass).size(), 1U);
+}
+
+TEST(ObjectMapper, KeepsNothingOfAPerson) {
+  const SceneBody person = Body(kPersonClass, {1.2, -0.2, -0.7}, {1.5, 0.2, 0.7});
+  Story story;
+  story.Look({FarWall(), person}, 20);
+  const Box place(person.box_world.min().array() - 0.2, person.box_world.max().array() + 0.2);
+  EXPECT_EQ(CountVoxelsIn(story.map(), place), 0U);
+  EXPECT_TRUE(story.EventsOf(EventType::kCreated, kPersonClass).empty());
+  for (const auto& [id, object] : story.map().objects) {
+    EXPECT_EQ(object->class_id, ClassId(kWallClass));
+  }
+}
+
+TEST(ObjectMapper, PutsFramesWithoutLabelsIntoTheBackground) {
+  std::vector<Frame> frames = Look({FarWall(), Goods(0.0)}, 0, 8);
+  for (Frame& frame : frames) frame.labels = {};
+  Story story;
+  story.Tell(frames);
+  EXPECT_TRUE(story.events().empty());
+  EXPECT_TRUE(story.map().objects.empty());
+  EXPECT_GT(CountVoxelsIn(story.map(), Goods(0.0).box_world), 0U);
+}
+
+/// A box that comes, is moved and goes.
+std::vector<Frame> EventfulFrames() {
+  std::vector<Frame> frames = Look({FarWall()}, 0, 6);
+  const auto append = [&](const Scene& scene, int count) {
+    for (Frame& frame : Look(scene, static_cast<int>(frames.size()), count)) {
+      frames.push_back(std::move(frame));
+    }
+  };
+  append({FarWall(), Goods(-0.3)}, 20);
+  append({FarWall(), Goods(0.3)}, 16);
+  append({FarWall()}, 12);
+  return frames;
+}
+
+TEST(ObjectMapper, GivesTheSameMapWhateverTheCommitRhythm) {
+  const std::vector<Frame> frames = EventfulFrames();
+  Story reference;
+  reference.Tell(frames, 1);
+  EXPECT_GE(reference.events().size(), 4U);
+  for (const std::size_t frames_per_commit : {std::size_t{1}, std::size_t{5}, frames.size()}) {
+    SCOPED_TRACE(frames_per_commit);
+    Story story;
+    story.Tell(frames, frames_per_commit);
+    EXPECT_EQ(story.events(), reference.events());
+    ExpectSameMap(story.map(), reference.map());
+  }
+}
+
+TEST(ObjectMapper, TellsEveryLeafThatChanged) {
+  Story story;
+  const std::vector<Frame> frames = EventfulFrames();
+  for (std::size_t i = 0; i < frames.size(); i += 3) {
+    story.Tell({frames.begin() + static_cast<std::ptrdiff_t>(i),
+                frames.begin() + static_cast<std::ptrdiff_t>(i + 3)},
+               2);
+    ASSERT_TRUE(story.told_leaves() == PackedLeaves(story.map())) << i;
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
