@@ -288,8 +288,11 @@ void ObjectMapper::Integrate(TsdfIntegrator* integrator, Background* background)
                           view.object->state().T_world_object.ToIsometry(),
                           &object->MutableVolume(),
                           &changed);
+    if (changed.empty()) continue;
     for (const LeafOrigin& origin : changed) changes_.leaves.push_back({object->id(), origin});
     object->UpdateSurface(changed);
+    // However few samples fit: leaves are told from the published volume.
+    changes_.objects.insert(object->id());
   }
 }
 

@@ -3,7 +3,9 @@
 
 #include "core/object_mapper.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <string>
@@ -293,6 +295,57 @@ TEST(ObjectMapper, GivesTheSameMapWhateverTheCommitRhythm) {
     story.Tell(frames, frames_per_commit);
     EXPECT_EQ(story.events(), reference.events());
     ExpectSameMap(story.map(), reference.map());
+  }
+}
+
+/// A frame with returns in a patch of `side_px` around the middle only, and without labels.
+Frame Patch(Frame frame, int side_px) {
+  frame.labels = {};
+  for (int v = 0; v < frame.camera.height_px; ++v) {
+    for (int u = 0; u < frame.camera.width_px; ++u) {
+      const int off_px = std::max(std::abs(u - frame.camera.width_px / 2),
+                                  std::abs(v - frame.camera.height_px / 2));
+      if (2 * off_px >= side_px) frame.depth.units.At(u, v) = kNoDepth;
+    }
+  }
+  return frame;
+}
+
+TEST(ObjectMapper, PublishesAnObjectOfWhichAFrameShowsLittle) {
+  std::vector<Frame> frames = Look({FarWall(), Goods(0.0)}, 0, 7);
+  const Frame whole = frames.back();
+  for (int side_px = 8; side_px <= 32; side_px += 2) {
+    SCOPED_TRACE(side_px);
+    frames.back() = Patch(whole, side_px);
+    Story step_by_step;
+    step_by_step.Tell(frames, 1);
+    Story at_once;
+    at_once.Tell(frames, frames.size());
+    ExpectSameMap(step_by_step.map(), at_once.map());
+  }
+}
+
+/// A wall at 2 m as a small camera sees it.
+Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_time_s) {
+  Frame frame;
+  frame.capture_time = Timestamp::FromSeconds(capture_time_s);
+  frame.camera = {width_px, height_px, 40.0, 40.0, 0.5 * width_px, 0.5 * height_px};
+  frame.depth.units = Image<std::uint16_t>(
+      width_px, height_px, static_cast<std::uint16_t>(std::lround(1000.0 * depth_m)));
+  frame.labels = Image<std::uint16_t>(width_px, height_px, kGoodsClass);
+  return frame;
+}
+
+TEST(ObjectMapper, TakesFramesOfAnySizeAndDepth) {
+  for (const auto& [width_px, height_px] :
+       {std::pair{1, 1}, {2, 1}, {4, 4}, {1, 300}, {10, 10}, {14, 12}, {16, 16}, {37, 5}}) {
+    for (const double depth_m : {0.0, 0.001, 1.0, 2.0, 2.9, 65.5}) {
+      SCOPED_TRACE(::testing::Message() << width_px << " x " << height_px << " at " << depth_m);
+      Story story;
+      for (int i = 0; i < 6; ++i) story.Tell({SmallFrame(width_px, height_px, depth_m, i)});
+      EXPECT_EQ(story.map().revision, Revision(6));
+      EXPECT_TRUE(story.told_leaves() == PackedLeaves(story.map()));
+    }
   }
 }
 
