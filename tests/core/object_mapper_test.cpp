@@ -239,6 +239,29 @@ TEST(ObjectMapper, FindsABoxThatWasMovedAsideAtItsNewPlaceOnly) {
   EXPECT_NEAR(story.Present(kGoodsClass)[0]->cuboid.center_world.y(), 0.3, 0.1);
 }
 
+/// A pile with its top at `top_m`.
+SceneBody Pile(double top_m) { return Body(kGoodsClass, {1.6, -0.4, -0.8}, {2.0, 0.4, top_m}); }
+
+TEST(ObjectMapper, CutsOffThePartOfAPileThatWasTakenAway) {
+  Story story;
+  story.Look({FarWall(), Pile(0.6)}, 30);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const ObjectId pile = story.Present(kGoodsClass)[0]->id;
+  story.Look({FarWall(), Pile(0.2)}, 25);
+  const std::vector<ObjectEvent> split = story.EventsOf(EventType::kSplit, kGoodsClass);
+  ASSERT_EQ(split.size(), 1U);
+  EXPECT_EQ(split[0].object, pile);
+  const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
+  ASSERT_EQ(removed.size(), 1U);
+  EXPECT_EQ(removed[0].object, split[0].related);
+  EXPECT_GT(removed[0].center_world.z(), 0.2);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject& rest = *story.Present(kGoodsClass)[0];
+  EXPECT_EQ(rest.id, pile);
+  EXPECT_NEAR(rest.cuboid.highest_m(), 0.2, 0.15);
+  EXPECT_EQ(story.map().objects.at(removed[0].object)->standing, ObjectStanding::kArchived);
+}
+
 TEST(ObjectMapper, KeepsABoxThatIsHidden) {
   const SceneBody rack = Body(kRackClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
   Story story;

@@ -1,0 +1,129 @@
+#include "core/association.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/cell_ownership.h"
+#include "core/map_config.h"
+#include "tests/support/analytic_scene.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::RenderScene;
+
+constexpr VoxelScale kScale;
+constexpr double kMaxRangeM = 5.0;
+
+/// Gives a wall of one square metre that faces the camera at the world's origin from `depth_m` away
+/// along x to `object`.
+void GiveWall(double depth_m, TrackedObject* object) {
+  object->MutableVolume() = MakeVolume(
+      [depth_m](const Eigen::Vector3d& point) { return depth_m - point.x(); },
+      Box(Eigen::Vector3d(depth_m - 0.2, -0.5, -0.5), Eigen::Vector3d(depth_m + 0.2, 0.5, 0.5)),
+      kScale,
+      [](const Eigen::Vector3d& point) {
+        return std::abs(point.y()) <= 0.5 && std::abs(point.z()) <= 0.5;
+      });
+  object->RebuildSurface();
+}
+
+/// One frame of a wall that fills the picture, and what the objects make of it.
+struct Look {
+  Look(double depth_m, const std::vector<TrackedObject*>& objects) {
+    cloud.Compute(RenderScene({Body(4, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0})}, {}));
+    samples.Compute(cloud);
+    in_view = FindObjectsInView(objects, cloud, samples, kMaxRangeM);
+    AssociateSamples(samples, in_view, Background(), kScale, &association);
+  }
+
+  std::size_t CountOwned(std::uint32_t owner) const {
+    std::size_t count = 0;
+    for (const std::uint32_t of_sample : association.owner) count += of_sample == owner ? 1U : 0U;
+    return count;
+  }
+
+  SemanticCloud cloud{MapConfig()};
+  SampleGrid samples;
+  std::vector<ObjectInView> in_view;
+  Association association;
+};
+
+TrackedObject NewObject(std::uint64_t id) {
+  return {ObjectId(id), Eigen::Vector3d::Zero(), kScale};
+}
+
+TEST(AssociateSamples, GivesSamplesOnTheSurfaceToItsObject) {
+  TrackedObject first = NewObject(1);
+  GiveWall(2.0, &first);
+  const Look look(2.0, {&first});
+  for (std::size_t index = 0; index < look.samples.size(); ++index) {
+    const Eigen::Vector3f& position_world = look.samples[index].position_world;
+    if (!look.samples[index].is_valid()) continue;
+    const float off_middle_m = std::max(std::abs(position_world.y()), std::abs(position_world.z()));
+    if (off_middle_m < 0.48F) {
+      EXPECT_EQ(look.association.owner[index], 1U);
+      EXPECT_NEAR(look.association.distance_m[index], 0.0F, 0.002F);
+    } else if (off_middle_m > 0.55F) {
+      EXPECT_EQ(look.association.owner[index], Association::kNone);
+    }
+  }
+}
+
+TEST(AssociateSamples, PrefersTheCloserOfTwoSurfaces) {
+  TrackedObject first = NewObject(1);
+  TrackedObject second = NewObject(2);
+  GiveWall(2.04, &first);
+  GiveWall(1.99, &second);
+  const Look look(2.0, {&first, &second});
+  EXPECT_GT(look.CountOwned(2), 500U);
+  EXPECT_EQ(look.CountOwned(1), 0U);
+}
+
+TEST(AssociateSamples, LeavesWhatStandsInFrontToNobodyAndSaysSo) {
+  TrackedObject first = NewObject(1);
+  GiveWall(2.0, &first);
+  const Look look(1.88, {&first});
+  EXPECT_EQ(look.CountOwned(1), 0U);
+  std::size_t in_front = 0;
+  for (const std::uint8_t is_in_front : look.association.is_in_front) in_front += is_in_front;
+  EXPECT_GT(in_front, 500U);
+}
+
+TEST(FindObjectsInView, LeavesOutObjectsThatAreArchivedEmptyBehindOrFar) {
+  TrackedObject first = NewObject(1);
+  TrackedObject second = NewObject(2);
+  EXPECT_TRUE(Look(2.0, {&first}).in_view.empty()) << "empty";
+  GiveWall(2.0, &first);
+  EXPECT_EQ(Look(2.0, {&first}).in_view.size(), 1U);
+  first.state().standing = ObjectStanding::kArchived;
+  EXPECT_TRUE(Look(2.0, {&first}).in_view.empty()) << "archived";
+  GiveWall(-2.0, &second);
+  EXPECT_TRUE(Look(2.0, {&second}).in_view.empty()) << "behind";
+  GiveWall(5.5, &second);
+  EXPECT_TRUE(Look(2.0, {&second}).in_view.empty()) << "far";
+}
+
+TEST(GiveCellsToOwners, GivesCellsToTheOwnersOfTheirSamples) {
+  TrackedObject first = NewObject(1);
+  GiveWall(2.0, &first);
+  Look look(2.0, {&first});
+  GiveCellsToOwners(look.samples, look.association, &look.cloud);
+  std::size_t owned = 0;
+  for (const SurfaceCell& cell : look.cloud.cells()) {
+    if (!(cell.weight > 0.0F)) continue;
+    EXPECT_EQ(cell.owner, 1U) << "what nobody owns weighs nothing";
+    ++owned;
+  }
+  // Two cells a sample in each direction.
+  EXPECT_GT(owned, 7 * look.CountOwned(1) / 2);
+  EXPECT_LT(owned, 9 * look.CountOwned(1) / 2);
+}
+
+}  // namespace
+}  // namespace steadymap

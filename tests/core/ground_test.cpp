@@ -1,0 +1,83 @@
+#include "core/ground.h"
+
+#include <gtest/gtest.h>
+
+#include "core/map_config.h"
+#include "tests/support/analytic_scene.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::Scene;
+using ::steadymap::testing::SceneLook;
+
+constexpr std::uint16_t kGroundClass = 1;
+constexpr std::uint16_t kGoodsClass = 7;
+constexpr double kGroundM = 0.13;
+
+SampleGrid SamplesOf(const Scene& scene, const SceneLook& look) {
+  SemanticCloud cloud{MapConfig()};
+  cloud.Compute(RenderScene(scene, look));
+  SampleGrid samples;
+  samples.Compute(cloud);
+  return samples;
+}
+
+testing::SceneBody Ground() {
+  return Body(kGroundClass, {-5.0, -5.0, kGroundM - 0.5}, {9.0, 5.0, kGroundM});
+}
+
+/// A crate on the ground, one metre wide and half a metre high.
+testing::SceneBody Crate() {
+  return Body(kGoodsClass, {1.5, -0.5, kGroundM}, {2.2, 0.5, kGroundM + 0.5});
+}
+
+SceneLook FromAbove() {
+  return {.eye_world = {0.0, 0.0, kGroundM + 1.2}, .target_world = {1.8, 0.0, kGroundM + 0.2}};
+}
+
+TEST(FindGroundHeight, FindsTheFloorBelowThings) {
+  const SampleGrid samples = SamplesOf({Ground(), Crate()}, FromAbove());
+  const std::optional<double> height_m = FindGroundHeight(samples, kGroundM + 1.2);
+  ASSERT_TRUE(height_m.has_value());
+  EXPECT_NEAR(*height_m, kGroundM, 0.03);
+}
+
+TEST(FindGroundHeight, FindsNoneOnAWall) {
+  const SampleGrid samples = SamplesOf({Body(4, {2.0, -4.0, -4.0}, {2.3, 4.0, 4.0})}, {});
+  EXPECT_EQ(FindGroundHeight(samples, 0.0), std::nullopt);
+}
+
+TEST(FindGroundHeight, FindsNoneAboveTheCamera) {
+  const SampleGrid samples = SamplesOf({Ground()}, FromAbove());
+  EXPECT_EQ(FindGroundHeight(samples, kGroundM + 0.05), std::nullopt);
+}
+
+TEST(FindGroundHeight, FindsNoneWithoutSamples) {
+  EXPECT_EQ(FindGroundHeight(SampleGrid(), 1.0), std::nullopt);
+}
+
+TEST(AssignGround, GivesTheFloorAndNothingElseToTheBackground) {
+  const SampleGrid samples = SamplesOf({Ground(), Crate()}, FromAbove());
+  Association association;
+  association.owner.assign(samples.size(), Association::kNone);
+  association.distance_m.assign(samples.size(), 0.0F);
+  AssignGround(samples, kGroundM, &association);
+  std::size_t of_crate = 0;
+  for (std::size_t index = 0; index < samples.size(); ++index) {
+    if (!samples[index].is_valid()) continue;
+    const double height_m = static_cast<double>(samples[index].position_world.z()) - kGroundM;
+    if (height_m > 0.1) {
+      EXPECT_EQ(association.owner[index], Association::kNone) << height_m;
+      ++of_crate;
+    } else if (height_m < 0.01) {
+      EXPECT_EQ(association.owner[index], kBackgroundOwner) << height_m;
+    }
+  }
+  EXPECT_GT(of_crate, 100U);
+}
+
+}  // namespace
+}  // namespace steadymap
