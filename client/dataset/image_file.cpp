@@ -11,10 +11,21 @@
 namespace steadymap {
 namespace {
 
-constexpr std::size_t kMaxImageFileBytes = std::size_t{64} << 20;
 constexpr std::string_view kPngSignature = "\x89PNG";
 
 }  // namespace
+
+absl::Status CheckImageSize(const std::filesystem::path& file,
+                            const PinholeCamera& camera,
+                            const ImageSize& size) {
+  if (size.width_px == camera.width_px && size.height_px == camera.height_px) {
+    return absl::OkStatus();
+  }
+  return MalformedFile(
+      file,
+      absl::StrCat("an image of ", camera.width_px, " x ", camera.height_px, " pixels"),
+      absl::StrCat(size.width_px, " x ", size.height_px));
+}
 
 absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& file) {
   absl::StatusOr<std::string> data = ReadFile(file, kMaxImageFileBytes);
@@ -35,17 +46,8 @@ absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& file,
                                         const PinholeCamera& camera) {
   absl::StatusOr<ImageFile> image = ReadImageFile(file);
   if (!image.ok()) return image;
-  if (image->size.width_px == camera.width_px && image->size.height_px == camera.height_px) {
-    return image;
-  }
-  return absl::InvalidArgumentError(
-      absl::StrCat(file.string(),
-                   ": expected an image of ",
-                   camera.width_px,
-                   " x ",
-                   camera.height_px,
-                   " pixels, found ") +
-      absl::StrCat(image->size.width_px, " x ", image->size.height_px));
+  if (absl::Status status = CheckImageSize(file, camera, image->size); !status.ok()) return status;
+  return image;
 }
 
 absl::StatusOr<ImageFile> ReadPngFile(const std::filesystem::path& file,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -11,6 +12,15 @@
 
 namespace steadymap {
 
+/// Largest image file that is read.
+inline constexpr std::size_t kMaxImageFileBytes = std::size_t{64} << 20;
+
+/// OK if an image is as large as the camera says; else `InvalidArgument` naming the file, the size
+/// expected and the size found.
+absl::Status CheckImageSize(const std::filesystem::path& file,
+                            const PinholeCamera& camera,
+                            const ImageSize& size);
+
 /// An image as it lies on disk.
 struct ImageFile {
   std::string data;     ///< The file's bytes.
@@ -18,7 +28,7 @@ struct ImageFile {
   ImageSize size;       ///< What its header declares.
 };
 
-/// Reads a PNG or JPEG file of at most 64 MiB; only its header is looked at.
+/// Reads a PNG or JPEG file of at most `kMaxImageFileBytes`; only its header is looked at.
 /// Errors: `NotFound` or `InvalidArgument`, naming the file.
 absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& file);
 

@@ -20,23 +20,35 @@ absl::string_view Absl(std::string_view text) { return {text.data(), text.size()
 
 }  // namespace
 
-absl::StatusOr<std::string> ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {
+absl::StatusOr<std::size_t> SizeOfFile(const std::filesystem::path& file, std::size_t max_bytes) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
     return absl::NotFoundError(absl::StrCat(file.string(), ": expected a file, found none"));
   }
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (!error && size > max_bytes) {
+  if (error) return absl::NotFoundError(absl::StrCat(file.string(), ": cannot be read"));
+  if (size > max_bytes) {
     return absl::InvalidArgumentError(
         absl::StrCat(file.string(), ": expected at most ", max_bytes, " bytes, found ", size));
   }
+  return static_cast<std::size_t>(size);
+}
+
+absl::StatusOr<std::string> ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {
+  const absl::StatusOr<std::size_t> size = SizeOfFile(file, max_bytes);
+  if (!size.ok()) return size.status();
   std::ifstream stream(file, std::ios::binary);
-  std::string content(error ? 0 : static_cast<std::size_t>(size), '\0');
+  std::string content(*size, '\0');
   stream.read(content.data(), static_cast<std::streamsize>(content.size()));
-  if (error || !stream) {
-    return absl::NotFoundError(absl::StrCat(file.string(), ": cannot be read"));
-  }
+  if (!stream) return absl::NotFoundError(absl::StrCat(file.string(), ": cannot be read"));
   return content;
+}
+
+absl::Status MalformedFile(const std::filesystem::path& file,
+                           std::string_view expected,
+                           std::string_view found) {
+  return absl::InvalidArgumentError(
+      absl::StrCat(file.string(), ": expected ", Absl(expected), ", found ", Absl(found)));
 }
 
 absl::StatusOr<std::vector<TextLine>> ReadTextLines(const std::filesystem::path& file) {

@@ -14,9 +14,19 @@
 /// The small text files that data sets consist of beside their images.
 namespace steadymap {
 
+/// The size of a file, bytes.
+/// Errors: `NotFound` if there is none, `InvalidArgument` if it is larger than `max_bytes`; both
+/// name it.
+absl::StatusOr<std::size_t> SizeOfFile(const std::filesystem::path& file, std::size_t max_bytes);
+
 /// Reads a whole file of at most `max_bytes`.
 /// Errors: `NotFound` if it cannot be opened, `InvalidArgument` if it is larger; both name it.
 absl::StatusOr<std::string> ReadFile(const std::filesystem::path& file, std::size_t max_bytes);
+
+/// `InvalidArgument`: "FILE: expected EXPECTED, found FOUND".
+absl::Status MalformedFile(const std::filesystem::path& file,
+                           std::string_view expected,
+                           std::string_view found);
 
 /// A line with something on it.
 struct TextLine {
