@@ -4,7 +4,8 @@
 #
 #   deploy/demo.sh                          a simulated robot drives the TorWIC route 1-5
 #   deploy/demo.sh --route ROUTE            another simulated route
-#   deploy/demo.sh --dataset FORMAT PATH... a recording: torwic, seven-scenes or tum
+#   deploy/demo.sh --dataset FORMAT PATH... a recording: torwic, seven-scenes, tum, co-fusion
+#                                           or panoptic
 set -euo pipefail
 
 usage="usage: demo.sh [--route ROUTE | --dataset FORMAT PATH...]"

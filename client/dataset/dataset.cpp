@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::array<DatasetFormat, 3> Formats() {
-  return {TorwicFormat(), SevenScenesFormat(), TumFormat()};
+std::array<DatasetFormat, 5> Formats() {
+  return {TorwicFormat(), SevenScenesFormat(), TumFormat(), CoFusionFormat(), PanopticFormat()};
 }
 
 absl::StatusOr<DatasetFormat> FindFormat(std::string_view name) {

@@ -38,11 +38,11 @@ std::vector<std::string> DatasetFormats();
 
 /// Opens a recording.
 ///
-/// `format` is `torwic`, `seven-scenes` or `tum`. Each path is a sequence's folder or a folder that
-/// holds several; sequences are played one after the other, in natural order within a folder, and
-/// their times are moved so that they keep increasing.
-/// Errors: `InvalidArgument` for an unknown format, no path, a stride of 0 or a malformed file;
-/// `NotFound` for a path or file that is missing. The message names the file and what was expected.
+/// `format` is `torwic`, `seven-scenes`, `tum`, `co-fusion` or `panoptic`. Each path is a
+/// sequence's folder or a folder that holds several; sequences are played one after the other, in
+/// natural order within a folder, and their times are moved so that they keep increasing. Errors:
+/// `InvalidArgument` for an unknown format, no path, a stride of 0 or a malformed file; `NotFound`
+/// for a path or file that is missing. The message names the file and what was expected.
 absl::StatusOr<std::unique_ptr<DatasetSource>> OpenDataset(
     std::string_view format,
     const std::vector<std::filesystem::path>& paths,

@@ -9,8 +9,10 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "client/dataset/depth_file.h"
 #include "client/dataset/frame_message.h"
 #include "client/dataset/image_file.h"
+#include "client/dataset/segment_classes.h"
 #include "core/image_codec.h"
 
 namespace steadymap {
@@ -43,13 +45,15 @@ bool FitsIn8Bits(const Image<std::uint16_t>& image) {
   });
 }
 
+// `segment_classes` may be empty.
 absl::Status PackLabels(const std::filesystem::path& file,
+                        const std::filesystem::path& segment_classes,
                         const PinholeCamera& camera,
                         const LabelMap& label_map,
                         v1::LabelImage* message) {
   absl::StatusOr<ImageFile> image = ReadPngFile(file, camera);
   if (!image.ok()) return image.status();
-  if (label_map.is_identity()) {
+  if (label_map.is_identity() && segment_classes.empty()) {
     message->set_encoding(v1::LABEL_ENCODING_PNG);
     message->set_data(std::move(image->data));
     return absl::OkStatus();
@@ -59,6 +63,11 @@ absl::Status PackLabels(const std::filesystem::path& file,
   if (!labels.ok()) {
     return absl::InvalidArgumentError(
         absl::StrCat(file.string(), ": expected a label image: ", labels.status().message()));
+  }
+  if (!segment_classes.empty()) {
+    const absl::StatusOr<SegmentClasses> classes = SegmentClasses::Load(segment_classes);
+    if (!classes.ok()) return classes.status();
+    classes->Apply(&*labels);
   }
   label_map.Apply(&*labels);
   const bool is_narrow = FitsIn8Bits(*labels);
@@ -100,20 +109,21 @@ absl::StatusOr<v1::Frame> RecordedFrameSource::Load(const RecordedSequence& sequ
   FillFrameMessage(
       frame.time, sequence.camera, T_world_dataset * *frame.T_dataset_camera, &message);
 
-  absl::StatusOr<ImageFile> depth = ReadPngFile(frame.depth, sequence.camera);
-  if (!depth.ok()) return depth.status();
-  message.mutable_depth()->set_encoding(v1::DEPTH_ENCODING_PNG_UINT16);
-  message.mutable_depth()->set_metres_per_unit(sequence.metres_per_unit);
-  message.mutable_depth()->set_data(std::move(depth->data));
+  const absl::Status packed = PackDepthFile(
+      frame.depth, sequence.camera, sequence.metres_per_unit, message.mutable_depth());
+  if (!packed.ok()) return packed;
 
   if (!frame.labels.empty()) {
-    const absl::Status status =
-        PackLabels(frame.labels, sequence.camera, options_.label_map, message.mutable_labels());
+    const absl::Status status = PackLabels(frame.labels,
+                                           frame.segment_classes,
+                                           sequence.camera,
+                                           options_.label_map,
+                                           message.mutable_labels());
     if (!status.ok()) return status;
   }
   if (!frame.instances.empty()) {
     const absl::Status status =
-        PackLabels(frame.instances, sequence.camera, LabelMap(), message.mutable_instances());
+        PackLabels(frame.instances, {}, sequence.camera, LabelMap(), message.mutable_instances());
     if (!status.ok()) return status;
   }
   if (options_.include_color && !frame.color.empty()) {

@@ -21,7 +21,7 @@ struct PlaybackOptions {
 };
 
 /// Plays indexed sequences one after the other, whatever their format. Image files pass as they lie
-/// on disk; only labels that a map changes are packed anew.
+/// on disk; only labels that a map changes and depth in metres are packed anew.
 class RecordedFrameSource : public DatasetSource {
  public:
   RecordedFrameSource(std::vector<RecordedSequence> sequences, PlaybackOptions options);

@@ -19,8 +19,10 @@ struct RecordedFrame {
   Timestamp time;
   /// In the recording's own world; or why it is not known although the recording tells it.
   absl::StatusOr<Eigen::Isometry3d> T_dataset_camera = Eigen::Isometry3d::Identity();
-  std::filesystem::path depth;      ///< A 16-bit PNG file.
-  std::filesystem::path labels;     ///< A PNG file; empty: none.
+  std::filesystem::path depth;   ///< What `PackDepthFile` reads.
+  std::filesystem::path labels;  ///< A PNG file; empty: none.
+  /// What `SegmentClasses` reads, if the pixels of `labels` are segments; empty: they are classes.
+  std::filesystem::path segment_classes;
   std::filesystem::path instances;  ///< A PNG file; empty: none.
   std::filesystem::path color;      ///< A PNG or JPEG file; empty: none.
 };
@@ -28,7 +30,7 @@ struct RecordedFrame {
 /// The index of one sequence.
 struct RecordedSequence {
   PinholeCamera camera;
-  double metres_per_unit = 0.001;
+  double metres_per_unit = 0.001;  ///< Of depth images.
   /// To a world with z up, unless the options say otherwise.
   Eigen::Isometry3d T_world_dataset = Eigen::Isometry3d::Identity();
   std::vector<RecordedFrame> frames;  ///< In the order of recording.
@@ -52,5 +54,14 @@ DatasetFormat SevenScenesFormat();
 
 /// TUM RGB-D (`tum_sequence.cpp`).
 DatasetFormat TumFormat();
+
+/// Co-Fusion (`co_fusion_sequence.cpp`). Masks serve as instances, and as classes that a label map
+/// turns into the map's. Its world is wherever the first camera pose puts it; `T_world_dataset` of
+/// the options sets it upright.
+DatasetFormat CoFusionFormat();
+
+/// The flat of panoptic mapping (`panoptic_sequence.cpp`): its world has z up. Segments serve as
+/// instances, 0 being none.
+DatasetFormat PanopticFormat();
 
 }  // namespace steadymap

@@ -24,7 +24,8 @@ TEST(OpenDataset, RefusesWhatItCannotOpenAndSaysWhy) {
     EXPECT_FALSE(source.ok());
     return std::string(source.status().message());
   };
-  EXPECT_THAT(message("rosbag", {folder.path()}, {}), HasSubstr("torwic, seven-scenes, tum"));
+  EXPECT_THAT(message("rosbag", {folder.path()}, {}),
+              HasSubstr("torwic, seven-scenes, tum, co-fusion, panoptic"));
   EXPECT_THAT(message("tum", {}, {}), HasSubstr("path"));
   EXPECT_THAT(message("tum", {folder.path() / "gone"}, {}), HasSubstr("gone"));
   DatasetOptions no_stride;
