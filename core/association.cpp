@@ -88,6 +88,31 @@ class Claimant {
   std::uint32_t owner_;
 };
 
+/// Offers an object to the samples that its bounds hold.
+void OfferObject(const SampleGrid& samples,
+                 const ObjectInView& view,
+                 std::uint32_t owner,
+                 const VoxelScale& scale,
+                 Association* association) {
+  const Eigen::Isometry3d T_object_world =
+      view.object->state().T_world_object.ToIsometry().inverse();
+  Claimant claimant(view.object->volume(), scale, T_object_world, owner);
+  const auto margin_m = static_cast<float>(scale.truncation_m);
+  Eigen::AlignedBox3f bounds = view.object->bounds_object().cast<float>();
+  bounds.min().array() -= margin_m;
+  bounds.max().array() += margin_m;
+  const Eigen::Isometry3f T_bounds_world = T_object_world.cast<float>();
+  for (int row = view.first_row; row < view.end_row; ++row) {
+    for (int column = view.first_column; column < view.end_column; ++column) {
+      const std::size_t index = samples.Index(column, row);
+      const SurfaceSample& sample = samples[index];
+      if (sample.is_valid() && bounds.contains(T_bounds_world * sample.position_world)) {
+        claimant.Claim(sample, index, association);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 float FitTolerance(float depth_m) { return kFitBaseM + kFitPerSquareMetre * depth_m * depth_m; }
@@ -120,24 +145,7 @@ void AssociateSamples(const SampleGrid& samples,
   association->distance_m.assign(samples.size(), 0.0F);
   association->is_in_front.assign(samples.size(), 0);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const ObjectInView& view = objects[i];
-    const Eigen::Isometry3d T_object_world =
-        view.object->state().T_world_object.ToIsometry().inverse();
-    Claimant claimant(
-        view.object->volume(), scale, T_object_world, static_cast<std::uint32_t>(i + 1));
-    Eigen::AlignedBox3f bounds = view.object->bounds_object().cast<float>();
-    bounds.min().array() -= static_cast<float>(scale.truncation_m);
-    bounds.max().array() += static_cast<float>(scale.truncation_m);
-    const Eigen::Isometry3f T_object_world_f = T_object_world.cast<float>();
-    for (int row = view.first_row; row < view.end_row; ++row) {
-      for (int column = view.first_column; column < view.end_column; ++column) {
-        const std::size_t index = samples.Index(column, row);
-        const SurfaceSample& sample = samples[index];
-        if (sample.is_valid() && bounds.contains(T_object_world_f * sample.position_world)) {
-          claimant.Claim(sample, index, association);
-        }
-      }
-    }
+    OfferObject(samples, objects[i], static_cast<std::uint32_t>(i + 1), scale, association);
   }
   Claimant claimant(background, scale, Eigen::Isometry3d::Identity(), kBackgroundOwner);
   for (std::size_t index = 0; index < samples.size(); ++index) {

@@ -30,6 +30,7 @@ std::vector<Contact> FindContacts(const SampleGrid& samples, const Association& 
     }
   }
   std::vector<Contact> contacts;
+  contacts.reserve(counts.size());
   for (const auto& [owners, found] : counts) {
     contacts.push_back({owners.first, owners.second, found});
   }

@@ -22,6 +22,30 @@ constexpr double kFreeMarginM = 0.15;
 // Free space this deep inside a surface was free before the surface came.
 constexpr float kInsideM = 0.08F;
 
+/// Cells of an object's surface that frames have missed.
+struct DoubtedCells {
+  std::size_t gone = 0;     ///< With scores of at most `max_score`.
+  std::size_t doubted = 0;  ///< With negative scores, those included.
+};
+
+DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
+  DoubtedCells cells;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr) continue;
+    std::uint64_t counted = 0;
+    for (const SurfaceVoxel& point : leaf.points) {
+      const std::uint64_t bit = std::uint64_t{1} << point.cell;
+      if ((counted & bit) != 0) continue;
+      counted |= bit;
+      const std::int8_t score = evidence->score[point.cell];
+      cells.gone += score <= max_score ? 1U : 0U;
+      cells.doubted += score < 0 ? 1U : 0U;
+    }
+  }
+  return cells;
+}
+
 }  // namespace
 
 ObjectMapper::ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters)
@@ -120,14 +144,7 @@ void ObjectMapper::Archive(TrackedObject* object, EventReason reason) {
 /// Cuts off what frames have found gone again and again while the rest of the object stands. The
 /// part becomes an archived object of its own.
 void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
-  std::size_t gone = 0;
-  std::size_t doubted = 0;
-  for (const LeafEvidence& leaf : object->state().evidence.leaves) {
-    for (const std::int8_t score : leaf.score) {
-      gone += score <= -parameters_.gone_score ? 1U : 0U;
-      doubted += score < 0 ? 1U : 0U;
-    }
-  }
+  const auto [gone, doubted] = CountDoubtedCells(*object, -parameters_.gone_score);
   // While more cells are on their way, the part is not known yet.
   if (gone < parameters_.min_gone_cells || 2 * doubted > 3 * gone) return;
   last_id_ = last_id_.Next();

@@ -22,8 +22,8 @@ Eigen::Vector3f GradientAt(const LeafView& leaf, std::size_t offset) {
     if (place > 0 && IsSet(leaf.observed, offset - stride)) low -= stride;
     if (place + 1 < kLeafSide && IsSet(leaf.observed, offset + stride)) high += stride;
     if (low == high) continue;
-    gradient[axis] =
-        (leaf.distance_m[high] - leaf.distance_m[low]) / static_cast<float>((high - low) / stride);
+    const std::size_t voxels = (high - low) / stride;
+    gradient[axis] = (leaf.distance_m[high] - leaf.distance_m[low]) / static_cast<float>(voxels);
   }
   return gradient;
 }
