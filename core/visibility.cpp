@@ -27,6 +27,25 @@ constexpr float kPresentReachPerMetre = 0.025F;
 constexpr float kReplacedFromM = 0.08F;
 constexpr float kReplacedCosine = 0.7F;
 
+/// The returns of one tile.
+struct TileReturns {
+  std::uint32_t nearest = std::numeric_limits<std::uint32_t>::max();  ///< Sensor units.
+  int count = 0;
+};
+
+TileReturns ReadTile(const Image<std::uint16_t>& units, int column, int row) {
+  TileReturns tile;
+  for (int v = row * DepthTiles::kTilePx; v < (row + 1) * DepthTiles::kTilePx; ++v) {
+    const std::uint16_t* pixels = &units.At(column * DepthTiles::kTilePx, v);
+    for (std::size_t u = 0; u < DepthTiles::kTilePx; ++u) {
+      if (pixels[u] == kNoDepth || pixels[u] == kInvalidDepth) continue;
+      tile.nearest = std::min<std::uint32_t>(tile.nearest, pixels[u]);
+      ++tile.count;
+    }
+  }
+  return tile;
+}
+
 }  // namespace
 
 void DepthTiles::Compute(const DepthImage& depth) {
@@ -37,23 +56,12 @@ void DepthTiles::Compute(const DepthImage& depth) {
   const auto metres_per_unit = static_cast<float>(depth.metres_per_unit);
   for (int row = 0; row < height_; ++row) {
     for (int column = 0; column < width_; ++column) {
-      std::uint32_t nearest = std::numeric_limits<std::uint32_t>::max();
-      int returns = 0;
-      for (int v = row * kTilePx; v < (row + 1) * kTilePx; ++v) {
-        const std::uint16_t* pixels = &depth.units.At(column * kTilePx, v);
-        for (int u = 0; u < kTilePx; ++u) {
-          // No return becomes the farthest: 0 wraps round, 65535 stays.
-          const std::uint32_t units = static_cast<std::uint16_t>(pixels[u] - 1);
-          const bool is_return = units < kInvalidDepth - 1;
-          nearest = std::min(nearest, is_return ? units + 1 : nearest);
-          returns += is_return ? 1 : 0;
-        }
-      }
+      const TileReturns tile = ReadTile(depth.units, column, row);
       const std::size_t index = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
                                 static_cast<std::size_t>(column);
-      nearest_m_[index] = returns > 0 ? static_cast<float>(nearest) * metres_per_unit
-                                      : std::numeric_limits<float>::infinity();
-      is_measured_[index] = 2 * returns >= kTilePx * kTilePx ? 1 : 0;
+      nearest_m_[index] = tile.count > 0 ? static_cast<float>(tile.nearest) * metres_per_unit
+                                         : std::numeric_limits<float>::infinity();
+      is_measured_[index] = 2 * tile.count >= kTilePx * kTilePx ? 1 : 0;
     }
   }
 }
