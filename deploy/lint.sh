@@ -5,7 +5,7 @@
 #
 # "What changed" is what differs from the merge base with main, or, on main itself, what its last day
 # of commits changed, together with what is not committed yet. Without such a commit: everything.
-# clang-tidy stops taking new files after LINT_TIDY_SECONDS (default 600) and names the rest.
+# clang-tidy stops taking new files after LINT_TIDY_SECONDS (default 300) and names the rest.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -99,7 +99,7 @@ if ((${#translation_units[@]})); then
     tail -n 30 "$log" >&2
     fail "the build that clang-tidy needs failed"
   fi
-  deadline=$(($(date +%s) + ${LINT_TIDY_SECONDS:-600}))
+  deadline=$(($(date +%s) + ${LINT_TIDY_SECONDS:-300}))
   export deadline
   tidy_one() {
     if (($(date +%s) >= deadline)); then
