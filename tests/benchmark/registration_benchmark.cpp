@@ -79,7 +79,7 @@ std::vector<Pair> MakePairs(std::size_t moved) {
 void RegisterAll(benchmark::State& state, const std::vector<Pair>& pairs, std::size_t ahead) {
   std::size_t points = 0;
   std::size_t unmoved = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     points = 0;
     unmoved = 0;
     for (std::size_t i = 0; i < kPairs; ++i) {

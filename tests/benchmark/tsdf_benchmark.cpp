@@ -48,7 +48,7 @@ void IntegrateFrame(benchmark::State& state) {
   if (SkipWithoutFrames(state)) return;
   std::unique_ptr<Mapper> mapper = Mapper::Create(ConfigOf(state)).value();
   std::size_t next = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     mapper->Integrate(mapper->head().Next(), Frames()[next]);
     if (++next % kFramesPerCommit != 0) continue;
     state.PauseTiming();
@@ -74,7 +74,7 @@ void Commit(benchmark::State& state) {
   std::size_t next = 0;
   std::size_t bytes = 0;
   std::size_t leaves = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     state.PauseTiming();
     for (std::size_t i = 0; i < kFramesPerCommit; ++i) {
       mapper->Integrate(mapper->head().Next(), Frames()[next]);
@@ -110,7 +110,7 @@ void ExtractWholeMesh(benchmark::State& state) {
   if (SkipWithoutFrames(state)) return;
   const std::shared_ptr<const MapSnapshot> map = MapAll(ConfigOf(state));
   Mesh mesh;
-  for (auto _ : state) mesh = ExtractMesh(map->background, map->scale, nullptr);
+  while (state.KeepRunning()) mesh = ExtractMesh(map->background, map->scale, nullptr);
   std::size_t packed_bytes = 0;
   map->background.ForEachLeaf(
       [&](LeafOrigin, const LeafView& leaf) { packed_bytes += PackLeaf(leaf, map->scale).size(); });
@@ -126,7 +126,7 @@ BENCHMARK(ExtractWholeMesh)->Args({50, 150})->Args({20, 80})->Unit(benchmark::kM
 void WriteWholeVdb(benchmark::State& state) {
   if (SkipWithoutFrames(state)) return;
   const std::shared_ptr<const MapSnapshot> map = MapAll(ConfigOf(state));
-  for (auto _ : state) benchmark::DoNotOptimize(WriteVdb(*map, nullptr));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(WriteVdb(*map, nullptr));
 }
 
 BENCHMARK(WriteWholeVdb)->Args({50, 150})->Unit(benchmark::kMillisecond);
