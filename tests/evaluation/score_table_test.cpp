@@ -95,6 +95,7 @@ bool HasColor(const Image<Rgb>& picture, const Rgb& color) {
 
 TEST(DrawScorePicture, ShowsVerdictsInTheirColours) {
   std::vector<JudgedVoxel> voxels;
+  voxels.reserve(4);
   for (int z = 0; z < 4; ++z) voxels.push_back({{0, 0, z}, VoxelVerdict::kWrong});
   const Image<Rgb> picture = DrawScorePicture(voxels, 0.2, {"route, policy", "below"});
   const Image<Rgb> empty = DrawScorePicture({}, 0.2, {"route, policy", "below"});
