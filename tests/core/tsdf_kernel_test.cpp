@@ -14,7 +14,8 @@ namespace {
 
 /// A depth image of slanted patches, edges, holes and noise.
 std::vector<std::uint16_t> RandomDepth(int width_px, int height_px, std::mt19937* random) {
-  std::vector<std::uint16_t> depth(static_cast<std::size_t>(width_px * height_px));
+  std::vector<std::uint16_t> depth(static_cast<std::size_t>(width_px) *
+                                   static_cast<std::size_t>(height_px));
   std::uniform_int_distribution<int> any(0, 65535);
   std::uniform_int_distribution<int> noise(-6, 6);
   for (int v = 0; v < height_px; ++v) {
@@ -23,7 +24,8 @@ std::vector<std::uint16_t> RandomDepth(int width_px, int height_px, std::mt19937
       int value = 700 + 150 * (patch % 9) + 2 * u - v + noise(*random);
       if (any(*random) < 2000) value = any(*random);
       if (any(*random) < 2000) value = any(*random) % 2 == 0 ? 0 : 65535;
-      depth[static_cast<std::size_t>(v * width_px + u)] = static_cast<std::uint16_t>(value);
+      const int index = v * width_px + u;
+      depth[static_cast<std::size_t>(index)] = static_cast<std::uint16_t>(value);
     }
   }
   return depth;
@@ -38,11 +40,12 @@ struct Surface {
 Surface ComputeSurface(const TsdfKernels& kernels, const SurfaceInput& input) {
   const int cells_wide = input.width_px / 2;
   const int cells_high = input.height_px / 2;
-  const auto padded =
-      static_cast<std::size_t>(SurfaceStride(cells_wide) * (cells_high + 2 * kSurfaceMarginRows));
+  const std::size_t padded = static_cast<std::size_t>(SurfaceStride(cells_wide)) *
+                             static_cast<std::size_t>(cells_high + 2 * kSurfaceMarginRows);
   Surface surface{std::vector<float>(padded),
                   std::vector<float>(padded),
-                  std::vector<SurfaceCell>(static_cast<std::size_t>(cells_wide * cells_high))};
+                  std::vector<SurfaceCell>(static_cast<std::size_t>(cells_wide) *
+                                           static_cast<std::size_t>(cells_high))};
   kernels.compute_surface(
       input, {surface.inverse_depth.data(), surface.support.data(), surface.cells.data()});
   return surface;
