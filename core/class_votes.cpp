@@ -4,7 +4,7 @@
 
 namespace steadymap {
 
-void AddVotes(const std::map<ClassId, std::size_t>& samples_by_class, MapObject* object) {
+void AddVotes(const std::map<ClassId, std::size_t>& samples_by_class, ObjectState* object) {
   std::size_t total = 0;
   for (const auto& [class_id, samples] : samples_by_class) total += samples;
   for (const auto& [class_id, samples] : samples_by_class) {

@@ -9,6 +9,6 @@ namespace steadymap {
 
 /// Adds one frame's vote on an object's class, shared out by the samples of each class, and lets
 /// the votes choose. No samples: no vote.
-void AddVotes(const std::map<ClassId, std::size_t>& samples_by_class, MapObject* object);
+void AddVotes(const std::map<ClassId, std::size_t>& samples_by_class, ObjectState* object);
 
 }  // namespace steadymap

@@ -38,7 +38,7 @@ void AddEvidence(const ObjectVerdict& verdict,
 bool UpdateBelief(StationarityPrior prior,
                   Timestamp now,
                   const JudgementParameters& parameters,
-                  MapObject* object) {
+                  ObjectState* object) {
   ObjectEvidence& evidence = object->evidence;
   const double judged = evidence.present_cells + evidence.absent_cells;
   if (judged < parameters.cells_per_update) return false;

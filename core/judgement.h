@@ -29,6 +29,6 @@ void AddEvidence(const ObjectVerdict& verdict,
 bool UpdateBelief(StationarityPrior prior,
                   Timestamp now,
                   const JudgementParameters& parameters,
-                  MapObject* object);
+                  ObjectState* object);
 
 }  // namespace steadymap

@@ -45,9 +45,9 @@ struct ClassVote {
   friend bool operator==(const ClassVote&, const ClassVote&) = default;
 };
 
-/// A thing of the map, as far as one revision knows it. The grid frame of its volume is the object
-/// frame.
-struct MapObject {
+/// What is known of an object besides its volume, at one revision. The grid frame of the volume is
+/// the object frame.
+struct ObjectState {
   ObjectId id;
   ObjectStanding standing = ObjectStanding::kTentative;
   ClassId class_id;              ///< The winner of the votes.
@@ -56,10 +56,16 @@ struct MapObject {
   Cuboid cuboid;  ///< Around the surface, world frame.
   Belief belief;
   ObjectEvidence evidence;
-  Timestamp first_seen;                    ///< Capture time of the first frame that saw it.
-  Timestamp last_seen;                     ///< Capture time of the last frame that agreed with it.
-  std::uint64_t views = 0;                 ///< Frames that agreed with it.
-  std::uint64_t absences = 0;              ///< Frames that spoke against it.
+  Timestamp first_seen;        ///< Capture time of the first frame that saw it.
+  Timestamp last_seen;         ///< Capture time of the last frame that agreed with it.
+  std::uint64_t views = 0;     ///< Frames that agreed with it.
+  std::uint64_t absences = 0;  ///< Times that the evidence spoke against it.
+
+  friend bool operator==(const ObjectState&, const ObjectState&) = default;
+};
+
+/// A thing of the map, as far as one revision knows it.
+struct MapObject : ObjectState {
   std::shared_ptr<const TsdfGrid> volume;  ///< Never null in a published object.
 };
 

@@ -119,7 +119,7 @@ void ObjectMapper::JudgeObjects() {
 
 /// Updates the belief in an object, and removes it or what is gone of it.
 void ObjectMapper::DecideOn(TrackedObject* object) {
-  MapObject& state = object->state();
+  ObjectState& state = object->state();
   const SemanticClass* row = FindClass(state.class_id.value());
   const StationarityPrior prior = row == nullptr || row->motion == ClassMotion::kStatic
                                       ? StationarityPrior::kStays
@@ -133,7 +133,7 @@ void ObjectMapper::DecideOn(TrackedObject* object) {
 }
 
 void ObjectMapper::Archive(TrackedObject* object, EventReason reason) {
-  MapObject& state = object->state();
+  ObjectState& state = object->state();
   if (state.standing == ObjectStanding::kPresent) {
     changes_.events.push_back(MakeEvent(EventType::kRemoved, reason, *object));
   }
@@ -179,7 +179,7 @@ void ObjectMapper::PlaceObservations() {
   }
 }
 
-bool ObjectMapper::IsRecent(const MapObject& state) const {
+bool ObjectMapper::IsRecent(const ObjectState& state) const {
   return frame_->capture_time.seconds() - state.first_seen.seconds() < parameters_.recent_s;
 }
 
@@ -201,8 +201,8 @@ void ObjectMapper::MergeConnected() {
 }
 
 void ObjectMapper::Merge(TrackedObject* into, TrackedObject* from) {
-  MapObject& state = into->state();
-  MapObject& other = from->state();
+  ObjectState& state = into->state();
+  ObjectState& other = from->state();
   const MovedLeaves moved = CopyVoxels(*from, scale_, into);
   for (const LeafOrigin& origin : moved.into) changes_.leaves.push_back({state.id, origin});
   state.first_seen = std::min(state.first_seen, other.first_seen);
@@ -237,7 +237,7 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
   const bool is_small = observation.area_m2 < parameters_.min_new_area_m2;
   for (const BorderContact& contact : observation.contacts) {
     if (contact.owner == kBackgroundOwner) continue;
-    const MapObject& state = in_view_[contact.owner - 1].object->state();
+    const ObjectState& state = in_view_[contact.owner - 1].object->state();
     if (state.standing == ObjectStanding::kArchived) continue;
     if (is_free && !IsRecent(state)) continue;
     if (is_small || state.class_id.value() == observation.label) return contact.owner;
@@ -257,7 +257,7 @@ std::uint32_t ObjectMapper::AddObject(const Observation& observation) {
   last_id_ = last_id_.Next();
   TrackedObject& object =
       objects_.try_emplace(last_id_, last_id_, origin_world, scale_).first->second;
-  MapObject& state = object.state();
+  ObjectState& state = object.state();
   state.class_id = ClassId(observation.label);
   state.belief = InitialBelief(parameters_.initial_stationarity);
   state.first_seen = frame_->capture_time;
@@ -281,7 +281,7 @@ void ObjectMapper::CountViews() {
   }
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (fitting_samples_[i] < kMinFittingSamples) continue;
-    MapObject& state = in_view_[i].object->state();
+    ObjectState& state = in_view_[i].object->state();
     ++state.views;
     if (state.standing == ObjectStanding::kTentative) state.last_seen = frame_->capture_time;
     AddVotes(samples_by_class[i], &state);
@@ -316,7 +316,7 @@ void ObjectMapper::Integrate(TsdfIntegrator* integrator, Background* background)
 void ObjectMapper::ConfirmAndForget() {
   for (auto next = objects_.begin(); next != objects_.end();) {
     auto& [id, object] = *next++;
-    MapObject& state = object.state();
+    ObjectState& state = object.state();
     if (state.standing != ObjectStanding::kTentative) continue;
     if (state.views >= parameters_.confirming_views) {
       state.standing = ObjectStanding::kPresent;
@@ -345,14 +345,14 @@ bool ObjectMapper::IsSameThing(const TrackedObject& before, const TrackedObject&
 void ObjectMapper::FindMoves() {
   for (const ObjectInView& view : in_view_) {
     const TrackedObject& after = *view.object;
-    const MapObject& state = after.state();
+    const ObjectState& state = after.state();
     if (state.standing != ObjectStanding::kPresent || state.views < parameters_.move_views ||
         !IsRecent(state)) {
       continue;
     }
     for (const ObjectInView& other : in_view_) {
       TrackedObject* before = other.object;
-      const MapObject& old = before->state();
+      const ObjectState& old = before->state();
       if (old.standing != ObjectStanding::kPresent || old.class_id != state.class_id ||
           old.evidence.absent_streak_cells < parameters_.move_absent_cells ||
           old.first_seen >= state.first_seen || !IsSameThing(*before, after)) {

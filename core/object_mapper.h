@@ -101,7 +101,7 @@ class ObjectMapper {
   bool IsInFreeSpace(const Observation& observation) const;
   std::uint32_t ChooseOwner(const Observation& observation);
   std::uint32_t AddObject(const Observation& observation);
-  bool IsRecent(const MapObject& state) const;
+  bool IsRecent(const ObjectState& state) const;
   void MergeConnected();
   void FindMoves();
   bool IsSameThing(const TrackedObject& before, const TrackedObject& after) const;

@@ -32,7 +32,7 @@ void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
 
 }  // namespace
 
-bool ShareLattice(const MapObject& a, const MapObject& b) {
+bool ShareLattice(const ObjectState& a, const ObjectState& b) {
   return a.T_world_object.yaw_rad == 0.0 && b.T_world_object.yaw_rad == 0.0;
 }
 

@@ -14,7 +14,7 @@ struct MovedLeaves {
 };
 
 /// Whether the voxels of two objects lie on one lattice: neither was turned.
-bool ShareLattice(const MapObject& a, const MapObject& b);
+bool ShareLattice(const ObjectState& a, const ObjectState& b);
 
 /// Copies all voxels and evidence of `from` into `into`; of two voxels in one place the one that
 /// was seen better stays. The objects must share their lattice (asserted). `from` keeps its voxels.

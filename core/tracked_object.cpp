@@ -12,9 +12,8 @@ TrackedObject::TrackedObject(ObjectId id,
   state_.T_world_object.position_world = position_world;
 }
 
-TrackedObject::TrackedObject(const MapObject& state, const VoxelScale& scale)
-    : state_(state), scale_(scale), volume_(state.volume->Clone()) {
-  state_.volume = nullptr;
+TrackedObject::TrackedObject(const MapObject& published, const VoxelScale& scale)
+    : state_(published), scale_(scale), volume_(published.volume->Clone()) {
   surface_.Rebuild(*volume_, scale_);
   UpdateBounds();
 }
@@ -56,9 +55,8 @@ Cuboid TrackedObject::ComputeCuboid() const {
 }
 
 std::shared_ptr<const MapObject> TrackedObject::Publish() const {
-  auto published = std::make_shared<MapObject>(state_);
+  auto published = std::make_shared<MapObject>(MapObject{state_, volume_});
   published->cuboid = ComputeCuboid();
-  published->volume = volume_;
   return published;
 }
 

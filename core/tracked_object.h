@@ -16,12 +16,12 @@ class TrackedObject {
   /// A new object whose frame has its origin at `position_world`.
   TrackedObject(ObjectId id, const Eigen::Vector3d& position_world, const VoxelScale& scale);
 
-  /// Goes on from a published state.
-  TrackedObject(const MapObject& state, const VoxelScale& scale);
+  /// Goes on from a published object.
+  TrackedObject(const MapObject& published, const VoxelScale& scale);
 
-  MapObject& state() { return state_; }
+  ObjectState& state() { return state_; }
 
-  const MapObject& state() const { return state_; }
+  const ObjectState& state() const { return state_; }
 
   ObjectId id() const { return state_.id; }
 
@@ -52,7 +52,7 @@ class TrackedObject {
  private:
   void UpdateBounds();
 
-  MapObject state_;
+  ObjectState state_;
   VoxelScale scale_;
   std::shared_ptr<TsdfGrid> volume_;
   ObjectSurface surface_;

@@ -125,7 +125,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
                                 const Eigen::Vector3f& normal_world) const {
   const std::uint32_t owner = association_.owner[sample_index];
   if (owner == Association::kNone || owner == kBackgroundOwner) return false;
-  const MapObject& newer = objects_[owner - 1].object->state();
+  const ObjectState& newer = objects_[owner - 1].object->state();
   if (newer.id == object.id() || newer.standing != ObjectStanding::kPresent ||
       newer.class_id != object.state().class_id) {
     return false;
