@@ -46,6 +46,9 @@ using MapSequence = StrongInteger<struct MapSequenceTag, std::uint64_t>;
 /// The place of a frame in its upload session, from 1; 0 is "none yet".
 using ClientSequence = StrongInteger<struct ClientSequenceTag, std::uint64_t>;
 
+/// The place of an event in its map's history, gap-free from 1; 0 is "none yet".
+using EventNumber = StrongInteger<struct EventNumberTag, std::uint64_t>;
+
 /// The store's key of a map. Never reused, so a map created anew under an old name shares nothing
 /// with its predecessor.
 using MapKey = StrongInteger<struct MapKeyTag, std::uint64_t>;

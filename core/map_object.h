@@ -50,6 +50,7 @@ struct ClassVote {
 struct ObjectState {
   ObjectId id;
   ObjectStanding standing = ObjectStanding::kTentative;
+  Revision revision;             ///< Of the last frame that changed the object.
   ClassId class_id;              ///< The winner of the votes.
   std::vector<ClassVote> votes;  ///< By rising class, no class twice.
   UprightPose T_world_object;
