@@ -42,17 +42,21 @@ bool UpdateBelief(StationarityPrior prior,
   ObjectEvidence& evidence = object->evidence;
   const double judged = evidence.present_cells + evidence.absent_cells;
   if (judged < parameters.cells_per_update) return false;
+  StationarityParameters stationarity = parameters.stationarity;
+  if (prior == StationarityPrior::kStays &&
+      now.seconds() - object->last_seen.seconds() > parameters.visit_gap_s) {
+    stationarity.max_evidence = std::min(stationarity.max_evidence, parameters.revisit_evidence);
+  }
   const double absent_share = evidence.absent_cells / judged;
   evidence.present_cells = 0.0;
   evidence.absent_cells = 0.0;
   if (absent_share >= parameters.absent_share) {
     ++object->absences;
-    const double change_m = parameters.stationarity.max_change_m;
-    object->belief =
-        UpdateStationarity(object->belief, change_m, prior, parameters.stationarity).belief;
+    const double change_m = stationarity.max_change_m;
+    object->belief = UpdateStationarity(object->belief, change_m, prior, stationarity).belief;
   } else if (absent_share < parameters.present_share) {
     object->last_seen = now;
-    object->belief = UpdateStationarity(object->belief, 0.0, prior, parameters.stationarity).belief;
+    object->belief = UpdateStationarity(object->belief, 0.0, prior, stationarity).belief;
   }
   return true;
 }

@@ -16,6 +16,11 @@ struct JudgementParameters {
   double present_share = 0.20;
   /// Cells to be judged before the belief is updated.
   double cells_per_update = 15.0;
+  /// An object that was not found for so long may have been moved meanwhile, seconds. Classes that
+  /// stay gather certainty fast; what was learnt of them on an earlier visit counts no more than
+  /// `revisit_evidence`, to which alpha + beta is held until the object is found again.
+  double visit_gap_s = 20.0;
+  double revisit_evidence = 3.0;
 };
 
 /// Adds what a frame taken at `now` says about each part of an object's surface to what is known.

@@ -57,7 +57,10 @@ struct ObjectState {
   Cuboid cuboid;  ///< Around the surface, world frame.
   Belief belief;
   ObjectEvidence evidence;
-  Timestamp first_seen;        ///< Capture time of the first frame that saw it.
+  Timestamp first_seen;  ///< Capture time of the first frame that saw it.
+  /// When it came to stand where it stands, later than `first_seen` if it was gone or elsewhere
+  /// before; of an archived one, when it was found gone.
+  Timestamp standing_since;
   Timestamp last_seen;         ///< Capture time of the last frame that agreed with it.
   std::uint64_t views = 0;     ///< Frames that agreed with it.
   std::uint64_t absences = 0;  ///< Times that the evidence spoke against it.

@@ -53,7 +53,7 @@ struct ObjectEvent {
   Belief after;
   std::uint64_t views = 0;     ///< Frames that had agreed with it.
   std::uint64_t absences = 0;  ///< Times that the evidence had spoken against it.
-  ObjectId related;  ///< The other object of a merge or split; else 0.
+  ObjectId related;            ///< The other object of a merge or split; else 0.
 
   friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;
 };

@@ -9,12 +9,16 @@
 #include "core/contact.h"
 #include "core/ground.h"
 #include "core/object_parts.h"
+#include "core/recognition.h"
 
 namespace steadymap {
 namespace {
 
 // A view counts when at least so many samples fit.
 constexpr std::size_t kMinFittingSamples = 12;
+
+// How often new objects are compared with what is archived around them.
+constexpr std::uint64_t kFramesPerComparison = 8;
 
 // Free space ends this far before what was measured.
 constexpr double kFreeMarginM = 0.15;
@@ -65,6 +69,7 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   Integrate();
   MergeConnected();
   ConfirmAndForget();
+  TakeBackParts();
   FindMoves();
   MarkFreeSpace();
 }
@@ -74,6 +79,12 @@ const SemanticClass* ObjectMapper::FindClass(std::uint16_t label) const {
     if (row.id.value() == label) return &row;
   }
   return nullptr;
+}
+
+StationarityPrior ObjectMapper::PriorOf(ClassId class_id) const {
+  const SemanticClass* row = FindClass(class_id.value());
+  return row == nullptr || row->motion == ClassMotion::kStatic ? StationarityPrior::kStays
+                                                               : StationarityPrior::kMoves;
 }
 
 bool ObjectMapper::IsInBackground(std::uint16_t label) const {
@@ -110,10 +121,7 @@ void ObjectMapper::JudgeObjects() {
 /// Updates the belief in an object, and removes it or what is gone of it.
 void ObjectMapper::DecideOn(TrackedObject* object) {
   ObjectState& state = object->state();
-  const SemanticClass* row = FindClass(state.class_id.value());
-  const StationarityPrior prior = row == nullptr || row->motion == ClassMotion::kStatic
-                                      ? StationarityPrior::kStays
-                                      : StationarityPrior::kMoves;
+  const StationarityPrior prior = PriorOf(state.class_id);
   const Belief before = state.belief;
   if (!UpdateBelief(prior, map_->now(), parameters_.judgement, &state)) return;
   if (state.belief.stationarity() < parameters_.min_stationarity) {
@@ -131,6 +139,7 @@ void ObjectMapper::Archive(TrackedObject* object, const Belief& before) {
     map_->Tell(event);
   }
   state.standing = ObjectStanding::kArchived;
+  state.standing_since = map_->now();
   map_->MarkChanged(object);
 }
 
@@ -142,6 +151,7 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   if (gone < parameters_.min_gone_cells || 2 * doubted > 3 * gone) return;
   TrackedObject& part = map_->AddPart(*object);
   part.state().standing = ObjectStanding::kArchived;
+  part.state().standing_since = map_->now();
   const std::vector<LeafOrigin> moved = MoveGoneVoxels(-parameters_.gone_score, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
@@ -164,7 +174,7 @@ void ObjectMapper::PlaceObservations() {
 }
 
 bool ObjectMapper::IsRecent(const ObjectState& state) const {
-  return map_->now().seconds() - state.first_seen.seconds() < parameters_.recent_s;
+  return map_->now().seconds() - state.standing_since.seconds() < parameters_.recent_s;
 }
 
 /// Makes one of objects whose surfaces were found connected on one visit.
@@ -174,7 +184,8 @@ void ObjectMapper::MergeConnected() {
     if (contact.samples < parameters_.merging_contacts) continue;
     TrackedObject* a = in_view_[contact.first - 1].object;
     TrackedObject* b = in_view_[contact.second - 1].object;
-    const double apart_s = a->state().first_seen.seconds() - b->state().first_seen.seconds();
+    const double apart_s =
+        a->state().standing_since.seconds() - b->state().standing_since.seconds();
     if (a->is_archived() || b->is_archived() || a->state().class_id != b->state().class_id ||
         std::abs(apart_s) > parameters_.recent_s || !ShareLattice(a->state(), b->state())) {
       continue;
@@ -190,6 +201,7 @@ void ObjectMapper::Merge(TrackedObject* into, TrackedObject* from) {
   const MovedLeaves moved = CopyVoxels(*from, map_->scale(), into);
   map_->MarkLeaves(into, moved.into);
   state.first_seen = std::min(state.first_seen, other.first_seen);
+  state.standing_since = std::min(state.standing_since, other.standing_since);
   state.last_seen = std::max(state.last_seen, other.last_seen);
   state.views = std::max(state.views, other.views);
   if (other.standing == ObjectStanding::kPresent) {
@@ -283,11 +295,68 @@ void ObjectMapper::ConfirmAndForget() {
     ObjectState& state = object.state();
     if (state.standing != ObjectStanding::kTentative) continue;
     if (state.views >= parameters_.confirming_views) {
-      state.standing = ObjectStanding::kPresent;
-      map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, object));
-      map_->MarkChanged(&object);
+      Confirm(&object);
     } else if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
       map_->Forget(&object);
+    }
+  }
+}
+
+/// Makes a tentative object part of the map: as a new one, or as an old one that is back.
+void ObjectMapper::Confirm(TrackedObject* object) {
+  const StationarityPrior prior = PriorOf(object->state().class_id);
+  TrackedObject* known = FindReturned(
+      *object, map_->scale(), prior, parameters_.recognition, &map_->mutable_objects());
+  if (known == nullptr) {
+    object->state().standing = ObjectStanding::kPresent;
+    map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+    map_->MarkChanged(object);
+    return;
+  }
+  std::vector<TrackedObject*> others;
+  if (prior == StationarityPrior::kStays) {
+    others = FindGoneWith(*known, parameters_.recognition, &map_->mutable_objects());
+  }
+  known->state().views += object->state().views;
+  map_->MarkLeaves(known, CopyVoxels(*object, map_->scale(), known).into);
+  Return(known, EventReason::kShapeMatched, object->state().belief);
+  map_->Forget(object);
+  const Belief unseen = InitialBelief(parameters_.initial_stationarity);
+  for (TrackedObject* other : others) Return(other, EventReason::kConnected, unseen);
+}
+
+/// Takes an archived object as standing in its place again.
+void ObjectMapper::Return(TrackedObject* object, EventReason reason, const Belief& belief) {
+  ObjectState& state = object->state();
+  const Belief before = state.belief;
+  state.standing = ObjectStanding::kPresent;
+  state.belief = belief;
+  state.evidence = {};
+  state.standing_since = map_->now();
+  state.last_seen = map_->now();
+  ObjectEvent event = map_->MakeEvent(EventType::kReturned, reason, *object);
+  event.before = before;
+  map_->Tell(event);
+  map_->MarkChanged(object);
+}
+
+/// Gives new objects of classes that stay what was once known of them: a wall is taken down and put
+/// up again as a whole, and seldom shown as one.
+void ObjectMapper::TakeBackParts() {
+  if (map_->revision().value() % kFramesPerComparison != 0) return;
+  for (const ObjectInView& view : in_view_) {
+    const ObjectState& state = view.object->state();
+    if (state.standing != ObjectStanding::kPresent || !IsRecent(state) ||
+        PriorOf(state.class_id) != StationarityPrior::kStays) {
+      continue;
+    }
+    for (TrackedObject* part : FindReturnedParts(
+             *view.object, map_->scale(), parameters_.recognition, &map_->mutable_objects())) {
+      map_->MarkLeaves(view.object, CopyVoxels(*part, map_->scale(), view.object).into);
+      ObjectEvent event = map_->MakeEvent(EventType::kMerged, EventReason::kShapeMatched, *part);
+      event.related = view.object->id();
+      map_->Tell(event);
+      map_->Forget(part);
     }
   }
 }
@@ -317,7 +386,7 @@ void ObjectMapper::FindMoves() {
       const ObjectState& old = before->state();
       if (old.standing != ObjectStanding::kPresent || old.class_id != state.class_id ||
           old.evidence.absent_streak_cells < parameters_.move_absent_cells ||
-          old.first_seen >= state.first_seen || !IsSameThing(*before, after)) {
+          old.standing_since >= state.standing_since || !IsSameThing(*before, after)) {
         continue;
       }
       ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kDisplaced, *before);
@@ -326,6 +395,7 @@ void ObjectMapper::FindMoves() {
       event.related = after.id();
       map_->Tell(event);
       before->state().standing = ObjectStanding::kArchived;
+      before->state().standing_since = map_->now();
       map_->MarkChanged(before);
     }
   }

@@ -8,6 +8,7 @@
 #include "core/map_config.h"
 #include "core/map_updater.h"
 #include "core/observation.h"
+#include "core/recognition.h"
 #include "core/sample_grid.h"
 #include "core/semantic_cloud.h"
 #include "core/tracked_object.h"
@@ -22,6 +23,7 @@ namespace steadymap {
 struct ObjectMapperParameters {
   JudgementParameters judgement;
   VisibilityParameters visibility;
+  RecognitionParameters recognition;
   /// E[v] of a new object.
   double initial_stationarity = 0.67;
   /// Objects below this E[v] leave the map (theta_stat).
@@ -82,9 +84,13 @@ class ObjectMapper final : public MapUpdater {
   void CountViews();
   void Integrate();
   void ConfirmAndForget();
+  void Confirm(TrackedObject* object);
+  void Return(TrackedObject* object, EventReason reason, const Belief& belief);
+  void TakeBackParts();
   void MarkFreeSpace();
   void Archive(TrackedObject* object, const Belief& before);
   const SemanticClass* FindClass(std::uint16_t label) const;
+  StationarityPrior PriorOf(ClassId class_id) const;
   bool IsInBackground(std::uint16_t label) const;
 
   MapConfig config_;

@@ -137,7 +137,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
     return false;
   }
   const Timestamp confirmed = object.state().evidence.ConfirmedAt(leaf);
-  return newer.first_seen.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
+  return newer.standing_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
 }
 
 bool VisibilityTest::JudgePoint(const TrackedObject& object,

@@ -51,6 +51,7 @@ TrackedObject& WorkingMap::AddObject(const Eigen::Vector3d& position_world) {
   const Eigen::Vector3d nearest_leaf = (position_world.array() / leaf_size_m).round();
   TrackedObject& object = Insert(nearest_leaf * leaf_size_m);
   object.state().first_seen = now();
+  object.state().standing_since = now();
   object.state().last_seen = now();
   MarkChanged(&object);
   return object;

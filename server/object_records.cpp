@@ -117,6 +117,7 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   proto.add_evidence_cells(state.evidence.absent_streak_cells);
   for (const LeafEvidence& leaf : state.evidence.leaves) ToProto(leaf, proto.add_evidence());
   proto.set_first_seen_ns(state.first_seen.nanoseconds());
+  proto.set_standing_since_ns(state.standing_since.nanoseconds());
   proto.set_last_seen_ns(state.last_seen.nanoseconds());
   proto.set_views(state.views);
   proto.set_absences(state.absences);
@@ -144,6 +145,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   if (!IsPossible(state.belief)) return Impossible("an object record holds an impossible belief");
   if (absl::Status status = ReadEvidence(proto, &state.evidence); !status.ok()) return status;
   state.first_seen = Timestamp::FromNanoseconds(proto.first_seen_ns());
+  state.standing_since = Timestamp::FromNanoseconds(proto.standing_since_ns());
   state.last_seen = Timestamp::FromNanoseconds(proto.last_seen_ns());
   state.views = proto.views();
   state.absences = proto.absences();

@@ -194,5 +194,30 @@ TEST(UpdateBelief, TakesMoreAbsencesToLoseWhatWasLongKnownOrIsExpectedToStay) {
   EXPECT_LE(staying_known, 20) << "nothing is known for ever";
 }
 
+TEST(UpdateBelief, TakesFewerAbsencesToLoseWhatWasKnownFromAnEarlierVisit) {
+  const JudgementParameters parameters;
+  for (const StationarityPrior prior : {StationarityPrior::kStays, StationarityPrior::kMoves}) {
+    MapObject object = ObjectWith(0.0, 0.0);
+    for (int i = 0; i < 50; ++i) {
+      object.evidence.present_cells = 15.0;
+      UpdateBelief(prior, kNow, parameters, &object);
+    }
+    const Timestamp next_visit =
+        Timestamp::FromSeconds(kNow.seconds() + parameters.visit_gap_s + 1.0);
+    int absences = 0;
+    for (; object.belief.stationarity() >= 0.40 && absences < 100; ++absences) {
+      object.evidence.absent_cells = 15.0;
+      UpdateBelief(prior, next_visit, parameters, &object);
+    }
+    const int on_one_visit = AbsencesUntilRemoval(prior, 50);
+    if (prior == StationarityPrior::kStays) {
+      EXPECT_LT(absences, on_one_visit);
+      EXPECT_GE(absences, 3) << "one bad look removes no wall";
+    } else {
+      EXPECT_EQ(absences, on_one_visit);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace steadymap

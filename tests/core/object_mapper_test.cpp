@@ -213,6 +213,37 @@ TEST(ObjectMapper, RemovesABoxThatDisappeared) {
   EXPECT_EQ(story.Present(kWallClass).size(), 1U) << "the wall behind stays";
 }
 
+TEST(ObjectMapper, KnowsABoxThatComesBack) {
+  Story story;
+  story.Look({FarWall(), Goods(0.0)}, 45);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject first = *story.Present(kGoodsClass)[0];
+  story.Look({FarWall()}, 45);
+  ASSERT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  story.Look({FarWall(), Goods(0.0)}, 15);
+  const std::vector<ObjectEvent> returned = story.EventsOf(EventType::kReturned, kGoodsClass);
+  ASSERT_EQ(returned.size(), 1U);
+  EXPECT_EQ(returned[0].object, first.id);
+  EXPECT_EQ(returned[0].reason, EventReason::kShapeMatched);
+  EXPECT_LT(returned[0].before.stationarity(), 0.4);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject& again = *story.Present(kGoodsClass)[0];
+  EXPECT_EQ(again.id, first.id);
+  EXPECT_EQ(again.first_seen, first.first_seen);
+  EXPECT_EQ(again.standing_since, returned[0].time);
+}
+
+TEST(ObjectMapper, TakesABoxBesideAnOldPlaceAsNew) {
+  Story story;
+  story.Look({FarWall(), Goods(-0.1)}, 45);
+  story.Look({FarWall()}, 45);
+  ASSERT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  story.Look({FarWall(), Goods(0.15)}, 15);
+  EXPECT_TRUE(story.EventsOf(EventType::kReturned, kGoodsClass).empty());
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 2U);
+}
+
 TEST(ObjectMapper, FindsABoxThatWasMovedAsideAtItsNewPlaceOnly) {
   Story story;
   story.Look({FarWall(), Goods(-0.3)}, 45);

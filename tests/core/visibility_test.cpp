@@ -150,16 +150,16 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
   for (const SurfaceLeaf& leaf : older->surface().leaves()) {
     older->state().evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
   }
-  newer->state().first_seen = Timestamp::FromSeconds(95.0);
+  newer->state().standing_since = Timestamp::FromSeconds(95.0);
   const Frame frame = RenderScene({SeenWall(1.75)}, {});
   const ObjectVerdict verdict = JudgeFirst({older.get(), newer.get()}, frame);
   EXPECT_GT(verdict.replaced, CellsOfWallAt2m() / 2);
   EXPECT_EQ(verdict.replaced, verdict.judged());
 
-  newer->state().first_seen = Timestamp::FromSeconds(91.0);
+  newer->state().standing_since = Timestamp::FromSeconds(91.0);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U)
       << "both were there at once";
-  newer->state().first_seen = Timestamp::FromSeconds(95.0);
+  newer->state().standing_since = Timestamp::FromSeconds(95.0);
   newer->state().class_id = ClassId(kGoodsClass);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
 }

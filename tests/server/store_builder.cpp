@@ -108,6 +108,7 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   }
   state.evidence.leaves.back().score = {};
   state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
+  state.standing_since = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   state.last_seen = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   state.views = random();
   state.absences = random();

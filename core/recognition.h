@@ -1,0 +1,64 @@
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "core/stationarity.h"
+#include "core/tracked_object.h"
+
+/// Tells a thing that comes back from one that is new.
+namespace steadymap {
+
+/// How alike is the same thing.
+struct RecognitionParameters {
+  /// A new object is an archived one, back in its place, if so much of the new surface lies where
+  /// the archived object knows anything,
+  double return_known_share = 0.8;
+  /// The same for classes that stay: of a wall one corner tells enough.
+  double return_known_share_of_walls = 0.3;
+  /// and so much of that lies on the archived surface.
+  double return_fit_share = 0.9;
+  /// An archived object of a class that stays is part of a new one, if so much of its surface lies
+  /// where the new one knows anything, and `return_fit_share` of that on its surface.
+  double part_known_share = 0.15;
+  /// What of a class that stays was found gone within this time of a neighbour, and no further from
+  /// it than that, comes back with it: a wall is taken down and put up as a whole.
+  double same_visit_s = 20.0;
+  double neighbour_distance_m = 0.8;
+};
+
+/// How the surface of one object lies with another one.
+struct SurfaceOverlap {
+  double known_share = 0.0;  ///< Share of the points in what the other has observed.
+  double fit_share = 0.0;    ///< Of those, the share on its surface, facing the same way.
+};
+
+/// Compares the surface of `object`, moved by `T_other_object`, with the volume of `other`. A point
+/// lies on the surface within `tolerance_m`. Zeros for an object without surface.
+SurfaceOverlap CompareSurfaces(const TrackedObject& object,
+                               const TrackedObject& other,
+                               const Eigen::Isometry3d& T_other_object,
+                               const VoxelScale& scale,
+                               double tolerance_m);
+
+/// The archived object of the same class that best explains `object` where it stood itself; null if
+/// none does. Of equals the newest.
+TrackedObject* FindReturned(const TrackedObject& object,
+                            const VoxelScale& scale,
+                            StationarityPrior prior,
+                            const RecognitionParameters& parameters,
+                            std::map<ObjectId, TrackedObject>* objects);
+
+/// The archived objects of the same class that were found gone together with the archived `object`,
+/// directly or one by one; without it.
+std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
+                                         const RecognitionParameters& parameters,
+                                         std::map<ObjectId, TrackedObject>* objects);
+
+/// The archived objects of the same class whose surface turns out to be that of `object`.
+std::vector<TrackedObject*> FindReturnedParts(const TrackedObject& object,
+                                              const VoxelScale& scale,
+                                              const RecognitionParameters& parameters,
+                                              std::map<ObjectId, TrackedObject>* objects);
+
+}  // namespace steadymap

@@ -1,0 +1,135 @@
+#include "core/recognition.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "core/object_parts.h"
+#include "tests/support/analytic_solid.h"
+
+namespace steadymap {
+namespace {
+
+constexpr VoxelScale kScale;
+constexpr ClassId kClass{7};
+
+/// The front of a box that faces -x, `width_m` wide along y from `y_m` on, one metre high.
+TrackedObject Front(std::uint64_t id, double y_m, double width_m) {
+  const double leaf_m = kScale.leaf_size_m();
+  TrackedObject object(ObjectId(id), {0.0, std::floor(y_m / leaf_m) * leaf_m, 0.0}, kScale);
+  const double first_m = y_m - object.state().T_world_object.position_world.y();
+  object.MutableVolume() = testing::MakeVolume(
+      [](const Eigen::Vector3d& point) { return 0.2 - point.x(); },
+      Box(Eigen::Vector3d(0.05, first_m, 0.0), Eigen::Vector3d(0.35, first_m + width_m, 1.0)),
+      kScale,
+      [](const Eigen::Vector3d&) { return true; });
+  object.RebuildSurface();
+  object.state().class_id = kClass;
+  return object;
+}
+
+SurfaceOverlap Compare(const TrackedObject& object, const TrackedObject& other) {
+  const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
+                                           object.state().T_world_object.ToIsometry();
+  return CompareSurfaces(object, other, T_other_object, kScale, 0.05);
+}
+
+TEST(CompareSurfaces, IsWholeForTheSameSurface) {
+  const SurfaceOverlap overlap = Compare(Front(1, 0.0, 0.8), Front(2, 0.0, 0.8));
+  EXPECT_NEAR(overlap.known_share, 1.0, 1e-9);
+  EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9);
+}
+
+TEST(CompareSurfaces, KnowsOnlyThePartThatOverlaps) {
+  const SurfaceOverlap overlap = Compare(Front(1, 0.0, 3.2), Front(2, 1.6, 3.2));
+  EXPECT_NEAR(overlap.known_share, 0.5, 0.08);
+  EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9);
+}
+
+TEST(CompareSurfaces, FitsNothingThatLiesTooFarInFront) {
+  const TrackedObject object = Front(1, 0.0, 0.8);
+  const Eigen::Isometry3d T_other_object(Eigen::Translation3d(-0.1, 0.0, 0.0));
+  const SurfaceOverlap overlap =
+      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale, 0.05);
+  EXPECT_GT(overlap.known_share, 0.9);
+  EXPECT_EQ(overlap.fit_share, 0.0);
+}
+
+TEST(CompareSurfaces, FitsNothingThatFacesTheOtherWay) {
+  const TrackedObject object = Front(1, 0.0, 0.8);
+  // About the middle of the front, so that the surface comes to lie on itself.
+  const Eigen::Isometry3d T_other_object = Eigen::Translation3d(0.2, 0.4, 0.0) *
+                                           Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()) *
+                                           Eigen::Translation3d(-0.2, -0.4, 0.0);
+  const SurfaceOverlap overlap =
+      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale, 0.05);
+  EXPECT_GT(overlap.known_share, 0.6);
+  EXPECT_LT(overlap.fit_share, 0.1);
+}
+
+TEST(CompareSurfaces, IsNothingWithoutSurface) {
+  const TrackedObject nothing(ObjectId(1), Eigen::Vector3d::Zero(), kScale);
+  const SurfaceOverlap overlap = Compare(nothing, Front(2, 0.0, 0.8));
+  EXPECT_EQ(overlap.known_share, 0.0);
+  EXPECT_EQ(overlap.fit_share, 0.0);
+}
+
+class RecognitionArchive : public ::testing::Test {
+ protected:
+  TrackedObject* Put(TrackedObject object, double gone_s) {
+    object.state().standing = ObjectStanding::kArchived;
+    object.state().standing_since = Timestamp::FromSeconds(gone_s);
+    const ObjectId id = object.id();
+    return &objects_.insert_or_assign(id, std::move(object)).first->second;
+  }
+
+  TrackedObject* Find(const TrackedObject& object, StationarityPrior prior) {
+    return FindReturned(object, kScale, prior, RecognitionParameters(), &objects_);
+  }
+
+  std::map<ObjectId, TrackedObject> objects_;
+};
+
+TEST_F(RecognitionArchive, GivesWhatStoodInThatPlace) {
+  Put(Front(1, 2.0, 0.8), 10.0);
+  TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
+  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), known);
+  EXPECT_EQ(Find(Front(3, 5.0, 0.8), StationarityPrior::kMoves), nullptr);
+}
+
+TEST_F(RecognitionArchive, GivesNothingOfAnotherClassOrStillPresent) {
+  TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
+  TrackedObject other_class = Front(3, 0.0, 0.8);
+  other_class.state().class_id = ClassId(4);
+  EXPECT_EQ(Find(other_class, StationarityPrior::kMoves), nullptr);
+  known->state().standing = ObjectStanding::kPresent;
+  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), nullptr);
+}
+
+TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
+  TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
+  const TrackedObject beside = Front(3, 0.4, 0.8);
+  EXPECT_EQ(Find(beside, StationarityPrior::kMoves), nullptr);
+  EXPECT_EQ(Find(beside, StationarityPrior::kStays), known);
+}
+
+TEST_F(RecognitionArchive, BringsBackNeighboursThatWentOnTheSameVisit) {
+  const TrackedObject* first = Put(Front(1, 0.0, 0.8), 100.0);
+  TrackedObject* second = Put(Front(2, 1.2, 0.8), 105.0);
+  TrackedObject* third = Put(Front(3, 2.4, 0.8), 110.0);
+  Put(Front(4, 6.0, 0.8), 100.0);
+  Put(Front(5, -1.2, 0.8), 500.0);
+  EXPECT_EQ(FindGoneWith(*first, RecognitionParameters(), &objects_),
+            (std::vector<TrackedObject*>{second, third}));
+}
+
+TEST_F(RecognitionArchive, GivesThePartsOfAWallThatIsUpAgain) {
+  TrackedObject* part = Put(Front(1, 0.0, 0.8), 10.0);
+  Put(Front(2, 4.0, 0.8), 10.0);
+  EXPECT_EQ(FindReturnedParts(Front(3, 0.4, 1.6), kScale, RecognitionParameters(), &objects_),
+            std::vector<TrackedObject*>{part});
+}
+
+}  // namespace
+}  // namespace steadymap
