@@ -70,7 +70,7 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   MergeConnected();
   ConfirmAndForget();
   TakeBackParts();
-  FindMoves();
+  FindMoves(in_view_, parameters_.recent_s, parameters_.moves, map_);
   MarkFreeSpace();
 }
 
@@ -357,46 +357,6 @@ void ObjectMapper::TakeBackParts() {
       event.related = view.object->id();
       map_->Tell(event);
       map_->Forget(part);
-    }
-  }
-}
-
-bool ObjectMapper::IsSameThing(const TrackedObject& before, const TrackedObject& after) const {
-  const Cuboid a = before.ComputeCuboid();
-  const Cuboid b = after.ComputeCuboid();
-  const auto sides = [](const Cuboid& cuboid) {
-    const auto [shorter, longer] = std::minmax(cuboid.size_m.x(), cuboid.size_m.y());
-    return Eigen::Vector3d(shorter, longer, cuboid.size_m.z());
-  };
-  return (a.center_world - b.center_world).norm() <= parameters_.move_distance_m &&
-         (sides(a) - sides(b)).cwiseAbs().maxCoeff() <= parameters_.move_size_tolerance_m;
-}
-
-/// Takes an object that vanishes next to where one like it appeared as moved.
-void ObjectMapper::FindMoves() {
-  for (const ObjectInView& view : in_view_) {
-    const TrackedObject& after = *view.object;
-    const ObjectState& state = after.state();
-    if (state.standing != ObjectStanding::kPresent || state.views < parameters_.move_views ||
-        !IsRecent(state)) {
-      continue;
-    }
-    for (const ObjectInView& other : in_view_) {
-      TrackedObject* before = other.object;
-      const ObjectState& old = before->state();
-      if (old.standing != ObjectStanding::kPresent || old.class_id != state.class_id ||
-          old.evidence.absent_streak_cells < parameters_.move_absent_cells ||
-          old.standing_since >= state.standing_since || !IsSameThing(*before, after)) {
-        continue;
-      }
-      ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kDisplaced, *before);
-      event.old_center_world = event.center_world;
-      event.center_world = after.ComputeCuboid().center_world;
-      event.related = after.id();
-      map_->Tell(event);
-      before->state().standing = ObjectStanding::kArchived;
-      before->state().standing_since = map_->now();
-      map_->MarkChanged(before);
     }
   }
 }

@@ -7,6 +7,7 @@
 #include "core/judgement.h"
 #include "core/map_config.h"
 #include "core/map_updater.h"
+#include "core/object_moves.h"
 #include "core/observation.h"
 #include "core/recognition.h"
 #include "core/sample_grid.h"
@@ -24,6 +25,7 @@ struct ObjectMapperParameters {
   JudgementParameters judgement;
   VisibilityParameters visibility;
   RecognitionParameters recognition;
+  MoveParameters moves;
   /// E[v] of a new object.
   double initial_stationarity = 0.67;
   /// Objects below this E[v] leave the map (theta_stat).
@@ -45,14 +47,6 @@ struct ObjectMapperParameters {
   std::size_t merging_contacts = 8;
   /// A part of an object is cut off when its cells were found gone in so many more frames than not.
   int gone_score = 5;
-  /// An object that stands no further than this from where another one vanishes may be it, metres.
-  double move_distance_m = 0.9;
-  /// Cells of the old place that must be found gone, and none found there again.
-  double move_absent_cells = 8.0;
-  /// Frames that must have seen the new place.
-  std::uint64_t move_views = 10;
-  /// Sides of the same thing differ by no more than this, metres.
-  double move_size_tolerance_m = 0.2;
   /// Fewest connected cells that are cut off.
   std::size_t min_gone_cells = 8;
   /// Fewest cells whose loss is told as an event.
@@ -78,8 +72,6 @@ class ObjectMapper final : public MapUpdater {
   std::uint32_t AddObject(const Observation& observation);
   bool IsRecent(const ObjectState& state) const;
   void MergeConnected();
-  void FindMoves();
-  bool IsSameThing(const TrackedObject& before, const TrackedObject& after) const;
   void Merge(TrackedObject* into, TrackedObject* from);
   void CountViews();
   void Integrate();

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <set>
 #include <utility>
+
+#include "core/tsdf_sample.h"
 
 namespace steadymap {
 namespace {
@@ -21,6 +25,52 @@ void TakeBetterVoxels(const LeafView& leaf, LeafVoxels* voxels) {
     voxels->color[offset] = leaf.color[offset];
     voxels->has_color = true;
   }
+}
+
+/// Index of a voxel in its volume.
+Eigen::Vector3d VoxelCenter(LeafOrigin origin, std::size_t offset) {
+  return {static_cast<double>(origin.x + static_cast<int>(offset >> 6)),
+          static_cast<double>(origin.y + static_cast<int>(offset >> 3 & 7)),
+          static_cast<double>(origin.z + static_cast<int>(offset & 7))};
+}
+
+/// The leaves of another frame that the leaves of a volume may reach into.
+std::set<LeafOrigin> LeavesUnder(const TsdfGrid& volume,
+                                 const Eigen::Isometry3d& T_target_volume,
+                                 const VoxelScale& scale) {
+  std::set<LeafOrigin> leaves;
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    Eigen::AlignedBox3d bounds;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d index =
+          VoxelCenter(origin, 0) +
+          Eigen::Vector3d(corner & 1, corner >> 1 & 1, corner >> 2) * kLeafSide;
+      bounds.extend(T_target_volume * (index * scale.voxel_size_m) / scale.voxel_size_m);
+    }
+    const Eigen::Vector3i low = bounds.min().array().floor().cast<int>();
+    const Eigen::Vector3i high = bounds.max().array().ceil().cast<int>();
+    const LeafOrigin first = LeafOf(low.x(), low.y(), low.z());
+    for (std::int32_t x = first.x; x <= high.x(); x += kLeafSide) {
+      for (std::int32_t y = first.y; y <= high.y(); y += kLeafSide) {
+        for (std::int32_t z = first.z; z <= high.z(); z += kLeafSide) leaves.insert({x, y, z});
+      }
+    }
+  });
+  return leaves;
+}
+
+/// Stores a sample as one look that is worth at most `max_weight`, rounded as voxels are.
+void StoreCanonical(const DistanceSample& sample,
+                    double max_weight,
+                    const VoxelScale& scale,
+                    std::size_t offset,
+                    LeafVoxels* voxels) {
+  const double steps = std::round(sample.distance_m / static_cast<double>(scale.distance_step_m()));
+  voxels->distance_m[offset] = static_cast<float>(steps) * scale.distance_step_m();
+  const double units =
+      std::round(std::min(sample.weight, max_weight) / static_cast<double>(kWeightUnit));
+  voxels->weight[offset] = static_cast<float>(std::max(units, 1.0)) * kWeightUnit;
+  voxels->observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
 }
 
 void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
@@ -59,6 +109,37 @@ MovedLeaves CopyVoxels(const TrackedObject& from, const VoxelScale& scale, Track
   }
   into->UpdateSurface(moved.into);
   return moved;
+}
+
+std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
+                                       const Eigen::Isometry3d& T_world_from,
+                                       double max_weight,
+                                       const VoxelScale& scale,
+                                       TrackedObject* into) {
+  const Eigen::Isometry3d T_from_into =
+      T_world_from.inverse() * into->state().T_world_object.ToIsometry();
+  const std::set<LeafOrigin> targets = LeavesUnder(from.volume(), T_from_into.inverse(), scale);
+  TsdfSampler sampler(from.volume(), scale);
+  TsdfGrid& volume = into->MutableVolume();
+  std::vector<LeafOrigin> changed;
+  LeafVoxels voxels;
+  for (const LeafOrigin& origin : targets) {
+    volume.LoadLeaf(origin, &voxels);
+    bool has_changed = false;
+    for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+      if (IsSet(voxels.observed, offset)) continue;
+      const Eigen::Vector3d center_into = VoxelCenter(origin, offset) * scale.voxel_size_m;
+      const DistanceSample sample = sampler.Sample(T_from_into * center_into);
+      if (!sample.known) continue;
+      StoreCanonical(sample, max_weight, scale, offset, &voxels);
+      has_changed = true;
+    }
+    if (!has_changed) continue;
+    volume.StoreLeaf(origin, voxels);
+    changed.push_back(origin);
+  }
+  into->UpdateSurface(changed);
+  return changed;
 }
 
 std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part) {

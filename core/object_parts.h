@@ -20,6 +20,15 @@ bool ShareLattice(const ObjectState& a, const ObjectState& b);
 /// was seen better stays. The objects must share their lattice (asserted). `from` keeps its voxels.
 MovedLeaves CopyVoxels(const TrackedObject& from, const VoxelScale& scale, TrackedObject* into);
 
+/// Gives `into` what `from` knows and it does not, as if `from` stood at `T_world_from`, with
+/// weights of at most `max_weight`; the leaves that changed, in the frame of `into`. Distances are
+/// interpolated where the lattices differ.
+std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
+                                       const Eigen::Isometry3d& T_world_from,
+                                       double max_weight,
+                                       const VoxelScale& scale,
+                                       TrackedObject* into);
+
 /// Moves the voxels of the evidence cells with scores of at most `max_score` to `part`, which must
 /// have the same frame as `object`, and forgets those scores.
 std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part);

@@ -23,6 +23,13 @@ TsdfGrid& TrackedObject::MutableVolume() {
   return *volume_;
 }
 
+void TrackedObject::TakeVolume(const TrackedObject& other) {
+  state_.T_world_object = other.state_.T_world_object;
+  volume_ = other.volume_->Clone();
+  surface_ = other.surface_;
+  bounds_object_ = other.bounds_object_;
+}
+
 void TrackedObject::UpdateSurface(std::span<const LeafOrigin> changed_leaves) {
   if (changed_leaves.empty()) return;
   surface_.Update(*volume_, scale_, changed_leaves);

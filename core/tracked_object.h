@@ -32,6 +32,9 @@ class TrackedObject {
   /// The volume for writing; cloned first if a published state shares it.
   TsdfGrid& MutableVolume();
 
+  /// Takes pose and volume of another object instead of its own.
+  void TakeVolume(const TrackedObject& other);
+
   const ObjectSurface& surface() const { return surface_; }
 
   /// Around the surface, object frame.

@@ -76,6 +76,15 @@ void WorkingMap::Forget(TrackedObject* object) {
   forgotten_.push_back(object->id());
 }
 
+void WorkingMap::TakeVolume(TrackedObject* object, const TrackedObject& other) {
+  std::vector<LeafOrigin> leaves;
+  const auto collect = [&leaves](LeafOrigin origin, const LeafView&) { leaves.push_back(origin); };
+  object->volume().ForEachLeaf(collect);
+  other.volume().ForEachLeaf(collect);
+  object->TakeVolume(other);
+  MarkLeaves(object, leaves);
+}
+
 void WorkingMap::MarkChanged(TrackedObject* object) {
   object->state().revision = revision();
   changed_objects_.insert(object->id());

@@ -72,6 +72,9 @@ class WorkingMap {
   /// Archives the object, and takes it out of the map for good when the frame ends.
   void Forget(TrackedObject* object);
 
+  /// Puts `object` with the volume of `other` into the place of `other`, which keeps its own.
+  void TakeVolume(TrackedObject* object, const TrackedObject& other);
+
   /// The state of the object has changed.
   void MarkChanged(TrackedObject* object);
 

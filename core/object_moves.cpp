@@ -1,0 +1,193 @@
+#include "core/object_moves.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/object_parts.h"
+#include "core/recognition.h"
+#include "core/registration.h"
+
+namespace steadymap {
+namespace {
+
+// Pose error and noise of two looks at one surface, in voxels.
+constexpr double kFitVoxels = 1.5;
+
+/// Where an object would stand if it were the other one, and how well that fits.
+struct ShapeMatch {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  SurfaceOverlap overlap;
+
+  double confidence() const { return overlap.known_share * overlap.fit_share; }
+};
+
+/// Sides, the shorter of the base first: yaw may have changed by a quarter turn.
+Eigen::Vector3d SidesOf(const Cuboid& cuboid) {
+  const auto [shorter, longer] = std::minmax(cuboid.size_m.x(), cuboid.size_m.y());
+  return {shorter, longer, cuboid.size_m.z()};
+}
+
+bool IsAlike(const Cuboid& a, const Cuboid& b, double size_tolerance_m) {
+  return (SidesOf(a) - SidesOf(b)).cwiseAbs().maxCoeff() <= size_tolerance_m;
+}
+
+std::vector<Eigen::Vector3d> SurfaceInWorld(const TrackedObject& object) {
+  std::vector<Eigen::Vector3d> points_world;
+  points_world.reserve(object.surface().point_count());
+  const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      points_world.emplace_back(T_world_object * point.position_object.cast<double>());
+    }
+  }
+  return points_world;
+}
+
+UprightPose UprightPoseOf(const Eigen::Isometry3d& T) {
+  return {T.translation(), std::atan2(T.linear()(1, 0), T.linear()(0, 0))};
+}
+
+/// Lays the shape of `before` over `after`, turned by every quarter turn that makes their cuboids
+/// agree, and keeps the best.
+ShapeMatch MatchShapes(const TrackedObject& before,
+                       const TrackedObject& after,
+                       const VoxelScale& scale) {
+  const Cuboid old_cuboid = before.ComputeCuboid();
+  const Cuboid new_cuboid = after.ComputeCuboid();
+  const std::vector<Eigen::Vector3d> points_world = SurfaceInWorld(after);
+  const Eigen::Isometry3d T_cuboid_object =
+      old_cuboid.T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
+  ShapeMatch best;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const Eigen::AngleAxisd turn(0.5 * M_PI * quarter, Eigen::Vector3d::UnitZ());
+    const Eigen::Isometry3d T_world_guess = new_cuboid.T_world_cuboid() * turn * T_cuboid_object;
+    const Registration registration =
+        RegisterPoints(points_world, before.volume(), scale, UprightPoseOf(T_world_guess));
+    ShapeMatch match;
+    match.T_world_object = registration.T_correction.inverse() * T_world_guess;
+    match.overlap =
+        CompareSurfaces(after,
+                        before,
+                        match.T_world_object.inverse() * after.state().T_world_object.ToIsometry(),
+                        scale,
+                        kFitVoxels * scale.voxel_size_m);
+    if (match.confidence() > best.confidence()) best = match;
+  }
+  return best;
+}
+
+/// One search through the objects of a map.
+class MoveSearch {
+ public:
+  MoveSearch(const MoveParameters& parameters, WorkingMap* map)
+      : parameters_(parameters), map_(map) {}
+
+  /// The object in view that `after` was pushed aside from; null if there is none.
+  TrackedObject* FindPushed(const TrackedObject& after,
+                            const std::vector<ObjectInView>& in_view) const {
+    const Cuboid cuboid = after.ComputeCuboid();
+    for (const ObjectInView& view : in_view) {
+      const ObjectState& old = view.object->state();
+      if (old.standing != ObjectStanding::kPresent || old.class_id != after.state().class_id ||
+          old.evidence.absent_streak_cells < parameters_.pushed_absent_cells ||
+          old.standing_since >= after.state().standing_since) {
+        continue;
+      }
+      const Cuboid old_cuboid = view.object->ComputeCuboid();
+      const double distance_m = (old_cuboid.center_world - cuboid.center_world).norm();
+      if (distance_m <= parameters_.pushed_distance_m &&
+          IsAlike(old_cuboid, cuboid, parameters_.size_tolerance_m)) {
+        return view.object;
+      }
+    }
+    return nullptr;
+  }
+
+  /// The archived object that alone looks like `after`; null if none does, or several do.
+  TrackedObject* FindOnlyLookalike(const TrackedObject& after) const {
+    const Cuboid cuboid = after.ComputeCuboid();
+    TrackedObject* found = nullptr;
+    for (auto& [id, other] : map_->mutable_objects()) {
+      if (&other == &after || other.state().class_id != after.state().class_id ||
+          other.state().standing == ObjectStanding::kTentative ||
+          !IsAlike(other.ComputeCuboid(), cuboid, parameters_.size_tolerance_m)) {
+        continue;
+      }
+      if (found != nullptr || !other.is_archived()) return nullptr;
+      found = &other;
+    }
+    return found;
+  }
+
+  bool Fits(const ShapeMatch& match) const {
+    return match.overlap.known_share >= parameters_.known_share &&
+           match.overlap.fit_share >= parameters_.fit_share;
+  }
+
+  /// Makes one object of both ends of a move; the shape before is kept if `match` says where.
+  void Join(TrackedObject* before,
+            TrackedObject* after,
+            EventReason reason,
+            const std::optional<ShapeMatch>& match) {
+    const Eigen::Vector3d old_center_world = before->ComputeCuboid().center_world;
+    if (match.has_value()) {
+      map_->MarkLeaves(
+          after,
+          ResampleVoxels(
+              *before, match->T_world_object, parameters_.kept_weight, map_->scale(), after));
+    }
+    ObjectState& state = before->state();
+    const Belief belief_before = state.belief;
+    map_->TakeVolume(before, *after);
+    state.standing = ObjectStanding::kPresent;
+    state.belief = after->state().belief;
+    state.evidence = after->state().evidence;
+    state.standing_since = after->state().standing_since;
+    state.last_seen = after->state().last_seen;
+    state.views += after->state().views;
+    ObjectEvent event = map_->MakeEvent(EventType::kMoved, reason, *before);
+    event.before = belief_before;
+    event.old_center_world = old_center_world;
+    event.confidence = match.has_value() ? match->confidence() : 0.5;
+    event.related = after->id();
+    map_->Tell(event);
+    map_->Forget(after);
+  }
+
+ private:
+  const MoveParameters& parameters_;
+  WorkingMap* map_;
+};
+
+}  // namespace
+
+void FindMoves(const std::vector<ObjectInView>& in_view,
+               double recent_s,
+               const MoveParameters& parameters,
+               WorkingMap* map) {
+  MoveSearch search(parameters, map);
+  for (const ObjectInView& view : in_view) {
+    TrackedObject* after = view.object;
+    const ObjectState& state = after->state();
+    const double age_s = map->now().seconds() - state.standing_since.seconds();
+    // What came back or was moved before has a history of its own.
+    if (state.standing != ObjectStanding::kPresent || state.views < parameters.views ||
+        age_s >= recent_s || state.first_seen != state.standing_since) {
+      continue;
+    }
+    if (TrackedObject* before = search.FindPushed(*after, in_view); before != nullptr) {
+      const ShapeMatch match = MatchShapes(*before, *after, map->scale());
+      search.Join(before,
+                  after,
+                  EventReason::kDisplaced,
+                  search.Fits(match) ? std::optional(match) : std::nullopt);
+    } else if (before = search.FindOnlyLookalike(*after); before != nullptr) {
+      const ShapeMatch match = MatchShapes(*before, *after, map->scale());
+      if (search.Fits(match)) search.Join(before, after, EventReason::kShapeMatched, match);
+    }
+  }
+}
+
+}  // namespace steadymap
