@@ -67,8 +67,8 @@ absl::StatusOr<MapSnapshot> ReadSection(
   v1::GetMapSectionResponse response;
   while (stream->Read(&response)) {
     if (response.has_header()) {
+      section = MapSnapshot({response.header().voxel_size_m(), response.header().truncation_m()});
       section.revision = Revision(response.header().revision());
-      section.scale = {response.header().voxel_size_m(), response.header().truncation_m()};
       if (!(section.scale.voxel_size_m > 0.0 && section.scale.truncation_m > 0.0)) {
         return ProtocolError("the server sent a map section with voxels of no size");
       }

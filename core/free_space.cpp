@@ -19,10 +19,63 @@ CellIndex CellOf(const Eigen::Vector3d& point_cells) {
 
 }  // namespace
 
+LeafOrigin FreeSpace::TileOf(LeafOrigin block) {
+  static_assert((kTileSide & (kTileSide - 1)) == 0, "the mask below needs a power of two");
+  constexpr std::int32_t kTileMask = ~(kTileSide - 1);
+  return {block.x & kTileMask, block.y & kTileMask, block.z & kTileMask};
+}
+
+std::size_t FreeSpace::PlaceInTile(LeafOrigin block) {
+  const auto place = [](std::int32_t cell) {
+    return static_cast<std::size_t>((cell & (kTileSide - 1)) / kLeafSide);
+  };
+  return (place(block.x) * kTileBlocks + place(block.y)) * kTileBlocks + place(block.z);
+}
+
+LeafMask FreeSpace::FindBlock(LeafOrigin origin) const {
+  const auto tile = tiles_.find(TileOf(origin));
+  return tile == tiles_.end() ? LeafMask{} : (*tile->second)[PlaceInTile(origin)];
+}
+
+LeafMask& FreeSpace::MutableBlock(LeafOrigin origin) {
+  std::shared_ptr<Tile>& tile = tiles_[TileOf(origin)];
+  if (tile == nullptr) {
+    tile = std::make_shared<Tile>();
+  } else if (tile.use_count() > 1) {
+    tile = std::make_shared<Tile>(*tile);
+  }
+  return (*tile)[PlaceInTile(origin)];
+}
+
+void FreeSpace::ForEachBlock(const std::function<void(LeafOrigin, const LeafMask&)>& visit) const {
+  for (const auto& [lowest, tile] : tiles_) {
+    for (std::size_t place = 0; place < tile->size(); ++place) {
+      if ((*tile)[place] == LeafMask{}) continue;
+      const auto index = static_cast<std::int32_t>(place);
+      visit({lowest.x + index / (kTileBlocks * kTileBlocks) * kLeafSide,
+             lowest.y + index / kTileBlocks % kTileBlocks * kLeafSide,
+             lowest.z + index % kTileBlocks * kLeafSide},
+            (*tile)[place]);
+    }
+  }
+}
+
+bool operator==(const FreeSpace& a, const FreeSpace& b) {
+  if (a.cell_size_m_ != b.cell_size_m_) return false;
+  const auto covers = [](const FreeSpace& whole, const FreeSpace& part) {
+    bool is_covered = true;
+    part.ForEachBlock([&](LeafOrigin origin, const LeafMask& cells) {
+      is_covered = is_covered && whole.FindBlock(origin) == cells;
+    });
+    return is_covered;
+  };
+  return covers(a, b) && covers(b, a);
+}
+
 bool FreeSpace::IsFree(const Eigen::Vector3d& point_world) const {
   const CellIndex cell = CellOf(point_world / cell_size_m_);
-  const auto block = blocks_.find(LeafOf(cell.x, cell.y, cell.z));
-  return block != blocks_.end() && IsSet(block->second, OffsetInLeaf(cell.x, cell.y, cell.z));
+  const LeafMask block = FindBlock(LeafOf(cell.x, cell.y, cell.z));
+  return IsSet(block, OffsetInLeaf(cell.x, cell.y, cell.z));
 }
 
 void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,
@@ -35,19 +88,18 @@ void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,
   const Eigen::Vector3d step_cells = way_cells / std::max(steps, 1);
   Eigen::Vector3d point_cells = from_cells;
   LeafOrigin block_origin{1, 0, 0};  // Of no block.
-  LeafMask* block = nullptr;
+  LeafMask block{};
   for (int i = 0; i <= steps; ++i, point_cells += step_cells) {
     const CellIndex cell = CellOf(point_cells);
     const LeafOrigin origin = LeafOf(cell.x, cell.y, cell.z);
     if (origin != block_origin) {
       block_origin = origin;
-      block = &blocks_[origin];
+      block = FindBlock(origin);
     }
     const std::size_t offset = OffsetInLeaf(cell.x, cell.y, cell.z);
-    std::uint64_t& word = (*block)[offset >> 6];
-    const std::uint64_t bit = std::uint64_t{1} << (offset & 63);
-    if ((word & bit) != 0) continue;
-    word |= bit;
+    if (IsSet(block, offset)) continue;
+    block[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    MutableBlock(origin) = block;
     if (changed_blocks->empty() || changed_blocks->back() != origin) {
       changed_blocks->push_back(origin);
     }

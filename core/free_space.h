@@ -1,6 +1,10 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <functional>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,7 +16,8 @@ namespace steadymap {
 /// Remembers where nothing was: cubes that a camera has looked through. Tells a thing that appears
 /// where there was none from more of a thing that was known in part.
 ///
-/// Kept in blocks of 8 x 8 x 8 cells; grows only.
+/// Kept in blocks of 8 x 8 x 8 cells, and these in tiles; grows only, by a bit a cell. Copying
+/// shares the tiles; one that another copy shares is cloned before it is written.
 class FreeSpace {
  public:
   /// Edge of a cell, metres, at a voxel size of 5 cm: two voxels.
@@ -29,17 +34,33 @@ class FreeSpace {
                const Eigen::Vector3d& to_world,
                std::vector<LeafOrigin>* changed_blocks);
 
-  /// The cells of each block, by the index of its lowest cell.
-  const std::map<LeafOrigin, LeafMask>& blocks() const { return blocks_; }
+  /// The cells of the block whose lowest cell is `origin`; no bit set where there is no block.
+  LeafMask FindBlock(LeafOrigin origin) const;
 
   /// Sets the cells of one block.
-  void StoreBlock(LeafOrigin origin, const LeafMask& cells) { blocks_[origin] = cells; }
+  void StoreBlock(LeafOrigin origin, const LeafMask& cells) { MutableBlock(origin) = cells; }
 
-  friend bool operator==(const FreeSpace&, const FreeSpace&) = default;
+  /// Calls `visit` for each block with a free cell, in an order that depends on the content alone.
+  void ForEachBlock(const std::function<void(LeafOrigin, const LeafMask&)>& visit) const;
+
+  /// Whether both know the same cells.
+  friend bool operator==(const FreeSpace& a, const FreeSpace& b);
 
  private:
+  /// Blocks of a tile's side: 3.2 m at a voxel size of 5 cm.
+  static constexpr int kTileBlocks = 4;
+  static constexpr int kTileSide = kTileBlocks * kLeafSide;
+
+  using Tile = std::array<LeafMask, std::size_t{kTileBlocks} * kTileBlocks * kTileBlocks>;
+
+  static LeafOrigin TileOf(LeafOrigin block);
+  static std::size_t PlaceInTile(LeafOrigin block);
+
+  /// Valid until the next call.
+  LeafMask& MutableBlock(LeafOrigin origin);
+
   double cell_size_m_;
-  std::map<LeafOrigin, LeafMask> blocks_;
+  std::map<LeafOrigin, std::shared_ptr<Tile>> tiles_;  ///< By the lowest cell.
 };
 
 }  // namespace steadymap

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
-#include "core/map_snapshot.h"
+#include "core/error.h"
 #include "core/tsdf_codec.h"
 
 namespace steadymap {
@@ -16,24 +18,132 @@ using PackedLeaves = std::map<LeafKey, std::string>;
 
 PackedLeaves PackAll(const MapSnapshot& snapshot) {
   PackedLeaves packed;
-  snapshot.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-    packed.emplace(LeafKey{kBackgroundId, origin}, PackLeaf(leaf, snapshot.scale));
-  });
+  const auto pack_volume = [&](ObjectId id, const VoxelReader& volume) {
+    volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+      packed.emplace(LeafKey{id, origin}, PackLeaf(leaf, snapshot.scale));
+    });
+  };
+  pack_volume(kBackgroundId, snapshot.background);
+  for (const auto& [id, object] : snapshot.objects) pack_volume(id, *object->volume);
   return packed;
+}
+
+std::vector<LeafChange> DiffLeaves(const MapSnapshot& before, const MapSnapshot& after) {
+  PackedLeaves changes = PackAll(after);
+  for (const auto& [key, packed] : PackAll(before)) {
+    const auto [change, vanished] = changes.try_emplace(key);
+    if (!vanished && change->second == packed) changes.erase(change);
+  }
+  std::vector<LeafChange> leaves;
+  leaves.reserve(changes.size());
+  for (auto& [key, packed] : changes) leaves.push_back({key, std::move(packed)});
+  return leaves;
+}
+
+std::vector<ObjectChange> DiffObjects(const MapSnapshot& before, const MapSnapshot& after) {
+  std::map<ObjectId, std::optional<ObjectState>> changes;
+  for (const auto& [id, object] : before.objects) changes[id] = std::nullopt;
+  for (const auto& [id, object] : after.objects) {
+    const auto old = before.objects.find(id);
+    const ObjectState& state = *object;
+    if (old != before.objects.end() && static_cast<const ObjectState&>(*old->second) == state) {
+      changes.erase(id);
+    } else {
+      changes[id] = state;
+    }
+  }
+  std::vector<ObjectChange> objects;
+  objects.reserve(changes.size());
+  for (auto& [id, state] : changes) objects.push_back({id, std::move(state)});
+  return objects;
+}
+
+std::vector<FreeBlockChange> DiffFreeSpace(const FreeSpace& before, const FreeSpace& after) {
+  std::map<LeafOrigin, LeafMask> changes;
+  before.ForEachBlock([&](LeafOrigin origin, const LeafMask&) { changes[origin] = {}; });
+  after.ForEachBlock([&](LeafOrigin origin, const LeafMask& cells) { changes[origin] = cells; });
+  std::vector<FreeBlockChange> blocks;
+  for (const auto& [origin, cells] : changes) {
+    if (before.FindBlock(origin) != cells) blocks.push_back({origin, cells});
+  }
+  return blocks;
+}
+
+/// Copies of the objects that a delta touches, to be written to and then to take their place.
+class ObjectEdits {
+ public:
+  explicit ObjectEdits(MapSnapshot* snapshot) : snapshot_(snapshot) {}
+
+  void SetState(const ObjectState& state) {
+    MapObject* object = Edit(state.id);
+    if (object == nullptr) {
+      edits_[state.id] = {std::make_shared<MapObject>(), std::make_shared<TsdfGrid>()};
+      object = edits_[state.id].object.get();
+    }
+    static_cast<ObjectState&>(*object) = state;
+  }
+
+  /// Null if there is no such object.
+  TsdfGrid* MutableVolume(ObjectId id) {
+    if (Edit(id) == nullptr) return nullptr;
+    ObjectEdit& edit = edits_.at(id);
+    if (edit.volume == nullptr) edit.volume = edit.object->volume->Clone();
+    return edit.volume.get();
+  }
+
+  void Finish() {
+    for (auto& [id, edit] : edits_) {
+      if (edit.volume != nullptr) edit.object->volume = edit.volume;
+      snapshot_->objects[id] = std::move(edit.object);
+    }
+  }
+
+ private:
+  struct ObjectEdit {
+    std::shared_ptr<MapObject> object;
+    std::shared_ptr<TsdfGrid> volume;  ///< Null as long as it is not written to.
+  };
+
+  MapObject* Edit(ObjectId id) {
+    if (const auto edit = edits_.find(id); edit != edits_.end()) return edit->second.object.get();
+    const auto known = snapshot_->objects.find(id);
+    if (known == snapshot_->objects.end()) return nullptr;
+    edits_[id] = {std::make_shared<MapObject>(*known->second), nullptr};
+    return edits_[id].object.get();
+  }
+
+  MapSnapshot* snapshot_;
+  std::map<ObjectId, ObjectEdit> edits_;
+};
+
+/// Appends what `first` and then `second` say, each sorted by `key`, to `merged`.
+template <typename Change, typename Key>
+std::vector<Change> MergeSorted(const std::vector<Change>& first,
+                                const std::vector<Change>& second,
+                                Key key) {
+  std::vector<Change> merged;
+  merged.reserve(first.size() + second.size());
+  auto older = first.begin();
+  for (const Change& newer : second) {
+    while (older != first.end() && key(*older) < key(newer)) merged.push_back(*older++);
+    if (older != first.end() && key(*older) == key(newer)) ++older;
+    merged.push_back(newer);
+  }
+  merged.insert(merged.end(), older, first.end());
+  return merged;
 }
 
 }  // namespace
 
 MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after) {
   assert(before.scale == after.scale);
-  MapDelta delta{before.revision, after.revision, after.last_capture_time, {}};
-  PackedLeaves changes = PackAll(after);
-  for (const auto& [key, packed] : PackAll(before)) {
-    const auto [change, vanished] = changes.try_emplace(key);
-    if (!vanished && change->second == packed) changes.erase(change);
-  }
-  for (auto& [key, packed] : changes) delta.leaves.push_back({key, std::move(packed)});
-  return delta;
+  return {.from = before.revision,
+          .to = after.revision,
+          .last_capture_time = after.last_capture_time,
+          .newest_object = after.newest_object,
+          .objects = DiffObjects(before, after),
+          .leaves = DiffLeaves(before, after),
+          .free_blocks = DiffFreeSpace(before.free_space, after.free_space)};
 }
 
 absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
@@ -45,30 +155,56 @@ absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
                                                       " does not apply to revision ",
                                                       snapshot->revision.value()));
   }
+  ObjectEdits edits(snapshot);
+  for (const ObjectChange& change : delta.objects) {
+    if (change.state.has_value()) {
+      edits.SetState(*change.state);
+    } else {
+      snapshot->objects.erase(change.id);
+    }
+  }
   LeafVoxels voxels;
   for (const LeafChange& change : delta.leaves) {
     if (absl::Status status = UnpackLeaf(change.packed, snapshot->scale, &voxels); !status.ok()) {
       return status;
     }
-    snapshot->background.MutableTile(change.key.origin).StoreLeaf(change.key.origin, voxels);
+    const ObjectId owner = change.key.object;
+    TsdfGrid* volume = owner == kBackgroundId ? &snapshot->background.MutableTile(change.key.origin)
+                                              : edits.MutableVolume(owner);
+    if (volume != nullptr) {
+      volume->StoreLeaf(change.key.origin, voxels);
+    } else if (!change.packed.empty()) {
+      return MakeError(absl::StatusCode::kDataLoss,
+                       reason::kChecksum,
+                       absl::StrCat("a leaf of object ", owner.value(), ", which is not there"));
+    }
+  }
+  edits.Finish();
+  for (const FreeBlockChange& change : delta.free_blocks) {
+    snapshot->free_space.StoreBlock(change.origin, change.cells);
   }
   snapshot->revision = delta.to;
   snapshot->last_capture_time = delta.last_capture_time;
+  snapshot->newest_object = delta.newest_object;
   return absl::OkStatus();
 }
 
 MapDelta Merge(const MapDelta& first, const MapDelta& second) {
   assert(first.to == second.from);
-  MapDelta merged{first.from, second.to, second.last_capture_time, {}, first.events};
+  MapDelta merged{
+      .from = first.from,
+      .to = second.to,
+      .last_capture_time = second.last_capture_time,
+      .newest_object = second.newest_object,
+      .objects = MergeSorted(
+          first.objects, second.objects, [](const ObjectChange& change) { return change.id; }),
+      .leaves = MergeSorted(
+          first.leaves, second.leaves, [](const LeafChange& change) { return change.key; }),
+      .free_blocks = MergeSorted(first.free_blocks,
+                                 second.free_blocks,
+                                 [](const FreeBlockChange& change) { return change.origin; }),
+      .events = first.events};
   merged.events.insert(merged.events.end(), second.events.begin(), second.events.end());
-  merged.leaves.reserve(first.leaves.size() + second.leaves.size());
-  auto older = first.leaves.begin();
-  for (const LeafChange& newer : second.leaves) {
-    while (older != first.leaves.end() && older->key < newer.key) merged.leaves.push_back(*older++);
-    if (older != first.leaves.end() && older->key == newer.key) ++older;
-    merged.leaves.push_back(newer);
-  }
-  merged.leaves.insert(merged.leaves.end(), older, first.leaves.end());
   return merged;
 }
 

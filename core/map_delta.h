@@ -1,27 +1,19 @@
 #pragma once
 
-#include <compare>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <absl/status/status.h>
 
 #include "core/identifiers.h"
+#include "core/map_object.h"
+#include "core/map_snapshot.h"
 #include "core/object_event.h"
 #include "core/timestamp.h"
 #include "core/voxel_leaf.h"
 
 namespace steadymap {
-
-struct MapSnapshot;
-
-/// Names one leaf of a map: whose volume, and where in it.
-struct LeafKey {
-  ObjectId object;
-  LeafOrigin origin;
-
-  friend constexpr auto operator<=>(const LeafKey&, const LeafKey&) = default;
-};
 
 /// The new state of one leaf; `packed` as in `tsdf_codec.h`, empty if the leaf is gone.
 struct LeafChange {
@@ -31,25 +23,45 @@ struct LeafChange {
   friend bool operator==(const LeafChange&, const LeafChange&) = default;
 };
 
+/// The new state of one object; none if it is forgotten: then all its leaves are gone too.
+struct ObjectChange {
+  ObjectId id;
+  std::optional<ObjectState> state;
+
+  friend bool operator==(const ObjectChange&, const ObjectChange&) = default;
+};
+
+/// The new state of one block of free space.
+struct FreeBlockChange {
+  LeafOrigin origin;
+  LeafMask cells{};
+
+  friend bool operator==(const FreeBlockChange&, const FreeBlockChange&) = default;
+};
+
 /// What takes a map from one revision to another: states, never operations, so that a delta may be
 /// applied twice or merged without harm. The store, recovery and watchers use the same one.
 struct MapDelta {
-  Revision from;                      ///< The revision that the delta applies to.
-  Revision to;                        ///< The revision that it leads to; not below `from`.
-  Timestamp last_capture_time;        ///< Of the newest frame in `to`.
-  std::vector<LeafChange> leaves;     ///< Sorted by key, no key twice.
-  std::vector<ObjectEvent> events{};  ///< In the order they happened.
+  Revision from;                               ///< The revision that the delta applies to.
+  Revision to;                                 ///< The one that it leads to; not below `from`.
+  Timestamp last_capture_time;                 ///< Of the newest frame in `to`.
+  ObjectId newest_object{};                    ///< As in `MapSnapshot`, in `to`.
+  std::vector<ObjectChange> objects{};         ///< By rising id, no id twice.
+  std::vector<LeafChange> leaves{};            ///< Sorted by key, no key twice.
+  std::vector<FreeBlockChange> free_blocks{};  ///< Sorted by origin, no origin twice.
+  std::vector<ObjectEvent> events{};           ///< In the order they happened.
 
   friend bool operator==(const MapDelta&, const MapDelta&) = default;
 };
 
-/// The delta that takes `before` to `after`. Both must be of one map (same scale, asserted).
+/// The delta that takes `before` to `after`, but for the events, which no map holds. Both must be
+/// of one map (same scale, asserted).
 MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after);
 
 /// Takes `snapshot` to `delta.to`.
 /// Errors: `FailedPrecondition` if the snapshot is not at a revision in [`delta.from`, `delta.to`];
-/// `DataLoss` for a damaged leaf. The snapshot is unchanged after the first, undefined after the
-/// second.
+/// `DataLoss` for a damaged leaf, or one of an object that is not there. The snapshot is unchanged
+/// after the first, undefined after the second.
 absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot);
 
 /// The delta that does what `first` and then `second` do. `second.from` must equal `first.to`

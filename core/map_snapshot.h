@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/background.h"
+#include "core/free_space.h"
 #include "core/identifiers.h"
 #include "core/map_object.h"
 #include "core/timestamp.h"
@@ -11,17 +12,37 @@
 
 namespace steadymap {
 
+/// Names one leaf of a map: whose volume, and where in it.
+struct LeafKey {
+  ObjectId object;
+  LeafOrigin origin;
+
+  friend constexpr auto operator<=>(const LeafKey&, const LeafKey&) = default;
+};
+
 /// A map at one revision. Published as `shared_ptr<const MapSnapshot>`; any number of threads may
 /// read one while the mapper goes on. Copying shares the volumes.
 ///
 /// A revision is the sequence number of the newest frame in it, so the same frames lead to the same
 /// revision wherever commits or restarts fell.
 struct MapSnapshot {
+  /// An empty map.
+  explicit MapSnapshot(const VoxelScale& voxel_scale = {})
+      : scale(voxel_scale), free_space(kFreeCellVoxels * voxel_scale.voxel_size_m) {}
+
+  /// Voxels of a side of a free-space cell.
+  static constexpr double kFreeCellVoxels = 2.0;
+
   Revision revision;
   Timestamp last_capture_time;  ///< Of the newest frame; the epoch while there is none.
   VoxelScale scale;
   Background background;
   std::map<ObjectId, std::shared_ptr<const MapObject>> objects;  ///< Archived ones included.
+  ObjectId newest_object;  ///< The last id given away; ids are never given twice.
+  FreeSpace free_space;    ///< For the mapper alone: no query asks for it.
 };
+
+/// The leaf in the background or in an object; null where there is none.
+LeafView FindLeaf(const MapSnapshot& map, const LeafKey& key);
 
 }  // namespace steadymap

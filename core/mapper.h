@@ -2,27 +2,18 @@
 
 #include <cstddef>
 #include <memory>
-#include <vector>
 
 #include <absl/status/statusor.h>
 
 #include "core/frame.h"
 #include "core/identifiers.h"
 #include "core/map_config.h"
-#include "core/map_delta.h"
 #include "core/map_snapshot.h"
-#include "core/object_mapper.h"
+#include "core/map_updater.h"
 #include "core/semantic_cloud.h"
-#include "core/tsdf_integrator.h"
+#include "core/working_map.h"
 
 namespace steadymap {
-
-/// What a commit makes of the frames since the one before: the delta to be stored, and the snapshot
-/// to be published once it is.
-struct MapCommit {
-  MapDelta delta;
-  std::shared_ptr<const MapSnapshot> snapshot;
-};
 
 /// Builds one map from its frames. A function of the frames alone: the same frames in the same
 /// order give the same map, bit for bit, wherever commits and restarts fall.
@@ -42,7 +33,7 @@ class Mapper {
   void Integrate(MapSequence sequence, const Frame& frame);
 
   /// The newest frame taken in, committed or not.
-  MapSequence head() const { return head_; }
+  MapSequence head() const { return MapSequence(map_.revision().value()); }
 
   /// Frames taken in since the last commit.
   std::size_t uncommitted_frames() const { return uncommitted_frames_; }
@@ -53,17 +44,11 @@ class Mapper {
  private:
   explicit Mapper(const MapConfig& config);
 
-  void TakeObjectChanges(MapDelta* delta);
-
   MapConfig config_;
   SemanticCloud cloud_;  ///< Of the frame at hand.
-  TsdfIntegrator integrator_;
-  std::unique_ptr<ObjectMapper> object_mapper_;  ///< Null for policies without objects.
-  MapSnapshot map_;                              ///< The working state; ahead of the last commit.
-  MapSequence head_;
-  Revision committed_;
+  std::unique_ptr<MapUpdater> updater_;
+  WorkingMap map_;  ///< Ahead of the last commit.
   std::size_t uncommitted_frames_ = 0;
-  std::vector<LeafKey> changed_leaves_;  ///< Since the last commit, with repetitions.
 };
 
 }  // namespace steadymap

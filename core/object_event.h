@@ -51,6 +51,8 @@ struct ObjectEvent {
   std::optional<double> confidence;                        ///< For moves, in [0, 1].
   Belief before;
   Belief after;
+  std::uint64_t views = 0;     ///< Frames that had agreed with it.
+  std::uint64_t absences = 0;  ///< Times that the evidence had spoken against it.
   ObjectId related;  ///< The other object of a merge or split; else 0.
 
   friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;

@@ -49,35 +49,25 @@ DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
 }  // namespace
 
 ObjectMapper::ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters)
-    : config_(config),
-      parameters_(parameters),
-      scale_{config.voxel_size_m, config.truncation_m},
-      free_space_(2.0 * config.voxel_size_m) {}
+    : config_(config), parameters_(parameters), integrator_(config) {}
 
-void ObjectMapper::Process(Revision revision,
-                           const Frame& frame,
-                           SemanticCloud* cloud,
-                           TsdfIntegrator* integrator,
-                           Background* background) {
-  revision_ = revision;
-  frame_ = &frame;
+void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
+  map_ = map;
   cloud_ = cloud;
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
-  FindOwners(*background);
+  FindOwners();
   JudgeObjects();
   observations_ = FindObservations(samples_, association_);
   PlaceObservations();
   CountViews();
   GiveCellsToOwners(samples_, association_, cloud_);
-  Integrate(integrator, background);
+  Integrate();
   MergeConnected();
   ConfirmAndForget();
   FindMoves();
   MarkFreeSpace();
 }
-
-ObjectChanges ObjectMapper::TakeChanges() { return std::exchange(changes_, {}); }
 
 const SemanticClass* ObjectMapper::FindClass(std::uint16_t label) const {
   for (const SemanticClass& row : config_.classes) {
@@ -91,11 +81,11 @@ bool ObjectMapper::IsInBackground(std::uint16_t label) const {
   return row == nullptr || row->in_background;
 }
 
-void ObjectMapper::FindOwners(const Background& background) {
+void ObjectMapper::FindOwners() {
   std::vector<TrackedObject*> candidates;
-  for (auto& [id, object] : objects_) candidates.push_back(&object);
+  for (auto& [id, object] : map_->mutable_objects()) candidates.push_back(&object);
   in_view_ = FindObjectsInView(candidates, *cloud_, samples_, parameters_.visibility.max_depth_m);
-  AssociateSamples(samples_, in_view_, background, scale_, &association_);
+  AssociateSamples(samples_, in_view_, map_->background(), map_->scale(), &association_);
   const double camera_height_m = cloud_->T_world_camera().translation().z();
   if (const std::optional<double> ground = FindGroundHeight(samples_, camera_height_m)) {
     AssignGround(samples_, *ground, &association_);
@@ -111,8 +101,8 @@ void ObjectMapper::JudgeObjects() {
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (verdicts[i].judged() == 0) continue;
     TrackedObject* object = in_view_[i].object;
-    AddEvidence(verdicts[i], object->surface(), frame_->capture_time, &object->state().evidence);
-    changes_.objects.insert(object->id());
+    AddEvidence(verdicts[i], object->surface(), map_->now(), &object->state().evidence);
+    map_->MarkChanged(object);
     DecideOn(object);
   }
 }
@@ -124,21 +114,24 @@ void ObjectMapper::DecideOn(TrackedObject* object) {
   const StationarityPrior prior = row == nullptr || row->motion == ClassMotion::kStatic
                                       ? StationarityPrior::kStays
                                       : StationarityPrior::kMoves;
-  if (!UpdateBelief(prior, frame_->capture_time, parameters_.judgement, &state)) return;
+  const Belief before = state.belief;
+  if (!UpdateBelief(prior, map_->now(), parameters_.judgement, &state)) return;
   if (state.belief.stationarity() < parameters_.min_stationarity) {
-    Archive(object, EventReason::kSeenThrough);
+    Archive(object, before);
   } else {
     RemoveGoneParts(object);
   }
 }
 
-void ObjectMapper::Archive(TrackedObject* object, EventReason reason) {
+void ObjectMapper::Archive(TrackedObject* object, const Belief& before) {
   ObjectState& state = object->state();
   if (state.standing == ObjectStanding::kPresent) {
-    changes_.events.push_back(MakeEvent(EventType::kRemoved, reason, *object));
+    ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object);
+    event.before = before;
+    map_->Tell(event);
   }
   state.standing = ObjectStanding::kArchived;
-  changes_.objects.insert(state.id);
+  map_->MarkChanged(object);
 }
 
 /// Cuts off what frames have found gone again and again while the rest of the object stands. The
@@ -147,28 +140,19 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   const auto [gone, doubted] = CountDoubtedCells(*object, -parameters_.gone_score);
   // While more cells are on their way, the part is not known yet.
   if (gone < parameters_.min_gone_cells || 2 * doubted > 3 * gone) return;
-  last_id_ = last_id_.Next();
-  TrackedObject& part =
-      objects_
-          .try_emplace(last_id_, last_id_, object->state().T_world_object.position_world, scale_)
-          .first->second;
-  part.state() = object->state();
-  part.state().id = last_id_;
-  part.state().evidence = {};
+  TrackedObject& part = map_->AddPart(*object);
   part.state().standing = ObjectStanding::kArchived;
-  for (const LeafOrigin& origin : MoveGoneVoxels(-parameters_.gone_score, object, &part)) {
-    changes_.leaves.push_back({object->id(), origin});
-    changes_.leaves.push_back({part.id(), origin});
-  }
-  changes_.objects.insert(part.id());
+  const std::vector<LeafOrigin> moved = MoveGoneVoxels(-parameters_.gone_score, object, &part);
+  map_->MarkLeaves(object, moved);
+  map_->MarkLeaves(&part, moved);
   if (object->state().standing != ObjectStanding::kPresent ||
       gone < parameters_.min_reported_cells) {
     return;
   }
-  ObjectEvent split = MakeEvent(EventType::kSplit, EventReason::kDisconnected, *object);
+  ObjectEvent split = map_->MakeEvent(EventType::kSplit, EventReason::kDisconnected, *object);
   split.related = part.id();
-  changes_.events.push_back(split);
-  changes_.events.push_back(MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, part));
+  map_->Tell(split);
+  map_->Tell(map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, part));
 }
 
 void ObjectMapper::PlaceObservations() {
@@ -180,7 +164,7 @@ void ObjectMapper::PlaceObservations() {
 }
 
 bool ObjectMapper::IsRecent(const ObjectState& state) const {
-  return frame_->capture_time.seconds() - state.first_seen.seconds() < parameters_.recent_s;
+  return map_->now().seconds() - state.first_seen.seconds() < parameters_.recent_s;
 }
 
 /// Makes one of objects whose surfaces were found connected on one visit.
@@ -203,19 +187,18 @@ void ObjectMapper::MergeConnected() {
 void ObjectMapper::Merge(TrackedObject* into, TrackedObject* from) {
   ObjectState& state = into->state();
   ObjectState& other = from->state();
-  const MovedLeaves moved = CopyVoxels(*from, scale_, into);
-  for (const LeafOrigin& origin : moved.into) changes_.leaves.push_back({state.id, origin});
+  const MovedLeaves moved = CopyVoxels(*from, map_->scale(), into);
+  map_->MarkLeaves(into, moved.into);
   state.first_seen = std::min(state.first_seen, other.first_seen);
   state.last_seen = std::max(state.last_seen, other.last_seen);
   state.views = std::max(state.views, other.views);
   if (other.standing == ObjectStanding::kPresent) {
-    ObjectEvent event = MakeEvent(EventType::kMerged, EventReason::kConnected, *from);
+    ObjectEvent event = map_->MakeEvent(EventType::kMerged, EventReason::kConnected, *from);
     event.related = state.id;
-    changes_.events.push_back(event);
+    map_->Tell(event);
   }
-  other.standing = ObjectStanding::kArchived;
-  changes_.objects.insert(state.id);
-  changes_.objects.insert(other.id);
+  map_->MarkChanged(into);
+  map_->Forget(from);
 }
 
 bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
@@ -223,7 +206,8 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
   for (const std::size_t index : observation.samples) {
     const SurfaceSample& sample = samples_[index];
     const Eigen::Vector3f inside_world = sample.position_world - kInsideM * sample.normal_world;
-    if (association_.is_in_front[index] != 0 || free_space_.IsFree(inside_world.cast<double>())) {
+    if (association_.is_in_front[index] != 0 ||
+        map_->free_space().IsFree(inside_world.cast<double>())) {
       ++free;
     }
   }
@@ -252,16 +236,9 @@ std::uint32_t ObjectMapper::AddObject(const Observation& observation) {
     mean_world += samples_[index].position_world.cast<double>();
   }
   mean_world /= static_cast<double>(observation.samples.size());
-  const Eigen::Vector3d leaf_index = mean_world.array() / scale_.leaf_size_m();
-  const Eigen::Vector3d origin_world = leaf_index.array().round() * scale_.leaf_size_m();
-  last_id_ = last_id_.Next();
-  TrackedObject& object =
-      objects_.try_emplace(last_id_, last_id_, origin_world, scale_).first->second;
-  ObjectState& state = object.state();
-  state.class_id = ClassId(observation.label);
-  state.belief = InitialBelief(parameters_.initial_stationarity);
-  state.first_seen = frame_->capture_time;
-  state.last_seen = frame_->capture_time;
+  TrackedObject& object = map_->AddObject(mean_world);
+  object.state().class_id = ClassId(observation.label);
+  object.state().belief = InitialBelief(parameters_.initial_stationarity);
   in_view_.push_back({&object, 0, samples_.width(), 0, samples_.height()});
   return static_cast<std::uint32_t>(in_view_.size());
 }
@@ -281,51 +258,36 @@ void ObjectMapper::CountViews() {
   }
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (fitting_samples_[i] < kMinFittingSamples) continue;
-    ObjectState& state = in_view_[i].object->state();
+    TrackedObject* object = in_view_[i].object;
+    ObjectState& state = object->state();
     ++state.views;
-    if (state.standing == ObjectStanding::kTentative) state.last_seen = frame_->capture_time;
+    if (state.standing == ObjectStanding::kTentative) state.last_seen = map_->now();
     AddVotes(samples_by_class[i], &state);
-    changes_.objects.insert(state.id);
+    map_->MarkChanged(object);
   }
 }
 
-void ObjectMapper::Integrate(TsdfIntegrator* integrator, Background* background) {
-  std::vector<LeafOrigin> changed;
-  integrator->Integrate(*cloud_, background, &changed);
-  for (const LeafOrigin& origin : changed) changes_.leaves.push_back({kBackgroundId, origin});
+void ObjectMapper::Integrate() {
+  map_->FuseBackground(*cloud_, &integrator_);
+  const CellRange everywhere{0, cloud_->cells_wide(), 0, cloud_->cells_high()};
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     TrackedObject* object = in_view_[i].object;
     if (fitting_samples_[i] == 0 || object->is_archived()) continue;
-    changed.clear();
-    const ObjectInView& view = in_view_[i];
-    const CellSelection selection{static_cast<std::uint32_t>(i + 1),
-                                  {0, cloud_->cells_wide(), 0, cloud_->cells_high()}};
-    integrator->Integrate(*cloud_,
-                          selection,
-                          view.object->state().T_world_object.ToIsometry(),
-                          &object->MutableVolume(),
-                          &changed);
-    if (changed.empty()) continue;
-    for (const LeafOrigin& origin : changed) changes_.leaves.push_back({object->id(), origin});
-    object->UpdateSurface(changed);
-    // However few samples fit: leaves are told from the published volume.
-    changes_.objects.insert(object->id());
+    map_->FuseObject(
+        *cloud_, {static_cast<std::uint32_t>(i + 1), everywhere}, object, &integrator_);
   }
 }
 
 void ObjectMapper::ConfirmAndForget() {
-  for (auto next = objects_.begin(); next != objects_.end();) {
-    auto& [id, object] = *next++;
+  for (auto& [id, object] : map_->mutable_objects()) {
     ObjectState& state = object.state();
     if (state.standing != ObjectStanding::kTentative) continue;
     if (state.views >= parameters_.confirming_views) {
       state.standing = ObjectStanding::kPresent;
-      changes_.events.push_back(MakeEvent(EventType::kCreated, EventReason::kNewSurface, object));
-      changes_.objects.insert(id);
-    } else if (frame_->capture_time.seconds() - state.last_seen.seconds() >
-               parameters_.tentative_age_s) {
-      state.standing = ObjectStanding::kArchived;
-      changes_.objects.insert(id);
+      map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, object));
+      map_->MarkChanged(&object);
+    } else if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
+      map_->Forget(&object);
     }
   }
 }
@@ -358,13 +320,13 @@ void ObjectMapper::FindMoves() {
           old.first_seen >= state.first_seen || !IsSameThing(*before, after)) {
         continue;
       }
-      ObjectEvent event = MakeEvent(EventType::kMoved, EventReason::kDisplaced, *before);
+      ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kDisplaced, *before);
       event.old_center_world = event.center_world;
       event.center_world = after.ComputeCuboid().center_world;
       event.related = after.id();
-      changes_.events.push_back(event);
+      map_->Tell(event);
       before->state().standing = ObjectStanding::kArchived;
-      changes_.objects.insert(before->id());
+      map_->MarkChanged(before);
     }
   }
 }
@@ -379,26 +341,10 @@ void ObjectMapper::MarkFreeSpace() {
       const Eigen::Vector3d way = sample.position_world.cast<double>() - camera_world;
       const double length_m = way.norm();
       if (length_m < 2.0 * kFreeMarginM) continue;
-      free_space_.MarkRay(camera_world + way * (kFreeMarginM / length_m),
-                          camera_world + way * (1.0 - kFreeMarginM / length_m),
-                          &changes_.free_blocks);
+      map_->MarkFree(camera_world + way * (kFreeMarginM / length_m),
+                     camera_world + way * (1.0 - kFreeMarginM / length_m));
     }
   }
-}
-
-ObjectEvent ObjectMapper::MakeEvent(EventType type,
-                                    EventReason reason,
-                                    const TrackedObject& object) const {
-  ObjectEvent event;
-  event.type = type;
-  event.reason = reason;
-  event.object = object.id();
-  event.class_id = object.state().class_id;
-  event.time = frame_->capture_time;
-  event.revision = revision_;
-  event.center_world = object.ComputeCuboid().center_world;
-  event.after = object.state().belief;
-  return event;
 }
 
 }  // namespace steadymap

@@ -1,25 +1,19 @@
 #pragma once
 
-#include <map>
-#include <memory>
-#include <optional>
-#include <set>
 #include <vector>
 
 #include "core/association.h"
-#include "core/background.h"
 #include "core/frame.h"
-#include "core/free_space.h"
 #include "core/judgement.h"
 #include "core/map_config.h"
-#include "core/map_delta.h"
-#include "core/object_event.h"
+#include "core/map_updater.h"
 #include "core/observation.h"
 #include "core/sample_grid.h"
 #include "core/semantic_cloud.h"
 #include "core/tracked_object.h"
 #include "core/tsdf_integrator.h"
 #include "core/visibility.h"
+#include "core/working_map.h"
 
 namespace steadymap {
 
@@ -63,37 +57,16 @@ struct ObjectMapperParameters {
   std::size_t min_reported_cells = 25;
 };
 
-/// What frames changed since the last commit.
-struct ObjectChanges {
-  std::vector<LeafKey> leaves;          ///< With repetitions.
-  std::set<ObjectId> objects;           ///< Whose state changed.
-  std::vector<LeafOrigin> free_blocks;  ///< With repetitions.
-  std::vector<ObjectEvent> events;
-};
-
-/// Keeps the objects of a map true: the `pocd` policy. One thread at a time.
-class ObjectMapper {
+/// Keeps the objects of a map true: the `pocd` policy.
+class ObjectMapper final : public MapUpdater {
  public:
   ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters);
 
-  /// Takes in a frame whose cloud was just computed, and gives each of the cloud's cells to its
-  /// owner. Fuses objects and background.
-  void Process(Revision revision,
-               const Frame& frame,
-               SemanticCloud* cloud,
-               TsdfIntegrator* integrator,
-               Background* background);
-
-  /// All objects by id, archived ones included.
-  const std::map<ObjectId, TrackedObject>& objects() const { return objects_; }
-
-  const FreeSpace& free_space() const { return free_space_; }
-
-  /// What changed since the last call.
-  ObjectChanges TakeChanges();
+  /// Gives each of the cloud's cells to its owner, and fuses objects and background.
+  void Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) override;
 
  private:
-  void FindOwners(const Background& background);
+  void FindOwners();
   void JudgeObjects();
   void DecideOn(TrackedObject* object);
   void RemoveGoneParts(TrackedObject* object);
@@ -107,25 +80,19 @@ class ObjectMapper {
   bool IsSameThing(const TrackedObject& before, const TrackedObject& after) const;
   void Merge(TrackedObject* into, TrackedObject* from);
   void CountViews();
-  void Integrate(TsdfIntegrator* integrator, Background* background);
+  void Integrate();
   void ConfirmAndForget();
   void MarkFreeSpace();
-  void Archive(TrackedObject* object, EventReason reason);
-  ObjectEvent MakeEvent(EventType type, EventReason reason, const TrackedObject& object) const;
+  void Archive(TrackedObject* object, const Belief& before);
   const SemanticClass* FindClass(std::uint16_t label) const;
   bool IsInBackground(std::uint16_t label) const;
 
   MapConfig config_;
   ObjectMapperParameters parameters_;
-  VoxelScale scale_;
-  std::map<ObjectId, TrackedObject> objects_;
-  ObjectId last_id_;
-  FreeSpace free_space_;
-  ObjectChanges changes_;
+  TsdfIntegrator integrator_;
 
   // The frame at hand.
-  Revision revision_;
-  const Frame* frame_ = nullptr;
+  WorkingMap* map_ = nullptr;
   SemanticCloud* cloud_ = nullptr;
   SampleGrid samples_;
   DepthTiles tiles_;

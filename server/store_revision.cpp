@@ -51,11 +51,11 @@ absl::StatusOr<StoredState> RocksStore::LoadMap(const MapRecord& record) {
   if (!entry.ok()) return OfMap(record, entry.status());
   StoredState state;
   state.durable_head = MapSequence{entry->log_head.durable_map_seq()};
+  const MapConfig& config = entry->record.config;
+  state.snapshot = MapSnapshot({config.voxel_size_m, config.truncation_m});
   state.snapshot.revision = Revision{entry->revision_head.revision()};
   state.snapshot.last_capture_time =
       Timestamp::FromNanoseconds(entry->revision_head.last_capture_time_ns());
-  const MapConfig& config = entry->record.config;
-  state.snapshot.scale = {config.voxel_size_m, config.truncation_m};
   if (absl::Status status = LoadSessions(record.key, snapshot.snapshot(), &state); !status.ok()) {
     return OfMap(record, status);
   }

@@ -13,9 +13,9 @@ constexpr double kCellM = 0.1;
 
 std::size_t CountFreeCells(const FreeSpace& free_space) {
   std::size_t count = 0;
-  for (const auto& [origin, cells] : free_space.blocks()) {
+  free_space.ForEachBlock([&](LeafOrigin, const LeafMask& cells) {
     for (const std::uint64_t word : cells) count += static_cast<std::size_t>(std::popcount(word));
-  }
+  });
   return count;
 }
 
@@ -49,7 +49,7 @@ TEST(FreeSpace, MarksASlantedRayOnlyWhereItPasses) {
   free_space.MarkRay(from, to, &changed);
   EXPECT_TRUE(free_space.IsFree(from));
   const Eigen::Vector3d direction = (to - from).normalized();
-  for (const auto& [origin, cells] : free_space.blocks()) {
+  free_space.ForEachBlock([&](LeafOrigin origin, const LeafMask& cells) {
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (!IsSet(cells, offset)) continue;
       const Eigen::Vector3i cell(origin.x + static_cast<int>(offset >> 6),
@@ -59,7 +59,7 @@ TEST(FreeSpace, MarksASlantedRayOnlyWhereItPasses) {
       const double off_ray_m = (center - from).cross(direction).norm();
       EXPECT_LE(off_ray_m, 0.5 * std::sqrt(3.0) * kCellM) << cell.transpose();
     }
-  }
+  });
   // Points a cell apart: a cell holds two at most.
   EXPECT_GE(CountFreeCells(free_space),
             static_cast<std::size_t>(0.5 * (to - from).norm() / kCellM));
@@ -92,8 +92,20 @@ TEST(FreeSpace, IsWhatItsBlocksSay) {
   std::vector<LeafOrigin> changed;
   free_space.MarkRay({0.05, 0.05, 0.05}, {2.0, 1.0, -1.0}, &changed);
   FreeSpace copy(kCellM);
-  for (const auto& [origin, cells] : free_space.blocks()) copy.StoreBlock(origin, cells);
+  free_space.ForEachBlock(
+      [&](LeafOrigin origin, const LeafMask& cells) { copy.StoreBlock(origin, cells); });
   EXPECT_EQ(copy, free_space);
+}
+
+TEST(FreeSpace, LeavesCopiesAlone) {
+  FreeSpace free_space(kCellM);
+  std::vector<LeafOrigin> changed;
+  free_space.MarkRay({0.05, 0.05, 0.05}, {2.0, 1.0, -1.0}, &changed);
+  const FreeSpace copy = free_space;
+  free_space.MarkRay({0.05, 0.35, 0.05}, {0.65, 0.35, 0.05}, &changed);
+  EXPECT_TRUE(free_space.IsFree({0.25, 0.35, 0.05}));
+  EXPECT_FALSE(copy.IsFree({0.25, 0.35, 0.05}));
+  EXPECT_NE(copy, free_space);
 }
 
 }  // namespace

@@ -71,8 +71,7 @@ TEST(Mapper, GoesOnFromARestoredMapAsIfNeverStopped) {
   const std::vector<Frame> frames = CircleFrames(12);
   const std::string reference = Vdb(*Map(frames, 4).back().snapshot);
 
-  MapSnapshot restored;
-  restored.scale = {MapConfig().voxel_size_m, MapConfig().truncation_m};
+  MapSnapshot restored({MapConfig().voxel_size_m, MapConfig().truncation_m});
   for (const MapCommit& commit : Map({frames.begin(), frames.begin() + 7}, 3)) {
     ASSERT_TRUE(Apply(commit.delta, &restored).ok());
   }
@@ -175,16 +174,14 @@ TEST(MapDelta, MergeDoesWhatBothDo) {
   const MapDelta& b = commits[1].delta;
   const MapDelta& c = commits[2].delta;
   EXPECT_EQ(Merge(Merge(a, b), c), Merge(a, Merge(b, c)));
-  MapSnapshot merged;
-  merged.scale = commits[0].snapshot->scale;
+  MapSnapshot merged(commits[0].snapshot->scale);
   ASSERT_TRUE(Apply(Merge(Merge(a, b), c), &merged).ok());
   EXPECT_EQ(Vdb(merged), Vdb(*commits[2].snapshot));
 }
 
 TEST(MapDelta, MayBeAppliedTwiceButNotOutOfOrder) {
   const std::vector<MapCommit> commits = Map(CircleFrames(9), 3);
-  MapSnapshot map;
-  map.scale = commits[0].snapshot->scale;
+  MapSnapshot map(commits[0].snapshot->scale);
   EXPECT_EQ(Apply(commits[1].delta, &map).code(), absl::StatusCode::kFailedPrecondition);
   ASSERT_TRUE(Apply(commits[0].delta, &map).ok());
   ASSERT_TRUE(Apply(commits[1].delta, &map).ok());
@@ -195,8 +192,7 @@ TEST(MapDelta, MayBeAppliedTwiceButNotOutOfOrder) {
 
 TEST(MapDelta, RemovesLeavesThatAreGone) {
   const MapSnapshot full = *Map(CircleFrames(3), 3)[0].snapshot;
-  MapSnapshot empty;
-  empty.scale = full.scale;
+  MapSnapshot empty(full.scale);
   empty.revision = full.revision.Next();
   const MapDelta delta = Diff(full, empty);
   EXPECT_EQ(delta.leaves.size(), full.background.leaf_count());

@@ -232,9 +232,9 @@ absl::StatusOr<StoredState> MemoryStore::LoadMap(const MapRecord& record) {
   StoredState state;
   state.durable_head = map.head;
   for (const auto& [name, session] : map.sessions) state.sessions.push_back(session);
+  state.snapshot = MapSnapshot({map.record.config.voxel_size_m, map.record.config.truncation_m});
   state.snapshot.revision = map.revision;
   state.snapshot.last_capture_time = map.last_capture_time;
-  state.snapshot.scale = {map.record.config.voxel_size_m, map.record.config.truncation_m};
   for (const auto& [key, packed] : map.leaves) {
     LeafVoxels voxels;
     if (absl::Status status = UnpackLeaf(packed, state.snapshot.scale, &voxels); !status.ok()) {

@@ -1,0 +1,181 @@
+#include "core/working_map.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "core/tsdf_codec.h"
+
+namespace steadymap {
+namespace {
+
+template <typename Value>
+void SortUnique(std::vector<Value>* values) {
+  std::sort(values->begin(), values->end());
+  values->erase(std::unique(values->begin(), values->end()), values->end());
+}
+
+}  // namespace
+
+WorkingMap::WorkingMap(const MapConfig& config)
+    : map_(VoxelScale{config.voxel_size_m, config.truncation_m}) {}
+
+void WorkingMap::Restore(const MapSnapshot& snapshot) {
+  assert(snapshot.scale == map_.scale && committed_ == map_.revision);
+  map_ = snapshot;
+  committed_ = snapshot.revision;
+  objects_.clear();
+  for (const auto& [id, object] : snapshot.objects) {
+    objects_.try_emplace(id, *object, snapshot.scale);
+  }
+}
+
+void WorkingMap::BeginFrame(Revision revision, Timestamp capture_time) {
+  map_.revision = revision;
+  map_.last_capture_time = capture_time;
+}
+
+void WorkingMap::EndFrame() {
+  for (const ObjectId id : forgotten_) objects_.erase(id);
+  forgotten_.clear();
+}
+
+TrackedObject& WorkingMap::Insert(const Eigen::Vector3d& position_world) {
+  map_.newest_object = map_.newest_object.Next();
+  return objects_.try_emplace(map_.newest_object, map_.newest_object, position_world, map_.scale)
+      .first->second;
+}
+
+TrackedObject& WorkingMap::AddObject(const Eigen::Vector3d& position_world) {
+  const double leaf_size_m = map_.scale.leaf_size_m();
+  const Eigen::Vector3d nearest_leaf = (position_world.array() / leaf_size_m).round();
+  TrackedObject& object = Insert(nearest_leaf * leaf_size_m);
+  object.state().first_seen = now();
+  object.state().last_seen = now();
+  MarkChanged(&object);
+  return object;
+}
+
+TrackedObject& WorkingMap::AddPart(const TrackedObject& whole) {
+  TrackedObject& part = Insert(whole.state().T_world_object.position_world);
+  const ObjectId id = part.id();
+  part.state() = whole.state();
+  part.state().id = id;
+  part.state().evidence = {};
+  MarkChanged(&part);
+  return part;
+}
+
+void WorkingMap::Forget(TrackedObject* object) {
+  object->state().standing = ObjectStanding::kArchived;
+  object->volume().ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    changed_leaves_.push_back({object->id(), origin});
+  });
+  changed_objects_.insert(object->id());
+  forgotten_.push_back(object->id());
+}
+
+void WorkingMap::MarkChanged(TrackedObject* object) {
+  object->state().revision = revision();
+  changed_objects_.insert(object->id());
+}
+
+void WorkingMap::MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> leaves) {
+  for (const LeafOrigin& origin : leaves) changed_leaves_.push_back({object->id(), origin});
+  if (!leaves.empty()) MarkChanged(object);
+}
+
+void WorkingMap::FuseBackground(const SemanticCloud& cloud, TsdfIntegrator* integrator) {
+  std::vector<LeafOrigin> changed;
+  integrator->Integrate(cloud, &map_.background, &changed);
+  for (const LeafOrigin& origin : changed) changed_leaves_.push_back({kBackgroundId, origin});
+}
+
+void WorkingMap::FuseObject(const SemanticCloud& cloud,
+                            const CellSelection& selection,
+                            TrackedObject* object,
+                            TsdfIntegrator* integrator) {
+  std::vector<LeafOrigin> changed;
+  integrator->Integrate(cloud,
+                        selection,
+                        object->state().T_world_object.ToIsometry(),
+                        &object->MutableVolume(),
+                        &changed);
+  object->UpdateSurface(changed);
+  MarkLeaves(object, changed);
+}
+
+void WorkingMap::MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) {
+  map_.free_space.MarkRay(from_world, to_world, &changed_blocks_);
+}
+
+ObjectEvent WorkingMap::MakeEvent(EventType type,
+                                  EventReason reason,
+                                  const TrackedObject& object) const {
+  const ObjectState& state = object.state();
+  ObjectEvent event;
+  event.type = type;
+  event.reason = reason;
+  event.object = state.id;
+  event.class_id = state.class_id;
+  event.time = now();
+  event.revision = revision();
+  event.center_world = object.ComputeCuboid().center_world;
+  event.before = state.belief;
+  event.after = state.belief;
+  event.views = state.views;
+  event.absences = state.absences;
+  return event;
+}
+
+void WorkingMap::CommitObjects(MapDelta* delta) {
+  delta->objects.reserve(changed_objects_.size());
+  for (const ObjectId id : changed_objects_) {
+    const auto object = objects_.find(id);
+    if (object == objects_.end()) {
+      map_.objects.erase(id);
+      delta->objects.push_back({id, std::nullopt});
+    } else {
+      std::shared_ptr<const MapObject>& published = map_.objects[id];
+      published = object->second.Publish();
+      delta->objects.push_back({id, static_cast<const ObjectState&>(*published)});
+    }
+  }
+  changed_objects_.clear();
+}
+
+void WorkingMap::CommitLeaves(MapDelta* delta) {
+  SortUnique(&changed_leaves_);
+  delta->leaves.reserve(changed_leaves_.size());
+  for (const LeafKey& key : changed_leaves_) {
+    const LeafView leaf = FindLeaf(map_, key);
+    delta->leaves.push_back({key, leaf ? PackLeaf(leaf, map_.scale) : std::string()});
+  }
+  changed_leaves_.clear();
+}
+
+void WorkingMap::CommitFreeSpace(MapDelta* delta) {
+  SortUnique(&changed_blocks_);
+  delta->free_blocks.reserve(changed_blocks_.size());
+  for (const LeafOrigin& origin : changed_blocks_) {
+    delta->free_blocks.push_back({origin, map_.free_space.FindBlock(origin)});
+  }
+  changed_blocks_.clear();
+}
+
+MapCommit WorkingMap::Commit() {
+  MapCommit commit;
+  commit.delta.from = committed_;
+  commit.delta.to = map_.revision;
+  commit.delta.last_capture_time = map_.last_capture_time;
+  commit.delta.newest_object = map_.newest_object;
+  commit.delta.events = std::exchange(events_, {});
+  CommitObjects(&commit.delta);
+  CommitLeaves(&commit.delta);
+  CommitFreeSpace(&commit.delta);
+  committed_ = map_.revision;
+  commit.snapshot = std::make_shared<const MapSnapshot>(map_);
+  return commit;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "core/background.h"
+#include "core/free_space.h"
+#include "core/identifiers.h"
+#include "core/map_config.h"
+#include "core/map_delta.h"
+#include "core/map_snapshot.h"
+#include "core/object_event.h"
+#include "core/semantic_cloud.h"
+#include "core/timestamp.h"
+#include "core/tracked_object.h"
+#include "core/tsdf_integrator.h"
+
+namespace steadymap {
+
+/// What a commit makes of the frames since the one before: the delta to be stored, and the snapshot
+/// to be published once it is.
+struct MapCommit {
+  MapDelta delta;
+  std::shared_ptr<const MapSnapshot> snapshot;
+};
+
+/// A map in the hands of its one writer: all that outlives a frame, and what has changed of it
+/// since the last commit. Whatever a policy wants to remember from frame to frame stands here, so
+/// that a map goes on after a restart as if it had never stopped.
+///
+/// Whoever changes something says so with one of the `Mark` functions; what integration changes is
+/// marked by the `Fuse` functions themselves. One thread at a time.
+class WorkingMap {
+ public:
+  explicit WorkingMap(const MapConfig& config);
+
+  /// Continues from a stored map; `snapshot.scale` must be the configuration's (asserted).
+  void Restore(const MapSnapshot& snapshot);
+
+  /// Opens the frame that leads to `revision`; what follows happens at its capture time.
+  void BeginFrame(Revision revision, Timestamp capture_time);
+
+  /// Closes it: objects forgotten meanwhile are gone now.
+  void EndFrame();
+
+  /// The frame at hand, or the last one.
+  Revision revision() const { return map_.revision; }
+
+  Timestamp now() const { return map_.last_capture_time; }
+
+  const VoxelScale& scale() const { return map_.scale; }
+
+  const Background& background() const { return map_.background; }
+
+  const FreeSpace& free_space() const { return map_.free_space; }
+
+  /// All objects by id, archived ones included. Valid until they are forgotten.
+  const std::map<ObjectId, TrackedObject>& objects() const { return objects_; }
+
+  std::map<ObjectId, TrackedObject>& mutable_objects() { return objects_; }
+
+  /// A new object of a new id, first and last seen now, whose frame has its origin at the corner of
+  /// voxels nearest to `position_world`, so that its voxels are voxels of the world.
+  TrackedObject& AddObject(const Eigen::Vector3d& position_world);
+
+  /// A new object in the frame and with the state of `whole`, without its evidence and voxels.
+  TrackedObject& AddPart(const TrackedObject& whole);
+
+  /// Archives the object, and takes it out of the map for good when the frame ends.
+  void Forget(TrackedObject* object);
+
+  /// The state of the object has changed.
+  void MarkChanged(TrackedObject* object);
+
+  /// Voxels of the object have changed, and with them its state.
+  void MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> leaves);
+
+  /// Fuses the cells that belong to the background (owner 0) into it.
+  void FuseBackground(const SemanticCloud& cloud, TsdfIntegrator* integrator);
+
+  /// Fuses the cells of one owner into an object.
+  void FuseObject(const SemanticCloud& cloud,
+                  const CellSelection& selection,
+                  TrackedObject* object,
+                  TsdfIntegrator* integrator);
+
+  /// Marks what lies between two points as looked through.
+  void MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);
+
+  /// An event about an object as it stands now; add what it lacks and `Tell` it.
+  ObjectEvent MakeEvent(EventType type, EventReason reason, const TrackedObject& object) const;
+
+  void Tell(const ObjectEvent& event) { events_.push_back(event); }
+
+  /// Closes the work since the last commit. With no frame since then: an empty delta.
+  MapCommit Commit();
+
+ private:
+  TrackedObject& Insert(const Eigen::Vector3d& position_world);
+  void CommitObjects(MapDelta* delta);
+  void CommitLeaves(MapDelta* delta);
+  void CommitFreeSpace(MapDelta* delta);
+
+  MapSnapshot map_;  ///< Ahead of the last commit but for `objects`, which are as published.
+  std::map<ObjectId, TrackedObject> objects_;
+  Revision committed_;
+
+  // Since the last commit.
+  std::vector<LeafKey> changed_leaves_;     ///< With repetitions.
+  std::set<ObjectId> changed_objects_;      ///< Forgotten ones included.
+  std::vector<LeafOrigin> changed_blocks_;  ///< Of free space; with repetitions.
+  std::vector<ObjectEvent> events_;
+  std::vector<ObjectId> forgotten_;  ///< In the frame at hand.
+};
+
+}  // namespace steadymap
