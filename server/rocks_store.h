@@ -17,6 +17,7 @@
 
 #include "server/store.h"
 #include "server/store_database.h"
+#include "server/store_records.h"
 #include "server/write_turns.h"
 
 #include "steadymap/storage/v1/records.pb.h"
@@ -48,6 +49,9 @@ class RocksStore final : public Store {
                                                    MapSequence first,
                                                    MapSequence last,
                                                    std::size_t limit) override;
+  absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
+                                                      EventNumber first,
+                                                      std::size_t limit) override;
   absl::Status Trim(const MapRecord& map,
                     MapSequence last,
                     Timestamp now,
@@ -89,11 +93,32 @@ class RocksStore final : public Store {
                  const storage::v1::RevisionHead& head,
                  rocksdb::WriteBatch* batch) const;
 
-  /// All sessions, and all leaves, of a map in `snapshot`.
+  /// Puts events into `batch`, numbered from `first` on.
+  void PutEvents(MapKey map,
+                 const std::vector<ObjectEvent>& events,
+                 EventNumber first,
+                 rocksdb::WriteBatch* batch) const;
+
+  /// Puts a sealed record into `batch`.
+  void PutSealed(Family family,
+                 const std::string& key,
+                 const google::protobuf::MessageLite& record,
+                 rocksdb::WriteBatch* batch) const;
+
+  /// Calls `visit` for every value of a map in `snapshot`, until it returns an error.
+  using RecordVisitor = std::function<absl::Status(const ValuePlace&, std::string_view)>;
+  absl::Status ForEachRecord(Family family,
+                             MapKey map,
+                             const rocksdb::Snapshot* snapshot,
+                             const RecordVisitor& visit) const;
+
+  /// All sessions, and the volumes, objects and free space, of a map in `snapshot`.
   absl::Status LoadSessions(MapKey map,
                             const rocksdb::Snapshot* snapshot,
                             StoredState* state) const;
-  absl::Status LoadLeaves(MapKey map, const rocksdb::Snapshot* snapshot, StoredState* state) const;
+  absl::Status LoadContent(MapKey map,
+                           const rocksdb::Snapshot* snapshot,
+                           MapSnapshot* content) const;
 
   /// The parts of a trim: each puts what goes into `batch`. `entry` is the map as it stands.
   absl::Status TrimLog(const MapEntry& entry,
@@ -104,6 +129,7 @@ class RocksStore final : public Store {
   absl::Status TrimChangeLists(const MapEntry& entry,
                                Timestamp now,
                                rocksdb::WriteBatch* batch) const;
+  absl::Status TrimEvents(const MapEntry& entry, rocksdb::WriteBatch* batch) const;
   absl::Status TrimSessions(MapKey map, Timestamp forget_before, rocksdb::WriteBatch* batch) const;
 
   /// Packed bytes of all frames before `sequence`, whose pose must be there unless it lies beyond
@@ -116,8 +142,8 @@ class RocksStore final : public Store {
                                          MapSequence last,
                                          Timestamp now) const;
 
-  /// The sequence of the first key of `map` in `log` or `pose`; none if there is none.
-  absl::StatusOr<std::optional<MapSequence>> FirstFrame(Family family, MapKey map) const;
+  /// The number in the first key of `map` in `log`, `pose` or `event`; none if there is none.
+  absl::StatusOr<std::optional<std::uint64_t>> FirstNumber(Family family, MapKey map) const;
 
   std::unique_ptr<StoreDatabase> database_;
   const StoreOptions options_;

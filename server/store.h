@@ -82,6 +82,14 @@ struct FramePose {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
 };
 
+/// An event with its place in its map's history.
+struct StoredEvent {
+  EventNumber number;
+  ObjectEvent event;
+
+  friend bool operator==(const StoredEvent&, const StoredEvent&) = default;
+};
+
 /// Everything a map needs to go on after a restart.
 struct StoredState {
   MapSnapshot snapshot;      ///< At the newest committed revision.
@@ -101,6 +109,9 @@ struct StoreOptions {
 
   /// Newest poses of a map that are kept even when their frames have left the log.
   std::uint64_t kept_poses = 100'000;
+
+  /// Newest events of a map that are kept.
+  std::uint64_t kept_events = 1'000'000;
 
   /// Change lists of a map are dropped when older than this or when there are more than
   /// `kept_change_lists`: a reader that is further behind starts from a snapshot.
@@ -147,7 +158,8 @@ class Store {
   /// map appears twice.
   virtual absl::Status AppendFrames(const std::vector<LogAppend>& appends) = 0;
 
-  /// Makes a commit durable: its leaves, its change list and the revision. `now` is the server's
+  /// Makes a commit durable: its objects, leaves and free space, its events, numbered on from the
+  /// last one, its change list and the revision. `now` is the server's
   /// clock. A delta with `to == from` changes nothing.
   /// Errors: `NotFound`; `FailedPrecondition` if `delta.from` is not the stored revision or
   /// `delta.to` lies beyond the log's head; `Unavailable` with `STORE_READ_ONLY`.
@@ -166,6 +178,12 @@ class Store {
                                                            MapSequence first,
                                                            MapSequence last,
                                                            std::size_t limit) = 0;
+
+  /// At most `limit` events of the map with `first` <= number, in order. Older ones than
+  /// `StoreOptions::kept_events` may be gone.
+  virtual absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
+                                                              EventNumber first,
+                                                              std::size_t limit) = 0;
 
   /// Drops log frames up to and including `last` that retention no longer wants, change lists and
   /// poses beyond what `StoreOptions` keeps, and sessions idle since before

@@ -19,11 +19,21 @@
 
 namespace steadymap {
 
-/// The column families. `kObject` and `kEvent` are empty as long as maps have no objects.
-enum class Family : std::size_t { kLog, kDedup, kLeaf, kObject, kEvent, kChange, kPose, kMeta };
+/// The column families.
+enum class Family : std::size_t {
+  kLog,
+  kDedup,
+  kLeaf,
+  kObject,
+  kEvent,
+  kFree,
+  kChange,
+  kPose,
+  kMeta
+};
 
-inline constexpr std::array<std::string_view, 8> kFamilyNames = {
-    "log", "dedup", "leaf", "object", "event", "change", "pose", "meta"};
+inline constexpr std::array<std::string_view, 9> kFamilyNames = {
+    "log", "dedup", "leaf", "object", "event", "free", "change", "pose", "meta"};
 
 /// Those whose keys start with a map: all but `meta`.
 inline constexpr std::array kMapFamilies = {Family::kLog,
@@ -31,6 +41,7 @@ inline constexpr std::array kMapFamilies = {Family::kLog,
                                             Family::kLeaf,
                                             Family::kObject,
                                             Family::kEvent,
+                                            Family::kFree,
                                             Family::kChange,
                                             Family::kPose};
 

@@ -6,7 +6,8 @@ namespace steadymap {
 namespace {
 
 constexpr std::size_t kMapKeyBytes = 8;
-constexpr std::size_t kFrameKeyBytes = 16;
+constexpr std::size_t kNumberKeyBytes = 16;
+constexpr std::size_t kOriginBytes = 12;
 constexpr char kMapRecordLetter = 'm';
 constexpr char kLogHeadLetter = 'h';
 constexpr char kRevisionHeadLetter = 'r';
@@ -37,10 +38,36 @@ std::int32_t ReadCoordinate(std::string_view bytes) {
   return static_cast<std::int32_t>(ReadBigEndian<std::uint32_t>(bytes) ^ 0x80000000U);
 }
 
+void AppendOrigin(LeafOrigin origin, std::string* key) {
+  AppendCoordinate(origin.x, key);
+  AppendCoordinate(origin.y, key);
+  AppendCoordinate(origin.z, key);
+}
+
+/// The origin in the first twelve bytes; none if it is no origin.
+std::optional<LeafOrigin> ReadOrigin(std::string_view bytes) {
+  const LeafOrigin origin{
+      ReadCoordinate(bytes), ReadCoordinate(bytes.substr(4)), ReadCoordinate(bytes.substr(8))};
+  if (origin != LeafOf(origin.x, origin.y, origin.z)) return std::nullopt;
+  return origin;
+}
+
 std::string MapPrefix(MapKey map) {
   std::string key;
   AppendBigEndian(map.value(), &key);
   return key;
+}
+
+std::string NumberKey(MapKey map, std::uint64_t number) {
+  std::string key = MapPrefix(map);
+  AppendBigEndian(number, &key);
+  return key;
+}
+
+template <typename Number>
+std::optional<Number> StrongNumberOfKey(std::string_view key) {
+  const std::optional<std::uint64_t> number = NumberOfKey(key);
+  return number ? std::optional<Number>(Number{*number}) : std::nullopt;
 }
 
 std::string MetaKey(char letter, MapKey map) { return letter + MapPrefix(map); }
@@ -49,21 +76,40 @@ std::string MetaKey(char letter, MapKey map) { return letter + MapPrefix(map); }
 
 KeyRange MapRange(MapKey map) { return {MapPrefix(map), MapPrefix(map.Next())}; }
 
-std::string FrameKey(MapKey map, MapSequence sequence) {
-  std::string key = MapPrefix(map);
-  AppendBigEndian(sequence.value(), &key);
-  return key;
+std::optional<std::uint64_t> NumberOfKey(std::string_view key) {
+  if (key.size() != kNumberKeyBytes) return std::nullopt;
+  return ReadBigEndian<std::uint64_t>(key.substr(kMapKeyBytes));
 }
+
+std::string FrameKey(MapKey map, MapSequence sequence) { return NumberKey(map, sequence.value()); }
 
 std::optional<MapSequence> SequenceOfFrameKey(std::string_view key) {
-  if (key.size() != kFrameKeyBytes) return std::nullopt;
-  return MapSequence{ReadBigEndian<std::uint64_t>(key.substr(kMapKeyBytes))};
+  return StrongNumberOfKey<MapSequence>(key);
 }
 
-std::string ChangeKey(MapKey map, Revision revision) {
+std::string ChangeKey(MapKey map, Revision revision) { return NumberKey(map, revision.value()); }
+
+std::string ObjectKey(MapKey map, ObjectId object) { return NumberKey(map, object.value()); }
+
+std::optional<ObjectId> ObjectOfKey(std::string_view key) {
+  return StrongNumberOfKey<ObjectId>(key);
+}
+
+std::string EventKey(MapKey map, EventNumber number) { return NumberKey(map, number.value()); }
+
+std::optional<EventNumber> EventOfKey(std::string_view key) {
+  return StrongNumberOfKey<EventNumber>(key);
+}
+
+std::string FreeBlockKey(MapKey map, LeafOrigin origin) {
   std::string key = MapPrefix(map);
-  AppendBigEndian(revision.value(), &key);
+  AppendOrigin(origin, &key);
   return key;
+}
+
+std::optional<LeafOrigin> FreeBlockOfKey(std::string_view key) {
+  if (key.size() != kMapKeyBytes + kOriginBytes) return std::nullopt;
+  return ReadOrigin(key.substr(kMapKeyBytes));
 }
 
 std::string SessionKey(MapKey map, const SessionName& name) {
@@ -78,21 +124,15 @@ std::string PackLeafKey(const LeafKey& leaf) {
   std::string key;
   key.reserve(kPackedLeafKeyBytes);
   AppendBigEndian(leaf.object.value(), &key);
-  AppendCoordinate(leaf.origin.x, &key);
-  AppendCoordinate(leaf.origin.y, &key);
-  AppendCoordinate(leaf.origin.z, &key);
+  AppendOrigin(leaf.origin, &key);
   return key;
 }
 
 std::optional<LeafKey> UnpackLeafKey(std::string_view packed) {
   if (packed.size() != kPackedLeafKeyBytes) return std::nullopt;
-  LeafKey leaf;
-  leaf.object = ObjectId{ReadBigEndian<std::uint64_t>(packed)};
-  leaf.origin = {ReadCoordinate(packed.substr(8)),
-                 ReadCoordinate(packed.substr(12)),
-                 ReadCoordinate(packed.substr(16))};
-  if (leaf.origin != LeafOf(leaf.origin.x, leaf.origin.y, leaf.origin.z)) return std::nullopt;
-  return leaf;
+  const std::optional<LeafOrigin> origin = ReadOrigin(packed.substr(8));
+  if (!origin) return std::nullopt;
+  return LeafKey{ObjectId{ReadBigEndian<std::uint64_t>(packed)}, *origin};
 }
 
 std::optional<LeafKey> LeafOfStoreKey(std::string_view key) {

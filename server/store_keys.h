@@ -21,9 +21,13 @@ struct KeyRange {
   std::string end;
 };
 
-/// `dedup`, `leaf`, `log`, `pose`, `change`, `object`, `event`: everything of one map. The largest
+/// Every column family but `meta`: everything of one map. The largest
 /// `MapKey` is never given to a map.
 KeyRange MapRange(MapKey map);
+
+/// The number behind the map in a key of `log`, `pose`, `change`, `object` or `event`; none if
+/// `key` is no such key.
+std::optional<std::uint64_t> NumberOfKey(std::string_view key);
 
 /// `log` and `pose`: map, sequence.
 std::string FrameKey(MapKey map, MapSequence sequence);
@@ -47,6 +51,18 @@ std::optional<LeafKey> UnpackLeafKey(std::string_view packed);
 
 /// The leaf in a key made by `LeafStoreKey`; none if `key` is no such key.
 std::optional<LeafKey> LeafOfStoreKey(std::string_view key);
+
+/// `object`: map, object; and the object in such a key, none if `key` is no such key.
+std::string ObjectKey(MapKey map, ObjectId object);
+std::optional<ObjectId> ObjectOfKey(std::string_view key);
+
+/// `event`: map, number; and the number in such a key, none if `key` is no such key.
+std::string EventKey(MapKey map, EventNumber number);
+std::optional<EventNumber> EventOfKey(std::string_view key);
+
+/// `free`: map, origin; and the origin in such a key, none if `key` is no such key.
+std::string FreeBlockKey(MapKey map, LeafOrigin origin);
+std::optional<LeafOrigin> FreeBlockOfKey(std::string_view key);
 
 /// `meta`: one letter, then the map.
 std::string MapRecordKey(MapKey map);

@@ -54,6 +54,7 @@ absl::Status RocksStore::Trim(const MapRecord& map,
     return status;
   }
   if (absl::Status status = TrimChangeLists(*entry, now, &batch); !status.ok()) return status;
+  if (absl::Status status = TrimEvents(*entry, &batch); !status.ok()) return status;
   if (absl::Status status = TrimSessions(map.key, forget_sessions_before, &batch); !status.ok()) {
     return status;
   }
@@ -72,31 +73,33 @@ absl::Status RocksStore::TrimLog(const MapEntry& entry,
                                  rocksdb::WriteBatch* batch,
                                  std::uint64_t* dropped_bytes) const {
   const MapKey map = entry.record.key;
-  const absl::StatusOr<std::optional<MapSequence>> first_frame = FirstFrame(Family::kLog, map);
+  const absl::StatusOr<std::optional<std::uint64_t>> first_frame = FirstNumber(Family::kLog, map);
   if (!first_frame.ok()) return first_frame.status();
   MapSequence kept{entry.log_head.durable_map_seq() + 1};  // First frame that the log keeps.
   if (first_frame->has_value()) {
-    const absl::StatusOr<MapSequence> cut = FindLogCut(entry, **first_frame, last, now);
+    const MapSequence first{**first_frame};
+    const absl::StatusOr<MapSequence> cut = FindLogCut(entry, first, last, now);
     if (!cut.ok()) return cut.status();
     kept = *cut;
-    if (kept > **first_frame) {
-      const absl::StatusOr<std::uint64_t> first_bytes = BytesBefore(entry, **first_frame);
+    if (kept > first) {
+      const absl::StatusOr<std::uint64_t> first_bytes = BytesBefore(entry, first);
       const absl::StatusOr<std::uint64_t> kept_bytes = BytesBefore(entry, kept);
       if (!first_bytes.ok()) return first_bytes.status();
       if (!kept_bytes.ok()) return kept_bytes.status();
       *dropped_bytes = *kept_bytes - *first_bytes;
       batch->DeleteRange(
-          database_->handle(Family::kLog), FrameKey(map, **first_frame), FrameKey(map, kept));
+          database_->handle(Family::kLog), FrameKey(map, first), FrameKey(map, kept));
     }
   }
-  const absl::StatusOr<std::optional<MapSequence>> first_pose = FirstFrame(Family::kPose, map);
+  const absl::StatusOr<std::optional<std::uint64_t>> first_pose = FirstNumber(Family::kPose, map);
   if (!first_pose.ok()) return first_pose.status();
   const std::uint64_t head = entry.log_head.durable_map_seq();
   const std::uint64_t surplus = head - std::min(head, options_.kept_poses);
   const MapSequence kept_pose{std::min(kept.value(), surplus + 1)};
-  if (first_pose->has_value() && kept_pose > **first_pose) {
-    batch->DeleteRange(
-        database_->handle(Family::kPose), FrameKey(map, **first_pose), FrameKey(map, kept_pose));
+  if (first_pose->has_value() && kept_pose.value() > **first_pose) {
+    batch->DeleteRange(database_->handle(Family::kPose),
+                       FrameKey(map, MapSequence{**first_pose}),
+                       FrameKey(map, kept_pose));
   }
   return absl::OkStatus();
 }
@@ -130,17 +133,18 @@ absl::StatusOr<MapSequence> RocksStore::FindLogCut(const MapEntry& entry,
   return MapSequence{low};
 }
 
-absl::StatusOr<std::optional<MapSequence>> RocksStore::FirstFrame(Family family, MapKey map) const {
+absl::StatusOr<std::optional<std::uint64_t>> RocksStore::FirstNumber(Family family,
+                                                                     MapKey map) const {
   const KeyRange range = MapRange(map);
   const rocksdb::Slice upper_bound(range.end);
   const std::unique_ptr<rocksdb::Iterator> scan = database_->Scan(family, &upper_bound);
   scan->Seek(range.begin);
-  if (!scan->status().ok()) return FromRocksdb(scan->status(), "looking for the oldest frame");
-  if (!scan->Valid()) return std::optional<MapSequence>();
+  if (!scan->status().ok()) return FromRocksdb(scan->status(), "looking for what is oldest");
+  if (!scan->Valid()) return std::optional<std::uint64_t>();
   const ValuePlace place{NameOf(family), scan->key().ToStringView()};
-  const std::optional<MapSequence> sequence = SequenceOfFrameKey(place.key);
-  if (!sequence) return DamagedValue(place, "is filed under no frame");
-  return sequence;
+  const std::optional<std::uint64_t> number = NumberOfKey(place.key);
+  if (!number) return DamagedValue(place, "is filed under no number");
+  return number;
 }
 
 absl::Status RocksStore::TrimChangeLists(const MapEntry& entry,
@@ -166,6 +170,20 @@ absl::Status RocksStore::TrimChangeLists(const MapEntry& entry,
   if (!scan->status().ok()) return FromRocksdb(scan->status(), "reading change lists");
   if (kept != range.begin) {
     batch->DeleteRange(database_->handle(Family::kChange), range.begin, kept);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RocksStore::TrimEvents(const MapEntry& entry, rocksdb::WriteBatch* batch) const {
+  const MapKey map = entry.record.key;
+  const absl::StatusOr<std::optional<std::uint64_t>> first = FirstNumber(Family::kEvent, map);
+  if (!first.ok()) return first.status();
+  const std::uint64_t events = entry.revision_head.events();
+  const std::uint64_t surplus = events - std::min(events, options_.kept_events);
+  if (first->has_value() && **first <= surplus) {
+    batch->DeleteRange(database_->handle(Family::kEvent),
+                       EventKey(map, EventNumber{**first}),
+                       EventKey(map, EventNumber{surplus + 1}));
   }
   return absl::OkStatus();
 }

@@ -1,102 +1,16 @@
-// The volume side of RocksStore: commits going in, the committed state coming out.
+// How RocksStore commits a revision.
 
 #include <algorithm>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <rocksdb/snapshot.h>
 
-#include "core/error.h"
-#include "core/tsdf_codec.h"
+#include "server/object_records.h"
 #include "server/rocks_store.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"
 
 namespace steadymap {
-namespace {
-
-// Names the map in an error that so far names a key only.
-absl::Status OfMap(const MapRecord& record, const absl::Status& status) {
-  return MakeError(
-      status.code(),
-      ReasonOf(status),
-      absl::StrCat("map ", record.name.ToString(), ": ", std::string(status.message())));
-}
-
-absl::Status LoadLeaf(const ValuePlace& place, std::string_view value, MapSnapshot* snapshot) {
-  const std::optional<LeafKey> key = LeafOfStoreKey(place.key);
-  if (!key) return DamagedValue(place, "is filed under no leaf");
-  storage::v1::LeafRecord leaf;
-  if (absl::Status status = UnsealRecord(place, value, &leaf); !status.ok()) return status;
-  LeafVoxels voxels;
-  if (absl::Status status = UnpackLeaf(leaf.packed(), snapshot->scale, &voxels); !status.ok()) {
-    return DamagedValue(place, std::string("is no leaf: ") + std::string(status.message()));
-  }
-  snapshot->background.MutableTile(key->origin).StoreLeaf(key->origin, voxels);
-  return absl::OkStatus();
-}
-
-absl::StatusOr<SessionRecord> LoadSession(const ValuePlace& place, std::string_view value) {
-  storage::v1::SessionRecord proto;
-  if (absl::Status status = UnsealRecord(place, value, &proto); !status.ok()) return status;
-  return FromProto(proto);
-}
-
-}  // namespace
-
-absl::StatusOr<StoredState> RocksStore::LoadMap(const MapRecord& record) {
-  if (absl::Status status = Find(record.key).status(); !status.ok()) return status;
-  rocksdb::ManagedSnapshot snapshot(&database_->database());
-  const absl::StatusOr<MapEntry> entry = LoadEntry(record.key, snapshot.snapshot());
-  if (!entry.ok()) return OfMap(record, entry.status());
-  StoredState state;
-  state.durable_head = MapSequence{entry->log_head.durable_map_seq()};
-  const MapConfig& config = entry->record.config;
-  state.snapshot = MapSnapshot({config.voxel_size_m, config.truncation_m});
-  state.snapshot.revision = Revision{entry->revision_head.revision()};
-  state.snapshot.last_capture_time =
-      Timestamp::FromNanoseconds(entry->revision_head.last_capture_time_ns());
-  if (absl::Status status = LoadSessions(record.key, snapshot.snapshot(), &state); !status.ok()) {
-    return OfMap(record, status);
-  }
-  if (absl::Status status = LoadLeaves(record.key, snapshot.snapshot(), &state); !status.ok()) {
-    return OfMap(record, status);
-  }
-  return state;
-}
-
-absl::Status RocksStore::LoadSessions(MapKey map,
-                                      const rocksdb::Snapshot* snapshot,
-                                      StoredState* state) const {
-  const KeyRange range = MapRange(map);
-  const rocksdb::Slice upper_bound(range.end);
-  const std::unique_ptr<rocksdb::Iterator> scan =
-      database_->Scan(Family::kDedup, &upper_bound, snapshot);
-  for (scan->Seek(range.begin); scan->Valid(); scan->Next()) {
-    const ValuePlace place{NameOf(Family::kDedup), scan->key().ToStringView()};
-    absl::StatusOr<SessionRecord> session = LoadSession(place, scan->value().ToStringView());
-    if (!session.ok()) return session.status();
-    state->sessions.push_back(*std::move(session));
-  }
-  return FromRocksdb(scan->status(), "reading upload sessions");
-}
-
-absl::Status RocksStore::LoadLeaves(MapKey map,
-                                    const rocksdb::Snapshot* snapshot,
-                                    StoredState* state) const {
-  const KeyRange range = MapRange(map);
-  const rocksdb::Slice upper_bound(range.end);
-  const std::unique_ptr<rocksdb::Iterator> scan =
-      database_->Scan(Family::kLeaf, &upper_bound, snapshot);
-  for (scan->Seek(range.begin); scan->Valid(); scan->Next()) {
-    const ValuePlace place{NameOf(Family::kLeaf), scan->key().ToStringView()};
-    if (absl::Status status = LoadLeaf(place, scan->value().ToStringView(), &state->snapshot);
-        !status.ok()) {
-      return status;
-    }
-  }
-  return FromRocksdb(scan->status(), "reading leaves");
-}
 
 absl::Status RocksStore::CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) {
   if (absl::Status status = database_->health(); !status.ok()) return status;
@@ -123,12 +37,24 @@ absl::Status RocksStore::CommitRevision(MapKey map, const MapDelta& delta, Times
   head.set_last_capture_time_ns(delta.last_capture_time.nanoseconds());
   head.set_commits(head.commits() + 1);
   head.set_commit_time_ns(std::max(head.commit_time_ns(), now.nanoseconds()));
+  head.set_newest_object(delta.newest_object.value());
+  const EventNumber first_event{head.events() + 1};
+  head.set_events(head.events() + delta.events.size());
   rocksdb::WriteBatch batch;
   PutCommit(map, delta, head, &batch);
+  PutEvents(map, delta.events, first_event, &batch);
   if (absl::Status status = database_->Write(&batch); !status.ok()) return status;
   const absl::MutexLock lock(&mutex_);
   entries_.at(map).revision_head = std::move(head);
   return absl::OkStatus();
+}
+
+void RocksStore::PutSealed(Family family,
+                           const std::string& key,
+                           const google::protobuf::MessageLite& record,
+                           rocksdb::WriteBatch* batch) const {
+  batch->Put(
+      database_->handle(family), key, Seal({NameOf(family), key}, record.SerializeAsString()));
 }
 
 void RocksStore::PutCommit(MapKey map,
@@ -138,6 +64,7 @@ void RocksStore::PutCommit(MapKey map,
   storage::v1::ChangeRecord change;
   change.set_commit_time_ns(head.commit_time_ns());
   change.set_ordinal(head.commits());
+  change.set_events(head.events());
   for (const LeafChange& leaf : delta.leaves) {
     const std::string key = LeafStoreKey(map, leaf.key);
     change.mutable_leaf_keys()->append(PackLeafKey(leaf.key));
@@ -148,17 +75,36 @@ void RocksStore::PutCommit(MapKey map,
     storage::v1::LeafRecord record;
     record.set_revision(delta.to.value());
     record.set_packed(leaf.packed);
-    batch->Put(
-        database_->handle(Family::kLeaf), key, SealRecord({NameOf(Family::kLeaf), key}, record));
+    PutSealed(Family::kLeaf, key, record, batch);
   }
-  const std::string change_key = ChangeKey(map, delta.to);
-  batch->Put(database_->handle(Family::kChange),
-             change_key,
-             SealRecord({NameOf(Family::kChange), change_key}, change));
-  const std::string head_key = RevisionHeadKey(map);
-  batch->Put(database_->handle(Family::kMeta),
-             head_key,
-             SealRecord({NameOf(Family::kMeta), head_key}, head));
+  for (const ObjectChange& object : delta.objects) {
+    const std::string key = ObjectKey(map, object.id);
+    change.add_objects(object.id.value());
+    if (!object.state.has_value()) {
+      batch->Delete(database_->handle(Family::kObject), key);
+      continue;
+    }
+    storage::v1::ObjectRecord record;
+    record.set_revision(delta.to.value());
+    *record.mutable_state() = ToProto(*object.state);
+    PutSealed(Family::kObject, key, record, batch);
+  }
+  for (const FreeBlockChange& block : delta.free_blocks) {
+    PutSealed(Family::kFree, FreeBlockKey(map, block.origin), ToProto(block.cells), batch);
+  }
+  PutSealed(Family::kChange, ChangeKey(map, delta.to), change, batch);
+  PutSealed(Family::kMeta, RevisionHeadKey(map), head, batch);
+}
+
+void RocksStore::PutEvents(MapKey map,
+                           const std::vector<ObjectEvent>& events,
+                           EventNumber first,
+                           rocksdb::WriteBatch* batch) const {
+  EventNumber number = first;
+  for (const ObjectEvent& event : events) {
+    PutSealed(Family::kEvent, EventKey(map, number), ToProto(event), batch);
+    number = number.Next();
+  }
 }
 
 }  // namespace steadymap

@@ -1,6 +1,7 @@
 #include "tests/server/store_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <utility>
 
@@ -82,21 +83,83 @@ LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_
   return {{kBackgroundId, {x * kLeafSide, y * kLeafSide, z * kLeafSide}}, PackLeaf(view, kScale)};
 }
 
+ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(-100.0, 100.0);
+  const auto vector = [&] {
+    return Eigen::Vector3d(number(random), number(random), number(random));
+  };
+  ObjectState state;
+  state.id = ObjectId{id};
+  state.standing = static_cast<ObjectStanding>(random() % 3);
+  state.revision = Revision{random()};
+  state.class_id = ClassId{static_cast<std::uint16_t>(random())};
+  state.votes = {{ClassId{3}, number(random)}, {ClassId{9}, number(random)}};
+  state.T_world_object = {vector(), number(random)};
+  state.cuboid = {vector(), vector().cwiseAbs(), number(random)};
+  state.belief = {number(random), 0.01 + std::abs(number(random)), 1.0 / 3.0, 2.0 / 7.0};
+  state.evidence.present_cells = number(random);
+  state.evidence.absent_cells = number(random);
+  state.evidence.absent_streak_cells = number(random);
+  for (std::int32_t x = -2; x < 3; ++x) {
+    LeafEvidence& leaf = state.evidence.MutableLeaf({x * kLeafSide, -x * kLeafSide, 0});
+    for (std::int8_t& score : leaf.score) score = static_cast<std::int8_t>(random());
+    leaf.confirmed = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
+  }
+  state.evidence.leaves.back().score = {};
+  state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
+  state.last_seen = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
+  state.views = random();
+  state.absences = random();
+  return state;
+}
+
+ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(-100.0, 100.0);
+  const auto vector = [&] {
+    return Eigen::Vector3d(number(random), number(random), number(random));
+  };
+  ObjectEvent event;
+  event.type = type;
+  event.reason = EventReason::kShapeMatched;
+  event.object = ObjectId{object};
+  event.class_id = ClassId{7};
+  event.time = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
+  event.revision = Revision{random()};
+  event.center_world = vector();
+  if (type == EventType::kMoved) {
+    event.old_center_world = vector();
+    event.confidence = 1.0 / 3.0;
+  }
+  event.before = {number(random), 0.5, 1.0 / 3.0, 4.0};
+  event.after = {number(random), 0.5, 2.0 / 3.0, 5.0};
+  event.related = ObjectId{random()};
+  event.views = random();
+  event.absences = random();
+  return event;
+}
+
 MapDelta MakeDelta(std::uint64_t from, std::uint64_t to, std::vector<LeafChange> leaves) {
   std::sort(leaves.begin(), leaves.end(), [](const LeafChange& a, const LeafChange& b) {
     return a.key < b.key;
   });
-  return {Revision{from},
-          Revision{to},
-          Timestamp::FromNanoseconds(static_cast<std::int64_t>(to) * 1'000'003),
-          std::move(leaves)};
+  return {
+      .from = Revision{from},
+      .to = Revision{to},
+      .last_capture_time = Timestamp::FromNanoseconds(static_cast<std::int64_t>(to) * 1'000'003),
+      .leaves = std::move(leaves)};
 }
 
 std::vector<LeafChange> LeavesOf(const MapSnapshot& snapshot) {
   std::vector<LeafChange> leaves;
-  snapshot.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-    leaves.push_back({{kBackgroundId, origin}, PackLeaf(leaf, snapshot.scale)});
-  });
+  const auto append = [&](ObjectId id, const VoxelReader& volume) {
+    volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+      leaves.push_back({{id, origin}, PackLeaf(leaf, snapshot.scale)});
+    });
+  };
+  append(kBackgroundId, snapshot.background);
+  for (const auto& [id, object] : snapshot.objects) append(id, *object->volume);
   std::sort(leaves.begin(), leaves.end(), [](const LeafChange& a, const LeafChange& b) {
     return a.key < b.key;
   });

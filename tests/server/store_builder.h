@@ -29,6 +29,12 @@ SessionRecord MakeSession(const std::string& session,
 /// A leaf of canonical voxels that follow from `seed`, at the given leaf index on each axis.
 LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed);
 
+/// The state of an object, every field of which follows from `seed`.
+ObjectState MakeObject(std::uint64_t id, std::uint32_t seed);
+
+/// An event, likewise.
+ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed);
+
 /// A delta with these leaves, sorted.
 MapDelta MakeDelta(std::uint64_t from, std::uint64_t to, std::vector<LeafChange> leaves);
 

@@ -111,6 +111,7 @@ TEST_P(StoreContract, UnknownMapsAreNotFound) {
         store_->CommitRevision(nobody.key, MakeDelta(0, 1, {}), kNow),
         store_->ReadLog(nobody.key, MapSequence{1}, visit),
         store_->ReadPoses(nobody.key, MapSequence{1}, MapSequence{9}, 9).status(),
+        store_->ReadEvents(nobody.key, EventNumber{1}, 9).status(),
         store_->Trim(nobody, MapSequence{1}, kNow, kForgetNone)}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kNotFound) << status;
     EXPECT_EQ(ReasonOf(status), reason::kNotFound);
@@ -124,6 +125,8 @@ TEST_P(StoreContract, NewMapIsEmpty) {
   EXPECT_EQ(state.snapshot.revision, Revision{0});
   EXPECT_EQ(state.snapshot.last_capture_time, Timestamp());
   EXPECT_EQ(state.snapshot.scale, (VoxelScale{0.04, 0.12}));
+  EXPECT_TRUE(state.snapshot.objects.empty());
+  EXPECT_EQ(state.snapshot.free_space, FreeSpace(0.08));
   EXPECT_EQ(state.snapshot.background.leaf_count(), 0U);
   EXPECT_EQ(state.durable_head, MapSequence{0});
   EXPECT_TRUE(state.sessions.empty());

@@ -26,12 +26,11 @@ struct StoredMap {
   bool damaged = false;
   MapSequence head;
   Timestamp newest_append;
-  Revision revision;
-  Timestamp last_capture_time;
+  MapSnapshot snapshot;
+  std::vector<StoredEvent> events;
   std::map<MapSequence, std::string> log;
   std::map<MapSequence, StoredPose> poses;
   std::map<SessionName, SessionRecord> sessions;
-  std::map<LeafKey, std::string> leaves;
 };
 
 absl::Status NotThere() {
@@ -185,6 +184,7 @@ absl::StatusOr<MapRecord> MemoryStore::CreateMap(const MapRecord& record) {
   StoredMap map;
   map.record = record;
   map.record.key = content_->next_key;
+  map.snapshot = MapSnapshot({record.config.voxel_size_m, record.config.truncation_m});
   map.record.condition = absl::OkStatus();
   content_->next_key = content_->next_key.Next();
   return content_->maps.emplace(map.record.key, map).first->second.record;
@@ -232,16 +232,7 @@ absl::StatusOr<StoredState> MemoryStore::LoadMap(const MapRecord& record) {
   StoredState state;
   state.durable_head = map.head;
   for (const auto& [name, session] : map.sessions) state.sessions.push_back(session);
-  state.snapshot = MapSnapshot({map.record.config.voxel_size_m, map.record.config.truncation_m});
-  state.snapshot.revision = map.revision;
-  state.snapshot.last_capture_time = map.last_capture_time;
-  for (const auto& [key, packed] : map.leaves) {
-    LeafVoxels voxels;
-    if (absl::Status status = UnpackLeaf(packed, state.snapshot.scale, &voxels); !status.ok()) {
-      return status;
-    }
-    state.snapshot.background.MutableTile(key.origin).StoreLeaf(key.origin, voxels);
-  }
+  state.snapshot = map.snapshot;
   return state;
 }
 
@@ -271,7 +262,7 @@ absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Time
   const auto found = content_->maps.find(map);
   if (found == content_->maps.end()) return NotThere();
   StoredMap& stored = found->second;
-  if (delta.from != stored.revision || delta.to < delta.from ||
+  if (delta.from != stored.snapshot.revision || delta.to < delta.from ||
       delta.to.value() > stored.head.value()) {
     return absl::FailedPreconditionError("the commit does not fit the map");
   }
@@ -279,16 +270,12 @@ absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Time
   if (absl::Status status = content_->CheckWrite(&content_->fail_commit); !status.ok()) {
     return status;
   }
-  for (const LeafChange& leaf : delta.leaves) {
-    if (leaf.packed.empty()) {
-      stored.leaves.erase(leaf.key);
-    } else {
-      stored.leaves[leaf.key] = leaf.packed;
-    }
+  EventNumber number = stored.events.empty() ? EventNumber{} : stored.events.back().number;
+  for (const ObjectEvent& event : delta.events) {
+    number = number.Next();
+    stored.events.push_back({number, event});
   }
-  stored.revision = delta.to;
-  stored.last_capture_time = delta.last_capture_time;
-  return absl::OkStatus();
+  return Apply(delta, &stored.snapshot);
 }
 
 absl::Status MemoryStore::ReadLog(MapKey map,
@@ -310,6 +297,19 @@ absl::Status MemoryStore::ReadLog(MapKey map,
     if (absl::Status status = visit(std::move(frame)); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<StoredEvent>> MemoryStore::ReadEvents(MapKey map,
+                                                                 EventNumber first,
+                                                                 std::size_t limit) {
+  const absl::MutexLock lock(&content_->mutex);
+  const auto found = content_->maps.find(map);
+  if (found == content_->maps.end()) return NotThere();
+  std::vector<StoredEvent> events;
+  for (const StoredEvent& event : found->second.events) {
+    if (event.number >= first && events.size() < limit) events.push_back(event);
+  }
+  return events;
 }
 
 absl::StatusOr<std::vector<FramePose>> MemoryStore::ReadPoses(MapKey map,
@@ -338,7 +338,7 @@ absl::Status MemoryStore::Trim(const MapRecord& map,
   if (found == content_->maps.end()) return NotThere();
   if (!content_->health.ok()) return content_->health;
   StoredMap& stored = found->second;
-  const MapSequence integrated{std::min(last.value(), stored.revision.value())};
+  const MapSequence integrated{std::min(last.value(), stored.snapshot.revision.value())};
   TrimLog(integrated, now, map, &stored);
   const std::uint64_t head = stored.head.value();
   const MapSequence first_in_log =
@@ -346,6 +346,11 @@ absl::Status MemoryStore::Trim(const MapRecord& map,
   std::erase_if(stored.poses, [&](const auto& pose) {
     return pose.first < first_in_log && pose.first.value() + content_->options.kept_poses <= head;
   });
+  if (stored.events.size() > content_->options.kept_events) {
+    const auto surplus = stored.events.size() - content_->options.kept_events;
+    stored.events.erase(stored.events.begin(),
+                        stored.events.begin() + static_cast<std::ptrdiff_t>(surplus));
+  }
   std::erase_if(stored.sessions, [&](const auto& session) {
     return session.second.last_active < forget_sessions_before;
   });

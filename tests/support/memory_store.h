@@ -60,6 +60,9 @@ class MemoryStore final : public Store {
                                                    MapSequence first,
                                                    MapSequence last,
                                                    std::size_t limit) override;
+  absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
+                                                      EventNumber first,
+                                                      std::size_t limit) override;
   absl::Status Trim(const MapRecord& map,
                     MapSequence last,
                     Timestamp now,

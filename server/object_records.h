@@ -1,0 +1,28 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "core/map_delta.h"
+#include "core/map_object.h"
+#include "core/object_event.h"
+
+namespace steadymap::storage::v1 {
+class EventRecord;
+class FreeBlockRecord;
+class ObjectState;
+}  // namespace steadymap::storage::v1
+
+/// What the store keeps of objects, as protobuf and back. Reading back gives bit for bit what was
+/// written. Errors of the latter: `DataLoss` for what the former cannot have written.
+namespace steadymap {
+
+storage::v1::ObjectState ToProto(const ObjectState& state);
+absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectState& state);
+
+storage::v1::EventRecord ToProto(const ObjectEvent& event);
+absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record);
+
+storage::v1::FreeBlockRecord ToProto(const LeafMask& cells);
+absl::StatusOr<LeafMask> FromProto(const storage::v1::FreeBlockRecord& record);
+
+}  // namespace steadymap
