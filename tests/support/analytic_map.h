@@ -1,11 +1,26 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 
 #include "core/map_snapshot.h"
 #include "tests/support/analytic_solid.h"
 
 namespace steadymap::testing {
+
+/// The same volume with canonical voxels (core/voxel_leaf.h).
+inline TsdfGrid Canonical(const TsdfGrid& volume, const VoxelScale& scale) {
+  TsdfGrid canonical;
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    LeafVoxels voxels;
+    volume.LoadLeaf(origin, &voxels);
+    for (float& distance_m : voxels.distance_m) {
+      distance_m = std::round(distance_m / scale.distance_step_m()) * scale.distance_step_m();
+    }
+    canonical.StoreLeaf(origin, voxels);
+  });
+  return canonical;
+}
 
 /// The volume of a floor: the plane z = 0 between -2 and 2 m, known up to a truncation on both
 /// sides.
@@ -22,7 +37,7 @@ inline TsdfGrid FloorVolume(const VoxelScale& scale) {
 inline MapSnapshot FloorMap(const VoxelScale& scale = {}) {
   MapSnapshot map(scale);
   map.revision = Revision(7);
-  const TsdfGrid floor = FloorVolume(scale);
+  const TsdfGrid floor = Canonical(FloorVolume(scale), scale);
   floor.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
     LeafVoxels voxels;
     floor.LoadLeaf(origin, &voxels);
@@ -44,11 +59,12 @@ inline MapObject BoxObject(ObjectId id,
   object.class_id = ClassId(static_cast<std::uint16_t>(100 + id.value()));
   object.T_world_object = T_world_object;
   object.cuboid = {T_world_object.position_world, size_m, T_world_object.yaw_rad};
-  object.volume = std::make_shared<const TsdfGrid>(
+  const TsdfGrid volume =
       MakeVolume([body](const Eigen::Vector3d& point) { return DistanceFrom({body}, point); },
                  Box(body.min() - reach, body.max() + reach),
                  scale,
-                 [](const Eigen::Vector3d&) { return true; }));
+                 [](const Eigen::Vector3d&) { return true; });
+  object.volume = std::make_shared<const TsdfGrid>(Canonical(volume, scale));
   return object;
 }
 
