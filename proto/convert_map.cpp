@@ -48,31 +48,6 @@ v1::ClassMotion ToProto(ClassMotion motion) {
   return v1::CLASS_MOTION_UNSPECIFIED;
 }
 
-absl::StatusOr<UpdatePolicy> PolicyOf(v1::UpdatePolicy policy) {
-  switch (policy) {
-    case v1::UPDATE_POLICY_UNSPECIFIED:
-    case v1::UPDATE_POLICY_STATIC:
-      return UpdatePolicy::kStatic;
-    case v1::UPDATE_POLICY_POCD:
-      return UpdatePolicy::kPocd;
-    default:
-      return InvalidField(
-          reason::kBadValue,
-          "policy",
-          absl::StrCat("the policy must be one that is known, got ", static_cast<int>(policy)));
-  }
-}
-
-v1::UpdatePolicy ToProto(UpdatePolicy policy) {
-  switch (policy) {
-    case UpdatePolicy::kStatic:
-      return v1::UPDATE_POLICY_STATIC;
-    case UpdatePolicy::kPocd:
-      return v1::UPDATE_POLICY_POCD;
-  }
-  return v1::UPDATE_POLICY_UNSPECIFIED;
-}
-
 absl::StatusOr<SemanticClass> FromProto(const v1::SemanticClass& message) {
   if (message.id() > std::numeric_limits<std::uint16_t>::max()) {
     return InvalidField(reason::kBadValue,
@@ -113,7 +88,7 @@ absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message) {
                             ? message.truncation_m()
                             : ToMicrometre(kDefaultTruncationVoxels * config.voxel_size_m);
   if (message.max_depth_m() != 0.0) config.max_depth_m = message.max_depth_m();
-  const absl::StatusOr<UpdatePolicy> policy = PolicyOf(message.policy());
+  const absl::StatusOr<UpdatePolicy> policy = FromProto(message.policy());
   if (!policy.ok()) return policy.status();
   config.policy = *policy;
   if (message.classes_size() > 0) {
@@ -139,6 +114,31 @@ v1::MapConfig ToProto(const MapConfig& config) {
     added->set_in_background(row.in_background);
   }
   return message;
+}
+
+absl::StatusOr<UpdatePolicy> FromProto(v1::UpdatePolicy policy) {
+  switch (policy) {
+    case v1::UPDATE_POLICY_UNSPECIFIED:
+    case v1::UPDATE_POLICY_STATIC:
+      return UpdatePolicy::kStatic;
+    case v1::UPDATE_POLICY_POCD:
+      return UpdatePolicy::kPocd;
+    default:
+      return InvalidField(
+          reason::kBadValue,
+          "policy",
+          absl::StrCat("the policy must be one that is known, got ", static_cast<int>(policy)));
+  }
+}
+
+v1::UpdatePolicy ToProto(UpdatePolicy policy) {
+  switch (policy) {
+    case UpdatePolicy::kStatic:
+      return v1::UPDATE_POLICY_STATIC;
+    case UpdatePolicy::kPocd:
+      return v1::UPDATE_POLICY_POCD;
+  }
+  return v1::UPDATE_POLICY_UNSPECIFIED;
 }
 
 }  // namespace steadymap
