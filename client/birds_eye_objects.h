@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "client/birds_eye.h"
+#include "client/canvas.h"
+
+/// Private to the bird's-eye picture: objects as cuboids.
+namespace steadymap {
+
+/// The colour of an expected stationarity, from orange (0: gone) over sand to blue (1: stays),
+/// which people with any kind of colour vision tell apart. `stationarity` is clamped to [0, 1].
+Rgb StationarityColor(double stationarity);
+
+/// Outlines objects, ghosts beneath the others. Cuboids that are not finite are left out.
+void DrawObjects(const std::vector<ObjectMark>& objects, const TopDownView& view, Canvas* canvas);
+
+/// Draws what the outlines mean, downwards from `origin_px`; returns where it ends.
+double DrawObjectLegend(const std::vector<ObjectMark>& objects,
+                        const Eigen::Vector2d& origin_px,
+                        Canvas* canvas);
+
+}  // namespace steadymap
