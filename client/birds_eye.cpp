@@ -142,7 +142,8 @@ BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
                              const std::vector<ObjectMark>& objects,
                              const BirdsEyeOptions& options) {
   const Marks marks{paths, objects};
-  const BirdsEyeScene scene = ChooseScene(mesh, paths, options);
+  BirdsEyeScene scene = ChooseScene(mesh, paths, options);
+  ExtendToObjects(objects, &scene.extent_world);
   const Layout layout = LayOut(scene, std::clamp(options.longest_side_px, 600, 8000));
   const TopDownView map_view = MapView(scene, layout);
   const bool use_mesh_colors = options.use_mesh_colors && !mesh.colors.empty();

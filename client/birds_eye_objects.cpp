@@ -67,6 +67,18 @@ Rgb StationarityColor(double stationarity) {
   return Mix(kUnsure, kStays, 2.0 * share - 1.0);
 }
 
+void ExtendToObjects(const std::vector<ObjectMark>& objects, Eigen::AlignedBox2d* extent_world) {
+  // Room for the outline itself.
+  constexpr double kMarginM = 0.05;
+  for (const ObjectMark& object : objects) {
+    if (!IsFinite(object)) continue;
+    for (const Eigen::Vector2d& corner_world : object.cuboid.BaseCorners()) {
+      extent_world->extend(Eigen::Vector2d(corner_world.array() - kMarginM));
+      extent_world->extend(Eigen::Vector2d(corner_world.array() + kMarginM));
+    }
+  }
+}
+
 void DrawObjects(const std::vector<ObjectMark>& objects, const TopDownView& view, Canvas* canvas) {
   std::vector<const ObjectMark*> ordered;
   for (const ObjectMark& object : objects) {

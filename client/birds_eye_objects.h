@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "client/birds_eye.h"
 #include "client/canvas.h"
 
@@ -11,6 +13,9 @@ namespace steadymap {
 /// The colour of an expected stationarity, from orange (0: gone) over sand to blue (1: stays),
 /// which people with any kind of colour vision tell apart. `stationarity` is clamped to [0, 1].
 Rgb StationarityColor(double stationarity);
+
+/// Widens an extent so that it holds all objects; those that are not finite are left out.
+void ExtendToObjects(const std::vector<ObjectMark>& objects, Eigen::AlignedBox2d* extent_world);
 
 /// Outlines objects, ghosts beneath the others. Cuboids that are not finite are left out.
 void DrawObjects(const std::vector<ObjectMark>& objects, const TopDownView& view, Canvas* canvas);

@@ -32,12 +32,17 @@ EventsCommand::EventsCommand(CLI::App* app, CommandContext* context) : context_(
                    types_,
                    "Only this type (" + WordsOf(v1::EventType_descriptor()) +
                        "); may be given several times")
+      ->allow_extra_args(false)
       ->type_name("TYPE");
   command->add_option("--object", objects_, "Only this object; may be given several times")
+      ->check(CLI::NonNegativeNumber)
+      ->allow_extra_args(false)
       ->type_name("ID");
   command->add_option("--class", classes_, "Only this class; may be given several times")
+      ->allow_extra_args(false)
       ->type_name("ID|NAME");
   command->add_option("--changed-since", changed_since_, "Only events after this revision")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("REVISION");
   command->add_flag("--json", as_json_, "Print JSON");
   command->callback([this] { context_->action = [this] { return Run(); }; });

@@ -44,6 +44,8 @@ ExportCommand::ExportCommand(CLI::App* app, CommandContext* context) : context_(
   command->add_option("--output", output_, "The file")->required()->type_name("FILE");
   command->add_option("--box", box_, "Only this part of the map")->type_name("x0,y0,z0,x1,y1,z1");
   command->add_option("--object", objects_, "Only this object; may be given several times")
+      ->check(CLI::NonNegativeNumber)
+      ->allow_extra_args(false)
       ->type_name("ID");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }

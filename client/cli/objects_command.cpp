@@ -31,6 +31,7 @@ ObjectsCommand::ObjectsCommand(CLI::App* app, CommandContext* context) : context
   command->footer(kFooter);
   command->add_option("NAME", map_, "The map")->required();
   command->add_option("--class", classes_, "Only this class; may be given several times")
+      ->allow_extra_args(false)
       ->type_name("ID|NAME");
   command->add_option("--box", box_, "Only objects whose cuboid touches the box, metres")
       ->type_name("x0,y0,z0,x1,y1,z1");
@@ -38,6 +39,7 @@ ObjectsCommand::ObjectsCommand(CLI::App* app, CommandContext* context) : context
       ->add_option("--min-stationarity", min_stationarity_, "Only objects with at least this E[v]")
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--changed-since", changed_since_, "Only objects changed after this revision")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("REVISION");
   command->add_flag("--all", all_, "Archived and tentative objects too");
   command->add_flag("--json", as_json_, "Print JSON");
