@@ -38,19 +38,19 @@ Stroke OutlineOf(const Cuboid& cuboid, const TopDownView& view) {
   return outline;
 }
 
-// A line broken into dashes, which begin anew at every corner; no more than the view can show.
+// A line broken into dashes, which begin anew at every corner; a line far longer than any view
+// stays whole.
 std::vector<Stroke> Dashes(const Stroke& line) {
-  constexpr double kMaxDashes = 500.0;
-  std::vector<Stroke> dashes;
+  constexpr double kMaxLengthPx = 10'000.0;
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const Eigen::Vector2d way = line[i + 1] - line[i];
     const double length_px = way.norm();
-    const double count = std::floor(length_px / (kDashPx + kGapPx)) + 1.0;
-    if (count > kMaxDashes) {
+    if (length_px > kMaxLengthPx) {
       dashes.push_back({line[i], line[i + 1]});
       continue;
     }
-    for (double dash = 0.0; dash < count; dash += 1.0) {
+    const int count = static_cast<int>(length_px / (kDashPx + kGapPx)) + 1;
+    for (int dash = 0; dash < count; ++dash) {
       const double from = std::min(1.0, dash * (kDashPx + kGapPx) / std::max(length_px, 1.0));
       const double to = std::min(1.0, from + kDashPx / std::max(length_px, 1.0));
       dashes.push_back({line[i] + from * way, line[i] + to * way});
