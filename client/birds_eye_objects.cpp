@@ -42,6 +42,7 @@ Stroke OutlineOf(const Cuboid& cuboid, const TopDownView& view) {
 // stays whole.
 std::vector<Stroke> Dashes(const Stroke& line) {
   constexpr double kMaxLengthPx = 10'000.0;
+  std::vector<Stroke> dashes;
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const Eigen::Vector2d way = line[i + 1] - line[i];
     const double length_px = way.norm();
