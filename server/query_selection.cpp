@@ -37,6 +37,7 @@ absl::StatusOr<std::vector<PlacedVolume>> SelectVolumes(
     chosen.insert(id);
   }
   std::vector<PlacedVolume> volumes;
+  volumes.reserve(chosen.size());
   for (const ObjectId id : chosen) {
     volumes.push_back(id == kBackgroundId ? BackgroundOf(snapshot)
                                           : VolumeOf(*snapshot.objects.at(id)));

@@ -35,6 +35,7 @@ int NumberOf(const google::protobuf::EnumDescriptor* type, std::string_view word
 
 std::string WordsOf(const google::protobuf::EnumDescriptor* type) {
   std::vector<int> numbers;
+  numbers.reserve(static_cast<std::size_t>(type->value_count()));
   for (int i = 0; i < type->value_count(); ++i) numbers.push_back(type->value(i)->number());
   std::sort(numbers.begin(), numbers.end());
   std::string words;

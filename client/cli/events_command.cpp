@@ -53,6 +53,7 @@ absl::Status EventsCommand::Run() const {
   if (!name.ok()) return name.status();
   EventQuery query;
   query.changed_since = Revision(changed_since_);
+  query.objects.reserve(objects_.size());
   for (const std::uint64_t object : objects_) query.objects.emplace_back(object);
   for (const std::string& text : types_) {
     const absl::StatusOr<v1::EventType> type = ParseEventType(text);

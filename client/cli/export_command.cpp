@@ -59,6 +59,7 @@ absl::Status ExportCommand::Run() const {
     if (!parsed.ok()) return parsed.status();
     selection.box_world = *parsed;
   }
+  selection.objects.reserve(objects_.size());
   for (const std::uint64_t object : objects_) selection.objects.emplace_back(object);
   absl::StatusOr<OutputFile> file = OutputFile::Create(output_);
   if (!file.ok()) return file.status();

@@ -49,6 +49,7 @@ absl::StatusOr<std::vector<ObjectMark>> ReadMarks(MapClient* client,
                                                   const MapName& name,
                                                   const MapSnapshot& section) {
   std::vector<ObjectMark> marks;
+  marks.reserve(section.objects.size());
   for (const auto& [id, object] : section.objects) {
     marks.push_back({object->cuboid, object->belief.stationarity(), false});
   }

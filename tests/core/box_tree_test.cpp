@@ -16,6 +16,7 @@ Eigen::Vector3d RandomPoint(std::mt19937* random, double side_m) {
 
 std::vector<Box> RandomBoxes(std::size_t count, std::mt19937* random) {
   std::vector<Box> boxes;
+  boxes.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d center = RandomPoint(random, 10.0);
     const Eigen::Vector3d half = RandomPoint(random, 1.5).cwiseAbs();
