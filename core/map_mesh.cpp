@@ -13,10 +13,9 @@ namespace {
 constexpr std::uint32_t kDropped = std::numeric_limits<std::uint32_t>::max();
 
 /// Takes a mesh from its volume's frame to the world.
-void Place(const Eigen::Isometry3d& T_world_volume, Mesh* mesh) {
-  const Eigen::Isometry3f T = T_world_volume.cast<float>();
-  for (Eigen::Vector3f& vertex : mesh->vertices_world) vertex = T * vertex;
-  for (Eigen::Vector3f& normal : mesh->normals_world) normal = T.linear() * normal;
+void Place(const Eigen::Isometry3f& T_world_volume, Mesh* mesh) {
+  for (Eigen::Vector3f& vertex : mesh->vertices_world) vertex = T_world_volume * vertex;
+  for (Eigen::Vector3f& normal : mesh->normals_world) normal = T_world_volume.linear() * normal;
 }
 
 /// Drops the vertices outside the box and the triangles that had one.
@@ -69,7 +68,7 @@ Mesh ExtractMapMesh(std::span<const PlacedVolume> volumes,
       continue;
     }
     Mesh part = ExtractMesh(*volume.voxels, scale, nullptr);
-    Place(volume.T_world_volume, &part);
+    Place(volume.T_world_volume.cast<float>(), &part);
     if (box_world != nullptr) Clip(*box_world, &part);
     Append(part, &mesh);
   }
