@@ -166,7 +166,7 @@ std::string Serialize(const openvdb::GridPtrVec& grids) {
   std::string file = std::move(bytes).str();
   // Equal maps must give equal files.
   std::fill_n(file.begin() + kUuidPosition, kUuidLength, '0');
-  for (const std::size_t dash : {8, 13, 18, 23}) file[kUuidPosition + dash] = '-';
+  for (const std::size_t dash : {8U, 13U, 18U, 23U}) file[kUuidPosition + dash] = '-';
   return file;
 }
 
