@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/birds_eye_legend.h"
+#include "client/birds_eye_objects.h"
 #include "client/birds_eye_scene.h"
 #include "client/canvas.h"
 #include "client/surface_shading.h"
@@ -65,16 +66,23 @@ TopDownView MapView(const BirdsEyeScene& scene, const Layout& layout) {
   return view;
 }
 
-// The map's rectangle: grid, surface, paths.
+/// What stands on top of the surface.
+struct Marks {
+  const std::vector<RobotPath>& paths;
+  const std::vector<ObjectMark>& objects;
+};
+
+// The map's rectangle: grid, surface, objects, paths.
 Canvas DrawMap(const Mesh& mesh,
-               const std::vector<RobotPath>& paths,
+               const Marks& marks,
                const BirdsEyeScene& scene,
                const TopDownView& view,
                bool use_mesh_colors) {
   Canvas map(view.width_px, view.height_px, kWhite);
   DrawGrid(view, RoundLength(view.metres_per_px * 150.0), &map);
   PaintSurface(mesh, scene, view, use_mesh_colors, &map);
-  DrawPaths(paths, view, &map);
+  DrawObjects(marks.objects, view, &map);
+  DrawPaths(marks.paths, view, &map);
   if (!scene.has_surface) {
     const std::string message = "no surface: the map is empty";
     const Eigen::Vector2d center(view.width_px / 2.0, view.height_px / 2.0);
@@ -102,17 +110,23 @@ void WriteTitles(const BirdsEyeOptions& options, Canvas* picture) {
                  kFaintInk);
 }
 
-void DrawSideLegends(const std::vector<RobotPath>& paths,
+void DrawSideLegends(const Marks& marks,
                      const BirdsEyeScene& scene,
                      const Layout& layout,
                      bool by_height,
                      Canvas* picture) {
   Eigen::Vector2d origin_px(kLeftPx + layout.map_size_px.x() + kGapPx, kTopPx);
   if (scene.has_surface && by_height) {
-    const double ramp_height_px = std::min(240.0, std::floor(layout.map_size_px.y() * 0.5));
+    const double share = marks.objects.empty() ? 0.5 : 0.25;
+    const double ramp_height_px = std::min(240.0, std::floor(layout.map_size_px.y() * share));
     origin_px.y() = DrawHeightLegend(scene, origin_px, ramp_height_px, picture) + kGapPx;
   }
-  if (!paths.empty()) DrawPathLegend(paths, origin_px, kRightPx - kGapPx - 8.0, picture);
+  if (!marks.objects.empty()) {
+    origin_px.y() = DrawObjectLegend(marks.objects, origin_px, picture) + kGapPx;
+  }
+  if (!marks.paths.empty()) {
+    DrawPathLegend(marks.paths, origin_px, kRightPx - kGapPx - 8.0, picture);
+  }
 }
 
 }  // namespace
@@ -120,15 +134,24 @@ void DrawSideLegends(const std::vector<RobotPath>& paths,
 BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
                              const std::vector<RobotPath>& paths,
                              const BirdsEyeOptions& options) {
-  const BirdsEyeScene scene = ChooseScene(mesh, paths, options);
+  return DrawBirdsEye(mesh, paths, {}, options);
+}
+
+BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
+                             const std::vector<RobotPath>& paths,
+                             const std::vector<ObjectMark>& objects,
+                             const BirdsEyeOptions& options) {
+  const Marks marks{paths, objects};
+  BirdsEyeScene scene = ChooseScene(mesh, paths, options);
+  ExtendToObjects(objects, &scene.extent_world);
   const Layout layout = LayOut(scene, std::clamp(options.longest_side_px, 600, 8000));
   const TopDownView map_view = MapView(scene, layout);
   const bool use_mesh_colors = options.use_mesh_colors && !mesh.colors.empty();
 
   Canvas picture(layout.picture_size_px.x(), layout.picture_size_px.y(), kPage);
-  Paste(DrawMap(mesh, paths, scene, map_view, use_mesh_colors), layout.map_low_px, &picture);
+  Paste(DrawMap(mesh, marks, scene, map_view, use_mesh_colors), layout.map_low_px, &picture);
   WriteTitles(options, &picture);
-  DrawSideLegends(paths, scene, layout, !use_mesh_colors, &picture);
+  DrawSideLegends(marks, scene, layout, !use_mesh_colors, &picture);
 
   BirdsEyePicture result;
   const double bottom_px = kTopPx + layout.map_size_px.y();

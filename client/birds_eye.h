@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "client/top_down_raster.h"
+#include "core/cuboid.h"
 #include "core/frame.h"
 #include "core/mesh.h"
 
@@ -18,6 +19,13 @@ namespace steadymap {
 struct RobotPath {
   std::string robot;                             ///< Id, for the legend.
   std::vector<Eigen::Vector3d> positions_world;  ///< Metres.
+};
+
+/// An object as its cuboid from above.
+struct ObjectMark {
+  Cuboid cuboid;
+  double stationarity = 0.0;  ///< E[v], in [0, 1]: the colour. Of no meaning for ghosts.
+  bool is_ghost = false;      ///< It stood there and no longer does: a broken grey outline.
 };
 
 /// How a picture is made. (The braces let designated initializers leave members out.)
@@ -41,10 +49,17 @@ struct BirdsEyePicture {
   Eigen::Vector2i scale_bar_px;        ///< Left end of the scale bar's top edge.
 };
 
-/// Draws a mesh and paths. Degenerate input gives a picture too: one without surface says so, and
-/// is sized by the paths or, without any, is 10 m wide. The view holds all paths and all surface
-/// but the outermost 0.05 % of vertices on each side, so that a few stray ones do not shrink the
-/// rest. Same input, same picture. Cost: 0.7 s for 300 000 triangles.
+/// Draws a mesh, paths and objects on top of them, lower ones first. Degenerate input gives a
+/// picture too: one without surface says so, and is sized by the paths or, without any, is 10 m
+/// wide. The view holds all paths and all surface but the outermost 0.05 % of vertices on each
+/// side, so that a few stray ones do not shrink the rest. Same input, same picture. Cost: 0.7 s for
+/// 300 000 triangles.
+BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
+                             const std::vector<RobotPath>& paths,
+                             const std::vector<ObjectMark>& objects,
+                             const BirdsEyeOptions& options);
+
+/// The same without objects.
 BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
                              const std::vector<RobotPath>& paths,
                              const BirdsEyeOptions& options);

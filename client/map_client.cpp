@@ -5,8 +5,8 @@
 #include <absl/strings/str_cat.h>
 #include <grpcpp/client_context.h>
 
+#include "client/map_section_reader.h"
 #include "core/error.h"
-#include "core/tsdf_codec.h"
 #include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
 
@@ -18,6 +18,8 @@ using QueryStub = v1::QueryService::StubInterface;
 
 constexpr std::uint32_t kMapsPerPage = 1000;
 constexpr std::uint32_t kPosesPerPage = 10'000;
+constexpr std::uint32_t kObjectsPerPage = 1000;
+constexpr std::uint32_t kEventsPerPage = 10'000;
 
 // A call with one answer.
 template <typename Stub, typename Request, typename Response>
@@ -43,44 +45,10 @@ absl::Status ProtocolError(const char* what) {
   return MakeError(absl::StatusCode::kInternal, reason::kInternal, what);
 }
 
-absl::Status StoreLeaves(const v1::GetMapSectionResponse::Leaves& leaves, MapSnapshot* section) {
-  LeafVoxels voxels;
-  for (const v1::PackedLeaf& leaf : leaves.leaves()) {
-    // Objects have grids of their own; a client of this release knows only the background.
-    if (leaf.object_id() != kBackgroundId.value()) continue;
-    const LeafOrigin origin{leaf.origin_x(), leaf.origin_y(), leaf.origin_z()};
-    if (origin != LeafOf(origin.x, origin.y, origin.z)) {
-      return ProtocolError("the server sent a leaf whose origin is not a multiple of 8");
-    }
-    absl::Status status = UnpackLeaf(leaf.packed(), section->scale, &voxels);
-    if (!status.ok()) return status;
-    section->background.MutableTile(origin).StoreLeaf(origin, voxels);
-  }
-  return absl::OkStatus();
-}
-
-// Reads a section stream to its end or to the first error.
-absl::StatusOr<MapSnapshot> ReadSection(
-    grpc::ClientReaderInterface<v1::GetMapSectionResponse>* stream) {
-  MapSnapshot section;
-  bool has_header = false;
-  v1::GetMapSectionResponse response;
-  while (stream->Read(&response)) {
-    if (response.has_header()) {
-      section = MapSnapshot({response.header().voxel_size_m(), response.header().truncation_m()});
-      section.revision = Revision(response.header().revision());
-      if (!(section.scale.voxel_size_m > 0.0 && section.scale.truncation_m > 0.0)) {
-        return ProtocolError("the server sent a map section with voxels of no size");
-      }
-      has_header = true;
-    } else if (!has_header) {
-      return ProtocolError("the server sent a map section without a header");
-    } else {
-      const absl::Status status = StoreLeaves(response.leaves(), &section);
-      if (!status.ok()) return status;
-    }
-  }
-  return section;
+template <typename Request>
+void Select(const VolumeSelection& selection, Request* request) {
+  if (selection.box_world) *request->mutable_box() = ToProto(*selection.box_world);
+  for (const ObjectId object : selection.objects) request->add_object_ids(object.value());
 }
 
 // Reads an export stream to its end or to the first error.
@@ -180,15 +148,67 @@ absl::StatusOr<v1::CastRaysResponse> MapClient::CastRays(const MapName& name,
   return response;
 }
 
+absl::StatusOr<v1::Object> MapClient::GetObject(const MapName& name, ObjectId object) {
+  v1::GetObjectRequest request;
+  request.set_map(name.ToString());
+  request.set_object_id(object.value());
+  const auto response = Call(queries_.get(), &QueryStub::GetObject, request, options_.call_timeout);
+  if (!response.ok()) return response.status();
+  return response->object();
+}
+
+absl::StatusOr<MapList<v1::Object>> MapClient::ListObjects(const MapName& name,
+                                                           const ObjectQuery& query) {
+  MapList<v1::Object> list;
+  v1::ListObjectsRequest request;
+  request.set_map(name.ToString());
+  for (const ClassId class_id : query.classes) request.add_class_ids(class_id.value());
+  if (query.box_world) *request.mutable_box() = ToProto(*query.box_world);
+  request.set_min_stationarity(query.min_stationarity);
+  request.set_changed_since(query.changed_since.value());
+  request.set_include_archived(query.with_archived_and_tentative);
+  request.set_include_tentative(query.with_archived_and_tentative);
+  request.set_page_size(kObjectsPerPage);
+  do {
+    auto page = Call(queries_.get(), &QueryStub::ListObjects, request, options_.call_timeout);
+    if (!page.ok()) return page.status();
+    list.revision = Revision(page->revision());
+    for (v1::Object& object : *page->mutable_objects()) list.entries.push_back(std::move(object));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return list;
+}
+
+absl::StatusOr<MapList<v1::ObjectEvent>> MapClient::ListEvents(const MapName& name,
+                                                               const EventQuery& query) {
+  MapList<v1::ObjectEvent> list;
+  v1::ListEventsRequest request;
+  request.set_map(name.ToString());
+  for (const v1::EventType type : query.types) request.add_types(type);
+  for (const ObjectId object : query.objects) request.add_object_ids(object.value());
+  for (const ClassId class_id : query.classes) request.add_class_ids(class_id.value());
+  request.set_first_number(query.first.value());
+  request.set_changed_since(query.changed_since.value());
+  request.set_page_size(kEventsPerPage);
+  do {
+    auto page = Call(queries_.get(), &QueryStub::ListEvents, request, options_.call_timeout);
+    if (!page.ok()) return page.status();
+    list.revision = Revision(page->revision());
+    for (v1::ObjectEvent& event : *page->mutable_events()) list.entries.push_back(std::move(event));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return list;
+}
+
 absl::StatusOr<MapSnapshot> MapClient::GetMapSection(const MapName& name,
-                                                     const std::optional<Box>& box) {
+                                                     const VolumeSelection& selection) {
   v1::GetMapSectionRequest request;
   request.set_map(name.ToString());
-  if (box) *request.mutable_box() = ToProto(*box);
+  Select(selection, &request);
   grpc::ClientContext context;
   SetTimeout(&context, options_.stream_timeout);
   const auto stream = queries_->GetMapSection(&context, request);
-  absl::StatusOr<MapSnapshot> section = ReadSection(stream.get());
+  absl::StatusOr<MapSnapshot> section = ReadMapSection(stream.get());
   if (!section.ok()) context.TryCancel();
   const grpc::Status status = stream->Finish();
   if (section.ok() && !status.ok()) return FromGrpcStatus(status);
@@ -197,12 +217,12 @@ absl::StatusOr<MapSnapshot> MapClient::GetMapSection(const MapName& name,
 
 absl::StatusOr<v1::ExportMapResponse::Header> MapClient::ExportMap(const MapName& name,
                                                                    v1::ExportFormat format,
-                                                                   const std::optional<Box>& box,
+                                                                   const VolumeSelection& selection,
                                                                    const ChunkSink& sink) {
   v1::ExportMapRequest request;
   request.set_map(name.ToString());
   request.set_format(format);
-  if (box) *request.mutable_box() = ToProto(*box);
+  Select(selection, &request);
   grpc::ClientContext context;
   SetTimeout(&context, options_.stream_timeout);
   const auto stream = queries_->ExportMap(&context, request);

@@ -35,6 +35,37 @@ struct WorldRay {
   Eigen::Vector3d direction_world = Eigen::Vector3d::UnitX();  ///< Any length but zero.
 };
 
+/// Which objects of a map are asked for: those that pass every filter.
+struct ObjectQuery {
+  std::vector<ClassId> classes{};            ///< Empty: of any class.
+  std::optional<Box> box_world{};            ///< Whose cuboid touches it.
+  double min_stationarity = 0.0;             ///< In [0, 1].
+  Revision changed_since{};                  ///< That changed after it; 0: all.
+  bool with_archived_and_tentative = false;  ///< Else only those that are part of the map.
+};
+
+/// Which events of a map are asked for: those that pass every filter.
+struct EventQuery {
+  std::vector<v1::EventType> types{};  ///< Empty: of any type.
+  std::vector<ObjectId> objects{};     ///< Empty: of any object.
+  std::vector<ClassId> classes{};      ///< Empty: of any class.
+  EventNumber first{};                 ///< From this number on; 0: from the first.
+  Revision changed_since{};            ///< That came after it; 0: all.
+};
+
+/// A list, however many pages it took, and the revision of the last one.
+template <typename Message>
+struct MapList {
+  Revision revision;
+  std::vector<Message> entries;
+};
+
+/// Which part of a map's volumes is asked for.
+struct VolumeSelection {
+  std::optional<Box> box_world{};   ///< World frame, metres; none: everywhere.
+  std::vector<ObjectId> objects{};  ///< 0 is the background. Empty: what the map shows.
+};
+
 /// Creates, reads and queries maps on a server.
 ///
 /// Every error carries the service's code and message, and where the service gave them the reason
@@ -63,11 +94,23 @@ class MapClient {
                                                 std::span<const WorldRay> rays,
                                                 double max_range_m = 0.0);
 
-  /// The map, or the part of it whose leaves touch `box` (world frame), with the server's bits.
-  /// Its last capture time is left out. Errors beside the service's: `DataLoss` for a leaf that
-  /// does not unpack, `Internal` for an answer that breaks the protocol.
+  /// One object, whatever its standing. Errors: `NotFound` with the field `object_id`.
+  absl::StatusOr<v1::Object> GetObject(const MapName& name, ObjectId object);
+
+  /// Objects by rising id, however many pages that takes.
+  absl::StatusOr<MapList<v1::Object>> ListObjects(const MapName& name,
+                                                  const ObjectQuery& query = {});
+
+  /// Events by rising number, however many pages that takes.
+  absl::StatusOr<MapList<v1::ObjectEvent>> ListEvents(const MapName& name,
+                                                      const EventQuery& query = {});
+
+  /// The part of the map whose leaves touch the selection, with the server's bits, and the objects
+  /// they belong to. Its last capture time and what only a mapper needs are left out.
+  /// Errors beside the service's: `DataLoss` for a leaf that does not unpack, `InvalidArgument` for
+  /// an object that makes no sense, `Internal` for an answer that breaks the protocol.
   absl::StatusOr<MapSnapshot> GetMapSection(const MapName& name,
-                                            const std::optional<Box>& box = std::nullopt);
+                                            const VolumeSelection& selection = {});
 
   /// Takes the next piece of a file; an error ends the export and is its result.
   using ChunkSink = std::function<absl::Status(std::string_view chunk)>;
@@ -76,7 +119,7 @@ class MapClient {
   /// and the sink's: `DataLoss` if the pieces add up to another length than announced.
   absl::StatusOr<v1::ExportMapResponse::Header> ExportMap(const MapName& name,
                                                           v1::ExportFormat format,
-                                                          const std::optional<Box>& box,
+                                                          const VolumeSelection& selection,
                                                           const ChunkSink& sink);
 
   /// Where the integrated frames were taken, in map_seq order, however many pages that takes.

@@ -10,6 +10,9 @@
 
 namespace steadymap {
 
+/// Where some of a mesh's colours are known, the others are mid-grey.
+inline constexpr Rgb kUnknownColor = {128, 128, 128};
+
 /// A triangle surface in the world frame. Triangles wind counter-clockwise seen from the side that
 /// was observed.
 struct Mesh {

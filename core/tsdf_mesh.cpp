@@ -9,8 +9,6 @@
 namespace steadymap {
 namespace {
 
-constexpr Rgb kUnknownColor = {128, 128, 128};
-
 // A leaf's cells reach one voxel into the leaves above it, and its quads one cell below it.
 constexpr int kPatchSide = kLeafSide + 1;
 

@@ -1,20 +1,32 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include <absl/status/statusor.h>
 
 #include "core/geometry.h"
 #include "core/map_snapshot.h"
+#include "core/placed_volume.h"
 
 namespace steadymap {
 
-/// A map as an OpenVDB 10 file: stock float grids `background/distance` and `background/weight`,
-/// and `background/color` (Vec3f, 0 to 1) where colour was recorded. Grid metadata: `class`,
-/// `revision`, `voxel_size_m`, `truncation_m`. Equal maps give equal bytes.
+/// Volumes of a map as an OpenVDB 10 file. Each has two stock float grids, `<name>/distance` and
+/// `<name>/weight`, and where colour was recorded `<name>/color` (Vec3f, 0 to 1); its name is
+/// `background` or `object-<id>`. A grid's transform takes voxel indices to the world, metres.
 ///
-/// `box`, where given, keeps the voxels whose centre lies within it.
+/// Metadata of every grid: `object_id` (0 for the background), `class_id`, `revision`,
+/// `voxel_size_m`, `truncation_m`; of an object's also `standing`, `stationarity`, `alpha`, `beta`,
+/// `change_mean_m`, `change_std_m`, `first_seen_s`, `last_seen_s` (seconds since 1970), `views`,
+/// `absences`. Equal volumes give equal bytes.
+///
+/// `box_world`, where given, keeps the voxels whose centre lies within it.
 /// Errors: `Internal` where OpenVDB fails.
-absl::StatusOr<std::string> WriteVdb(const MapSnapshot& snapshot, const Box* box);
+absl::StatusOr<std::string> WriteVdb(const MapSnapshot& snapshot,
+                                     std::span<const PlacedVolume> volumes,
+                                     const Box* box_world);
+
+/// All that a map shows, as such a file.
+absl::StatusOr<std::string> WriteVdb(const MapSnapshot& snapshot, const Box* box_world);
 
 }  // namespace steadymap

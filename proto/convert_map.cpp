@@ -88,13 +88,9 @@ absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message) {
                             ? message.truncation_m()
                             : ToMicrometre(kDefaultTruncationVoxels * config.voxel_size_m);
   if (message.max_depth_m() != 0.0) config.max_depth_m = message.max_depth_m();
-  if (message.policy() != v1::UPDATE_POLICY_UNSPECIFIED &&
-      message.policy() != v1::UPDATE_POLICY_STATIC) {
-    return InvalidField(reason::kBadValue,
-                        "policy",
-                        absl::StrCat("the policy must be one that is known, got ",
-                                     static_cast<int>(message.policy())));
-  }
+  const absl::StatusOr<UpdatePolicy> policy = FromProto(message.policy());
+  if (!policy.ok()) return policy.status();
+  config.policy = *policy;
   if (message.classes_size() > 0) {
     absl::StatusOr<std::vector<SemanticClass>> classes = ReadClasses(message);
     if (!classes.ok()) return classes.status();
@@ -109,7 +105,7 @@ v1::MapConfig ToProto(const MapConfig& config) {
   message.set_voxel_size_m(config.voxel_size_m);
   message.set_truncation_m(config.truncation_m);
   message.set_max_depth_m(config.max_depth_m);
-  message.set_policy(v1::UPDATE_POLICY_STATIC);
+  message.set_policy(ToProto(config.policy));
   for (const SemanticClass& row : config.classes) {
     v1::SemanticClass* added = message.add_classes();
     added->set_id(row.id.value());
@@ -118,6 +114,31 @@ v1::MapConfig ToProto(const MapConfig& config) {
     added->set_in_background(row.in_background);
   }
   return message;
+}
+
+absl::StatusOr<UpdatePolicy> FromProto(v1::UpdatePolicy policy) {
+  switch (policy) {
+    case v1::UPDATE_POLICY_UNSPECIFIED:
+    case v1::UPDATE_POLICY_STATIC:
+      return UpdatePolicy::kStatic;
+    case v1::UPDATE_POLICY_POCD:
+      return UpdatePolicy::kPocd;
+    default:
+      return InvalidField(
+          reason::kBadValue,
+          "policy",
+          absl::StrCat("the policy must be one that is known, got ", static_cast<int>(policy)));
+  }
+}
+
+v1::UpdatePolicy ToProto(UpdatePolicy policy) {
+  switch (policy) {
+    case UpdatePolicy::kStatic:
+      return v1::UPDATE_POLICY_STATIC;
+    case UpdatePolicy::kPocd:
+      return v1::UPDATE_POLICY_POCD;
+  }
+  return v1::UPDATE_POLICY_UNSPECIFIED;
 }
 
 }  // namespace steadymap

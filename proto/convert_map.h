@@ -14,4 +14,8 @@ namespace steadymap {
 absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message);
 v1::MapConfig ToProto(const MapConfig& config);
 
+/// Errors: `BAD_VALUE` with the field `policy` for one that is unknown.
+absl::StatusOr<UpdatePolicy> FromProto(v1::UpdatePolicy policy);
+v1::UpdatePolicy ToProto(UpdatePolicy policy);
+
 }  // namespace steadymap

@@ -2,14 +2,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
+#include "core/map_mesh.h"
 #include "core/mesh_file.h"
-#include "core/tsdf_mesh.h"
 #include "core/vdb_file.h"
 #include "server/query_answers.h"
 #include "server/query_selection.h"
@@ -52,14 +54,15 @@ class ExportChunks final : public MessageSource<v1::ExportMapResponse> {
 };
 
 absl::StatusOr<ExportFile> MakeFile(const MapSnapshot& snapshot,
+                                    std::span<const PlacedVolume> volumes,
                                     v1::ExportFormat format,
                                     const Box* box) {
   if (format == v1::EXPORT_FORMAT_VDB) {
-    absl::StatusOr<std::string> bytes = WriteVdb(snapshot, box);
+    absl::StatusOr<std::string> bytes = WriteVdb(snapshot, volumes, box);
     if (!bytes.ok()) return bytes.status();
     return ExportFile{*std::move(bytes), 0};
   }
-  const Mesh mesh = ExtractMesh(snapshot.background, snapshot.scale, box);
+  const Mesh mesh = ExtractMapMesh(volumes, snapshot.scale, box);
   if (format == v1::EXPORT_FORMAT_PLY) return ExportFile{EncodePly(mesh), mesh.triangles.size()};
   absl::StatusOr<std::string> bytes = EncodeGlb(mesh);
   if (!bytes.ok()) return bytes.status();
@@ -80,8 +83,11 @@ absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport
   const absl::StatusOr<std::optional<Box>> box =
       ReadBox(request.has_box() ? &request.box() : nullptr);
   if (!box.ok()) return box.status();
-  if (absl::Status status = CheckObjects(request.object_ids()); !status.ok()) return status;
-  absl::StatusOr<ExportFile> file = MakeFile(snapshot, request.format(), *box ? &**box : nullptr);
+  const absl::StatusOr<std::vector<PlacedVolume>> volumes =
+      SelectVolumes(snapshot, request.object_ids());
+  if (!volumes.ok()) return volumes.status();
+  absl::StatusOr<ExportFile> file =
+      MakeFile(snapshot, *volumes, request.format(), *box ? &**box : nullptr);
   if (!file.ok()) return file.status();
   return std::make_unique<ExportChunks>(snapshot.revision, *std::move(file));
 }

@@ -67,6 +67,8 @@ void FillState(MapRuntime& map, v1::MapState* state) {
   state->set_leaves(counts.leaves);
   state->set_voxels(counts.voxels);
   state->set_memory_bytes(counts.memory_bytes);
+  state->set_present_objects(counts.present_objects);
+  state->set_archived_objects(counts.archived_objects);
   if (snapshot->revision.value() > 0) {
     *state->mutable_last_capture_time() = ToProto(snapshot->last_capture_time);
   }

@@ -49,7 +49,7 @@ MapRuntime::MapRuntime(const MapRecord& record,
       durable_head_(stored.durable_head.value()),
       record_(record),
       snapshot_(std::make_shared<const MapSnapshot>(stored.snapshot)) {
-  if (record.byte_budget > 0) memory_bytes_ = stored.snapshot.background.memory_bytes();
+  if (record.byte_budget > 0) memory_bytes_ = VolumeBytes(stored.snapshot);
 }
 
 MapRuntime::~MapRuntime() {
@@ -64,8 +64,7 @@ MapRecord MapRuntime::record() const {
 
 void MapRuntime::SetRecord(const MapRecord& record) {
   const std::shared_ptr<const MapSnapshot> newest = snapshot();
-  const std::size_t memory_bytes =
-      record.byte_budget > 0 ? newest->background.memory_bytes() : std::size_t{0};
+  const std::size_t memory_bytes = record.byte_budget > 0 ? VolumeBytes(*newest) : std::size_t{0};
   const absl::MutexLock lock(&mutex_);
   record_ = record;
   memory_bytes_ = memory_bytes;
@@ -100,9 +99,7 @@ MapCounts MapRuntime::Count() {
     const absl::MutexLock lock(&mutex_);
     if (counted_revision_ == counted->revision) return counts_;
   }
-  const MapCounts counts{counted->background.leaf_count(),
-                         counted->background.CountObservedVoxels(),
-                         counted->background.memory_bytes()};
+  const MapCounts counts = CountMap(*counted);
   const absl::MutexLock lock(&mutex_);
   counted_revision_ = counted->revision;
   counts_ = counts;
@@ -183,7 +180,7 @@ void MapRuntime::Publish(const std::shared_ptr<const MapSnapshot>& snapshot) {
     previous = std::exchange(snapshot_, snapshot);
   }
   if (has_budget) {
-    const std::size_t memory_bytes = snapshot->background.memory_bytes();
+    const std::size_t memory_bytes = VolumeBytes(*snapshot);
     const absl::MutexLock lock(&mutex_);
     memory_bytes_ = memory_bytes;
   }

@@ -11,6 +11,7 @@
 #include <absl/status/status.h>
 #include <absl/synchronization/mutex.h>
 
+#include "core/map_counts.h"
 #include "core/map_snapshot.h"
 #include "server/commit_waiters.h"
 #include "server/frame_budget.h"
@@ -21,13 +22,6 @@
 #include "server/store.h"
 
 namespace steadymap {
-
-/// What a map holds, counted.
-struct MapCounts {
-  std::size_t leaves = 0;
-  std::size_t voxels = 0;
-  std::size_t memory_bytes = 0;
-};
 
 /// One map while the server runs: its record, its published snapshot, and its frames' way from the
 /// queue through the log into the map. Thread-safe.

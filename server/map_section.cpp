@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/tsdf_codec.h"
-#include "proto/convert_geometry.h"
+#include "proto/convert_object.h"
 #include "server/query_answers.h"
 #include "server/query_selection.h"
 
@@ -20,17 +20,34 @@ constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 20;
 // What a packed leaf can take at most, and what surrounds it on the wire.
 constexpr std::size_t kMaxLeafBytes = 8192;
 
-/// Whether the centres of the leaf's voxels reach into `box`.
-bool Touches(LeafOrigin origin, const VoxelScale& scale, const Box& box) {
-  const Eigen::Vector3d low = scale.voxel_size_m * Eigen::Vector3d(origin.x, origin.y, origin.z);
-  const double reach_m = scale.voxel_size_m * (kLeafSide - 1);
-  return box.intersects(Box(low, low + Eigen::Vector3d::Constant(reach_m)));
+// An object has some 300 bytes, more where it was seen as many classes.
+constexpr std::size_t kMaxObjectBytes = std::size_t{1} << 19;
+
+/// What of one volume a section holds.
+struct SectionPart {
+  PlacedVolume volume;
+  std::vector<LeafOrigin> leaves;
+};
+
+/// The parts of the chosen volumes that touch the box; an object without leaves there is left out.
+std::vector<SectionPart> ChooseParts(const MapSnapshot& snapshot,
+                                     const std::vector<PlacedVolume>& volumes,
+                                     const std::optional<Box>& box) {
+  std::vector<SectionPart> parts;
+  for (const PlacedVolume& volume : volumes) {
+    SectionPart part{volume, {}};
+    volume.voxels->ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+      if (!box || LeafTouches(volume, origin, snapshot.scale, *box)) part.leaves.push_back(origin);
+    });
+    if (!box || !part.leaves.empty()) parts.push_back(std::move(part));
+  }
+  return parts;
 }
 
 class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
  public:
-  MapSection(std::shared_ptr<const MapSnapshot> snapshot, std::vector<LeafOrigin> leaves)
-      : snapshot_(std::move(snapshot)), leaves_(std::move(leaves)) {}
+  MapSection(std::shared_ptr<const MapSnapshot> snapshot, std::vector<SectionPart> parts)
+      : snapshot_(std::move(snapshot)), parts_(std::move(parts)) {}
 
   absl::StatusOr<bool> Next(v1::GetMapSectionResponse* message) override {
     if (!header_sent_) {
@@ -41,29 +58,54 @@ class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
       header->set_truncation_m(snapshot_->scale.truncation_m);
       return true;
     }
-    if (next_ == leaves_.size()) return false;
-    std::size_t bytes = 0;
-    while (next_ < leaves_.size() && bytes + kMaxLeafBytes <= kMaxMessageBytes) {
-      v1::PackedLeaf* leaf = message->mutable_leaves()->add_leaves();
-      Pack(leaves_[next_++], leaf);
-      bytes += leaf->ByteSizeLong();
-    }
-    return true;
+    return NextObjects(message) || NextLeaves(message);
   }
 
  private:
-  void Pack(LeafOrigin origin, v1::PackedLeaf* leaf) const {
-    leaf->set_object_id(kBackgroundId.value());
+  /// Fills a message with objects; false once there are no more.
+  bool NextObjects(v1::GetMapSectionResponse* message) {
+    std::size_t bytes = 0;
+    for (; next_object_ < parts_.size() && bytes < kMaxObjectBytes; ++next_object_) {
+      const MapObject* object = parts_[next_object_].volume.object;
+      if (object == nullptr) continue;
+      v1::Object* added = message->mutable_objects()->add_objects();
+      *added = ToProto(*object);
+      bytes += added->ByteSizeLong();
+    }
+    return bytes > 0;
+  }
+
+  /// Fills a message with leaves; false once there are no more.
+  bool NextLeaves(v1::GetMapSectionResponse* message) {
+    std::size_t bytes = 0;
+    while (part_ < parts_.size() && bytes + kMaxLeafBytes <= kMaxMessageBytes) {
+      const SectionPart& part = parts_[part_];
+      if (next_leaf_ == part.leaves.size()) {
+        ++part_;
+        next_leaf_ = 0;
+        continue;
+      }
+      v1::PackedLeaf* leaf = message->mutable_leaves()->add_leaves();
+      Pack(part.volume, part.leaves[next_leaf_++], leaf);
+      bytes += leaf->ByteSizeLong();
+    }
+    return bytes > 0;
+  }
+
+  void Pack(const PlacedVolume& volume, LeafOrigin origin, v1::PackedLeaf* leaf) const {
+    leaf->set_object_id(volume.id().value());
     leaf->set_origin_x(origin.x);
     leaf->set_origin_y(origin.y);
     leaf->set_origin_z(origin.z);
-    leaf->set_packed(PackLeaf(snapshot_->background.FindLeaf(origin), snapshot_->scale));
+    leaf->set_packed(PackLeaf(volume.voxels->FindLeaf(origin), snapshot_->scale));
   }
 
   const std::shared_ptr<const MapSnapshot> snapshot_;
-  const std::vector<LeafOrigin> leaves_;
+  const std::vector<SectionPart> parts_;  ///< Pointing into the snapshot.
   bool header_sent_ = false;
-  std::size_t next_ = 0;
+  std::size_t next_object_ = 0;  ///< Place in `parts_`.
+  std::size_t part_ = 0;         ///< Whose leaves come next.
+  std::size_t next_leaf_ = 0;    ///< Place in that part's leaves.
 };
 
 }  // namespace
@@ -73,12 +115,11 @@ absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMa
   const absl::StatusOr<std::optional<Box>> box =
       ReadBox(request.has_box() ? &request.box() : nullptr);
   if (!box.ok()) return box.status();
-  if (absl::Status status = CheckObjects(request.object_ids()); !status.ok()) return status;
-  std::vector<LeafOrigin> leaves;
-  snapshot->background.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
-    if (!*box || Touches(origin, snapshot->scale, **box)) leaves.push_back(origin);
-  });
-  return std::make_unique<MapSection>(std::move(snapshot), std::move(leaves));
+  const absl::StatusOr<std::vector<PlacedVolume>> volumes =
+      SelectVolumes(*snapshot, request.object_ids());
+  if (!volumes.ok()) return volumes.status();
+  std::vector<SectionPart> parts = ChooseParts(*snapshot, *volumes, *box);
+  return std::make_unique<MapSection>(std::move(snapshot), std::move(parts));
 }
 
 }  // namespace steadymap

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include <absl/strings/escaping.h>
+#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
 #include "core/crc32c.h"
@@ -36,6 +37,14 @@ absl::StatusOr<std::string> ReadPageToken(std::string_view scope, std::string_vi
   return InvalidField(reason::kBadPageToken,
                       "page_token",
                       "the page token is not one that this list has given out");
+}
+
+absl::StatusOr<std::uint64_t> ReadNumberToken(std::string_view scope, std::string_view token) {
+  const absl::StatusOr<std::string> position = ReadPageToken(scope, token);
+  if (!position.ok()) return position.status();
+  std::uint64_t number = 0;
+  if (position->empty() || absl::SimpleAtoi(*position, &number)) return number;
+  return InvalidField(reason::kBadPageToken, "page_token", "the page token is damaged");
 }
 
 absl::StatusOr<std::size_t> ReadPageSize(std::uint32_t asked,

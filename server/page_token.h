@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,9 @@ std::string MakePageToken(std::string_view scope, std::string_view position);
 /// `BAD_PAGE_TOKEN` and the field `page_token` for anything that `MakePageToken` did not make for
 /// this scope.
 absl::StatusOr<std::string> ReadPageToken(std::string_view scope, std::string_view token);
+
+/// As `ReadPageToken`, for lists whose positions are numbers; 0 for an empty token.
+absl::StatusOr<std::uint64_t> ReadNumberToken(std::string_view scope, std::string_view token);
 
 /// The size of a page: `asked`, or `standard` where that is 0. Errors: `InvalidArgument` with the
 /// field `page_size` above `max`.

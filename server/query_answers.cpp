@@ -2,12 +2,10 @@
 
 #include <cstdint>
 
-#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
-#include "core/tsdf_raycast.h"
-#include "core/tsdf_sample.h"
+#include "core/map_sampler.h"
 #include "proto/convert_geometry.h"
 #include "server/page_token.h"
 
@@ -32,23 +30,27 @@ absl::Status CheckFinite(const std::string& field, const Eigen::Vector3d& vector
   return InvalidField(reason::kBadValue, field, field + " must be finite");
 }
 
-v1::DistanceSample MakeMessage(const DistanceSample& sample) {
+v1::DistanceSample MakeMessage(const MapDistance& answer) {
   v1::DistanceSample message;
-  if (!sample.known) return message;
+  if (!answer.sample.known) return message;
   message.set_known(true);
-  message.set_distance_m(sample.distance_m);
-  *message.mutable_gradient() = ToProto(sample.gradient);
-  message.set_weight(sample.weight);
+  message.set_distance_m(answer.sample.distance_m);
+  *message.mutable_gradient() = ToProto(answer.sample.gradient);
+  message.set_weight(answer.sample.weight);
+  message.set_object_id(answer.object.value());
+  message.set_class_id(answer.class_id.value());
   return message;
 }
 
-v1::RayHit MakeMessage(const RayHit& hit) {
+v1::RayHit MakeMessage(const MapRayHit& answer) {
   v1::RayHit message;
-  if (!hit.hit) return message;
+  if (!answer.hit.hit) return message;
   message.set_hit(true);
-  message.set_range_m(hit.range_m);
-  *message.mutable_point_m() = ToProto(hit.point_m);
-  *message.mutable_normal() = ToProto(hit.normal);
+  message.set_range_m(answer.hit.range_m);
+  *message.mutable_point_m() = ToProto(answer.hit.point_m);
+  *message.mutable_normal() = ToProto(answer.hit.normal);
+  message.set_object_id(answer.object.value());
+  message.set_class_id(answer.class_id.value());
   return message;
 }
 
@@ -72,7 +74,7 @@ absl::Status AnswerSampleDistance(const MapSnapshot& snapshot,
   absl::Status status = CheckCount("points_m", request.points_m_size());
   if (!status.ok()) return status;
   response->set_revision(snapshot.revision.value());
-  TsdfSampler sampler(snapshot.background, snapshot.scale);
+  MapSampler sampler(snapshot);
   for (int i = 0; i < request.points_m_size(); ++i) {
     const Eigen::Vector3d point_world = FromProto(request.points_m(i));
     status = CheckFinite(absl::StrCat("points_m[", i, "]"), point_world);
@@ -90,7 +92,7 @@ absl::Status AnswerCastRays(const MapSnapshot& snapshot,
   const absl::StatusOr<double> max_range_m = ReadMaxRange(request);
   if (!max_range_m.ok()) return max_range_m.status();
   response->set_revision(snapshot.revision.value());
-  TsdfSampler sampler(snapshot.background, snapshot.scale);
+  MapSampler sampler(snapshot);
   for (int i = 0; i < request.rays_size(); ++i) {
     const std::string path = absl::StrCat("rays[", i, "]");
     const Eigen::Vector3d origin_world = FromProto(request.rays(i).origin_m());
@@ -103,7 +105,7 @@ absl::Status AnswerCastRays(const MapSnapshot& snapshot,
     }
     // Stable: the squares of very long and very short directions leave the range of a double.
     const Eigen::Vector3d unit = direction_world.stableNormalized();
-    *response->add_hits() = MakeMessage(CastRay(sampler, origin_world, unit, *max_range_m));
+    *response->add_hits() = MakeMessage(sampler.CastRay(origin_world, unit, *max_range_m));
   }
   return absl::OkStatus();
 }
@@ -116,16 +118,12 @@ absl::Status AnswerListFramePoses(Store& store,
       ReadPageSize(request.page_size(), kDefaultPoses, kMaxPoses);
   if (!page_size.ok()) return page_size.status();
   const std::string scope = absl::StrCat("poses of ", map.key().value(), " behind ");
-  const absl::StatusOr<std::string> after = ReadPageToken(scope, request.page_token());
-  if (!after.ok()) return after.status();
-  std::uint64_t last_seen = 0;
-  if (!after->empty() && !absl::SimpleAtoi(*after, &last_seen)) {
-    return InvalidField(reason::kBadPageToken, "page_token", "the page token is damaged");
-  }
+  const absl::StatusOr<std::uint64_t> last = ReadNumberToken(scope, request.page_token());
+  if (!last.ok()) return last.status();
   const Revision revision = map.snapshot()->revision;
   // One more than asked for tells whether there is another page.
   absl::StatusOr<std::vector<FramePose>> poses = store.ReadPoses(
-      map.key(), MapSequence(last_seen).Next(), MapSequence(revision.value()), *page_size + 1);
+      map.key(), MapSequence(*last).Next(), MapSequence(revision.value()), *page_size + 1);
   if (!poses.ok()) return poses.status();
   const bool more = poses->size() > *page_size;
   if (more) poses->pop_back();

@@ -18,7 +18,7 @@
 /// are those of the request. Any thread.
 namespace steadymap {
 
-/// Distances at points. Cost: 20 to 200 ns a point.
+/// Distances at points. Cost: as `MapSampler`.
 absl::Status AnswerSampleDistance(const MapSnapshot& snapshot,
                                   const v1::SampleDistanceRequest& request,
                                   v1::SampleDistanceResponse* response);
@@ -34,7 +34,7 @@ absl::Status AnswerListFramePoses(Store& store,
                                   const v1::ListFramePosesRequest& request,
                                   v1::ListFramePosesResponse* response);
 
-/// The leaves that touch the request's box, in messages of at most about 1 MiB.
+/// The objects and leaves that touch the request's box, in messages of at most about 1 MiB.
 absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMapSection(
     std::shared_ptr<const MapSnapshot> snapshot, const v1::GetMapSectionRequest& request);
 

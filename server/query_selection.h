@@ -2,12 +2,18 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
+#include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 #include <google/protobuf/repeated_field.h>
 
 #include "core/geometry.h"
+#include "core/identifiers.h"
+#include "core/map_snapshot.h"
+#include "core/placed_volume.h"
 
 #include "steadymap/v1/geometry.pb.h"
 
@@ -17,8 +23,17 @@ namespace steadymap {
 /// request has no box. Errors: as for `v1::Box`, below the field `box`.
 absl::StatusOr<std::optional<Box>> ReadBox(const v1::Box* message);
 
-/// OK if every object that a request names is there; the background always is. Errors: `NotFound`
-/// with the field `object_ids[i]`.
-absl::Status CheckObjects(const google::protobuf::RepeatedField<std::uint64_t>& object_ids);
+/// The volumes that a request names, the background first, then objects by rising id, each once;
+/// what the map shows if it names none. Errors: `NotFound` with the field `object_ids[i]`.
+absl::StatusOr<std::vector<PlacedVolume>> SelectVolumes(
+    const MapSnapshot& snapshot, const google::protobuf::RepeatedField<std::uint64_t>& object_ids);
+
+/// The classes of a filter. Errors: `InvalidArgument` with the field `class_ids` for more than
+/// 1000, with `class_ids[i]` for one that no map can have.
+absl::StatusOr<std::set<ClassId>> ReadClassFilter(
+    const google::protobuf::RepeatedField<std::uint32_t>& class_ids);
+
+/// OK if a filter names no more than 1000 values. Errors: `InvalidArgument` with the field.
+absl::Status CheckFilterSize(std::string_view field, int size);
 
 }  // namespace steadymap

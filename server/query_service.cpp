@@ -1,6 +1,7 @@
 #include "server/query_service.h"
 
 #include "core/error.h"
+#include "server/object_answers.h"
 #include "server/pool_call.h"
 #include "server/query_answers.h"
 
@@ -11,6 +12,37 @@ namespace {
 constexpr std::size_t kMaxStreams = 16;
 
 }  // namespace
+
+grpc::ServerUnaryReactor* QueryService::GetObject(grpc::CallbackServerContext* context,
+                                                  const v1::GetObjectRequest* request,
+                                                  v1::GetObjectResponse* response) {
+  return AnswerOnPool(surroundings_.readers, context, [this, request, response] {
+    const auto map = surroundings_.maps->Find(request->map(), "map");
+    if (!map.ok()) return map.status();
+    return AnswerGetObject(*(*map)->snapshot(), *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* QueryService::ListObjects(grpc::CallbackServerContext* context,
+                                                    const v1::ListObjectsRequest* request,
+                                                    v1::ListObjectsResponse* response) {
+  return AnswerOnPool(surroundings_.readers, context, [this, request, response] {
+    const auto map = surroundings_.maps->Find(request->map(), "map");
+    if (!map.ok()) return map.status();
+    return AnswerListObjects((*map)->key(), *(*map)->snapshot(), *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* context,
+                                                   const v1::ListEventsRequest* request,
+                                                   v1::ListEventsResponse* response) {
+  return AnswerOnPool(surroundings_.readers, context, [this, request, response] {
+    const auto map = surroundings_.maps->Find(request->map(), "map");
+    if (!map.ok()) return map.status();
+    return AnswerListEvents(
+        *surroundings_.store, (*map)->key(), (*map)->snapshot()->revision, *request, response);
+  });
+}
 
 grpc::ServerUnaryReactor* QueryService::SampleDistance(grpc::CallbackServerContext* context,
                                                        const v1::SampleDistanceRequest* request,

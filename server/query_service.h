@@ -24,6 +24,15 @@ class QueryService final : public v1::QueryService::CallbackService {
 
   explicit QueryService(const Surroundings& surroundings) : surroundings_(surroundings) {}
 
+  grpc::ServerUnaryReactor* GetObject(grpc::CallbackServerContext* context,
+                                      const v1::GetObjectRequest* request,
+                                      v1::GetObjectResponse* response) override;
+  grpc::ServerUnaryReactor* ListObjects(grpc::CallbackServerContext* context,
+                                        const v1::ListObjectsRequest* request,
+                                        v1::ListObjectsResponse* response) override;
+  grpc::ServerUnaryReactor* ListEvents(grpc::CallbackServerContext* context,
+                                       const v1::ListEventsRequest* request,
+                                       v1::ListEventsResponse* response) override;
   grpc::ServerUnaryReactor* SampleDistance(grpc::CallbackServerContext* context,
                                            const v1::SampleDistanceRequest* request,
                                            v1::SampleDistanceResponse* response) override;

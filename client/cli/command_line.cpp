@@ -7,8 +7,10 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/evaluate_command.h"
+#include "client/cli/events_command.h"
 #include "client/cli/export_command.h"
 #include "client/cli/map_commands.h"
+#include "client/cli/objects_command.h"
 #include "client/cli/query_command.h"
 #include "client/cli/render_command.h"
 #include "client/cli/simulate_command.h"
@@ -102,6 +104,8 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const MapCommands map(&app, context);
   const UploadCommand upload(&app, context);
   const SimulateCommand simulate(&app, context);
+  const ObjectsCommand objects(&app, context);
+  const EventsCommand events(&app, context);
   const ExportCommand exporting(&app, context);
   const QueryCommand query(&app, context);
   const RenderCommand render(&app, context);

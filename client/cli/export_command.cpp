@@ -1,7 +1,6 @@
 #include "client/cli/export_command.h"
 
 #include <map>
-#include <optional>
 
 #include <CLI/CLI.hpp>
 
@@ -18,7 +17,12 @@ constexpr char kFooter[] =
     "  glb  the same as binary glTF 2.0, turned so that y is up, for viewers\n"
     "  vdb  OpenVDB volumes of signed distance and weight\n\n"
     "The file appears under its name once it is complete; until then it has a temporary name\n"
-    "beside it. --box keeps what lies between two corners, world frame, metres.";
+    "beside it. --box keeps what lies between two corners, world frame, metres.\n\n"
+    "Without --object the file holds all that the map shows, its background and its present "
+    "objects.\n"
+    "--object 0 is the background; archived objects can be chosen too. A vdb file has grids of its "
+    "own\n"
+    "for each, with its class, its state and where it stands.";
 
 const std::map<std::string, v1::ExportFormat>& Formats() {
   static const auto* const formats =
@@ -39,23 +43,29 @@ ExportCommand::ExportCommand(CLI::App* app, CommandContext* context) : context_(
       ->check(CLI::IsMember({"ply", "vdb", "glb"}));
   command->add_option("--output", output_, "The file")->required()->type_name("FILE");
   command->add_option("--box", box_, "Only this part of the map")->type_name("x0,y0,z0,x1,y1,z1");
+  command->add_option("--object", objects_, "Only this object; may be given several times")
+      ->check(CLI::NonNegativeNumber)
+      ->allow_extra_args(false)
+      ->type_name("ID");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
 
 absl::Status ExportCommand::Run() const {
   const absl::StatusOr<MapName> name = ParseMapArgument(map_);
   if (!name.ok()) return name.status();
-  std::optional<Box> box;
+  VolumeSelection selection;
   if (!box_.empty()) {
     const absl::StatusOr<Box> parsed = ParseBox(box_);
     if (!parsed.ok()) return parsed.status();
-    box = *parsed;
+    selection.box_world = *parsed;
   }
+  selection.objects.reserve(objects_.size());
+  for (const std::uint64_t object : objects_) selection.objects.emplace_back(object);
   absl::StatusOr<OutputFile> file = OutputFile::Create(output_);
   if (!file.ok()) return file.status();
   const absl::StatusOr<v1::ExportMapResponse::Header> header =
       MapClient(context_->Channel())
-          .ExportMap(*name, Formats().at(format_), box, [&](std::string_view chunk) {
+          .ExportMap(*name, Formats().at(format_), selection, [&](std::string_view chunk) {
             return file->Write(chunk);
           });
   if (!header.ok()) return header.status();

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
@@ -21,6 +23,7 @@ class ExportCommand {
   std::string format_;
   std::string output_;
   std::string box_;
+  std::vector<std::uint64_t> objects_;
 };
 
 }  // namespace steadymap

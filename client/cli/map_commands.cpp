@@ -6,6 +6,7 @@
 
 #include "client/cli/argument_text.h"
 #include "client/cli/class_table_file.h"
+#include "client/cli/enumerator_text.h"
 #include "client/cli/map_text.h"
 #include "client/map_client.h"
 #include "core/error.h"
@@ -59,7 +60,10 @@ void MapCommands::AddCreate(CLI::App* map) {
           },
           "Distances are kept within this of a surface, metres, 2 to 16 voxels")
       ->default_str("0.15");
-  command->add_option("--policy", policy_, "How the map decides what to believe: static")
+  command
+      ->add_option("--policy",
+                   policy_,
+                   "How the map decides what to believe: " + WordsOf(v1::UpdatePolicy_descriptor()))
       ->capture_default_str();
   command->add_option("--classes", classes_file_, "File with the map's class table")
       ->type_name("FILE");
@@ -94,10 +98,16 @@ void MapCommands::AddDelete(CLI::App* map) {
 
 absl::StatusOr<MapConfig> MapCommands::ConfigFromOptions() const {
   MapConfig config = config_;
-  if (policy_ != "static") {
-    return InvalidField(
-        reason::kBadValue, "policy", "the policy must be static, got \"" + policy_ + "\"");
+  const int policy = NumberOf(v1::UpdatePolicy_descriptor(), policy_);
+  if (policy == 0) {
+    return InvalidField(reason::kBadValue,
+                        "policy",
+                        "the policy must be one of " + WordsOf(v1::UpdatePolicy_descriptor()) +
+                            ", got \"" + policy_ + "\"");
   }
+  const absl::StatusOr<UpdatePolicy> known = FromProto(static_cast<v1::UpdatePolicy>(policy));
+  if (!known.ok()) return known.status();
+  config.policy = *known;
   if (!truncation_given_) config.truncation_m = DefaultTruncation(config);
   if (!classes_file_.empty()) {
     absl::StatusOr<std::vector<SemanticClass>> classes = LoadClassTable(classes_file_);

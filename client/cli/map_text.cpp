@@ -4,19 +4,16 @@
 #include <iomanip>
 #include <string>
 
+#include "client/cli/enumerator_text.h"
 #include "client/cli/number_text.h"
 
 namespace steadymap {
 namespace {
 
-const char* PolicyText(v1::UpdatePolicy policy) {
-  switch (policy) {
-    case v1::UPDATE_POLICY_UNSPECIFIED:
-    case v1::UPDATE_POLICY_STATIC:
-      return "static";
-    default:
-      return "unknown";
-  }
+// A server of before policies were told means the only one there was.
+std::string PolicyText(v1::UpdatePolicy policy) {
+  return WordOf(v1::UpdatePolicy_descriptor(),
+                policy == v1::UPDATE_POLICY_UNSPECIFIED ? v1::UPDATE_POLICY_STATIC : policy);
 }
 
 const char* MotionText(v1::ClassMotion motion) {
@@ -62,6 +59,8 @@ void WriteStateJson(const v1::MapState& state, JsonWriter* json) {
   json->Key("durable_map_seq").Integer(state.durable_map_seq());
   json->Key("lag_frames").Integer(state.lag_frames());
   json->Key("refused_frames").Integer(state.refused_frames());
+  json->Key("present_objects").Integer(state.present_objects());
+  json->Key("archived_objects").Integer(state.archived_objects());
   json->Key("leaves").Integer(state.leaves());
   json->Key("voxels").Integer(state.voxels());
   json->Key("memory_bytes").Integer(state.memory_bytes());
@@ -90,6 +89,10 @@ void WriteMapText(const v1::Map& map, std::ostream* out) {
   WriteFact("frames",
             CountText(state.revision()) + " integrated, " + CountText(state.lag_frames()) +
                 " waiting, " + CountText(state.refused_frames()) + " refused since the start",
+            out);
+  WriteFact("objects",
+            CountText(state.present_objects()) + " present, " +
+                CountText(state.archived_objects()) + " archived",
             out);
   WriteFact("volume",
             CountText(state.voxels()) + " voxels in " + CountText(state.leaves()) + " leaves, " +

@@ -1,6 +1,9 @@
 #include "client/cli/render_command.h"
 
+#include <array>
+#include <cstdint>
 #include <map>
+#include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -10,14 +13,19 @@
 #include "client/cli/output_file.h"
 #include "client/map_client.h"
 #include "core/image_codec.h"
-#include "core/tsdf_mesh.h"
+#include "core/map_mesh.h"
+#include "core/placed_volume.h"
+#include "proto/convert_geometry.h"
+#include "proto/convert_object.h"
 
 namespace steadymap {
 namespace {
 
 constexpr char kFooter[] =
     "A bird's-eye picture: the surface from straight above, lit and coloured by height (or by the\n"
-    "colours that were recorded), the robots' paths and a scale bar. A ceiling is cut away.";
+    "colours that were recorded), the robots' paths and a scale bar. A ceiling is cut away.\n"
+    "Objects are outlined in the colour of their E[v], how probably they stand where they stood;\n"
+    "broken outlines are the ghosts of what was removed or moved away.";
 
 std::vector<RobotPath> PathsOf(const std::vector<v1::FramePose>& poses) {
   std::map<std::string, RobotPath> paths;
@@ -31,6 +39,44 @@ std::vector<RobotPath> PathsOf(const std::vector<v1::FramePose>& poses) {
   ordered.reserve(paths.size());
   for (auto& [robot, path] : paths) ordered.push_back(std::move(path));
   return ordered;
+}
+
+// Events that say where something stood and no longer stands.
+constexpr std::array<v1::EventType, 2> kDepartures = {v1::EVENT_TYPE_REMOVED, v1::EVENT_TYPE_MOVED};
+
+/// What the map shows, and the ghosts of what left its place. An object that came back leaves none.
+absl::StatusOr<std::vector<ObjectMark>> ReadMarks(MapClient* client,
+                                                  const MapName& name,
+                                                  const MapSnapshot& section) {
+  std::vector<ObjectMark> marks;
+  marks.reserve(section.objects.size());
+  for (const auto& [id, object] : section.objects) {
+    marks.push_back({object->cuboid, object->belief.stationarity(), false});
+  }
+  const absl::StatusOr<MapList<v1::Object>> objects =
+      client->ListObjects(name, {.with_archived_and_tentative = true});
+  if (!objects.ok()) return objects.status();
+  std::map<std::uint64_t, ObjectState> states;
+  for (const v1::Object& message : objects->entries) {
+    const absl::StatusOr<ObjectState> state = FromProto(message);
+    if (!state.ok()) return state.status();
+    states.emplace(message.id(), *state);
+  }
+  const absl::StatusOr<MapList<v1::ObjectEvent>> events =
+      client->ListEvents(name, {.types = {kDepartures.begin(), kDepartures.end()}});
+  if (!events.ok()) return events.status();
+  for (const v1::ObjectEvent& event : events->entries) {
+    const auto found = states.find(event.object_id());
+    if (found == states.end()) continue;
+    ObjectMark ghost{found->second.cuboid, 0.0, true};
+    if (event.has_old_center_m()) {
+      ghost.cuboid.center_world = FromProto(event.old_center_m());
+    } else if (found->second.standing != ObjectStanding::kArchived) {
+      continue;
+    }
+    marks.push_back(ghost);
+  }
+  return marks;
 }
 
 }  // namespace
@@ -64,14 +110,18 @@ absl::Status RenderCommand::Run() const {
   const absl::StatusOr<std::vector<v1::FramePose>> poses = client.ListFramePoses(*name);
   if (!poses.ok()) return poses.status();
 
-  const Mesh mesh = ExtractMesh(section->background, section->scale, nullptr);
+  const absl::StatusOr<std::vector<ObjectMark>> marks = ReadMarks(&client, *name, *section);
+  if (!marks.ok()) return marks.status();
+
+  const Mesh mesh = ExtractMapMesh(ShownVolumes(*section), section->scale, nullptr);
   BirdsEyeOptions options = picture_;
   options.title = name->ToString();
   options.subtitle = CountText(poses->size()) + " frames, " +
-                     LengthText(section->scale.voxel_size_m) + " voxels, revision " +
+                     LengthText(section->scale.voxel_size_m) + " voxels, " +
+                     CountText(section->objects.size()) + " objects, revision " +
                      std::to_string(section->revision.value());
   options.use_mesh_colors = !by_height_;
-  const BirdsEyePicture picture = DrawBirdsEye(mesh, PathsOf(*poses), options);
+  const BirdsEyePicture picture = DrawBirdsEye(mesh, PathsOf(*poses), *marks, options);
   absl::Status status = file->Write(EncodeColorPng(picture.image));
   if (status.ok()) status = file->Commit();
   if (!status.ok()) return status;

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "core/map_counts.h"
+
 namespace steadymap {
 namespace {
 
@@ -48,7 +50,7 @@ MethodOutcome MethodRun::Finish(double spacing_m) {
   Commit();
   return {.surface = SampleMap(*snapshot_, spacing_m),
           .events = std::move(events_),
-          .memory_bytes = snapshot_->background.memory_bytes(),
+          .memory_bytes = VolumeBytes(*snapshot_),
           .median_frame_ms = Median(std::move(frame_ms_))};
 }
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/tsdf_mesh.h"
+#include "core/map_mesh.h"
+#include "core/placed_volume.h"
 
 namespace steadymap {
 namespace {
@@ -90,25 +91,12 @@ std::vector<SurfacePoint> SampleFacets(const std::vector<Facet>& facets_world, d
 std::vector<SurfacePoint> SampleObject(const MapObject& object,
                                        const VoxelScale& scale,
                                        double spacing_m) {
-  std::vector<SurfacePoint> points =
-      SampleMesh(ExtractMesh(*object.volume, scale, nullptr), spacing_m);
-  const Eigen::Isometry3f T_world_object = object.T_world_object.ToIsometry().cast<float>();
-  for (SurfacePoint& point : points) {
-    point.position_world = T_world_object * point.position_world;
-    point.normal_world = T_world_object.linear() * point.normal_world;
-  }
-  return points;
+  const PlacedVolume volume = VolumeOf(object);
+  return SampleMesh(ExtractMapMesh({&volume, 1}, scale, nullptr), spacing_m);
 }
 
 std::vector<SurfacePoint> SampleMap(const MapSnapshot& snapshot, double spacing_m) {
-  std::vector<SurfacePoint> points =
-      SampleMesh(ExtractMesh(snapshot.background, snapshot.scale, nullptr), spacing_m);
-  for (const auto& [id, object] : snapshot.objects) {
-    if (object->standing != ObjectStanding::kPresent) continue;
-    const std::vector<SurfacePoint> more = SampleObject(*object, snapshot.scale, spacing_m);
-    points.insert(points.end(), more.begin(), more.end());
-  }
-  return points;
+  return SampleMesh(ExtractMapMesh(ShownVolumes(snapshot), snapshot.scale, nullptr), spacing_m);
 }
 
 }  // namespace steadymap

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/birds_eye_objects.h"
 #include "client/height_ramp.h"
 
 namespace steadymap {
@@ -231,6 +232,59 @@ TEST(ChooseCutHeight, DoesNotCutBelowARobot) {
   AddCeiling({-4, -2}, {4, 2}, 3.0F, &mesh);
   EXPECT_TRUE(ChooseCutHeight(mesh, {{"car", {{0, 0, 0.5}}}}).has_value());
   EXPECT_FALSE(ChooseCutHeight(mesh, {{"drone", {{0, 0, 3.5}}}}).has_value());
+}
+
+/// A cuboid of 1 m x 0.5 m on the floor.
+ObjectMark Crate(double x, double y, double yaw_rad, double stationarity) {
+  return {{{x, y, 0.5}, {1.0, 0.5, 1.0}, yaw_rad}, stationarity, false};
+}
+
+TEST(DrawBirdsEye, ObjectsAreOutlinedInTheColourOfTheirStationarity) {
+  const BirdsEyePicture picture =
+      DrawBirdsEye(Room(), {}, {Crate(-2.0, -1.0, 0.0, 1.0), Crate(-2.0, 1.0, M_PI / 2, 0.0)}, {});
+  const BirdsEyePicture plain = DrawBirdsEye(Room(), {}, {});
+  EXPECT_LT(Difference(PixelAt(picture, -1.5, -1.0), StationarityColor(1.0)), 12);
+  EXPECT_LT(Difference(PixelAt(picture, -2.0, -0.75), StationarityColor(1.0)), 12);
+  EXPECT_LT(Difference(PixelAt(picture, -1.75, 1.0), StationarityColor(0.0)), 12);
+  EXPECT_LT(Difference(PixelAt(picture, -2.0, 1.5), StationarityColor(0.0)), 12);
+  EXPECT_EQ(PixelAt(picture, -2.0, -1.0), PixelAt(plain, -2.0, -1.0)) << "within the outline";
+}
+
+TEST(DrawBirdsEye, AGhostIsABrokenOutlineUnderWhatStandsThere) {
+  ObjectMark ghost = Crate(-2.0, -1.0, 0.0, 0.9);
+  ghost.is_ghost = true;
+  const BirdsEyePicture plain = DrawBirdsEye(Room(), {}, {});
+  const auto changed_on_edge = [&plain](const BirdsEyePicture& picture) {
+    int changed = 0;
+    for (int i = 0; i < 200; ++i) {
+      const double x = -2.49 + i * 0.98 / 200;
+      changed += PixelAt(picture, x, -0.75) != PixelAt(plain, x, -0.75) ? 1 : 0;
+    }
+    return changed;
+  };
+  const int broken = changed_on_edge(DrawBirdsEye(Room(), {}, {ghost}, {}));
+  EXPECT_GT(broken, 60);
+  EXPECT_LT(broken, 180);
+  const BirdsEyePicture both = DrawBirdsEye(Room(), {}, {Crate(-2.0, -1.0, 0.0, 0.9), ghost}, {});
+  EXPECT_LT(Difference(PixelAt(both, -2.0, -0.75), StationarityColor(0.9)), 12);
+}
+
+TEST(DrawBirdsEye, TheViewHoldsAllObjectsThatAreFinite) {
+  ObjectMark nowhere = Crate(NAN, 0.0, 0.0, 0.5);
+  const BirdsEyePicture picture =
+      DrawBirdsEye(Room(), {}, {Crate(9.0, 7.0, 0.3, 0.5), nowhere}, {});
+  const Eigen::Vector2d corner = picture.view.PixelOf({9.4, 7.3});
+  EXPECT_GT(corner.y(), 0.0);
+  EXPECT_LT(corner.x(), picture.view.width_px);
+}
+
+TEST(StationarityColor, DarkensAndCoolsFromGoneToStaying) {
+  EXPECT_EQ(StationarityColor(-3.0), StationarityColor(0.0));
+  EXPECT_EQ(StationarityColor(7.0), StationarityColor(1.0));
+  for (double share = 0.0; share < 0.95; share += 0.1) {
+    EXPECT_GE(StationarityColor(share)[0] + 30, StationarityColor(share + 0.1)[0]);
+    EXPECT_NE(StationarityColor(share), StationarityColor(share + 0.1));
+  }
 }
 
 }  // namespace

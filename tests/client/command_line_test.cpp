@@ -132,7 +132,7 @@ TEST_F(CommandLineTest, MapCreateSendsWhatIsAskedFor) {
                                "--truncation",
                                "0.08",
                                "--policy",
-                               "static",
+                               "pocd",
                                "--classes",
                                PathOf("classes.txt"),
                                "--max-depth",
@@ -142,6 +142,7 @@ TEST_F(CommandLineTest, MapCreateSendsWhatIsAskedFor) {
   EXPECT_EQ(config.voxel_size_m(), 0.02);
   EXPECT_EQ(config.truncation_m(), 0.08);
   EXPECT_EQ(config.max_depth_m(), 5.0);
+  EXPECT_EQ(config.policy(), v1::UPDATE_POLICY_POCD);
   ASSERT_EQ(config.classes_size(), 2);
   EXPECT_EQ(config.classes(1).motion(), v1::CLASS_MOTION_DYNAMIC);
 }
@@ -159,10 +160,55 @@ TEST_F(CommandLineTest, MapCreateRefusesWhatNoMapCanHave) {
   ExpectFailure({"map", "create", "k", "--voxel-size", "nan"}, 1, "voxel_size_m");
   ExpectFailure({"map", "create", "k", "--truncation", "0"}, 1, "truncation_m");
   ExpectFailure({"map", "create", "k", "--max-depth", "0"}, 1, "max_depth_m");
-  ExpectFailure({"map", "create", "k", "--policy", "pocd"}, 1, "\"pocd\"");
+  ExpectFailure({"map", "create", "k", "--policy", "magic"}, 1, "\"magic\"");
   ExpectFailure({"map", "create", "k", "--classes", PathOf("missing")}, 1, "missing");
   ExpectFailure({"map", "create", "Kitchen"}, 1, "\"Kitchen\"");
   EXPECT_TRUE(maps_.maps.empty());
+}
+
+TEST_F(CommandLineTest, ObjectsAndEventsSendTheirFilters) {
+  ASSERT_EQ(Run({"map", "create", "kitchen"}).exit_code, 0);
+  Outcome outcome = Run({"objects",
+                         "kitchen",
+                         "--class",
+                         "goods materials",
+                         "--class",
+                         "9",
+                         "--box",
+                         "0,0,0,1,2,3",
+                         "--min-stationarity",
+                         "0.5",
+                         "--changed-since",
+                         "4",
+                         "--all",
+                         "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "{\n  \"revision\": 12,\n  \"objects\": []\n}\n");
+  const v1::ListObjectsRequest& objects = queries_.objects_request;
+  ASSERT_EQ(objects.class_ids_size(), 2);
+  EXPECT_EQ(objects.class_ids(0), 7U);
+  EXPECT_EQ(objects.class_ids(1), 9U);
+  EXPECT_EQ(objects.box().max_m().z(), 3.0);
+  EXPECT_EQ(objects.min_stationarity(), 0.5);
+  EXPECT_EQ(objects.changed_since(), 4U);
+  EXPECT_TRUE(objects.include_archived());
+
+  outcome = Run({"events", "kitchen", "--type", "moved", "--object", "3", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "{\n  \"revision\": 12,\n  \"events\": []\n}\n");
+  EXPECT_EQ(queries_.events_request.types(0), v1::EVENT_TYPE_MOVED);
+  EXPECT_EQ(queries_.events_request.object_ids(0), 3U);
+}
+
+TEST_F(CommandLineTest, FiltersThatMakeNoSenseAreErrorsOfOneLine) {
+  ASSERT_EQ(Run({"map", "create", "kitchen"}).exit_code, 0);
+  ExpectFailure({"objects", "kitchen", "--class", "dragon"}, 1, "\"dragon\"");
+  ExpectFailure({"objects", "kitchen", "--box", "1,2,3"}, 1, "a box");
+  ExpectFailure({"objects", "kitchen", "--min-stationarity", "2"}, 2, "--min-stationarity");
+  ExpectFailure({"objects", "kitchen", "--changed-since", "-1"}, 2, "--changed-since");
+  ExpectFailure({"events", "kitchen", "--type", "exploded"}, 1, "created, updated");
+  ExpectFailure({"events", "kitchen", "--object", "x"}, 2, "--object");
+  ExpectFailure({"objects", "nowhere"}, 1, "NOT_FOUND");
 }
 
 TEST_F(CommandLineTest, AnExistingMapAndAnUnknownOneAreErrorsOfOneLine) {

@@ -76,10 +76,16 @@ class FakeQueryService final : public v1::QueryService::Service {
   std::vector<v1::ExportMapResponse> file;
   grpc::Status export_status;
   std::vector<v1::FramePose> poses;
+  std::vector<v1::Object> objects;
+  std::vector<v1::ObjectEvent> events;
+  v1::CastRaysResponse hits;
 
   v1::SampleDistanceRequest sample_request;
   v1::GetMapSectionRequest section_request;
   v1::ExportMapRequest export_request;
+  v1::ListObjectsRequest objects_request;
+  v1::ListEventsRequest events_request;
+  v1::CastRaysRequest rays_request;
 
   grpc::Status SampleDistance(grpc::ServerContext*,
                               const v1::SampleDistanceRequest* request,
@@ -89,11 +95,48 @@ class FakeQueryService final : public v1::QueryService::Service {
     return grpc::Status::OK;
   }
 
+  grpc::Status CastRays(grpc::ServerContext*,
+                        const v1::CastRaysRequest* request,
+                        v1::CastRaysResponse* answer) override {
+    rays_request = *request;
+    *answer = hits;
+    return grpc::Status::OK;
+  }
+
+  grpc::Status GetObject(grpc::ServerContext*,
+                         const v1::GetObjectRequest* request,
+                         v1::GetObjectResponse* answer) override {
+    for (const v1::Object& object : objects) {
+      if (object.id() == request->object_id()) *answer->mutable_object() = object;
+    }
+    return grpc::Status::OK;
+  }
+
+  grpc::Status ListObjects(grpc::ServerContext*,
+                           const v1::ListObjectsRequest* request,
+                           v1::ListObjectsResponse* answer) override {
+    objects_request = *request;
+    answer->set_revision(12);
+    AnswerPage(objects, request->page_token(), answer->mutable_objects(), answer);
+    return grpc::Status::OK;
+  }
+
+  grpc::Status ListEvents(grpc::ServerContext*,
+                          const v1::ListEventsRequest* request,
+                          v1::ListEventsResponse* answer) override {
+    events_request = *request;
+    answer->set_revision(12);
+    AnswerPage(events, request->page_token(), answer->mutable_events(), answer);
+    return grpc::Status::OK;
+  }
+
   grpc::Status GetMapSection(grpc::ServerContext*,
                              const v1::GetMapSectionRequest* request,
                              grpc::ServerWriter<v1::GetMapSectionResponse>* stream) override {
     section_request = *request;
-    for (const v1::GetMapSectionResponse& response : section) stream->Write(response);
+    // A client that cancels does not wait for the end of this call before the test goes on.
+    const std::vector<v1::GetMapSectionResponse> messages = section;
+    for (const v1::GetMapSectionResponse& message : messages) stream->Write(message);
     return grpc::Status::OK;
   }
 
@@ -108,12 +151,7 @@ class FakeQueryService final : public v1::QueryService::Service {
   grpc::Status ListFramePoses(grpc::ServerContext*,
                               const v1::ListFramePosesRequest* request,
                               v1::ListFramePosesResponse* answer) override {
-    // Pages of two, whatever is asked for.
-    const std::size_t first = request->page_token().empty() ? 0 : std::stoul(request->page_token());
-    for (std::size_t i = first; i < poses.size() && i < first + 2; ++i) {
-      *answer->add_poses() = poses[i];
-    }
-    if (first + 2 < poses.size()) answer->set_next_page_token(std::to_string(first + 2));
+    AnswerPage(poses, request->page_token(), answer->mutable_poses(), answer);
     return grpc::Status::OK;
   }
 
@@ -123,6 +161,18 @@ class FakeQueryService final : public v1::QueryService::Service {
     file[0].mutable_header()->set_file_bytes(file_bytes);
     file[0].mutable_header()->set_revision(7);
     for (const std::string& chunk : chunks) file.emplace_back().set_chunk(chunk);
+  }
+
+ private:
+  /// Pages of two, whatever is asked for.
+  template <typename Message, typename Field, typename Answer>
+  static void AnswerPage(const std::vector<Message>& list,
+                         const std::string& token,
+                         Field* field,
+                         Answer* answer) {
+    const std::size_t first = token.empty() ? 0 : std::stoul(token);
+    for (std::size_t i = first; i < list.size() && i < first + 2; ++i) *field->Add() = list[i];
+    if (first + 2 < list.size()) answer->set_next_page_token(std::to_string(first + 2));
   }
 };
 

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/tsdf_codec.h"
+#include "proto/convert_object.h"
 #include "tests/client/fake_map_server.h"
 
 namespace steadymap {
@@ -45,7 +46,9 @@ TEST_F(MapClientTest, ErrorsCarryCodeMessageReasonAndField) {
 }
 
 TEST_F(MapClientTest, AMethodThatTheServerLacksIsUnimplemented) {
-  const absl::Status status = client_.CastRays(kKitchen, {}).status();
+  FakeMapService maps;
+  FakeServer maps_only(&maps);
+  const absl::Status status = MapClient(maps_only.channel()).CastRays(kKitchen, {}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kUnimplemented);
   EXPECT_EQ(ReasonOf(status), "");
 }
@@ -84,6 +87,73 @@ TEST_F(MapClientTest, SamplesOfAnotherNumberThanThePointsAreAnError) {
   EXPECT_EQ(queries_.sample_request.points_m(1).z(), 3.0);
 }
 
+TEST_F(MapClientTest, RaysAreAskedForAndTheirHitsCome) {
+  queries_.hits.set_revision(9);
+  v1::RayHit& hit = *queries_.hits.add_hits();
+  hit.set_hit(true);
+  hit.set_range_m(1.5);
+  hit.set_object_id(4);
+  const std::vector<WorldRay> rays = {{{1.0, 2.0, 3.0}, {0.0, 0.0, -2.0}}};
+  const absl::StatusOr<v1::CastRaysResponse> answer = client_.CastRays(kKitchen, rays, 7.5);
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->revision(), 9U);
+  EXPECT_EQ(answer->hits(0).range_m(), 1.5);
+  EXPECT_EQ(answer->hits(0).object_id(), 4U);
+  EXPECT_EQ(queries_.rays_request.map(), kKitchen.ToString());
+  EXPECT_EQ(queries_.rays_request.max_range_m(), 7.5);
+  ASSERT_EQ(queries_.rays_request.rays_size(), 1);
+  EXPECT_EQ(queries_.rays_request.rays(0).origin_m().y(), 2.0);
+  EXPECT_EQ(queries_.rays_request.rays(0).direction().z(), -2.0);
+  EXPECT_EQ(client_.CastRays(kKitchen, {}).status().code(), absl::StatusCode::kInternal)
+      << "another number of hits than rays";
+}
+
+TEST_F(MapClientTest, ObjectsOfSeveralPagesAreWholeAndFiltersAreSent) {
+  for (std::uint64_t id = 1; id <= 5; ++id) queries_.objects.emplace_back().set_id(id);
+  ObjectQuery query;
+  query.classes = {ClassId(7)};
+  query.box_world = Box(Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(4, 5, 6));
+  query.min_stationarity = 0.5;
+  query.changed_since = Revision(3);
+  query.with_archived_and_tentative = true;
+  const absl::StatusOr<MapList<v1::Object>> objects = client_.ListObjects(kKitchen, query);
+  ASSERT_TRUE(objects.ok()) << objects.status();
+  EXPECT_EQ(objects->revision, Revision(12));
+  ASSERT_EQ(objects->entries.size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(objects->entries[i].id(), i + 1);
+  const v1::ListObjectsRequest& sent = queries_.objects_request;
+  EXPECT_EQ(sent.map(), kKitchen.ToString());
+  EXPECT_EQ(sent.class_ids(0), 7U);
+  EXPECT_EQ(sent.box().max_m().y(), 5.0);
+  EXPECT_EQ(sent.min_stationarity(), 0.5);
+  EXPECT_EQ(sent.changed_since(), 3U);
+  EXPECT_TRUE(sent.include_archived() && sent.include_tentative());
+  EXPECT_EQ(client_.GetObject(kKitchen, ObjectId(4))->id(), 4U);
+}
+
+TEST_F(MapClientTest, EventsOfSeveralPagesAreWholeAndFiltersAreSent) {
+  for (std::uint64_t number = 1; number <= 5; ++number) {
+    queries_.events.emplace_back().set_number(number);
+  }
+  EventQuery query;
+  query.types = {v1::EVENT_TYPE_MOVED};
+  query.objects = {ObjectId(8)};
+  query.classes = {ClassId(7)};
+  query.first = EventNumber(2);
+  query.changed_since = Revision(3);
+  const absl::StatusOr<MapList<v1::ObjectEvent>> events = client_.ListEvents(kKitchen, query);
+  ASSERT_TRUE(events.ok()) << events.status();
+  EXPECT_EQ(events->revision, Revision(12));
+  ASSERT_EQ(events->entries.size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(events->entries[i].number(), i + 1);
+  const v1::ListEventsRequest& sent = queries_.events_request;
+  EXPECT_EQ(sent.types(0), v1::EVENT_TYPE_MOVED);
+  EXPECT_EQ(sent.object_ids(0), 8U);
+  EXPECT_EQ(sent.class_ids(0), 7U);
+  EXPECT_EQ(sent.first_number(), 2U);
+  EXPECT_EQ(sent.changed_since(), 3U);
+}
+
 // A leaf of canonical voxels.
 LeafVoxels RandomLeaf(const VoxelScale& scale, std::mt19937* random) {
   std::uniform_int_distribution<int> steps(-kMaxDistanceSteps, kMaxDistanceSteps);
@@ -118,7 +188,7 @@ TEST_F(MapClientTest, ASectionHasTheServersVoxels) {
     leaf.set_packed(PackLeaf(grid.FindLeaf(origin), scale));
   }
   const Box box(Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(4, 5, 6));
-  const absl::StatusOr<MapSnapshot> section = client_.GetMapSection(kKitchen, box);
+  const absl::StatusOr<MapSnapshot> section = client_.GetMapSection(kKitchen, {.box_world = box});
   ASSERT_TRUE(section.ok()) << section.status();
   EXPECT_EQ(section->revision, Revision(12));
   EXPECT_EQ(section->scale, scale);
@@ -132,6 +202,44 @@ TEST_F(MapClientTest, ASectionHasTheServersVoxels) {
     EXPECT_TRUE(std::equal(leaf.weight, leaf.weight + kLeafVoxels, voxels.weight.begin()));
   }
   EXPECT_EQ(queries_.section_request.box().max_m().y(), 5.0);
+}
+
+TEST_F(MapClientTest, ASectionHasItsObjectsWithTheirVoxels) {
+  const VoxelScale scale;
+  std::mt19937 random(5);
+  const LeafVoxels voxels = RandomLeaf(scale, &random);
+  TsdfGrid grid;
+  grid.StoreLeaf({8, 0, -16}, voxels);
+  MapObject object;
+  object.id = ObjectId(3);
+  object.standing = ObjectStanding::kArchived;
+  object.T_world_object = {{1.0, 2.0, 3.0}, 0.5};
+  queries_.section.assign(3, {});
+  queries_.section[0].mutable_header()->set_voxel_size_m(scale.voxel_size_m);
+  queries_.section[0].mutable_header()->set_truncation_m(scale.truncation_m);
+  *queries_.section[1].mutable_objects()->add_objects() = ToProto(object);
+  v1::PackedLeaf& leaf = *queries_.section[2].mutable_leaves()->add_leaves();
+  leaf.set_object_id(3);
+  leaf.set_origin_x(8);
+  leaf.set_origin_z(-16);
+  leaf.set_packed(PackLeaf(grid.FindLeaf({8, 0, -16}), scale));
+  const absl::StatusOr<MapSnapshot> section =
+      client_.GetMapSection(kKitchen, {.objects = {ObjectId(3)}});
+  ASSERT_TRUE(section.ok()) << section.status();
+  EXPECT_EQ(queries_.section_request.object_ids(0), 3U);
+  EXPECT_EQ(section->background.leaf_count(), 0U);
+  ASSERT_EQ(section->objects.size(), 1U);
+  const MapObject& read = *section->objects.at(ObjectId(3));
+  EXPECT_EQ(static_cast<const ObjectState&>(read), static_cast<const ObjectState&>(object));
+  LeafVoxels stored;
+  read.volume->LoadLeaf({8, 0, -16}, &stored);
+  EXPECT_EQ(stored, voxels);
+
+  queries_.section[1].mutable_objects()->mutable_objects(0)->mutable_belief()->set_alpha(-1.0);
+  EXPECT_EQ(client_.GetMapSection(kKitchen).status().code(), absl::StatusCode::kInvalidArgument);
+  queries_.section.erase(queries_.section.begin() + 1);
+  EXPECT_EQ(client_.GetMapSection(kKitchen).status().code(), absl::StatusCode::kInternal)
+      << "a leaf of an object that was not sent";
 }
 
 TEST_F(MapClientTest, DamagedSectionsAreErrors) {
@@ -160,7 +268,7 @@ TEST_F(MapClientTest, ExportsArriveChunkByChunk) {
   queries_.SetFile({"abc", "", "de"}, 5);
   std::string file;
   const auto header =
-      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_GLB, std::nullopt, [&](std::string_view chunk) {
+      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_GLB, {}, [&](std::string_view chunk) {
         file += chunk;
         return absl::OkStatus();
       });
@@ -174,24 +282,21 @@ TEST_F(MapClientTest, ExportsArriveChunkByChunk) {
 TEST_F(MapClientTest, AnExportThatIsTooShortIsAnError) {
   queries_.SetFile({"abc"}, 5);
   const auto ignore = [](std::string_view) { return absl::OkStatus(); };
-  EXPECT_EQ(
-      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, std::nullopt, ignore).status().code(),
-      absl::StatusCode::kDataLoss);
+  EXPECT_EQ(client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, {}, ignore).status().code(),
+            absl::StatusCode::kDataLoss);
   queries_.export_status = grpc::Status(grpc::StatusCode::UNAVAILABLE, "going down");
-  EXPECT_EQ(
-      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, std::nullopt, ignore).status().code(),
-      absl::StatusCode::kUnavailable);
+  EXPECT_EQ(client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, {}, ignore).status().code(),
+            absl::StatusCode::kUnavailable);
 }
 
 TEST_F(MapClientTest, AnErrorOfTheSinkEndsTheExport) {
   queries_.SetFile({"abc", "de"}, 5);
   absl::Status full = absl::FailedPreconditionError("the disk is full");
   int chunks = 0;
-  const auto header =
-      client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, std::nullopt, [&](std::string_view) {
-        ++chunks;
-        return full;
-      });
+  const auto header = client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, {}, [&](std::string_view) {
+    ++chunks;
+    return full;
+  });
   EXPECT_EQ(header.status(), full);
   EXPECT_EQ(chunks, 1);
 }

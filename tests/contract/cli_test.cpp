@@ -137,6 +137,48 @@ TEST_F(CliTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
   EXPECT_EQ(HeadOf("map.png", 4), "\x89PNG");
 }
 
+TEST_F(CliTest, ObjectsOfAChangedPlaceAreListedExportedAndDrawnAndSurviveAKill) {
+  ASSERT_EQ(Run({"map", "create", "depot", "--policy", "pocd"}).exit_code, 0);
+  const Outcome upload = Run({"simulate", "depot", "--route", "1-5", "--stride", "6", "--json"});
+  ASSERT_EQ(upload.exit_code, 0) << upload.err;
+  EXPECT_NE(Run({"map", "get", "depot", "--json"}).out.find("\"policy\": \"pocd\""),
+            std::string::npos);
+
+  const Outcome objects = Run({"objects", "depot", "--all", "--json"});
+  ASSERT_EQ(objects.exit_code, 0) << objects.err;
+  EXPECT_NE(objects.out.find("\"standing\": \"present\""), std::string::npos) << objects.out;
+  EXPECT_NE(objects.out.find("\"standing\": \"archived\""), std::string::npos) << objects.out;
+  EXPECT_EQ(Run({"objects", "depot"}).out.find("archived"), std::string::npos);
+  const Outcome events = Run({"events", "depot", "--json"});
+  ASSERT_EQ(events.exit_code, 0) << events.err;
+  EXPECT_NE(events.out.find("\"type\": \"created\""), std::string::npos) << events.out;
+  EXPECT_NE(events.out.find("\"type\": \"removed\""), std::string::npos) << events.out;
+  const Outcome removed = Run({"events", "depot", "--type", "removed"});
+  EXPECT_NE(removed.out.find("removed"), std::string::npos) << removed.out;
+  EXPECT_EQ(removed.out.find("created"), std::string::npos) << removed.out;
+
+  const auto export_size = [this](const std::string& file, const std::string& object) {
+    std::vector<std::string> command = {
+        "export", "depot", "--format", "vdb", "--output", PathOf(file)};
+    if (!object.empty()) command.insert(command.end(), {"--object", object});
+    const Outcome outcome = Run(command);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return std::filesystem::file_size(PathOf(file));
+  };
+  const std::size_t id_place = objects.out.find("\"id\": ") + 6;
+  const std::string id = objects.out.substr(id_place, objects.out.find(',', id_place) - id_place);
+  EXPECT_LT(export_size("one.vdb", id), export_size("all.vdb", ""));
+  ExpectFailure(
+      {"export", "depot", "--format", "vdb", "--output", PathOf("x.vdb"), "--object", "999999"},
+      "NOT_FOUND");
+  EXPECT_EQ(Run({"render", "depot", "--output", PathOf("depot.png")}).exit_code, 0);
+
+  daemon_.Kill();
+  daemon_.Restart();
+  EXPECT_EQ(Run({"objects", "depot", "--all", "--json"}).out, objects.out);
+  EXPECT_EQ(Run({"events", "depot", "--json"}).out, events.out);
+}
+
 TEST_F(CliTest, ASessionThatIsRepeatedCountsOnce) {
   const std::vector<std::string> command = {
       "simulate", "twin", "--route", "twin", "--stride", "10", "--session", "s-1", "--json"};

@@ -93,6 +93,10 @@ absl::StatusOr<std::string> TestService::Export(const std::string& name, v1::Exp
   v1::ExportMapRequest request;
   request.set_map(name);
   request.set_format(format);
+  return Export(request);
+}
+
+absl::StatusOr<std::string> TestService::Export(const v1::ExportMapRequest& request) {
   grpc::ClientContext context;
   SetDeadline(&context);
   const auto reader = queries().ExportMap(&context, request);

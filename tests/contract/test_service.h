@@ -67,6 +67,7 @@ class TestService {
 
   /// The whole file that an export gives.
   absl::StatusOr<std::string> Export(const std::string& name, v1::ExportFormat format);
+  absl::StatusOr<std::string> Export(const v1::ExportMapRequest& request);
 
  private:
   void Start(std::unique_ptr<Store> store);

@@ -16,6 +16,15 @@ TEST(ConvertMapConfig, AbsentFieldsTakeTheDefaults) {
   EXPECT_EQ(config->voxel_size_m, MapConfig().voxel_size_m);
   EXPECT_EQ(config->max_depth_m, MapConfig().max_depth_m);
   EXPECT_EQ(config->classes, TorwicClasses());
+  EXPECT_EQ(config->policy, UpdatePolicy::kStatic);
+}
+
+TEST(ConvertMapConfig, PoliciesComeBack) {
+  for (const UpdatePolicy policy : {UpdatePolicy::kStatic, UpdatePolicy::kPocd}) {
+    MapConfig config;
+    config.policy = policy;
+    EXPECT_EQ(FromProto(ToProto(config))->policy, policy);
+  }
 }
 
 TEST(ConvertMapConfig, TruncationFollowsTheVoxelSize) {

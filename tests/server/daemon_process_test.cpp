@@ -26,9 +26,9 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// A steadymapd whose stdout and stderr can be read as one text.
-class DaemonProcess {
+class ObservedDaemon {
  public:
-  explicit DaemonProcess(std::vector<std::string> arguments) {
+  explicit ObservedDaemon(std::vector<std::string> arguments) {
     int ends[2] = {-1, -1};
     if (::pipe(ends) != 0) return;
     arguments.insert(arguments.begin(), STEADYMAPD);
@@ -49,7 +49,7 @@ class DaemonProcess {
     output_ = ::fdopen(ends[0], "r");
   }
 
-  ~DaemonProcess() {
+  ~ObservedDaemon() {
     if (child_ > 0) {
       ::kill(child_, SIGKILL);
       ::waitpid(child_, nullptr, 0);
@@ -57,8 +57,8 @@ class DaemonProcess {
     if (output_ != nullptr) std::fclose(output_);
   }
 
-  DaemonProcess(const DaemonProcess&) = delete;
-  DaemonProcess& operator=(const DaemonProcess&) = delete;
+  ObservedDaemon(const ObservedDaemon&) = delete;
+  ObservedDaemon& operator=(const ObservedDaemon&) = delete;
 
   /// Reads lines until one holds `text`; false if the daemon ends without saying it.
   bool WaitFor(const std::string& text) {
@@ -107,7 +107,7 @@ class Steadymapd : public ::testing::Test {
 
   /// Expects that these arguments end in exit code 1 and one complaint in the last line.
   void ExpectRefusal(const std::vector<std::string>& arguments, const std::string& reason) {
-    DaemonProcess daemon(arguments);
+    ObservedDaemon daemon(arguments);
     EXPECT_EQ(daemon.Wait(), 1);
     std::istringstream lines(daemon.said());
     std::vector<std::string> complaints;
@@ -121,18 +121,18 @@ class Steadymapd : public ::testing::Test {
 };
 
 TEST_F(Steadymapd, PrintsItsVersion) {
-  DaemonProcess daemon({"--version"});
+  ObservedDaemon daemon({"--version"});
   EXPECT_EQ(daemon.Wait(), 0);
   EXPECT_THAT(daemon.said(), StartsWith("steadymapd "));
 }
 
 TEST_F(Steadymapd, PrintsTheConfigurationThatIsInForce) {
   std::ofstream(folder_.path() / "config.toml") << "channelz = true\nlisten = \"localhost:5\"\n";
-  DaemonProcess daemon({"--config",
-                        (folder_.path() / "config.toml").string(),
-                        "--listen",
-                        "localhost:6",
-                        "--print-config"});
+  ObservedDaemon daemon({"--config",
+                         (folder_.path() / "config.toml").string(),
+                         "--listen",
+                         "localhost:6",
+                         "--print-config"});
   EXPECT_EQ(daemon.Wait(), 0);
   const absl::StatusOr<ServerConfig> printed = ParseConfig(daemon.said(), "printed");
   ASSERT_TRUE(printed.ok()) << printed.status();
@@ -157,7 +157,7 @@ TEST_F(Steadymapd, ServesWritesItsPortAndStopsCleanlyOnSigterm) {
   std::vector<std::string> arguments = Arguments();
   const std::filesystem::path port_file = folder_.path() / "port";
   arguments.insert(arguments.end(), {"--port-file", port_file.string()});
-  DaemonProcess daemon(arguments);
+  ObservedDaemon daemon(arguments);
   ASSERT_TRUE(daemon.WaitFor("listening on 127.0.0.1:")) << daemon.said();
   int port = 0;
   std::ifstream(port_file) >> port;
@@ -172,7 +172,7 @@ TEST_F(Steadymapd, RefusesAPortAndAFolderThatAreInUse) {
   std::vector<std::string> arguments = Arguments();
   const std::filesystem::path port_file = folder_.path() / "port";
   arguments.insert(arguments.end(), {"--port-file", port_file.string()});
-  DaemonProcess first(arguments);
+  ObservedDaemon first(arguments);
   ASSERT_TRUE(first.WaitFor("listening on")) << first.said();
   ExpectRefusal(Arguments(), "is held by another steadymapd");
   std::string port;
@@ -180,7 +180,7 @@ TEST_F(Steadymapd, RefusesAPortAndAFolderThatAreInUse) {
   const std::vector<std::string> same_port = {
       "--listen", "127.0.0.1:" + port, "--data-dir", (folder_.path() / "b").string()};
   ExpectRefusal(same_port, "127.0.0.1:" + port);
-  DaemonProcess second(same_port);
+  ObservedDaemon second(same_port);
   EXPECT_EQ(second.Wait(), 1);
   EXPECT_EQ(second.said().find("draining"), std::string::npos) << "it has nothing to drain";
 }
@@ -190,7 +190,7 @@ TEST_F(Steadymapd, ReloadsOnSighupAndKeepsWhatItHasIfTheFileIsWrong) {
   std::ofstream(config) << "";
   std::vector<std::string> arguments = Arguments();
   arguments.insert(arguments.end(), {"--config", config.string()});
-  DaemonProcess daemon(arguments);
+  ObservedDaemon daemon(arguments);
   ASSERT_TRUE(daemon.WaitFor("listening on")) << daemon.said();
   std::ofstream(config) << "[commit]\nmax_frames = 0\n";
   daemon.Signal(SIGHUP);
@@ -206,7 +206,7 @@ TEST_F(Steadymapd, JsonLogHoldsOneObjectALine) {
   std::ofstream(folder_.path() / "config.toml") << "log.format = \"json\"\n";
   std::vector<std::string> arguments = Arguments();
   arguments.insert(arguments.end(), {"--config", (folder_.path() / "config.toml").string()});
-  DaemonProcess daemon(arguments);
+  ObservedDaemon daemon(arguments);
   ASSERT_TRUE(daemon.WaitFor("\"message\":\"listening on 127.0.0.1:")) << daemon.said();
   daemon.Signal(SIGTERM);
   EXPECT_EQ(daemon.Wait(), 0);

@@ -29,6 +29,14 @@ TEST(PageToken, TokenOfAnotherListIsRefused) {
   EXPECT_FALSE(ReadPageToken("poses", MakePageToken("maps", "hall")).ok());
 }
 
+TEST(PageToken, PositionsThatAreNumbersComeBack) {
+  EXPECT_EQ(*ReadNumberToken("events", ""), 0U);
+  EXPECT_EQ(*ReadNumberToken("events", MakePageToken("events", "18446744073709551615")), ~0ULL);
+  EXPECT_EQ(ReasonOf(ReadNumberToken("events", MakePageToken("events", "x")).status()),
+            "BAD_PAGE_TOKEN");
+  EXPECT_FALSE(ReadNumberToken("events", MakePageToken("poses", "1")).ok());
+}
+
 TEST(PageSize, ZeroMeansTheStandard) {
   EXPECT_EQ(*ReadPageSize(0, 100, 1000), 100U);
   EXPECT_EQ(*ReadPageSize(1000, 100, 1000), 1000U);

@@ -1,0 +1,87 @@
+#include "client/cli/events_command.h"
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/argument_text.h"
+#include "client/cli/enumerator_text.h"
+#include "client/cli/json_writer.h"
+#include "client/cli/object_text.h"
+#include "client/map_client.h"
+
+namespace steadymap {
+namespace {
+
+constexpr char kFooter[] =
+    "JSON: {\"revision\", \"events\": [{\"number\", \"type\", \"reason\", \"object\", \"class\", "
+    "\"class_name\",\n"
+    "\"time\" (capture time), \"revision\", \"center\" [x, y, z]; for moves also \"old_center\",\n"
+    "\"new_center\" and \"confidence\"; \"related\" where another object is part of it; \"before\" "
+    "and\n"
+    "\"after\", the object's belief}]}. `class` is the id in the map's class table. Metres in the\n"
+    "world frame, seconds since 1970.";
+
+}  // namespace
+
+EventsCommand::EventsCommand(CLI::App* app, CommandContext* context) : context_(context) {
+  CLI::App* const command =
+      app->add_subcommand("events", "List what happened to the objects of a map");
+  command->footer(kFooter);
+  command->add_option("NAME", map_, "The map")->required();
+  command
+      ->add_option("--type",
+                   types_,
+                   "Only this type (" + WordsOf(v1::EventType_descriptor()) +
+                       "); may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("TYPE");
+  command->add_option("--object", objects_, "Only this object; may be given several times")
+      ->check(CLI::NonNegativeNumber)
+      ->allow_extra_args(false)
+      ->type_name("ID");
+  command->add_option("--class", classes_, "Only this class; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("ID|NAME");
+  command->add_option("--changed-since", changed_since_, "Only events after this revision")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("REVISION");
+  command->add_flag("--json", as_json_, "Print JSON");
+  command->callback([this] { context_->action = [this] { return Run(); }; });
+}
+
+absl::Status EventsCommand::Run() const {
+  const absl::StatusOr<MapName> name = ParseMapArgument(map_);
+  if (!name.ok()) return name.status();
+  EventQuery query;
+  query.changed_since = Revision(changed_since_);
+  query.objects.reserve(objects_.size());
+  for (const std::uint64_t object : objects_) query.objects.emplace_back(object);
+  for (const std::string& text : types_) {
+    const absl::StatusOr<v1::EventType> type = ParseEventType(text);
+    if (!type.ok()) return type.status();
+    query.types.push_back(*type);
+  }
+  MapClient client(context_->Channel());
+  const absl::StatusOr<v1::Map> map = client.GetMap(*name);
+  if (!map.ok()) return map.status();
+  const ClassNames names(map->config());
+  for (const std::string& text : classes_) {
+    const absl::StatusOr<ClassId> class_id = names.Parse(text);
+    if (!class_id.ok()) return class_id.status();
+    query.classes.push_back(*class_id);
+  }
+  const absl::StatusOr<MapList<v1::ObjectEvent>> events = client.ListEvents(*name, query);
+  if (!events.ok()) return events.status();
+  if (!as_json_) {
+    WriteEventLines(events->entries, names, &context_->out);
+    return absl::OkStatus();
+  }
+  JsonWriter json;
+  json.BeginObject().Key("revision").Integer(events->revision.value());
+  json.Key("events").BeginArray();
+  for (const v1::ObjectEvent& event : events->entries) WriteEventJson(event, names, &json);
+  json.EndArray().EndObject();
+  context_->out << json.Finish();
+  return absl::OkStatus();
+}
+
+}  // namespace steadymap

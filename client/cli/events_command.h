@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "client/cli/command_context.h"
+
+namespace steadymap {
+
+/// `steadymap events`. Lives as long as the parsed command line.
+class EventsCommand {
+ public:
+  EventsCommand(CLI::App* app, CommandContext* context);
+
+ private:
+  absl::Status Run() const;
+
+  CommandContext* context_;
+  std::string map_;
+  std::vector<std::string> types_;
+  std::vector<std::string> classes_;
+  std::vector<std::uint64_t> objects_;
+  std::uint64_t changed_since_ = 0;
+  bool as_json_ = false;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+#include <grpcpp/support/sync_stream.h>
+
+#include "core/map_snapshot.h"
+
+#include "steadymap/v1/query_service.pb.h"
+
+namespace steadymap {
+
+/// Reads the stream of `GetMapSection` to its end or to the first error, which `MapClient`
+/// documents. Blocks; one thread a stream.
+absl::StatusOr<MapSnapshot> ReadMapSection(
+    grpc::ClientReaderInterface<v1::GetMapSectionResponse>* stream);
+
+}  // namespace steadymap

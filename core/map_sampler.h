@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/box_tree.h"
+#include "core/identifiers.h"
+#include "core/map_snapshot.h"
+#include "core/placed_volume.h"
+#include "core/tsdf_raycast.h"
+#include "core/tsdf_sample.h"
+
+namespace steadymap {
+
+/// What a map shows at one point, world frame.
+struct MapDistance {
+  DistanceSample sample;
+  ObjectId object;   ///< Whose volume answered; 0 is the background, and where nothing is known.
+  ClassId class_id;  ///< Of that object.
+};
+
+/// The first surface that a map shows along a ray, world frame.
+struct MapRayHit {
+  RayHit hit;
+  ObjectId object;   ///< Whose surface it is; 0 is the background, and where there is none.
+  ClassId class_id;  ///< Of that object.
+};
+
+/// Samples all that a map shows, background and present objects, as one volume: of those that know
+/// a point, the one whose surface is nearest answers, the lower id where two are equally near.
+///
+/// An object is asked only near its cuboid, so objects elsewhere cost nothing but the 1.5 us each
+/// that it takes to build the sampler. Cost: 0.2 us a point over background, about 1 us among
+/// objects; a ray about 20 us.
+///
+/// The snapshot must outlive the sampler. One sampler a thread.
+class MapSampler {
+ public:
+  explicit MapSampler(const MapSnapshot& snapshot);
+
+  /// The map at a point, metres. A point that is not finite is unknown.
+  MapDistance Sample(const Eigen::Vector3d& point_world);
+
+  /// The nearest surface that a ray meets from its front. `unit_direction` must have length one
+  /// (asserted).
+  MapRayHit CastRay(const Eigen::Vector3d& origin_world,
+                    const Eigen::Vector3d& unit_direction_world,
+                    double max_range_m);
+
+ private:
+  /// The sampler of an object, made when it is first asked for.
+  TsdfSampler& SamplerOf(std::size_t object);
+
+  VoxelScale scale_;
+  TsdfSampler background_;
+  std::vector<PlacedVolume> objects_;  ///< By rising id.
+  std::vector<std::unique_ptr<TsdfSampler>> samplers_;
+  BoxTree reach_;  ///< Where the objects may know something.
+};
+
+}  // namespace steadymap

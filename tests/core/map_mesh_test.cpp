@@ -1,0 +1,117 @@
+#include "core/map_mesh.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/tsdf_mesh.h"
+#include "tests/support/analytic_map.h"
+
+namespace steadymap {
+namespace {
+
+using testing::AddObject;
+using testing::BoxObject;
+using testing::FloorMap;
+
+const Eigen::Vector3d kSizeM(0.6, 0.4, 0.5);
+const UprightPose kPlace{{0.5, -0.3, 0.6}, 0.4};
+
+MapSnapshot BoxOverFloor() {
+  MapSnapshot map = FloorMap();
+  AddObject(BoxObject(ObjectId(3), kSizeM, kPlace), &map);
+  return map;
+}
+
+/// Triangles refer to vertices that are there, and every vertex has a normal.
+void ExpectWhole(const Mesh& mesh) {
+  EXPECT_EQ(mesh.normals_world.size(), mesh.vertices_world.size());
+  EXPECT_TRUE(mesh.colors.empty() || mesh.colors.size() == mesh.vertices_world.size());
+  for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) ASSERT_LT(vertex, mesh.vertices_world.size());
+  }
+}
+
+TEST(ExtractMapMesh, ObjectsStandInTheWorldBesideTheBackground) {
+  const MapSnapshot map = BoxOverFloor();
+  const Mesh floor = ExtractMesh(map.background, map.scale, nullptr);
+  const Mesh mesh = ExtractMapMesh(ShownVolumes(map), map.scale, nullptr);
+  ExpectWhole(mesh);
+  ASSERT_GT(mesh.triangles.size(), floor.triangles.size());
+  const Eigen::Isometry3d T_object_world = kPlace.ToIsometry().inverse();
+  const Box body(-0.5 * kSizeM, 0.5 * kSizeM);
+  for (std::size_t i = floor.vertices_world.size(); i < mesh.vertices_world.size(); ++i) {
+    const Eigen::Vector3d vertex = T_object_world * mesh.vertices_world[i].cast<double>();
+    // Half a voxel: edges are rounded off.
+    ASSERT_NEAR(testing::DistanceFrom({body}, vertex), 0.0, 0.0251);
+    // Outward: away from the middle of the box.
+    EXPECT_GT(
+        mesh.normals_world[i].dot((mesh.vertices_world[i] - kPlace.position_world.cast<float>())),
+        0.0F);
+  }
+}
+
+TEST(ExtractMapMesh, KeepsToTheBoxInTheWorld) {
+  const MapSnapshot map = BoxOverFloor();
+  const Box box(Eigen::Vector3d(0.5, -1.0, -1.0), Eigen::Vector3d(2.0, 1.0, 2.0));
+  const Mesh mesh = ExtractMapMesh(ShownVolumes(map), map.scale, &box);
+  ExpectWhole(mesh);
+  std::size_t above_floor = 0;
+  for (const Eigen::Vector3f& vertex : mesh.vertices_world) {
+    ASSERT_TRUE(box.contains(vertex.cast<double>()));
+    above_floor += vertex.z() > 0.3F ? 1 : 0;
+  }
+  EXPECT_GT(above_floor, 50U);
+
+  const Box elsewhere(Eigen::Vector3d(-2.0, 1.0, 0.5), Eigen::Vector3d(-1.5, 2.0, 2.0));
+  EXPECT_TRUE(ExtractMapMesh(ShownVolumes(map), map.scale, &elsewhere).triangles.empty());
+}
+
+TEST(ExtractMapMesh, VolumesWithoutColoursAreGreyBesideColouredOnes) {
+  MapSnapshot map = FloorMap();
+  const MapObject plain = BoxObject(ObjectId(1), kSizeM, kPlace);
+  MapObject red = plain;
+  red.id = ObjectId(2);
+  auto volume = std::make_shared<TsdfGrid>();
+  plain.volume->ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    LeafVoxels voxels;
+    plain.volume->LoadLeaf(origin, &voxels);
+    voxels.color.fill(0x010000FFU);
+    voxels.has_color = true;
+    volume->StoreLeaf(origin, voxels);
+  });
+  red.volume = volume;
+  AddObject(plain, &map);
+  AddObject(red, &map);
+  const Mesh mesh = ExtractMapMesh(ShownVolumes(map), map.scale, nullptr);
+  ExpectWhole(mesh);
+  ASSERT_FALSE(mesh.colors.empty());
+  EXPECT_EQ(mesh.colors.front(), kUnknownColor);
+  EXPECT_EQ(mesh.colors.back(), (Rgb{255, 0, 0}));
+  const std::vector<PlacedVolume> red_first = {VolumeOf(red), VolumeOf(plain)};
+  EXPECT_EQ(ExtractMapMesh(red_first, map.scale, nullptr).colors.back(), kUnknownColor);
+}
+
+TEST(ExtractMapMesh, NoVolumesHaveNoSurface) {
+  EXPECT_TRUE(ExtractMapMesh({}, {}, nullptr).vertices_world.empty());
+}
+
+TEST(LeafTouches, TurnedLeavesAreTestedWhereTheyStand) {
+  const VoxelScale scale;
+  // A leaf of 0.35 m between voxel centres, its lowest corner at the object's origin.
+  const MapObject object =
+      BoxObject(ObjectId(1), kSizeM, {.position_world = {1.0, 1.0, 0.0}, .yaw_rad = M_PI / 4});
+  const PlacedVolume volume = VolumeOf(object);
+  const auto touches = [&](const Eigen::Vector3d& point) {
+    return LeafTouches(volume, {0, 0, 0}, scale, Box(point, point));
+  };
+  EXPECT_TRUE(touches({1.0, 1.0, 0.0})) << "its corner";
+  EXPECT_TRUE(touches({1.0, 1.0 + 0.35 * std::sqrt(2.0) - 1e-6, 0.2})) << "the corner across";
+  EXPECT_TRUE(touches({1.24, 1.25, 0.35}));
+  EXPECT_FALSE(touches({1.1, 1.05, 0.1})) << "below the slanted side, within its bounds";
+  EXPECT_FALSE(touches({1.0, 1.25, 0.36}));
+  EXPECT_FALSE(touches({1.0, 1.0 - 1e-6, 0.1}));
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,171 @@
+// Closed-form oracles of what a whole map shows: a floor and boxes whose distances are known.
+
+#include "core/map_sampler.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/map_counts.h"
+#include "tests/support/analytic_map.h"
+
+namespace steadymap {
+namespace {
+
+using testing::AddObject;
+using testing::BoxObject;
+using testing::FloorMap;
+
+constexpr double kYawRad = 0.4;
+const Eigen::Vector3d kSizeM(0.6, 0.4, 0.5);
+const UprightPose kPlace{{0.5, -0.3, 0.6}, kYawRad};
+
+/// A box that hangs over a floor, turned, its faces clear of the floor's band.
+MapSnapshot BoxOverFloor() {
+  MapSnapshot map = FloorMap();
+  AddObject(BoxObject(ObjectId(3), kSizeM, kPlace), &map);
+  return map;
+}
+
+TEST(MapSampler, TheNearestSurfaceAnswersForAPoint) {
+  const MapSnapshot map = BoxOverFloor();
+  MapSampler sampler(map);
+  const Eigen::Isometry3d T_world_object = kPlace.ToIsometry();
+  const MapDistance above_floor = sampler.Sample({-1.0, -1.0, 0.07});
+  EXPECT_TRUE(above_floor.sample.known);
+  EXPECT_NEAR(above_floor.sample.distance_m, 0.07, 1e-4);
+  EXPECT_EQ(above_floor.object, kBackgroundId);
+  EXPECT_EQ(above_floor.class_id, ClassId(0));
+
+  const MapDistance before_box = sampler.Sample(T_world_object * Eigen::Vector3d(0.37, 0.02, 0.03));
+  EXPECT_TRUE(before_box.sample.known);
+  EXPECT_NEAR(before_box.sample.distance_m, 0.07, 1e-4);
+  EXPECT_EQ(before_box.object, ObjectId(3));
+  EXPECT_EQ(before_box.class_id, ClassId(103));
+  EXPECT_NEAR(
+      (before_box.sample.gradient - Eigen::Vector3d(std::cos(kYawRad), std::sin(kYawRad), 0.0))
+          .norm(),
+      0.0,
+      1e-3);
+
+  const MapDistance inside_box = sampler.Sample(T_world_object * Eigen::Vector3d(0.25, 0.0, 0.0));
+  EXPECT_NEAR(inside_box.sample.distance_m, -0.05, 1e-4);
+  EXPECT_FALSE(sampler.Sample({-1.0, 1.0, 1.0}).sample.known);
+}
+
+TEST(MapSampler, DistancesAreThoseOfTheUnionWhereverTheyAreKnown) {
+  const MapSnapshot map = BoxOverFloor();
+  MapSampler sampler(map);
+  const Eigen::Isometry3d T_object_world = kPlace.ToIsometry().inverse();
+  const Box body(-0.5 * kSizeM, 0.5 * kSizeM);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-1.2, 1.4);
+  std::size_t by_object = 0;
+  for (int i = 0; i < 50'000; ++i) {
+    const Eigen::Vector3d point(coordinate(random), coordinate(random), coordinate(random));
+    const MapDistance found = sampler.Sample(point);
+    if (!found.sample.known) continue;
+    const double box_m = testing::DistanceFrom({body}, T_object_world * point);
+    const double floor_m = point.z();
+    const double truth_m = std::abs(box_m) < std::abs(floor_m) ? box_m : floor_m;
+    // Interpolation rounds the box's edges off.
+    ASSERT_NEAR(found.sample.distance_m, truth_m, 0.03) << point.transpose();
+    by_object += found.object == ObjectId(3) ? 1 : 0;
+  }
+  EXPECT_GT(by_object, 100U);
+}
+
+TEST(MapSampler, RaysMeetTheNearestOfBackgroundAndObjects) {
+  const MapSnapshot map = BoxOverFloor();
+  MapSampler sampler(map);
+  const Eigen::Vector3d over_box(0.5, -0.3, 3.0);
+  const MapRayHit top = sampler.CastRay(over_box, -Eigen::Vector3d::UnitZ(), 10.0);
+  EXPECT_TRUE(top.hit.hit);
+  EXPECT_NEAR(top.hit.range_m, 3.0 - 0.85, 1e-3);
+  EXPECT_NEAR((top.hit.point_m - Eigen::Vector3d(0.5, -0.3, 0.85)).norm(), 0.0, 1e-3);
+  EXPECT_NEAR(top.hit.normal.z(), 1.0, 1e-3);
+  EXPECT_EQ(top.object, ObjectId(3));
+  EXPECT_EQ(top.class_id, ClassId(103));
+
+  const MapRayHit floor = sampler.CastRay({-1.0, 0.5, 3.0}, -Eigen::Vector3d::UnitZ(), 10.0);
+  EXPECT_TRUE(floor.hit.hit);
+  EXPECT_NEAR(floor.hit.range_m, 3.0, 1e-3);
+  EXPECT_EQ(floor.object, kBackgroundId);
+
+  EXPECT_FALSE(sampler.CastRay(over_box, -Eigen::Vector3d::UnitZ(), 2.0).hit.hit);
+  EXPECT_FALSE(sampler.CastRay(over_box, Eigen::Vector3d::UnitZ(), 10.0).hit.hit);
+}
+
+TEST(MapSampler, RaysFromBetweenObjectAndFloorMeetTheFloorAlone) {
+  const MapSnapshot map = BoxOverFloor();
+  MapSampler sampler(map);
+  const MapRayHit hit = sampler.CastRay({0.5, -0.3, 0.25}, -Eigen::Vector3d::UnitZ(), 10.0);
+  EXPECT_EQ(hit.object, kBackgroundId);
+  EXPECT_NEAR(hit.hit.range_m, 0.25, 1e-3);
+}
+
+TEST(MapSampler, TheNormalTurnsWithTheObject) {
+  const MapSnapshot map = BoxOverFloor();
+  MapSampler sampler(map);
+  const Eigen::Vector3d side(std::cos(kYawRad), std::sin(kYawRad), 0.0);
+  const MapRayHit hit = sampler.CastRay(kPlace.position_world + 2.0 * side, -side, 10.0);
+  EXPECT_NEAR(hit.hit.range_m, 2.0 - 0.3, 1e-3);
+  EXPECT_NEAR((hit.hit.normal - side).norm(), 0.0, 1e-3);
+}
+
+TEST(MapSampler, OnlyPresentObjectsAreShown) {
+  MapSnapshot map = FloorMap();
+  MapObject object = BoxObject(ObjectId(3), kSizeM, kPlace);
+  for (const ObjectStanding standing : {ObjectStanding::kTentative, ObjectStanding::kArchived}) {
+    object.standing = standing;
+    AddObject(object, &map);
+    MapSampler sampler(map);
+    EXPECT_FALSE(sampler.Sample({0.5, -0.3, 0.85}).sample.known);
+    EXPECT_EQ(sampler.CastRay({0.5, -0.3, 3.0}, -Eigen::Vector3d::UnitZ(), 9.0).object,
+              kBackgroundId);
+  }
+}
+
+TEST(MapSampler, OfEquallyNearObjectsTheLowerIdAnswers) {
+  MapSnapshot map = FloorMap();
+  for (const std::uint64_t id : {9U, 2U, 5U}) {
+    AddObject(BoxObject(ObjectId(id), kSizeM, kPlace), &map);
+  }
+  MapSampler sampler(map);
+  EXPECT_EQ(sampler.Sample({0.5, -0.3, 0.9}).object, ObjectId(2));
+}
+
+TEST(MapSampler, AnEmptyMapKnowsNothing) {
+  const MapSnapshot map;
+  MapSampler sampler(map);
+  EXPECT_FALSE(sampler.Sample(Eigen::Vector3d::Zero()).sample.known);
+  EXPECT_FALSE(sampler.CastRay(Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), 9.0).hit.hit);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(sampler.Sample({nan, 0.0, 0.0}).sample.known);
+}
+
+TEST(CountMap, BackgroundAndObjectsAreCounted) {
+  MapSnapshot map = FloorMap();
+  const MapCounts floor = CountMap(map);
+  EXPECT_EQ(floor.leaves, map.background.leaf_count());
+  EXPECT_EQ(floor.present_objects, 0U);
+  MapObject object = BoxObject(ObjectId(1), kSizeM, kPlace);
+  AddObject(object, &map);
+  const MapCounts present = CountMap(map);
+  EXPECT_EQ(present.present_objects, 1U);
+  EXPECT_EQ(present.leaves, floor.leaves + object.volume->leaf_count());
+  EXPECT_EQ(present.voxels, floor.voxels + object.volume->CountObservedVoxels());
+  EXPECT_EQ(present.memory_bytes, floor.memory_bytes + object.volume->memory_bytes());
+  object.standing = ObjectStanding::kArchived;
+  AddObject(object, &map);
+  const MapCounts archived = CountMap(map);
+  EXPECT_EQ(archived.present_objects, 0U);
+  EXPECT_EQ(archived.archived_objects, 1U);
+  EXPECT_EQ(archived.voxels, floor.voxels);
+  EXPECT_EQ(archived.memory_bytes, present.memory_bytes) << "it is still in memory";
+}
+
+}  // namespace
+}  // namespace steadymap

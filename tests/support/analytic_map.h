@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cmath>
+#include <memory>
+
+#include "core/map_snapshot.h"
+#include "tests/support/analytic_solid.h"
+
+namespace steadymap::testing {
+
+/// The same volume with canonical voxels (core/voxel_leaf.h).
+inline TsdfGrid Canonical(const TsdfGrid& volume, const VoxelScale& scale) {
+  TsdfGrid canonical;
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    LeafVoxels voxels;
+    volume.LoadLeaf(origin, &voxels);
+    for (float& distance_m : voxels.distance_m) {
+      distance_m = std::round(distance_m / scale.distance_step_m()) * scale.distance_step_m();
+    }
+    canonical.StoreLeaf(origin, voxels);
+  });
+  return canonical;
+}
+
+/// The volume of a floor: the plane z = 0 between -2 and 2 m, known up to a truncation on both
+/// sides.
+inline TsdfGrid FloorVolume(const VoxelScale& scale) {
+  const Box bounds(Eigen::Vector3d(-2.0, -2.0, -scale.truncation_m),
+                   Eigen::Vector3d(2.0, 2.0, scale.truncation_m));
+  return MakeVolume([](const Eigen::Vector3d& point) { return point.z(); },
+                    bounds,
+                    scale,
+                    [&](const Eigen::Vector3d& point) { return bounds.contains(point); });
+}
+
+/// A map of that floor without objects.
+inline MapSnapshot FloorMap(const VoxelScale& scale = {}) {
+  MapSnapshot map(scale);
+  map.revision = Revision(7);
+  const TsdfGrid floor = Canonical(FloorVolume(scale), scale);
+  floor.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    LeafVoxels voxels;
+    floor.LoadLeaf(origin, &voxels);
+    map.background.MutableTile(origin).StoreLeaf(origin, voxels);
+  });
+  return map;
+}
+
+/// A box-shaped object of `size_m`, its volume centred on its frame's origin.
+inline MapObject BoxObject(ObjectId id,
+                           const Eigen::Vector3d& size_m,
+                           const UprightPose& T_world_object,
+                           const VoxelScale& scale = {}) {
+  const Box body(-0.5 * size_m, 0.5 * size_m);
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(scale.truncation_m);
+  MapObject object;
+  object.id = id;
+  object.standing = ObjectStanding::kPresent;
+  object.class_id = ClassId(static_cast<std::uint16_t>(100 + id.value()));
+  object.T_world_object = T_world_object;
+  object.cuboid = {T_world_object.position_world, size_m, T_world_object.yaw_rad};
+  const TsdfGrid volume =
+      MakeVolume([body](const Eigen::Vector3d& point) { return DistanceFrom({body}, point); },
+                 Box(body.min() - reach, body.max() + reach),
+                 scale,
+                 [](const Eigen::Vector3d&) { return true; });
+  object.volume = std::make_shared<const TsdfGrid>(Canonical(volume, scale));
+  return object;
+}
+
+inline void AddObject(const MapObject& object, MapSnapshot* map) {
+  map->objects[object.id] = std::make_shared<const MapObject>(object);
+}
+
+}  // namespace steadymap::testing
