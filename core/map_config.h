@@ -59,6 +59,12 @@ struct MapConfig {
   /// Labels of a valid frame lie below this: the largest id plus one.
   std::size_t label_limit() const;
 
+  /// The row of a class; null if it has none. Valid until the table changes.
+  const SemanticClass* FindClass(ClassId id) const;
+
+  /// Whether surface of a class belongs to the background; so does that of a class without a row.
+  bool IsInBackground(ClassId id) const;
+
   friend bool operator==(const MapConfig&, const MapConfig&) = default;
 };
 

@@ -8,6 +8,7 @@
 #include "core/class_votes.h"
 #include "core/contact.h"
 #include "core/ground.h"
+#include "core/new_object.h"
 #include "core/object_parts.h"
 
 namespace steadymap {
@@ -69,18 +70,6 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   MarkFreeSpace();
 }
 
-const SemanticClass* ObjectMapper::FindClass(std::uint16_t label) const {
-  for (const SemanticClass& row : config_.classes) {
-    if (row.id.value() == label) return &row;
-  }
-  return nullptr;
-}
-
-bool ObjectMapper::IsInBackground(std::uint16_t label) const {
-  const SemanticClass* row = FindClass(label);
-  return row == nullptr || row->in_background;
-}
-
 void ObjectMapper::FindOwners() {
   std::vector<TrackedObject*> candidates;
   for (auto& [id, object] : map_->mutable_objects()) candidates.push_back(&object);
@@ -110,7 +99,7 @@ void ObjectMapper::JudgeObjects() {
 /// Updates the belief in an object, and removes it or what is gone of it.
 void ObjectMapper::DecideOn(TrackedObject* object) {
   ObjectState& state = object->state();
-  const SemanticClass* row = FindClass(state.class_id.value());
+  const SemanticClass* row = config_.FindClass(state.class_id);
   const StationarityPrior prior = row == nullptr || row->motion == ClassMotion::kStatic
                                       ? StationarityPrior::kStays
                                       : StationarityPrior::kMoves;
@@ -216,7 +205,8 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
 }
 
 std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
-  if (observation.instance == 0 && IsInBackground(observation.label)) return kBackgroundOwner;
+  if (observation.instance == 0 && config_.IsInBackground(ClassId(observation.label)))
+    return kBackgroundOwner;
   const bool is_free = IsInFreeSpace(observation);
   const bool is_small = observation.area_m2 < parameters_.min_new_area_m2;
   for (const BorderContact& contact : observation.contacts) {
@@ -231,13 +221,7 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
 }
 
 std::uint32_t ObjectMapper::AddObject(const Observation& observation) {
-  Eigen::Vector3d mean_world = Eigen::Vector3d::Zero();
-  for (const std::size_t index : observation.samples) {
-    mean_world += samples_[index].position_world.cast<double>();
-  }
-  mean_world /= static_cast<double>(observation.samples.size());
-  TrackedObject& object = map_->AddObject(mean_world);
-  object.state().class_id = ClassId(observation.label);
+  TrackedObject& object = AddObjectOf(observation, samples_, map_);
   object.state().belief = InitialBelief(parameters_.initial_stationarity);
   in_view_.push_back({&object, 0, samples_.width(), 0, samples_.height()});
   return static_cast<std::uint32_t>(in_view_.size());
@@ -254,7 +238,7 @@ void ObjectMapper::CountViews() {
     }
     ++fitting_samples_[owner - 1];
     const std::uint16_t label = samples_[index].label;
-    if (!IsInBackground(label)) ++samples_by_class[owner - 1][ClassId(label)];
+    if (!config_.IsInBackground(ClassId(label))) ++samples_by_class[owner - 1][ClassId(label)];
   }
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (fitting_samples_[i] < kMinFittingSamples) continue;

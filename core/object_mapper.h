@@ -84,8 +84,6 @@ class ObjectMapper final : public MapUpdater {
   void ConfirmAndForget();
   void MarkFreeSpace();
   void Archive(TrackedObject* object, const Belief& before);
-  const SemanticClass* FindClass(std::uint16_t label) const;
-  bool IsInBackground(std::uint16_t label) const;
 
   MapConfig config_;
   ObjectMapperParameters parameters_;
