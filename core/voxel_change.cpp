@@ -186,18 +186,18 @@ void VoxelChangeMapper::TakeOverLeaf(LeafOrigin origin,
   if (is_changed) map_->StoreBackgroundLeaf(origin, voxels);
 }
 
+/// Tells that the background has changed: where something was removed, added or replaced.
 void VoxelChangeMapper::Report(const VoxelChange& change) {
   const double deciding = kDecidingShare * static_cast<double>(change.voxels);
   ObjectEvent event;
   event.type = EventType::kUpdated;
   event.reason = EventReason::kDisplaced;
   if (static_cast<double>(change.freed) >= deciding) {
-    event.type = EventType::kRemoved;
     event.reason = EventReason::kSeenThrough;
   } else if (static_cast<double>(change.taken) >= deciding) {
-    event.type = EventType::kCreated;
     event.reason = EventReason::kNewSurface;
   }
+  event.object = kBackgroundId;
   event.time = map_->now();
   event.revision = map_->revision();
   event.center_world = change.mean_voxel * map_->scale().voxel_size_m;

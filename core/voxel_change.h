@@ -29,8 +29,9 @@ struct VoxelChangeParameters {
 
 /// The `voxel_change` policy (pocd.md section 7; Fehr et al.): what a visit sees is fused into a
 /// layer of its own, and goes over into the map where the map knows nothing, or knew it less well,
-/// or where enough connected voxels have changed. There are no objects; events tell of the
-/// background (object 0, class 0).
+/// or where enough connected voxels have changed. There are no objects: each change is an
+/// UPDATED event of the background (object 0, class 0) with the reason seen_through where something
+/// was removed, new_surface where it was added, displaced where it was replaced.
 class VoxelChangeMapper final : public MapUpdater {
  public:
   VoxelChangeMapper(const MapConfig& config, const VoxelChangeParameters& parameters);
