@@ -30,6 +30,20 @@ LeafMask DifferenceOf(const LeafView& before,
   return different;
 }
 
+/// The voxels further before a surface than what counts as a difference.
+LeafMask OpenSpaceOf(const LeafView& leaf,
+                     const VoxelScale& scale,
+                     const ChangedVoxelParameters& parameters) {
+  LeafMask open{};
+  const double from_m = parameters.min_difference * scale.truncation_m;
+  for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+    if (IsSet(leaf.observed, offset) && static_cast<double>(leaf.distance_m[offset]) > from_m) {
+      open[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    }
+  }
+  return open;
+}
+
 Eigen::Vector3i VoxelAt(LeafOrigin origin, std::size_t offset) {
   return {origin.x + static_cast<int>(offset >> 6),
           origin.y + static_cast<int>(offset >> 3 & 7),
@@ -65,19 +79,25 @@ class ComponentSearch {
     return voxels;
   }
 
-  /// Whether a cube of two voxels a side lies within the voxels that differ, one of them `voxel`
-  /// and its lowest.
-  bool IsLowestOfCube(const Eigen::Vector3i& voxel) const {
-    for (int i = 1; i < 8; ++i) {
-      if (!Differs(voxel + Eigen::Vector3i(i >> 2, i >> 1 & 1, i & 1))) return false;
+  /// Whether `voxel` belongs to a cube of two voxels a side that all differ or are open space in
+  /// `after`: what was freed earlier goes on being part of the change.
+  bool IsInCube(const Eigen::Vector3i& voxel, const Masks& open_space) const {
+    for (int cube = 0; cube < 8; ++cube) {
+      const Eigen::Vector3i lowest = voxel - Eigen::Vector3i(cube >> 2, cube >> 1 & 1, cube & 1);
+      bool is_whole = true;
+      for (int i = 0; i < 8 && is_whole; ++i) {
+        const Eigen::Vector3i corner = lowest + Eigen::Vector3i(i >> 2, i >> 1 & 1, i & 1);
+        is_whole = Holds(different_, corner) || Holds(open_space, corner);
+      }
+      if (is_whole) return true;
     }
-    return true;
+    return false;
   }
 
  private:
-  bool Differs(const Eigen::Vector3i& voxel) const {
-    const auto leaf = different_.find(LeafOf(voxel.x(), voxel.y(), voxel.z()));
-    return leaf != different_.end() &&
+  static bool Holds(const Masks& masks, const Eigen::Vector3i& voxel) {
+    const auto leaf = masks.find(LeafOf(voxel.x(), voxel.y(), voxel.z()));
+    return leaf != masks.end() &&
            IsSet(leaf->second, OffsetInLeaf(voxel.x(), voxel.y(), voxel.z()));
   }
 
@@ -157,12 +177,15 @@ std::vector<VoxelChange> FindChanges(const VoxelReader& before,
                                      const VoxelScale& scale,
                                      const ChangedVoxelParameters& parameters) {
   Masks different;
+  Masks open_space;
   for (const LeafOrigin& origin : origins) {
     const LeafView old_leaf = before.FindLeaf(origin);
     const LeafView new_leaf = after.FindLeaf(origin);
     if (!old_leaf || !new_leaf) continue;
     const LeafMask mask = DifferenceOf(old_leaf, new_leaf, scale, parameters);
-    if (mask != LeafMask{}) different.emplace(origin, mask);
+    if (mask == LeafMask{}) continue;
+    different.emplace(origin, mask);
+    open_space.emplace(origin, OpenSpaceOf(new_leaf, scale, parameters));
   }
   std::vector<VoxelChange> changes;
   ComponentSearch search(different);
@@ -173,7 +196,7 @@ std::vector<VoxelChange> FindChanges(const VoxelReader& before,
       const std::vector<Eigen::Vector3i> voxels = search.Take(first);
       if (voxels.size() >= parameters.min_voxels &&
           std::any_of(voxels.begin(), voxels.end(), [&](const Eigen::Vector3i& voxel) {
-            return search.IsLowestOfCube(voxel);
+            return search.IsInCube(voxel, open_space);
           })) {
         changes.push_back(Describe(voxels, before, after, scale, parameters));
       }

@@ -152,35 +152,35 @@ void VoxelChangeMapper::TakeOver(const std::vector<LeafOrigin>& origins, const F
   }
 }
 
+/// Whether the fresh layer knows a voxel better than the map does, and does not contradict it.
+bool VoxelChangeMapper::IsKnownBetter(const LeafView& known,
+                                      const LeafView& fresh,
+                                      std::size_t offset) const {
+  return fresh.weight[offset] > known.weight[offset] &&
+         !(IsComparable(known, fresh, offset, parameters_.change) &&
+           IsDifferent(known, fresh, offset, map_->scale(), parameters_.change));
+}
+
 void VoxelChangeMapper::TakeOverLeaf(LeafOrigin origin,
                                      const LeafView& fresh,
                                      const LeafMask& changed) {
-  const ChangedVoxelParameters& parameters = parameters_.change;
   const LeafView known = map_->background().FindLeaf(origin);
   LeafVoxels voxels;
   CopyLeaf(known, &voxels);
   bool is_changed = false;
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
     if (!IsSet(fresh.observed, offset)) continue;
-    const bool is_free = IsFreeDistance(fresh.distance_m[offset], map_->scale(), parameters);
-    if (IsSet(changed, offset)) {
-      if (is_free) {
-        ClearVoxel(offset, &voxels);
-      } else {
-        TakeVoxel(fresh, offset, &voxels);
-      }
-      is_changed = true;
+    const bool is_known = known && IsSet(known.observed, offset);
+    if (!IsSet(changed, offset) && is_known && !IsKnownBetter(known, fresh, offset)) continue;
+    if (!IsFreeDistance(fresh.distance_m[offset], map_->scale(), parameters_.change)) {
+      TakeVoxel(fresh, offset, &voxels);
+    } else if (IsSet(changed, offset) ||
+               (is_known && !IsComparable(known, fresh, offset, parameters_.change))) {
+      // What is free is not kept: a map holds the bands around its surfaces.
+      ClearVoxel(offset, &voxels);
+    } else {
       continue;
     }
-    // What is free is not kept where it changes nothing.
-    if (is_free) continue;
-    if (known && IsSet(known.observed, offset) &&
-        (fresh.weight[offset] <= known.weight[offset] ||
-         (IsComparable(known, fresh, offset, parameters) &&
-          IsDifferent(known, fresh, offset, map_->scale(), parameters)))) {
-      continue;
-    }
-    TakeVoxel(fresh, offset, &voxels);
     is_changed = true;
   }
   if (is_changed) map_->StoreBackgroundLeaf(origin, voxels);

@@ -42,6 +42,7 @@ class VoxelChangeMapper final : public MapUpdater {
   const std::vector<LeafOrigin>& LeavesInView(const FreeView& view);
   void ClearLeaf(const FreeView& view, LeafOrigin origin, FreshLayer* fresh);
   void TakeOver(const std::vector<LeafOrigin>& origins, const FreshLayer& fresh);
+  bool IsKnownBetter(const LeafView& known, const LeafView& fresh, std::size_t offset) const;
   void TakeOverLeaf(LeafOrigin origin, const LeafView& fresh, const LeafMask& changed);
   void Report(const VoxelChange& change);
 

@@ -77,10 +77,10 @@ TEST(VoxelChange, ReplacesSurfaceByWhatWasPutBeforeIt) {
 
 TEST(VoxelChange, FindsAShiftedBoxAtItsNewPlaceOnly) {
   MapStory story = NewStory();
-  story.Look({FarWall(), Goods(-0.3)}, 30);
-  story.Look({FarWall(), Goods(0.3)}, 20, /*visit=*/1);
-  EXPECT_EQ(CountSurfaceIn(story.map(), Around(Goods(-0.3), 0.04)), 0U);
-  EXPECT_GT(CountSurfaceIn(story.map(), Around(Goods(0.3), 0.05)), 100U);
+  story.Look({FarWall(), Goods(-0.4)}, 30);
+  story.Look({FarWall(), Goods(0.4)}, 20, /*visit=*/1);
+  EXPECT_EQ(CountSurfaceIn(story.map(), Around(Goods(-0.4), 0.04)), 0U);
+  EXPECT_GT(CountSurfaceIn(story.map(), Around(Goods(0.4), 0.05)), 100U);
 }
 
 TEST(VoxelChange, ClearsByRaysThatEndOnAPerson) {
