@@ -38,7 +38,8 @@ std::vector<Eigen::Vector3d> SegmentFusion::PointsOf(std::size_t place) const {
   }
   std::vector<Eigen::Vector3d> points_world;
   for (std::size_t index = 0; index < samples_.size(); ++index) {
-    if (is_part[index] != 0) points_world.push_back(samples_[index].position_world.cast<double>());
+    if (is_part[index] != 0)
+      points_world.emplace_back(samples_[index].position_world.cast<double>());
   }
   return points_world;
 }
