@@ -133,28 +133,15 @@ std::map<LeafKey, std::string> PackedLeaves(const MapSnapshot& map) {
   return packed;
 }
 
-void ExpectSameObject(const MapObject& a, const MapObject& b) {
-  EXPECT_EQ(a.standing, b.standing);
-  EXPECT_EQ(a.class_id, b.class_id);
-  EXPECT_EQ(a.votes, b.votes);
-  EXPECT_EQ(a.T_world_object, b.T_world_object);
-  EXPECT_EQ(a.cuboid, b.cuboid);
-  EXPECT_EQ(a.belief, b.belief);
-  EXPECT_EQ(a.evidence, b.evidence);
-  EXPECT_EQ(a.first_seen, b.first_seen);
-  EXPECT_EQ(a.last_seen, b.last_seen);
-  EXPECT_EQ(a.views, b.views);
-  EXPECT_EQ(a.absences, b.absences);
-}
-
 void ExpectSameMap(const MapSnapshot& a, const MapSnapshot& b) {
   EXPECT_EQ(a.revision, b.revision);
-  EXPECT_TRUE(PackedLeaves(a) == PackedLeaves(b));
-  ASSERT_EQ(a.objects.size(), b.objects.size());
-  for (const auto& [id, object] : a.objects) {
-    SCOPED_TRACE(id.value());
-    ASSERT_TRUE(b.objects.contains(id));
-    ExpectSameObject(*object, *b.objects.at(id));
+  EXPECT_EQ(a.last_capture_time, b.last_capture_time);
+  EXPECT_EQ(a.newest_object, b.newest_object);
+  const MapDelta difference = Diff(a, b);
+  EXPECT_TRUE(difference.leaves.empty());
+  EXPECT_TRUE(difference.free_blocks.empty());
+  for (const ObjectChange& change : difference.objects) {
+    ADD_FAILURE() << "object " << change.id.value() << " differs";
   }
 }
 
@@ -332,6 +319,54 @@ Frame Patch(Frame frame, int side_px) {
     }
   }
   return frame;
+}
+
+/// The commits that frames lead to, one after every `frames_per_commit`.
+std::vector<MapCommit> Commits(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
+  const std::unique_ptr<Mapper> mapper = Mapper::Create(PocdConfig()).value();
+  std::vector<MapCommit> commits;
+  for (const Frame& frame : frames) {
+    mapper->Integrate(mapper->head().Next(), frame);
+    if (mapper->uncommitted_frames() == frames_per_commit) commits.push_back(mapper->Commit());
+  }
+  return commits;
+}
+
+TEST(ObjectMapper, GoesOnFromARestoredMapAsIfNeverStopped) {
+  const std::vector<Frame> frames = EventfulFrames();
+  const std::vector<MapCommit> commits = Commits(frames, 4);
+  MapSnapshot stored(commits.front().snapshot->scale);
+  for (std::size_t i = 0; i + 1 < commits.size(); ++i) {
+    ASSERT_TRUE(Apply(commits[i].delta, &stored).ok());
+    ExpectSameMap(stored, *commits[i].snapshot);
+    const std::unique_ptr<Mapper> restarted = Mapper::Create(PocdConfig()).value();
+    restarted->Restore(stored);
+    for (std::size_t frame = 4 * i + 4; frame < 4 * i + 8; ++frame) {
+      restarted->Integrate(restarted->head().Next(), frames[frame]);
+    }
+    const MapCommit next = restarted->Commit();
+    EXPECT_TRUE(next.delta == commits[i + 1].delta) << "restarted after commit " << i;
+    ExpectSameMap(*next.snapshot, *commits[i + 1].snapshot);
+  }
+}
+
+TEST(ObjectMapper, TellsInDeltasWhatSnapshotsShow) {
+  const std::vector<MapCommit> commits = Commits(EventfulFrames(), 6);
+  MapSnapshot before(commits.front().snapshot->scale);
+  MapDelta all{.from = before.revision, .to = before.revision, .last_capture_time = {}};
+  for (const MapCommit& commit : commits) {
+    const MapDelta difference = Diff(before, *commit.snapshot);
+    ASSERT_TRUE(Apply(difference, &before).ok());
+    ExpectSameMap(before, *commit.snapshot);
+    all = Merge(all, commit.delta);
+  }
+  MapSnapshot at_once(before.scale);
+  ASSERT_TRUE(Apply(all, &at_once).ok());
+  ExpectSameMap(at_once, *commits.back().snapshot);
+  MapSnapshot nothing(before.scale);
+  nothing.revision = at_once.revision.Next();
+  ASSERT_TRUE(Apply(Diff(at_once, nothing), &at_once).ok());
+  ExpectSameMap(at_once, nothing);
 }
 
 TEST(ObjectMapper, PublishesAnObjectOfWhichAFrameShowsLittle) {
