@@ -103,6 +103,17 @@ std::size_t MapConfig::label_limit() const {
   return limit;
 }
 
+const SemanticClass* MapConfig::FindClass(ClassId id) const {
+  const auto row = std::find_if(
+      classes.begin(), classes.end(), [id](const SemanticClass& known) { return known.id == id; });
+  return row == classes.end() ? nullptr : &*row;
+}
+
+bool MapConfig::IsInBackground(ClassId id) const {
+  const SemanticClass* row = FindClass(id);
+  return row == nullptr || row->in_background;
+}
+
 absl::Status ValidateMapConfig(const MapConfig& config) {
   Violations violations;
   // Voxels of an impossible size are no measure for the truncation.

@@ -12,8 +12,11 @@ namespace steadymap {
 
 /// How a map decides what to believe.
 enum class UpdatePolicy {
-  kStatic,  ///< Every frame is fused, nothing is ever removed.
-  kPocd,    ///< Objects with a belief each, whether they still stand where they stood.
+  kStatic,        ///< Every frame is fused, nothing is ever removed.
+  kVoxelChange,   ///< Voxels are overwritten where a visit disagrees with those before.
+  kSubmapChange,  ///< Objects are in or out as a whole by the last look at them.
+  kTracking,      ///< Objects are followed from frame to frame; what is gone stays.
+  kPocd,          ///< Objects with a belief each, whether they still stand where they stood.
 };
 
 /// Whether things of a class move on their own.
@@ -58,6 +61,12 @@ struct MapConfig {
 
   /// Labels of a valid frame lie below this: the largest id plus one.
   std::size_t label_limit() const;
+
+  /// The row of a class; null if it has none. Valid until the table changes.
+  const SemanticClass* FindClass(ClassId id) const;
+
+  /// Whether surface of a class belongs to the background; so does that of a class without a row.
+  bool IsInBackground(ClassId id) const;
 
   friend bool operator==(const MapConfig&, const MapConfig&) = default;
 };

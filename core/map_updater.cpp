@@ -1,7 +1,10 @@
 #include "core/map_updater.h"
 
 #include "core/object_mapper.h"
+#include "core/submap_change.h"
+#include "core/tracking.h"
 #include "core/tsdf_integrator.h"
+#include "core/voxel_change.h"
 
 namespace steadymap {
 namespace {
@@ -25,6 +28,12 @@ std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config) {
   switch (config.policy) {
     case UpdatePolicy::kStatic:
       return std::make_unique<StaticUpdater>(config);
+    case UpdatePolicy::kVoxelChange:
+      return std::make_unique<VoxelChangeMapper>(config, VoxelChangeParameters{});
+    case UpdatePolicy::kSubmapChange:
+      return std::make_unique<SubmapMapper>(config, SubmapChangeParameters{});
+    case UpdatePolicy::kTracking:
+      return std::make_unique<TrackingMapper>(config, TrackingParameters{});
     case UpdatePolicy::kPocd:
       return std::make_unique<ObjectMapper>(config, ObjectMapperParameters{});
   }

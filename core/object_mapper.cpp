@@ -8,6 +8,7 @@
 #include "core/class_votes.h"
 #include "core/contact.h"
 #include "core/ground.h"
+#include "core/new_object.h"
 #include "core/object_parts.h"
 #include "core/recognition.h"
 
@@ -74,22 +75,10 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   MarkFreeSpace();
 }
 
-const SemanticClass* ObjectMapper::FindClass(std::uint16_t label) const {
-  for (const SemanticClass& row : config_.classes) {
-    if (row.id.value() == label) return &row;
-  }
-  return nullptr;
-}
-
 StationarityPrior ObjectMapper::PriorOf(ClassId class_id) const {
-  const SemanticClass* row = FindClass(class_id.value());
+  const SemanticClass* row = config_.FindClass(class_id);
   return row == nullptr || row->motion == ClassMotion::kStatic ? StationarityPrior::kStays
                                                                : StationarityPrior::kMoves;
-}
-
-bool ObjectMapper::IsInBackground(std::uint16_t label) const {
-  const SemanticClass* row = FindClass(label);
-  return row == nullptr || row->in_background;
 }
 
 void ObjectMapper::FindOwners() {
@@ -228,7 +217,8 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
 }
 
 std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
-  if (observation.instance == 0 && IsInBackground(observation.label)) return kBackgroundOwner;
+  if (observation.instance == 0 && config_.IsInBackground(ClassId(observation.label)))
+    return kBackgroundOwner;
   const bool is_free = IsInFreeSpace(observation);
   const bool is_small = observation.area_m2 < parameters_.min_new_area_m2;
   for (const BorderContact& contact : observation.contacts) {
@@ -243,13 +233,7 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
 }
 
 std::uint32_t ObjectMapper::AddObject(const Observation& observation) {
-  Eigen::Vector3d mean_world = Eigen::Vector3d::Zero();
-  for (const std::size_t index : observation.samples) {
-    mean_world += samples_[index].position_world.cast<double>();
-  }
-  mean_world /= static_cast<double>(observation.samples.size());
-  TrackedObject& object = map_->AddObject(mean_world);
-  object.state().class_id = ClassId(observation.label);
+  TrackedObject& object = AddObjectOf(observation, samples_, map_);
   object.state().belief = InitialBelief(parameters_.initial_stationarity);
   in_view_.push_back({&object, 0, samples_.width(), 0, samples_.height()});
   return static_cast<std::uint32_t>(in_view_.size());
@@ -266,7 +250,7 @@ void ObjectMapper::CountViews() {
     }
     ++fitting_samples_[owner - 1];
     const std::uint16_t label = samples_[index].label;
-    if (!IsInBackground(label)) ++samples_by_class[owner - 1][ClassId(label)];
+    if (!config_.IsInBackground(ClassId(label))) ++samples_by_class[owner - 1][ClassId(label)];
   }
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (fitting_samples_[i] < kMinFittingSamples) continue;

@@ -81,9 +81,7 @@ class ObjectMapper final : public MapUpdater {
   void TakeBackParts();
   void MarkFreeSpace();
   void Archive(TrackedObject* object, const Belief& before);
-  const SemanticClass* FindClass(std::uint16_t label) const;
   StationarityPrior PriorOf(ClassId class_id) const;
-  bool IsInBackground(std::uint16_t label) const;
 
   MapConfig config_;
   ObjectMapperParameters parameters_;

@@ -33,6 +33,17 @@ bool IsAlike(const Cuboid& a, const Cuboid& b, double size_tolerance_m) {
   return (SidesOf(a) - SidesOf(b)).cwiseAbs().maxCoeff() <= size_tolerance_m;
 }
 
+/// Whether two things may be alike as far as they were seen: from one side, nobody knows how deep a
+/// thing is.
+bool MayBeAlike(const Cuboid& a, const Cuboid& b, double size_tolerance_m) {
+  const auto larger_sides = [](const Cuboid& cuboid) {
+    Eigen::Vector3d sides = cuboid.size_m;
+    std::sort(sides.begin(), sides.end());
+    return Eigen::Vector2d(sides.y(), sides.z());
+  };
+  return (larger_sides(a) - larger_sides(b)).cwiseAbs().maxCoeff() <= size_tolerance_m;
+}
+
 std::vector<Eigen::Vector3d> SurfaceInWorld(const TrackedObject& object) {
   std::vector<Eigen::Vector3d> points_world;
   points_world.reserve(object.surface().point_count());
@@ -112,13 +123,15 @@ class MoveSearch {
     for (auto& [id, other] : map_->mutable_objects()) {
       if (&other == &after || other.state().class_id != after.state().class_id ||
           other.state().standing == ObjectStanding::kTentative ||
-          !IsAlike(other.ComputeCuboid(), cuboid, parameters_.size_tolerance_m)) {
+          !MayBeAlike(other.ComputeCuboid(), cuboid, parameters_.size_tolerance_m)) {
         continue;
       }
       if (found != nullptr || !other.is_archived()) return nullptr;
       found = &other;
     }
-    return found;
+    const bool is_alike =
+        found != nullptr && IsAlike(found->ComputeCuboid(), cuboid, parameters_.size_tolerance_m);
+    return is_alike ? found : nullptr;
   }
 
   bool Fits(const ShapeMatch& match) const {

@@ -128,20 +128,7 @@ void TsdfGrid::StoreLeaf(LeafOrigin origin, const LeafVoxels& voxels) {
 }
 
 void TsdfGrid::LoadLeaf(LeafOrigin origin, LeafVoxels* voxels) const {
-  const LeafView view = FindLeaf(origin);
-  if (!view) {
-    *voxels = LeafVoxels{};
-    return;
-  }
-  std::copy_n(view.distance_m, kLeafVoxels, voxels->distance_m.begin());
-  std::copy_n(view.weight, kLeafVoxels, voxels->weight.begin());
-  voxels->has_color = view.color != nullptr;
-  if (voxels->has_color) {
-    std::copy_n(view.color, kLeafVoxels, voxels->color.begin());
-  } else {
-    voxels->color.fill(0);
-  }
-  voxels->observed = view.observed;
+  CopyLeaf(FindLeaf(origin), voxels);
 }
 
 std::size_t TsdfGrid::CountObservedVoxels() const {

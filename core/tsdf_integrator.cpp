@@ -82,9 +82,9 @@ struct TsdfIntegrator::Scratch {
       : scale{config.voxel_size_m, config.truncation_m},
         max_depth_m(static_cast<float>(config.max_depth_m)) {}
 
-  template <typename GridOf>
+  template <typename PlaceOf>
   void Update(const VolumeView& view,
-              const GridOf& grid_of,
+              const PlaceOf& place_of,
               std::vector<LeafOrigin>* changed_leaves);
   void CollectLeaves(const VolumeView& view);
   LeafKernelFrame MakeKernelFrame(const VolumeView& view) const;
@@ -180,10 +180,10 @@ bool TsdfIntegrator::Scratch::UpdateLeaf(const LeafKernelFrame& kernel_frame,
   return true;
 }
 
-/// Updates all leaves of a view's band; `grid_of(origin)` holds the leaf at `origin`.
-template <typename GridOf>
+/// Updates all leaves of a view's band; `place_of(origin)` is where the leaf at `origin` is kept.
+template <typename PlaceOf>
 void TsdfIntegrator::Scratch::Update(const VolumeView& view,
-                                     const GridOf& grid_of,
+                                     const PlaceOf& place_of,
                                      std::vector<LeafOrigin>* changed_leaves) {
   CollectLeaves(view);
   const LeafKernelFrame kernel_frame = MakeKernelFrame(view);
@@ -195,7 +195,8 @@ void TsdfIntegrator::Scratch::Update(const VolumeView& view,
     for (int axis = 0; axis < 3; ++axis) {
       leaf.origin[axis] = static_cast<float>(lowest_camera[axis]);
     }
-    if (UpdateLeaf(kernel_frame, leaf, &grid_of(origin), origin)) {
+    const LeafPlace place = place_of(origin);
+    if (UpdateLeaf(kernel_frame, leaf, place.grid, place.origin)) {
       changed_leaves->push_back(origin);
     }
   }
@@ -211,11 +212,20 @@ TsdfIntegrator& TsdfIntegrator::operator=(TsdfIntegrator&&) noexcept = default;
 void TsdfIntegrator::Integrate(const SemanticCloud& cloud,
                                Background* background,
                                std::vector<LeafOrigin>* changed_leaves) {
+  IntegrateWorld(
+      cloud,
+      [background](LeafOrigin origin) {
+        return LeafPlace{&background->MutableTile(origin), origin};
+      },
+      changed_leaves);
+}
+
+void TsdfIntegrator::IntegrateWorld(const SemanticCloud& cloud,
+                                    const std::function<LeafPlace(LeafOrigin)>& place_of,
+                                    std::vector<LeafOrigin>* changed_leaves) {
   const CellRange everything{0, cloud.cells_wide(), 0, cloud.cells_high()};
   scratch_->Update(
-      {cloud, cloud.T_world_camera(), kBackgroundOwner, everything},
-      [background](LeafOrigin origin) -> TsdfGrid& { return background->MutableTile(origin); },
-      changed_leaves);
+      {cloud, cloud.T_world_camera(), kBackgroundOwner, everything}, place_of, changed_leaves);
 }
 
 void TsdfIntegrator::Integrate(const SemanticCloud& cloud,
@@ -225,7 +235,9 @@ void TsdfIntegrator::Integrate(const SemanticCloud& cloud,
                                std::vector<LeafOrigin>* changed_leaves) {
   scratch_->Update(
       {cloud, T_world_object.inverse() * cloud.T_world_camera(), selection.owner, selection.range},
-      [grid](LeafOrigin) -> TsdfGrid& { return *grid; },
+      [grid](LeafOrigin origin) {
+        return LeafPlace{grid, origin};
+      },
       changed_leaves);
 }
 

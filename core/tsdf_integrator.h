@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct CellSelection {
   CellRange range;  ///< Holds all of them.
 };
 
+/// Where a leaf is kept: in which grid, and where in it.
+struct LeafPlace {
+  TsdfGrid* grid = nullptr;
+  LeafOrigin origin;
+};
+
 /// Fuses frames into a volume: the block-projective update of platform.md. Keeps its scratch memory
 /// from frame to frame. One thread at a time.
 class TsdfIntegrator {
@@ -39,6 +46,11 @@ class TsdfIntegrator {
   void Integrate(const SemanticCloud& cloud,
                  Background* background,
                  std::vector<LeafOrigin>* changed_leaves);
+
+  /// The same with leaves that are kept where `place_of` says, for each leaf of the world.
+  void IntegrateWorld(const SemanticCloud& cloud,
+                      const std::function<LeafPlace(LeafOrigin)>& place_of,
+                      std::vector<LeafOrigin>* changed_leaves);
 
   /// Fuses the cells of one owner into the grid of an object; likewise.
   void Integrate(const SemanticCloud& cloud,

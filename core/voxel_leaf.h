@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstddef>
@@ -100,6 +101,23 @@ struct LeafView {
 
   explicit operator bool() const { return distance_m != nullptr; }
 };
+
+/// Copies a leaf to `voxels`; zeros where there is none.
+inline void CopyLeaf(const LeafView& leaf, LeafVoxels* voxels) {
+  if (!leaf) {
+    *voxels = LeafVoxels{};
+    return;
+  }
+  std::copy_n(leaf.distance_m, kLeafVoxels, voxels->distance_m.begin());
+  std::copy_n(leaf.weight, kLeafVoxels, voxels->weight.begin());
+  voxels->has_color = leaf.color != nullptr;
+  if (voxels->has_color) {
+    std::copy_n(leaf.color, kLeafVoxels, voxels->color.begin());
+  } else {
+    voxels->color.fill(0);
+  }
+  voxels->observed = leaf.observed;
+}
 
 }  // namespace steadymap
 

@@ -101,6 +101,11 @@ void WorkingMap::FuseBackground(const SemanticCloud& cloud, TsdfIntegrator* inte
   for (const LeafOrigin& origin : changed) changed_leaves_.push_back({kBackgroundId, origin});
 }
 
+void WorkingMap::StoreBackgroundLeaf(LeafOrigin origin, const LeafVoxels& voxels) {
+  map_.background.MutableTile(origin).StoreLeaf(origin, voxels);
+  changed_leaves_.push_back({kBackgroundId, origin});
+}
+
 void WorkingMap::FuseObject(const SemanticCloud& cloud,
                             const CellSelection& selection,
                             TrackedObject* object,

@@ -84,6 +84,9 @@ class WorkingMap {
   /// Fuses the cells that belong to the background (owner 0) into it.
   void FuseBackground(const SemanticCloud& cloud, TsdfIntegrator* integrator);
 
+  /// Replaces one leaf of the background; one without observed voxels removes it.
+  void StoreBackgroundLeaf(LeafOrigin origin, const LeafVoxels& voxels);
+
   /// Fuses the cells of one owner into an object.
   void FuseObject(const SemanticCloud& cloud,
                   const CellSelection& selection,

@@ -121,6 +121,12 @@ absl::StatusOr<UpdatePolicy> FromProto(v1::UpdatePolicy policy) {
     case v1::UPDATE_POLICY_UNSPECIFIED:
     case v1::UPDATE_POLICY_STATIC:
       return UpdatePolicy::kStatic;
+    case v1::UPDATE_POLICY_VOXEL_CHANGE:
+      return UpdatePolicy::kVoxelChange;
+    case v1::UPDATE_POLICY_SUBMAP_CHANGE:
+      return UpdatePolicy::kSubmapChange;
+    case v1::UPDATE_POLICY_TRACKING:
+      return UpdatePolicy::kTracking;
     case v1::UPDATE_POLICY_POCD:
       return UpdatePolicy::kPocd;
     default:
@@ -135,6 +141,12 @@ v1::UpdatePolicy ToProto(UpdatePolicy policy) {
   switch (policy) {
     case UpdatePolicy::kStatic:
       return v1::UPDATE_POLICY_STATIC;
+    case UpdatePolicy::kVoxelChange:
+      return v1::UPDATE_POLICY_VOXEL_CHANGE;
+    case UpdatePolicy::kSubmapChange:
+      return v1::UPDATE_POLICY_SUBMAP_CHANGE;
+    case UpdatePolicy::kTracking:
+      return v1::UPDATE_POLICY_TRACKING;
     case UpdatePolicy::kPocd:
       return v1::UPDATE_POLICY_POCD;
   }

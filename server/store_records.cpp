@@ -29,6 +29,12 @@ std::uint32_t ToNumber(UpdatePolicy policy) {
   switch (policy) {
     case UpdatePolicy::kStatic:
       return 1;
+    case UpdatePolicy::kVoxelChange:
+      return 2;
+    case UpdatePolicy::kSubmapChange:
+      return 3;
+    case UpdatePolicy::kTracking:
+      return 4;
     case UpdatePolicy::kPocd:
       return 5;
   }
@@ -52,11 +58,16 @@ absl::Status Impossible(const char* what) {
 }
 
 absl::StatusOr<MapConfig> FromProto(const storage::v1::MapConfig& config) {
-  if (config.policy() != 1 && config.policy() != 5) {
+  if (config.policy() < 1 || config.policy() > 5) {
     return Impossible("a map record holds an unknown update policy");
   }
+  static constexpr std::array kPolicies = {UpdatePolicy::kStatic,
+                                           UpdatePolicy::kVoxelChange,
+                                           UpdatePolicy::kSubmapChange,
+                                           UpdatePolicy::kTracking,
+                                           UpdatePolicy::kPocd};
   MapConfig result;
-  result.policy = config.policy() == 1 ? UpdatePolicy::kStatic : UpdatePolicy::kPocd;
+  result.policy = kPolicies.at(config.policy() - 1);
   result.voxel_size_m = config.voxel_size_m();
   result.truncation_m = config.truncation_m();
   result.max_depth_m = config.max_depth_m();

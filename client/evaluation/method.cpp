@@ -16,13 +16,22 @@ struct MethodRow {
 
 void FuseEverything(MapConfig* config) { config->policy = UpdatePolicy::kStatic; }
 
+void OverwriteVoxels(MapConfig* config) { config->policy = UpdatePolicy::kVoxelChange; }
+
+void SwitchSubmaps(MapConfig* config) { config->policy = UpdatePolicy::kSubmapChange; }
+
+void FollowObjects(MapConfig* config) { config->policy = UpdatePolicy::kTracking; }
+
 void KeepObjects(MapConfig* config) { config->policy = UpdatePolicy::kPocd; }
 
 // One line a method. `static` is what a map becomes that never forgets, `fresh` what it could be
 // that forgot everything else (targets.md).
-constexpr std::array<MethodRow, 3> kMethods = {{
+constexpr std::array<MethodRow, 6> kMethods = {{
     {"static", FuseEverything, true, false},
     {"fresh", FuseEverything, true, true},
+    {"voxel_change", OverwriteVoxels},
+    {"submap_change", SwitchSubmaps},
+    {"tracking", FollowObjects},
     {"pocd", KeepObjects},
 }};
 

@@ -244,17 +244,58 @@ TEST(ObjectMapper, TakesABoxBesideAnOldPlaceAsNew) {
   EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 2U);
 }
 
-TEST(ObjectMapper, FindsABoxThatWasMovedAsideAtItsNewPlaceOnly) {
+TEST(ObjectMapper, KnowsABoxThatWasMovedAside) {
   Story story;
   story.Look({FarWall(), Goods(-0.3)}, 45);
-  story.Look({FarWall(), Goods(0.3)}, 25);
-  const Revision before(45);
-  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass, before).size(), 1U);
-  EXPECT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass, before).size() +
-                story.EventsOf(EventType::kMoved, kGoodsClass, before).size(),
-            1U);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const ObjectId box = story.Present(kGoodsClass)[0]->id;
+  story.Look({FarWall(), Goods(0.3)}, 25);
+  const std::vector<ObjectEvent> moved = story.EventsOf(EventType::kMoved, kGoodsClass);
+  ASSERT_EQ(moved.size(), 1U);
+  EXPECT_EQ(moved[0].object, box);
+  ASSERT_TRUE(moved[0].old_center_world.has_value());
+  EXPECT_NEAR(moved[0].old_center_world->y(), -0.3, 0.1);
+  EXPECT_NEAR(moved[0].center_world.y(), 0.3, 0.1);
+  EXPECT_GT(moved[0].confidence.value_or(0.0), 0.5);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  EXPECT_EQ(story.Present(kGoodsClass)[0]->id, box);
   EXPECT_NEAR(story.Present(kGoodsClass)[0]->cuboid.center_world.y(), 0.3, 0.1);
+  EXPECT_FALSE(story.map().objects.contains(moved[0].related)) << "one thing is one object";
+  for (const ObjectEvent& event : story.events()) {
+    EXPECT_FALSE(event.type == EventType::kRemoved && event.revision > moved[0].revision);
+  }
+}
+
+TEST(ObjectMapper, KeepsWhatItKnewOfABoxThatMovedFarAway) {
+  Story story;
+  story.Look({FarWall(), Goods(-0.8)}, 45);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject before = *story.Present(kGoodsClass)[0];
+  story.Look({FarWall()}, 25);
+  ASSERT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  story.Look({FarWall(), Goods(0.5)}, 20);
+  const std::vector<ObjectEvent> moved = story.EventsOf(EventType::kMoved, kGoodsClass);
+  ASSERT_EQ(moved.size(), 1U);
+  EXPECT_EQ(moved[0].reason, EventReason::kShapeMatched);
+  EXPECT_EQ(moved[0].object, before.id);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject& after = *story.Present(kGoodsClass)[0];
+  EXPECT_EQ(after.id, before.id);
+  EXPECT_EQ(after.first_seen, before.first_seen);
+  EXPECT_NEAR(after.cuboid.center_world.y(), 0.5, 0.1);
+  // The left side was seen from the first place, the right one from the second.
+  EXPECT_GE(after.volume->CountObservedVoxels(), before.volume->CountObservedVoxels());
+}
+
+TEST(ObjectMapper, NeverGuessesWhichOfTwoTwinsMoved) {
+  Story story;
+  story.Look({FarWall(), Goods(-0.8), Goods(0.0)}, 45);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 2U);
+  story.Look({FarWall()}, 30);
+  ASSERT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass).size(), 2U);
+  story.Look({FarWall(), Goods(0.8)}, 20);
+  EXPECT_TRUE(story.EventsOf(EventType::kMoved, kGoodsClass).empty());
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 3U);
 }
 
 /// A pile with its top at `top_m`.

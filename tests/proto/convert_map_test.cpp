@@ -20,7 +20,11 @@ TEST(ConvertMapConfig, AbsentFieldsTakeTheDefaults) {
 }
 
 TEST(ConvertMapConfig, PoliciesComeBack) {
-  for (const UpdatePolicy policy : {UpdatePolicy::kStatic, UpdatePolicy::kPocd}) {
+  for (const UpdatePolicy policy : {UpdatePolicy::kStatic,
+                                    UpdatePolicy::kVoxelChange,
+                                    UpdatePolicy::kSubmapChange,
+                                    UpdatePolicy::kTracking,
+                                    UpdatePolicy::kPocd}) {
     MapConfig config;
     config.policy = policy;
     EXPECT_EQ(FromProto(ToProto(config))->policy, policy);

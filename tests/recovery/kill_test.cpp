@@ -54,23 +54,39 @@ std::vector<v1::Frame> HallFrames() {
   return frames;
 }
 
+/// All that a map shows of itself.
 struct MapFiles {
   std::string ply;
   std::string vdb;
+  std::string objects;  ///< Of every standing.
+  std::string events;
   friend bool operator==(const MapFiles&, const MapFiles&) = default;
 };
+
+template <typename Message>
+std::string Join(const std::vector<Message>& messages) {
+  std::string joined;
+  for (const Message& message : messages) joined += message.SerializeAsString() + '\n';
+  return joined;
+}
 
 MapFiles Export(MapClient* client) {
   MapFiles files;
   for (const auto& [format, file] : {std::pair{v1::EXPORT_FORMAT_PLY, &files.ply},
                                      std::pair{v1::EXPORT_FORMAT_VDB, &files.vdb}}) {
-    const auto header =
-        client->ExportMap(kHall, format, std::nullopt, [file = file](std::string_view chunk) {
-          *file += chunk;
-          return absl::OkStatus();
-        });
+    const auto header = client->ExportMap(kHall, format, {}, [file = file](std::string_view chunk) {
+      *file += chunk;
+      return absl::OkStatus();
+    });
     EXPECT_TRUE(header.ok()) << header.status();
   }
+  const absl::StatusOr<MapList<v1::Object>> objects =
+      client->ListObjects(kHall, {.with_archived_and_tentative = true});
+  EXPECT_TRUE(objects.ok()) << objects.status();
+  if (objects.ok()) files.objects = Join(objects->entries);
+  const absl::StatusOr<MapList<v1::ObjectEvent>> events = client->ListEvents(kHall);
+  EXPECT_TRUE(events.ok()) << events.status();
+  if (events.ok()) files.events = Join(events->entries);
   return files;
 }
 
@@ -134,17 +150,25 @@ class BackgroundUpload {
   std::thread thread_;
 };
 
+/// A map with objects and their history besides volumes.
+v1::MapConfig HallConfig() {
+  v1::MapConfig config;
+  config.set_policy(v1::UPDATE_POLICY_POCD);
+  return config;
+}
+
 /// The map of an upload that nobody kills.
 MapFiles MapUndisturbed(const std::vector<v1::Frame>& frames) {
   const TemporaryFolder folder;
   DaemonProcess daemon(folder.path());
   MapClient client(OpenChannel(daemon.address()));
-  EXPECT_TRUE(client.CreateMap(kHall, {}).ok());
+  EXPECT_TRUE(client.CreateMap(kHall, HallConfig()).ok());
   BackgroundUpload upload(daemon.address(), frames);
   const absl::StatusOr<UploadSummary> summary = upload.AwaitSummary();
   EXPECT_TRUE(summary.ok()) << summary.status();
   MapFiles files = Export(&client);
   EXPECT_GT(files.ply.size(), 100'000U) << "the route shows too little to compare";
+  EXPECT_GT(files.events.size(), 1'000U) << "too little happens on the route";
   return files;
 }
 
@@ -175,7 +199,7 @@ TEST(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
   for (int kill = 0; kill < kills && !HasFailure();) {
     const TemporaryFolder folder;
     DaemonProcess daemon(folder.path());
-    ASSERT_TRUE(MapClient(OpenChannel(daemon.address())).CreateMap(kHall, {}).ok());
+    ASSERT_TRUE(MapClient(OpenChannel(daemon.address())).CreateMap(kHall, HallConfig()).ok());
     std::vector<std::uint64_t> moments(
         static_cast<std::size_t>(std::min(kKillsPerUpload, kills - kill)));
     for (std::uint64_t& durable : moments) durable = moment(random);

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/association.h"
+#include "core/map_config.h"
+#include "core/observation.h"
+#include "core/projected_overlap.h"
+#include "core/sample_grid.h"
+#include "core/semantic_cloud.h"
+#include "core/tracked_object.h"
+#include "core/tsdf_integrator.h"
+#include "core/working_map.h"
+
+namespace steadymap {
+
+/// How segments find their objects.
+struct SegmentFusionParameters {
+  OverlapParameters overlap;
+  /// Objects are looked for up to this depth, metres.
+  double max_depth_m = 5.0;
+  /// Smallest surface that becomes an object, square metres.
+  double min_new_area_m2 = 0.06;
+};
+
+/// What the policies share that follow objects in the picture: segments by label, matched with the
+/// objects they overlap, fused into them; what matches none becomes an object. One frame at a time,
+/// one thread.
+class SegmentFusion {
+ public:
+  SegmentFusion(const MapConfig& config, const SegmentFusionParameters& parameters);
+
+  /// Parts the frame and matches its segments with `candidates`. All three must outlive the frame.
+  void Match(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);
+
+  /// The candidates in view, and after `AddObjects` the new ones behind them.
+  const std::vector<ObjectInView>& in_view() const { return in_view_; }
+
+  const SampleGrid& samples() const { return samples_; }
+
+  /// Samples of the segments that the object at `place` in view was matched with.
+  std::size_t CountSamples(std::size_t place) const;
+
+  /// Those samples, world frame, metres, in the order of the picture.
+  std::vector<Eigen::Vector3d> PointsOf(std::size_t place) const;
+
+  /// Takes the segments of the object at `place` away from it.
+  void Release(std::size_t place);
+
+  /// Makes objects of the segments without one, but for small ones, which are not fused.
+  void AddObjects();
+
+  /// Fuses each object's segments into it, and the background's part into the background.
+  void Fuse();
+
+ private:
+  MapConfig config_;
+  SegmentFusionParameters parameters_;
+  TsdfIntegrator integrator_;
+
+  // The frame at hand.
+  WorkingMap* map_ = nullptr;
+  SemanticCloud* cloud_ = nullptr;
+  SampleGrid samples_;
+  Association association_;
+  std::vector<Observation> segments_;
+  std::vector<std::optional<std::size_t>> matches_;  ///< By segment: place in view.
+  std::vector<ObjectInView> in_view_;
+};
+
+}  // namespace steadymap

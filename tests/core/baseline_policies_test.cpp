@@ -1,0 +1,141 @@
+// What all baseline policies owe: the same frames give the same map, wherever commits and restarts
+// fall, and nothing of what moves on its own stays.
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/core/map_story.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Around;
+using ::steadymap::testing::Body;
+using ::steadymap::testing::ConfigOf;
+using ::steadymap::testing::CountSurfaceIn;
+using ::steadymap::testing::ExpectSameMap;
+using ::steadymap::testing::FarWall;
+using ::steadymap::testing::Goods;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kPersonClass;
+using ::steadymap::testing::kWallClass;
+using ::steadymap::testing::LookAtScene;
+using ::steadymap::testing::MapStory;
+using ::steadymap::testing::Scene;
+using ::steadymap::testing::SceneBody;
+
+class BaselinePolicies : public ::testing::TestWithParam<UpdatePolicy> {};
+
+/// Two visits to a box that comes, is moved and goes.
+std::vector<Frame> EventfulFrames() {
+  std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 6);
+  const auto append = [&](const Scene& scene, int count, int visit) {
+    for (Frame& frame : LookAtScene(scene, static_cast<int>(frames.size()), count, visit)) {
+      frames.push_back(std::move(frame));
+    }
+  };
+  append({FarWall(), Goods(-0.3)}, 14, 0);
+  append({FarWall(), Goods(-0.2)}, 8, 0);
+  append({FarWall(), Goods(0.3)}, 14, 1);
+  append({FarWall()}, 14, 2);
+  return frames;
+}
+
+TEST_P(BaselinePolicies, GiveTheSameMapWhateverTheCommitRhythm) {
+  const std::vector<Frame> frames = EventfulFrames();
+  MapStory reference(ConfigOf(GetParam()));
+  reference.Tell(frames, 1);
+  EXPECT_FALSE(reference.events().empty());
+  for (const std::size_t frames_per_commit : {std::size_t{4}, frames.size()}) {
+    SCOPED_TRACE(frames_per_commit);
+    MapStory story(ConfigOf(GetParam()));
+    story.Tell(frames, frames_per_commit);
+    EXPECT_EQ(story.events(), reference.events());
+    ExpectSameMap(story.map(), reference.map());
+  }
+}
+
+TEST_P(BaselinePolicies, GoOnAfterARestartAsIfThereWereNone) {
+  const std::vector<Frame> frames = EventfulFrames();
+  MapStory reference(ConfigOf(GetParam()));
+  reference.Tell(frames, 1);
+  MapStory story(ConfigOf(GetParam()));
+  for (std::size_t i = 0; i < frames.size(); i += 4) {
+    story.Tell({frames.begin() + static_cast<std::ptrdiff_t>(i),
+                frames.begin() + static_cast<std::ptrdiff_t>(std::min(i + 4, frames.size()))},
+               3);
+    story.Restart();
+  }
+  EXPECT_EQ(story.events(), reference.events());
+  ExpectSameMap(story.map(), reference.map());
+}
+
+TEST_P(BaselinePolicies, KeepNothingOfAPerson) {
+  const SceneBody person = Body(kPersonClass, {1.2, -0.2, -0.7}, {1.5, 0.2, 0.7});
+  MapStory story(ConfigOf(GetParam()));
+  story.Look({FarWall(), person}, 16);
+  EXPECT_EQ(CountSurfaceIn(story.map(), Around(person, 0.2)), 0U);
+  EXPECT_TRUE(story.EventsOf(EventType::kCreated, kPersonClass).empty());
+}
+
+TEST_P(BaselinePolicies, KeepWhatIsHidden) {
+  const SceneBody screen = Body(kWallClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
+  MapStory story(ConfigOf(GetParam()));
+  story.Look({FarWall(), Goods(0.0)}, 20);
+  const Box front = Around(Goods(0.0), 0.05);
+  const std::size_t surface = CountSurfaceIn(story.map(), front);
+  EXPECT_GT(surface, 100U);
+  story.Look({FarWall(), Goods(0.0), screen}, 20, /*visit=*/1);
+  EXPECT_GE(CountSurfaceIn(story.map(), front), surface * 9 / 10);
+}
+
+TEST_P(BaselinePolicies, TakeFramesWithoutLabelsAsBackground) {
+  std::vector<Frame> frames = LookAtScene({FarWall(), Goods(0.0)}, 0, 10);
+  for (Frame& frame : frames) frame.labels = {};
+  MapStory story(ConfigOf(GetParam()));
+  story.Tell(frames);
+  EXPECT_TRUE(story.events().empty());
+  EXPECT_GT(CountSurfaceIn(story.map(), Around(Goods(0.0), 0.05)), 100U);
+  EXPECT_TRUE(story.Present(0).empty());
+}
+
+/// A wall at 2 m as a small camera sees it.
+Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_time_s) {
+  Frame frame;
+  frame.capture_time = Timestamp::FromSeconds(capture_time_s);
+  frame.camera = {width_px, height_px, 40.0, 40.0, 0.5 * width_px, 0.5 * height_px};
+  frame.depth.units = Image<std::uint16_t>(
+      width_px, height_px, static_cast<std::uint16_t>(std::lround(1000.0 * depth_m)));
+  frame.labels = Image<std::uint16_t>(width_px, height_px, kGoodsClass);
+  return frame;
+}
+
+TEST_P(BaselinePolicies, TakeFramesOfAnySizeAndDepth) {
+  for (const auto& [width_px, height_px] :
+       {std::pair{1, 1}, {2, 1}, {1, 300}, {10, 10}, {16, 16}, {37, 5}}) {
+    MapStory story(ConfigOf(GetParam()));
+    int frames = 0;
+    for (const double depth_m : {0.0, 0.001, 1.0, 2.0, 2.9, 65.5}) {
+      for (int i = 0; i < 6; ++i, ++frames) {
+        story.Tell({SmallFrame(width_px, height_px, depth_m, frames)});
+      }
+    }
+    EXPECT_EQ(story.map().revision, Revision(36));
+  }
+}
+
+std::string NameOf(const ::testing::TestParamInfo<UpdatePolicy>& info) {
+  if (info.param == UpdatePolicy::kVoxelChange) return "VoxelChange";
+  return info.param == UpdatePolicy::kSubmapChange ? "SubmapChange" : "Tracking";
+}
+
+INSTANTIATE_TEST_SUITE_P(,
+                         BaselinePolicies,
+                         ::testing::Values(UpdatePolicy::kVoxelChange,
+                                           UpdatePolicy::kSubmapChange,
+                                           UpdatePolicy::kTracking),
+                         NameOf);
+
+}  // namespace
+}  // namespace steadymap

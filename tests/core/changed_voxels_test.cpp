@@ -1,0 +1,111 @@
+#include "core/changed_voxels.h"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+namespace steadymap {
+namespace {
+
+constexpr VoxelScale kScale;
+
+/// Distance and weight of a voxel of the changed volume, by index; anything not finite in weight
+/// is not observed.
+struct Voxel {
+  float distance_m = 0.0F;
+  float weight = 1.0F;
+};
+
+/// A volume of two leaves side by side along x.
+TsdfGrid MakeVolume(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
+  TsdfGrid grid;
+  for (const int first : {0, kLeafSide}) {
+    LeafVoxels voxels;
+    for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+      const Voxel voxel = voxel_at(first + static_cast<int>(offset >> 6),
+                                   static_cast<int>(offset >> 3 & 7),
+                                   static_cast<int>(offset & 7));
+      voxels.distance_m[offset] = voxel.distance_m;
+      voxels.weight[offset] = voxel.weight;
+      if (voxel.weight > 0.0F) voxels.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    }
+    grid.StoreLeaf({first, 0, 0}, voxels);
+  }
+  return grid;
+}
+
+/// The changes where a block of voxels, [low, high), becomes free.
+std::vector<VoxelChange> FreeBlock(const Eigen::Vector3i& low,
+                                   const Eigen::Vector3i& high,
+                                   float weight = 1.0F) {
+  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid after = MakeVolume([&](int x, int y, int z) {
+    const Eigen::Vector3i voxel(x, y, z);
+    const bool inside =
+        (voxel.array() >= low.array()).all() && (voxel.array() < high.array()).all();
+    return inside ? Voxel{0.15F, weight} : Voxel{0.0F, 1.0F};
+  });
+  return FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {});
+}
+
+TEST(FindChanges, FindsABlockAcrossTwoLeaves) {
+  const std::vector<VoxelChange> changes = FreeBlock({5, 2, 3}, {11, 5, 5});
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].voxels, 36U);
+  EXPECT_EQ(changes[0].freed, 36U);
+  EXPECT_EQ(changes[0].taken, 0U);
+  EXPECT_EQ(changes[0].leaves.size(), 2U);
+  EXPECT_TRUE(changes[0].mean_voxel.isApprox(Eigen::Vector3d(7.5, 3.0, 3.5)));
+}
+
+TEST(FindChanges, LeavesOutWhatIsTooSmall) {
+  EXPECT_TRUE(FreeBlock({1, 1, 1}, {4, 4, 4}).empty()) << "27 voxels";
+  EXPECT_EQ(FreeBlock({1, 1, 1}, {4, 4, 5}).size(), 1U) << "36 voxels";
+}
+
+TEST(FindChanges, LeavesOutWhatIsOneVoxelThick) {
+  EXPECT_TRUE(FreeBlock({1, 1, 3}, {8, 8, 4}).empty());
+  EXPECT_TRUE(FreeBlock({3, 1, 1}, {4, 8, 8}).empty());
+}
+
+TEST(FindChanges, ComparesOnlyWhatWeighsEnough) {
+  EXPECT_TRUE(FreeBlock({1, 1, 1}, {5, 5, 5}, 0.25F).empty());
+  EXPECT_EQ(FreeBlock({1, 1, 1}, {5, 5, 5}, 0.35F).size(), 1U);
+}
+
+TEST(FindChanges, TellsWhatWasTakenFromWhatWasFreed) {
+  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.1F, 1.0F}; });
+  const TsdfGrid after = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const std::vector<VoxelChange> changes = FindChanges(before, after, {{0, 0, 0}}, kScale, {});
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].taken, 512U);
+  EXPECT_EQ(changes[0].freed, 0U);
+}
+
+TEST(FindChanges, TakesDifferencesBelowHalfTheTruncationForNoise) {
+  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.07F, 1.0F}; });
+  const TsdfGrid after = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  EXPECT_TRUE(FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {}).empty());
+}
+
+TEST(FindChanges, ConnectsVoxelsThatShareNoMoreThanACorner) {
+  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid after = MakeVolume([](int x, int y, int z) {
+    const bool low = x < 3 && y < 3 && z < 3;
+    const bool high = x >= 3 && x < 6 && y >= 3 && y < 6 && z >= 3 && z < 6;
+    return Voxel{low || high ? 0.15F : 0.0F, 1.0F};
+  });
+  const std::vector<VoxelChange> changes = FindChanges(before, after, {{0, 0, 0}}, kScale, {});
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].voxels, 54U);
+}
+
+TEST(FindChanges, KnowsNoChangeWhereOneVolumeHasNoLeaf) {
+  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid after;
+  EXPECT_TRUE(FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {}).empty());
+  EXPECT_TRUE(FindChanges(after, before, {}, kScale, {}).empty());
+}
+
+}  // namespace
+}  // namespace steadymap

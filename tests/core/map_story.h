@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/mapper.h"
+#include "tests/support/analytic_scene.h"
+
+/// Maps under observation: scenes with a known answer, run through a policy frame by frame.
+namespace steadymap::testing {
+
+inline constexpr std::uint16_t kWallClass = 4;
+inline constexpr std::uint16_t kGoodsClass = 7;
+inline constexpr std::uint16_t kPersonClass = 13;
+
+/// A wall that closes the view at 2.6 m.
+SceneBody FarWall();
+
+/// A box half a metre wide in front of it, its middle at `y` and its front at `x`.
+SceneBody Goods(double y, double x = 1.6);
+
+/// Around a body, `margin_m` further on all sides.
+Box Around(const SceneBody& body, double margin_m);
+
+/// A map's configuration with nothing but the policy set.
+MapConfig ConfigOf(UpdatePolicy policy);
+
+/// Frames of a scene from a camera that swings to and fro, going on from frame `first`; half a
+/// second apart, and another minute before each visit but the first.
+std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int visit = 0);
+
+/// A map from its first frame on.
+class MapStory {
+ public:
+  explicit MapStory(const MapConfig& config);
+
+  /// Takes in frames, with a commit after every `frames_per_commit` and at the end.
+  void Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1);
+
+  /// Goes on looking at a scene. Another `visit` comes after a pause.
+  void Look(const Scene& scene, int count, int visit = 0);
+
+  /// Goes on as after a restart: from what the deltas told, applied to an empty map.
+  void Restart();
+
+  const std::vector<ObjectEvent>& events() const { return events_; }
+
+  /// Events of a type about things of a class, from revision `after` + 1 on.
+  std::vector<ObjectEvent> EventsOf(EventType type,
+                                    std::uint16_t label,
+                                    Revision after = Revision(0)) const;
+
+  const MapSnapshot& map() const { return *map_; }
+
+  /// Present objects of a class.
+  std::vector<std::shared_ptr<const MapObject>> Present(std::uint16_t label) const;
+
+ private:
+  void Commit();
+
+  MapConfig config_;
+  std::unique_ptr<Mapper> mapper_;
+  std::shared_ptr<const MapSnapshot> map_;
+  MapSnapshot told_;
+  std::vector<ObjectEvent> events_;
+};
+
+/// All leaves of a map, as they are stored.
+std::map<LeafKey, std::string> PackedLeaves(const MapSnapshot& map);
+
+/// Expects two maps to hold the same, bit for bit.
+void ExpectSameMap(const MapSnapshot& a, const MapSnapshot& b);
+
+/// Vertices of the surface of background and present objects within a box, world frame.
+std::size_t CountSurfaceIn(const MapSnapshot& map, const Box& box_world);
+
+}  // namespace steadymap::testing
