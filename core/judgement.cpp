@@ -11,6 +11,12 @@ constexpr int kDoubtThatRemains = -2;
 
 }  // namespace
 
+StationarityPrior PriorOf(const MapConfig& config, ClassId class_id) {
+  const SemanticClass* row = config.FindClass(class_id);
+  return row == nullptr || row->motion == ClassMotion::kStatic ? StationarityPrior::kStays
+                                                               : StationarityPrior::kMoves;
+}
+
 void AddEvidence(const ObjectVerdict& verdict,
                  const ObjectSurface& surface,
                  Timestamp now,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/map_config.h"
 #include "core/map_object.h"
 #include "core/object_surface.h"
 #include "core/timestamp.h"
@@ -22,6 +23,9 @@ struct JudgementParameters {
   double visit_gap_s = 20.0;
   double revisit_evidence = 3.0;
 };
+
+/// What the class of a thing says about its staying: unlisted classes stay.
+StationarityPrior PriorOf(const MapConfig& config, ClassId class_id);
 
 /// Adds what a frame taken at `now` says about each part of an object's surface to what is known.
 void AddEvidence(const ObjectVerdict& verdict,

@@ -17,6 +17,7 @@ enum class UpdatePolicy {
   kSubmapChange,  ///< Objects are in or out as a whole by the last look at them.
   kTracking,      ///< Objects are followed from frame to frame; what is gone stays.
   kPocd,          ///< Objects with a belief each, whether they still stand where they stood.
+  kPocdPaper,     ///< The same as the paper has it, without what steadymap adds: to compare with.
 };
 
 /// Whether things of a class move on their own.

@@ -1,6 +1,7 @@
 #include "core/map_updater.h"
 
 #include "core/object_mapper.h"
+#include "core/paper_mapper.h"
 #include "core/submap_change.h"
 #include "core/tracking.h"
 #include "core/tsdf_integrator.h"
@@ -34,6 +35,8 @@ std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config) {
       return std::make_unique<SubmapMapper>(config, SubmapChangeParameters{});
     case UpdatePolicy::kTracking:
       return std::make_unique<TrackingMapper>(config, TrackingParameters{});
+    case UpdatePolicy::kPocdPaper:
+      return std::make_unique<PaperMapper>(config, PaperParameters{});
     case UpdatePolicy::kPocd:
       return std::make_unique<ObjectMapper>(config, ObjectMapperParameters{});
   }

@@ -75,12 +75,6 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   MarkFreeSpace();
 }
 
-StationarityPrior ObjectMapper::PriorOf(ClassId class_id) const {
-  const SemanticClass* row = config_.FindClass(class_id);
-  return row == nullptr || row->motion == ClassMotion::kStatic ? StationarityPrior::kStays
-                                                               : StationarityPrior::kMoves;
-}
-
 void ObjectMapper::FindOwners() {
   std::vector<TrackedObject*> candidates;
   for (auto& [id, object] : map_->mutable_objects()) candidates.push_back(&object);
@@ -110,7 +104,7 @@ void ObjectMapper::JudgeObjects() {
 /// Updates the belief in an object, and removes it or what is gone of it.
 void ObjectMapper::DecideOn(TrackedObject* object) {
   ObjectState& state = object->state();
-  const StationarityPrior prior = PriorOf(state.class_id);
+  const StationarityPrior prior = PriorOf(config_, state.class_id);
   const Belief before = state.belief;
   if (!UpdateBelief(prior, map_->now(), parameters_.judgement, &state)) return;
   if (state.belief.stationarity() < parameters_.min_stationarity) {
@@ -288,7 +282,7 @@ void ObjectMapper::ConfirmAndForget() {
 
 /// Makes a tentative object part of the map: as a new one, or as an old one that is back.
 void ObjectMapper::Confirm(TrackedObject* object) {
-  const StationarityPrior prior = PriorOf(object->state().class_id);
+  const StationarityPrior prior = PriorOf(config_, object->state().class_id);
   TrackedObject* known = FindReturned(
       *object, map_->scale(), prior, parameters_.recognition, &map_->mutable_objects());
   if (known == nullptr) {
@@ -331,7 +325,7 @@ void ObjectMapper::TakeBackParts() {
   for (const ObjectInView& view : in_view_) {
     const ObjectState& state = view.object->state();
     if (state.standing != ObjectStanding::kPresent || !IsRecent(state) ||
-        PriorOf(state.class_id) != StationarityPrior::kStays) {
+        PriorOf(config_, state.class_id) != StationarityPrior::kStays) {
       continue;
     }
     for (TrackedObject* part : FindReturnedParts(

@@ -81,7 +81,6 @@ class ObjectMapper final : public MapUpdater {
   void TakeBackParts();
   void MarkFreeSpace();
   void Archive(TrackedObject* object, const Belief& before);
-  StationarityPrior PriorOf(ClassId class_id) const;
 
   MapConfig config_;
   ObjectMapperParameters parameters_;

@@ -65,8 +65,8 @@ UprightPose UprightPoseOf(const Eigen::Isometry3d& T) {
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
                        const VoxelScale& scale) {
-  const Cuboid old_cuboid = before.ComputeCuboid();
-  const Cuboid new_cuboid = after.ComputeCuboid();
+  const Cuboid& old_cuboid = before.cuboid();
+  const Cuboid& new_cuboid = after.cuboid();
   const std::vector<Eigen::Vector3d> points_world = SurfaceInWorld(after);
   const Eigen::Isometry3d T_cuboid_object =
       old_cuboid.T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
@@ -98,7 +98,7 @@ class MoveSearch {
   /// The object in view that `after` was pushed aside from; null if there is none.
   TrackedObject* FindPushed(const TrackedObject& after,
                             const std::vector<ObjectInView>& in_view) const {
-    const Cuboid cuboid = after.ComputeCuboid();
+    const Cuboid& cuboid = after.cuboid();
     for (const ObjectInView& view : in_view) {
       const ObjectState& old = view.object->state();
       if (old.standing != ObjectStanding::kPresent || old.class_id != after.state().class_id ||
@@ -106,7 +106,7 @@ class MoveSearch {
           old.standing_since >= after.state().standing_since) {
         continue;
       }
-      const Cuboid old_cuboid = view.object->ComputeCuboid();
+      const Cuboid& old_cuboid = view.object->cuboid();
       const double distance_m = (old_cuboid.center_world - cuboid.center_world).norm();
       if (distance_m <= parameters_.pushed_distance_m &&
           IsAlike(old_cuboid, cuboid, parameters_.size_tolerance_m)) {
@@ -118,19 +118,19 @@ class MoveSearch {
 
   /// The archived object that alone looks like `after`; null if none does, or several do.
   TrackedObject* FindOnlyLookalike(const TrackedObject& after) const {
-    const Cuboid cuboid = after.ComputeCuboid();
+    const Cuboid& cuboid = after.cuboid();
     TrackedObject* found = nullptr;
     for (auto& [id, other] : map_->mutable_objects()) {
       if (&other == &after || other.state().class_id != after.state().class_id ||
           other.state().standing == ObjectStanding::kTentative ||
-          !MayBeAlike(other.ComputeCuboid(), cuboid, parameters_.size_tolerance_m)) {
+          !MayBeAlike(other.cuboid(), cuboid, parameters_.size_tolerance_m)) {
         continue;
       }
       if (found != nullptr || !other.is_archived()) return nullptr;
       found = &other;
     }
     const bool is_alike =
-        found != nullptr && IsAlike(found->ComputeCuboid(), cuboid, parameters_.size_tolerance_m);
+        found != nullptr && IsAlike(found->cuboid(), cuboid, parameters_.size_tolerance_m);
     return is_alike ? found : nullptr;
   }
 
@@ -144,7 +144,7 @@ class MoveSearch {
             TrackedObject* after,
             EventReason reason,
             const std::optional<ShapeMatch>& match) {
-    const Eigen::Vector3d old_center_world = before->ComputeCuboid().center_world;
+    const Eigen::Vector3d old_center_world = before->cuboid().center_world;
     if (match.has_value()) {
       map_->MarkLeaves(
           after,

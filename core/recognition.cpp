@@ -100,14 +100,14 @@ std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
   std::vector<TrackedObject*> gone;
   std::vector<const TrackedObject*> reached = {&object};
   for (std::size_t next = 0; next < reached.size(); ++next) {
-    const Cuboid cuboid = reached[next]->ComputeCuboid();
+    const Cuboid& cuboid = reached[next]->cuboid();
     for (auto& [id, other] : *objects) {
       const ObjectState& state = other.state();
       const double apart_s = state.standing_since.seconds() - first.standing_since.seconds();
       if (!other.is_archived() || state.class_id != first.class_id ||
           std::abs(apart_s) > parameters.same_visit_s ||
           std::find(reached.begin(), reached.end(), &other) != reached.end() ||
-          DistanceBetween(cuboid, other.ComputeCuboid()) > parameters.neighbour_distance_m) {
+          DistanceBetween(cuboid, other.cuboid()) > parameters.neighbour_distance_m) {
         continue;
       }
       reached.push_back(&other);

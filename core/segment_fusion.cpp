@@ -9,17 +9,33 @@ namespace steadymap {
 SegmentFusion::SegmentFusion(const MapConfig& config, const SegmentFusionParameters& parameters)
     : config_(config), parameters_(parameters), integrator_(config) {}
 
-void SegmentFusion::Match(const std::vector<TrackedObject*>& candidates,
-                          SemanticCloud* cloud,
-                          WorkingMap* map) {
+void SegmentFusion::Part(const std::vector<TrackedObject*>& candidates,
+                         SemanticCloud* cloud,
+                         WorkingMap* map) {
   map_ = map;
   cloud_ = cloud;
   samples_.Compute(*cloud);
   const double camera_height_m = cloud->T_world_camera().translation().z();
   segments_ = FindSegments(samples_, config_, camera_height_m, &association_);
   in_view_ = FindObjectsInView(candidates, *cloud, samples_, parameters_.max_depth_m);
+  matches_.assign(segments_.size(), std::nullopt);
+}
+
+void SegmentFusion::Match(const std::vector<TrackedObject*>& candidates,
+                          SemanticCloud* cloud,
+                          WorkingMap* map) {
+  Part(candidates, cloud, map);
   matches_ =
       MatchByOverlap(segments_, in_view_, *cloud, samples_, map->scale(), parameters_.overlap);
+}
+
+std::vector<Eigen::Vector3d> SegmentFusion::PointsOf(const Observation& segment) const {
+  std::vector<Eigen::Vector3d> points_world;
+  points_world.reserve(segment.samples.size());
+  for (const std::size_t index : segment.samples) {
+    points_world.emplace_back(samples_[index].position_world.cast<double>());
+  }
+  return points_world;
 }
 
 std::size_t SegmentFusion::CountSamples(std::size_t place) const {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,13 +35,27 @@ class SegmentFusion {
  public:
   SegmentFusion(const MapConfig& config, const SegmentFusionParameters& parameters);
 
-  /// Parts the frame and matches its segments with `candidates`. All three must outlive the frame.
+  /// Parts the frame into segments, none of them matched, and sees which candidates are in view.
+  /// All three must outlive the frame.
+  void Part(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);
+
+  /// Says for each segment with which object in view it is matched.
+  void SetMatches(std::vector<std::optional<std::size_t>> matches) {
+    matches_ = std::move(matches);
+  }
+
+  /// Parts the frame, and matches the segments with the candidates that they overlap.
   void Match(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);
 
   /// The candidates in view, and after `AddObjects` the new ones behind them.
   const std::vector<ObjectInView>& in_view() const { return in_view_; }
 
   const SampleGrid& samples() const { return samples_; }
+
+  const std::vector<Observation>& segments() const { return segments_; }
+
+  /// The samples of a segment, world frame, metres.
+  std::vector<Eigen::Vector3d> PointsOf(const Observation& segment) const;
 
   /// Samples of the segments that the object at `place` in view was matched with.
   std::size_t CountSamples(std::size_t place) const;

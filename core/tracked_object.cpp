@@ -28,6 +28,7 @@ void TrackedObject::TakeVolume(const TrackedObject& other) {
   volume_ = other.volume_->Clone();
   surface_ = other.surface_;
   bounds_object_ = other.bounds_object_;
+  cuboid_.reset();
 }
 
 void TrackedObject::UpdateSurface(std::span<const LeafOrigin> changed_leaves) {
@@ -42,6 +43,7 @@ void TrackedObject::RebuildSurface() {
 }
 
 void TrackedObject::UpdateBounds() {
+  cuboid_.reset();
   Eigen::AlignedBox3f bounds;
   for (const SurfaceLeaf& leaf : surface_.leaves()) {
     for (const SurfaceVoxel& point : leaf.points) bounds.extend(point.position_object);
@@ -49,21 +51,23 @@ void TrackedObject::UpdateBounds() {
   bounds_object_ = bounds.cast<double>();
 }
 
-Cuboid TrackedObject::ComputeCuboid() const {
+const Cuboid& TrackedObject::cuboid() const {
+  if (cuboid_.has_value() && cuboid_pose_ == state_.T_world_object) return *cuboid_;
   std::vector<Eigen::Vector3d> points_world;
   points_world.reserve(surface_.point_count());
   const Eigen::Isometry3d T_world_object = state_.T_world_object.ToIsometry();
   for (const SurfaceLeaf& leaf : surface_.leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
-      points_world.push_back(T_world_object * point.position_object.cast<double>());
+      points_world.emplace_back(T_world_object * point.position_object.cast<double>());
     }
   }
-  return FitCuboid(points_world);
+  cuboid_pose_ = state_.T_world_object;
+  return cuboid_.emplace(FitCuboid(points_world));
 }
 
 std::shared_ptr<const MapObject> TrackedObject::Publish() const {
   auto published = std::make_shared<MapObject>(MapObject{state_, volume_});
-  published->cuboid = ComputeCuboid();
+  published->cuboid = cuboid();
   return published;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/geometry.h"
@@ -46,8 +47,8 @@ class TrackedObject {
   /// The same after the whole volume changed.
   void RebuildSurface();
 
-  /// The upright box around the surface, world frame.
-  Cuboid ComputeCuboid() const;
+  /// The upright box around the surface, world frame. Cost: some 100 us after a change, else none.
+  const Cuboid& cuboid() const;
 
   /// The state for publication; shares the volume.
   std::shared_ptr<const MapObject> Publish() const;
@@ -60,6 +61,8 @@ class TrackedObject {
   std::shared_ptr<TsdfGrid> volume_;
   ObjectSurface surface_;
   Box bounds_object_;
+  mutable std::optional<Cuboid> cuboid_;  ///< None: to be computed.
+  mutable UprightPose cuboid_pose_;       ///< Of the object when it was.
 };
 
 }  // namespace steadymap

@@ -135,7 +135,7 @@ ObjectEvent WorkingMap::MakeEvent(EventType type,
   event.class_id = state.class_id;
   event.time = now();
   event.revision = revision();
-  event.center_world = object.ComputeCuboid().center_world;
+  event.center_world = object.cuboid().center_world;
   event.before = state.belief;
   event.after = state.belief;
   event.views = state.views;

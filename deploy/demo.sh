@@ -85,11 +85,12 @@ echo "steadymapd listens on $server"
 steadymap() { build/release/client/cli/steadymap --server "$server" "$@"; }
 
 begin "uploading: ${source[*]}"
-steadymap map create demo
+steadymap map create demo --policy pocd
 steadymap "${source[0]}" demo "${source[@]:1}"
 
 begin "what the map holds"
 steadymap map get demo
+steadymap events demo | tail -n 15
 
 begin "writing demo-output/"
 mkdir -p demo-output

@@ -129,6 +129,8 @@ absl::StatusOr<UpdatePolicy> FromProto(v1::UpdatePolicy policy) {
       return UpdatePolicy::kTracking;
     case v1::UPDATE_POLICY_POCD:
       return UpdatePolicy::kPocd;
+    case v1::UPDATE_POLICY_POCD_PAPER:
+      return UpdatePolicy::kPocdPaper;
     default:
       return InvalidField(
           reason::kBadValue,
@@ -149,6 +151,8 @@ v1::UpdatePolicy ToProto(UpdatePolicy policy) {
       return v1::UPDATE_POLICY_TRACKING;
     case UpdatePolicy::kPocd:
       return v1::UPDATE_POLICY_POCD;
+    case UpdatePolicy::kPocdPaper:
+      return v1::UPDATE_POLICY_POCD_PAPER;
   }
   return v1::UPDATE_POLICY_UNSPECIFIED;
 }

@@ -37,6 +37,8 @@ std::uint32_t ToNumber(UpdatePolicy policy) {
       return 4;
     case UpdatePolicy::kPocd:
       return 5;
+    case UpdatePolicy::kPocdPaper:
+      return 6;
   }
   return 0;
 }
@@ -58,14 +60,15 @@ absl::Status Impossible(const char* what) {
 }
 
 absl::StatusOr<MapConfig> FromProto(const storage::v1::MapConfig& config) {
-  if (config.policy() < 1 || config.policy() > 5) {
+  if (config.policy() < 1 || config.policy() > 6) {
     return Impossible("a map record holds an unknown update policy");
   }
   static constexpr std::array kPolicies = {UpdatePolicy::kStatic,
                                            UpdatePolicy::kVoxelChange,
                                            UpdatePolicy::kSubmapChange,
                                            UpdatePolicy::kTracking,
-                                           UpdatePolicy::kPocd};
+                                           UpdatePolicy::kPocd,
+                                           UpdatePolicy::kPocdPaper};
   MapConfig result;
   result.policy = kPolicies.at(config.policy() - 1);
   result.voxel_size_m = config.voxel_size_m();

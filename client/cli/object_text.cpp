@@ -4,6 +4,8 @@
 #include <charconv>
 #include <iomanip>
 
+#include <absl/strings/str_cat.h>
+
 #include "client/cli/enumerator_text.h"
 #include "client/cli/number_text.h"
 
@@ -11,8 +13,13 @@ namespace steadymap {
 namespace {
 
 std::string PointText(const v1::Vector3& point, int decimals) {
-  return "(" + FixedText(point.x(), decimals) + ", " + FixedText(point.y(), decimals) + ", " +
-         FixedText(point.z(), decimals) + ")";
+  return absl::StrCat("(",
+                      FixedText(point.x(), decimals),
+                      ", ",
+                      FixedText(point.y(), decimals),
+                      ", ",
+                      FixedText(point.z(), decimals),
+                      ")");
 }
 
 double SecondsOf(const google::protobuf::Timestamp& moment) {
@@ -42,16 +49,25 @@ void WriteBeliefMembers(const v1::Belief& belief, JsonWriter* json) {
 std::string EventText(const v1::ObjectEvent& event, const ClassNames& classes) {
   if (event.object_id() == 0) return "";
   std::string text =
-      "object " + std::to_string(event.object_id()) + " (" + classes.NameOf(event.class_id()) + ")";
-  if (event.has_old_center_m()) text += " from " + PointText(event.old_center_m(), 2) + " to";
-  if (!event.has_old_center_m()) text += " at";
-  text += " " + PointText(event.center_m(), 2);
-  if (event.has_confidence()) text += ", confidence " + FixedText(event.confidence(), 2);
-  if (event.related_object_id() != 0) {
-    text += ", related to object " + std::to_string(event.related_object_id());
+      absl::StrCat("object ", event.object_id(), " (", classes.NameOf(event.class_id()), ")");
+  if (event.has_old_center_m()) {
+    absl::StrAppend(&text, " from ", PointText(event.old_center_m(), 2), " to ");
+  } else {
+    absl::StrAppend(&text, " at ");
   }
-  return text + ", E[v] " + FixedText(StationarityOf(event.before()), 2) + " -> " +
-         FixedText(StationarityOf(event.after()), 2);
+  absl::StrAppend(&text, PointText(event.center_m(), 2));
+  if (event.has_confidence()) {
+    absl::StrAppend(&text, ", confidence ", FixedText(event.confidence(), 2));
+  }
+  if (event.related_object_id() != 0) {
+    absl::StrAppend(&text, ", related to object ", event.related_object_id());
+  }
+  absl::StrAppend(&text,
+                  ", E[v] ",
+                  FixedText(StationarityOf(event.before()), 2),
+                  " -> ",
+                  FixedText(StationarityOf(event.after()), 2));
+  return text;
 }
 
 }  // namespace
@@ -62,7 +78,7 @@ ClassNames::ClassNames(const v1::MapConfig& config) {
 
 std::string ClassNames::NameOf(std::uint32_t class_id) const {
   const auto found = names_.find(class_id);
-  return found != names_.end() ? found->second : "class " + std::to_string(class_id);
+  return found != names_.end() ? found->second : absl::StrCat("class ", class_id);
 }
 
 absl::StatusOr<ClassId> ClassNames::Parse(const std::string& text) const {
@@ -74,15 +90,17 @@ absl::StatusOr<ClassId> ClassNames::Parse(const std::string& text) const {
   const std::from_chars_result parsed = std::from_chars(text.data(), end, id);
   if (parsed.ec == std::errc() && parsed.ptr == end) return ClassId(id);
   return absl::InvalidArgumentError(
-      "expected the name or the id of one of the map's classes, got \"" + text + "\"");
+      absl::StrCat("expected the name or the id of one of the map's classes, got \"", text, "\""));
 }
 
 absl::StatusOr<v1::EventType> ParseEventType(std::string_view text) {
   const int type = NumberOf(v1::EventType_descriptor(), text);
   if (type != 0) return static_cast<v1::EventType>(type);
-  return absl::InvalidArgumentError("expected a type of events (" +
-                                    WordsOf(v1::EventType_descriptor()) + "), got \"" +
-                                    std::string(text) + "\"");
+  return absl::InvalidArgumentError(absl::StrCat("expected a type of events (",
+                                                 WordsOf(v1::EventType_descriptor()),
+                                                 "), got \"",
+                                                 std::string(text),
+                                                 "\""));
 }
 
 void WriteObjectTable(const std::vector<v1::Object>& objects,

@@ -24,14 +24,17 @@ void FollowObjects(MapConfig* config) { config->policy = UpdatePolicy::kTracking
 
 void KeepObjects(MapConfig* config) { config->policy = UpdatePolicy::kPocd; }
 
+void FollowThePaper(MapConfig* config) { config->policy = UpdatePolicy::kPocdPaper; }
+
 // One line a method. `static` is what a map becomes that never forgets, `fresh` what it could be
 // that forgot everything else (targets.md).
-constexpr std::array<MethodRow, 6> kMethods = {{
+constexpr std::array<MethodRow, 7> kMethods = {{
     {"static", FuseEverything, true, false},
     {"fresh", FuseEverything, true, true},
     {"voxel_change", OverwriteVoxels},
     {"submap_change", SwitchSubmaps},
     {"tracking", FollowObjects},
+    {"pocd_paper", FollowThePaper},
     {"pocd", KeepObjects},
 }};
 

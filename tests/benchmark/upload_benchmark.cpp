@@ -3,7 +3,8 @@
 //
 //   taskset -c 0,1 build/release/tests/benchmark/upload_benchmark
 //
-// The frames are 640 x 360, depth and labels as PNG, packed beforehand. `daemon_MB` is the daemon's
+// The argument is the map's policy by its number on the wire: 1 static, 5 pocd. The frames are
+// 640 x 360, depth and labels as PNG, packed beforehand. `daemon_MB` is the daemon's
 // peak resident memory so far.
 
 #include <cstdlib>
@@ -26,11 +27,12 @@
 namespace steadymap {
 namespace {
 
-/// A loop through the TorWIC hall with all sensor noise, packed as PNG.
+/// Two loops through the TorWIC hall with all sensor noise, packed as PNG; boxes have been turned
+/// between them.
 std::vector<v1::Frame> PackFrames() {
   SimulationOptions options;
   options.sensor = SensorModel::Full();
-  Simulation simulation(MakeRoute("baseline").value(), options);
+  Simulation simulation(MakeRoute("1-5").value(), options);
   std::vector<v1::Frame> frames;
   for (std::size_t i = 0; i < simulation.frame_count(); ++i) {
     const Frame frame = simulation.Render(i);
@@ -63,11 +65,13 @@ void UploadToIntegrated(benchmark::State& state) {
   const auto channel = OpenChannel(daemon.address());
   std::size_t bytes = 0;
   for (const v1::Frame& frame : frames) bytes += frame.ByteSizeLong();
+  v1::MapConfig config;
+  config.set_policy(static_cast<v1::UpdatePolicy>(state.range(0)));
   int round = 0;
   while (state.KeepRunning()) {
     state.PauseTiming();
     const MapName map{"default", absl::StrCat("round-", ++round)};
-    Check(MapClient(channel).CreateMap(map, {}).status());
+    Check(MapClient(channel).CreateMap(map, config).status());
     std::vector<v1::Frame> copies = frames;
     FrameUploader uploader(channel, map, {});
     state.ResumeTiming();
@@ -83,7 +87,13 @@ void UploadToIntegrated(benchmark::State& state) {
   state.counters["daemon_MB"] = PeakMemoryMb(daemon.process());
 }
 
-BENCHMARK(UploadToIntegrated)->UseRealTime()->Unit(benchmark::kMillisecond)->MinTime(10.0);
+BENCHMARK(UploadToIntegrated)
+    ->ArgName("policy")
+    ->Arg(v1::UPDATE_POLICY_STATIC)
+    ->Arg(v1::UPDATE_POLICY_POCD)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond)
+    ->MinTime(10.0);
 
 }  // namespace
 }  // namespace steadymap

@@ -111,7 +111,7 @@ TEST_P(MapServiceTest, WrongFieldsOfANewMapAreNamed) {
   EXPECT_THAT(refusal([](Request* r) { r->mutable_map()->mutable_config()->set_truncation_m(-1); }),
               IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.truncation_m"));
   EXPECT_THAT(refusal([](Request* r) {
-                r->mutable_map()->mutable_config()->set_policy(static_cast<v1::UpdatePolicy>(6));
+                r->mutable_map()->mutable_config()->set_policy(static_cast<v1::UpdatePolicy>(7));
               }),
               IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.policy"));
   EXPECT_THAT(

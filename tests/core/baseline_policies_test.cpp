@@ -27,6 +27,9 @@ using ::steadymap::testing::SceneBody;
 
 class BaselinePolicies : public ::testing::TestWithParam<UpdatePolicy> {};
 
+/// Those that do not take what is hidden for gone, as the paper does.
+class PoliciesThatSeeDepth : public BaselinePolicies {};
+
 /// Two visits to a box that comes, is moved and goes.
 std::vector<Frame> EventfulFrames() {
   std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 6);
@@ -79,7 +82,7 @@ TEST_P(BaselinePolicies, KeepNothingOfAPerson) {
   EXPECT_TRUE(story.EventsOf(EventType::kCreated, kPersonClass).empty());
 }
 
-TEST_P(BaselinePolicies, KeepWhatIsHidden) {
+TEST_P(PoliciesThatSeeDepth, KeepWhatIsHidden) {
   const SceneBody screen = Body(kWallClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
   MapStory story(ConfigOf(GetParam()));
   story.Look({FarWall(), Goods(0.0)}, 20);
@@ -126,12 +129,30 @@ TEST_P(BaselinePolicies, TakeFramesOfAnySizeAndDepth) {
 }
 
 std::string NameOf(const ::testing::TestParamInfo<UpdatePolicy>& info) {
-  if (info.param == UpdatePolicy::kVoxelChange) return "VoxelChange";
-  return info.param == UpdatePolicy::kSubmapChange ? "SubmapChange" : "Tracking";
+  switch (info.param) {
+    case UpdatePolicy::kVoxelChange:
+      return "VoxelChange";
+    case UpdatePolicy::kSubmapChange:
+      return "SubmapChange";
+    case UpdatePolicy::kTracking:
+      return "Tracking";
+    case UpdatePolicy::kPocdPaper:
+      return "PocdPaper";
+    default:
+      return "Other";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(,
                          BaselinePolicies,
+                         ::testing::Values(UpdatePolicy::kVoxelChange,
+                                           UpdatePolicy::kSubmapChange,
+                                           UpdatePolicy::kTracking,
+                                           UpdatePolicy::kPocdPaper),
+                         NameOf);
+
+INSTANTIATE_TEST_SUITE_P(,
+                         PoliciesThatSeeDepth,
                          ::testing::Values(UpdatePolicy::kVoxelChange,
                                            UpdatePolicy::kSubmapChange,
                                            UpdatePolicy::kTracking),

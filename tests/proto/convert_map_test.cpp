@@ -24,7 +24,8 @@ TEST(ConvertMapConfig, PoliciesComeBack) {
                                     UpdatePolicy::kVoxelChange,
                                     UpdatePolicy::kSubmapChange,
                                     UpdatePolicy::kTracking,
-                                    UpdatePolicy::kPocd}) {
+                                    UpdatePolicy::kPocd,
+                                    UpdatePolicy::kPocdPaper}) {
     MapConfig config;
     config.policy = policy;
     EXPECT_EQ(FromProto(ToProto(config))->policy, policy);

@@ -1,0 +1,161 @@
+#include "core/paper_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assignment.h"
+#include "core/class_votes.h"
+#include "core/judgement.h"
+#include "core/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+/// The upright box along the world's axes around points.
+Eigen::AlignedBox3d BoundsOf(const std::vector<Eigen::Vector3d>& points_world) {
+  Eigen::AlignedBox3d bounds_world;
+  for (const Eigen::Vector3d& point_world : points_world) bounds_world.extend(point_world);
+  return bounds_world;
+}
+
+}  // namespace
+
+PaperMapper::PaperMapper(const MapConfig& config, const PaperParameters& parameters)
+    : config_(config), parameters_(parameters), segments_(config, parameters.segments) {}
+
+void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingMap* map) {
+  map_ = map;
+  std::vector<TrackedObject*> candidates;
+  for (auto& [id, object] : map->mutable_objects()) candidates.push_back(&object);
+  segments_.Part(candidates, cloud, map);
+  segments_.SetMatches(Associate());
+  const double largest_fused_m = 0.5 * parameters_.stationarity.change_noise_m;
+  for (std::size_t place = 0; place < segments_.in_view().size(); ++place) {
+    TrackedObject* object = segments_.in_view()[place].object;
+    const std::size_t samples = segments_.CountSamples(place);
+    if (samples > 0) {
+      const double change_m = MeasureChange(place, *cloud);
+      ++object->state().views;
+      object->state().last_seen = map->now();
+      AddVotes({{object->state().class_id, samples}}, &object->state());
+      Update(object, change_m);
+      if (std::abs(change_m) > largest_fused_m) segments_.Release(place);
+    } else if (IsExpectedInView(*object, *cloud)) {
+      ++object->state().absences;
+      Update(object, parameters_.stationarity.max_change_m);
+    }
+  }
+  AddObjects();
+  segments_.Fuse();
+}
+
+/// Matches segments with objects: registers the pairs within the gate, then assigns at the least
+/// cost (pocd.md section 2, step 4, "Paper").
+std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
+  const std::vector<ObjectInView>& in_view = segments_.in_view();
+  const std::vector<Observation>& segments = segments_.segments();
+  registrations_.assign(in_view.size(), std::nullopt);
+  std::vector<AssignmentPair> pairs;
+  std::vector<Registration> registrations;
+  for (std::size_t row = 0; row < segments.size(); ++row) {
+    const std::vector<Eigen::Vector3d> points_world = segments_.PointsOf(segments[row]);
+    const Eigen::Vector3d center_world = BoundsOf(points_world).center();
+    for (std::size_t column = 0; column < in_view.size(); ++column) {
+      const TrackedObject& object = *in_view[column].object;
+      const double apart_m = (object.cuboid().center_world - center_world).norm();
+      if (apart_m > parameters_.association_distance_m) continue;
+      const Registration registration = RegisterPoints(points_world,
+                                                       object.volume(),
+                                                       map_->scale(),
+                                                       object.state().T_world_object,
+                                                       parameters_.registration);
+      if (registration.dissimilarity > parameters_.max_dissimilarity) continue;
+      const bool is_other_class = object.state().class_id.value() != segments[row].label;
+      pairs.push_back({row,
+                       column,
+                       parameters_.position_weight * registration.shift_world.norm() +
+                           parameters_.orientation_weight * std::abs(registration.yaw_rad) +
+                           parameters_.class_weight * (is_other_class ? 1.0 : 0.0)});
+      registrations.push_back(registration);
+    }
+  }
+  std::vector<std::optional<std::size_t>> matches =
+      AssignColumns(segments.size(), in_view.size(), pairs, parameters_.cost_cutoff);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (matches[pairs[i].row] == pairs[i].column)
+      registrations_[pairs[i].column] = registrations[i];
+  }
+  return matches;
+}
+
+/// The mean distance of the observation from the object's surface, scaled; positive if the
+/// observation lies in front (pocd.md section 3).
+double PaperMapper::MeasureChange(std::size_t place, const SemanticCloud& cloud) const {
+  const TrackedObject& object = *segments_.in_view()[place].object;
+  const Eigen::Isometry3d T_object_world = object.state().T_world_object.ToIsometry().inverse();
+  TsdfSampler sampler(object.volume(), map_->scale());
+  double sum_m = 0.0;
+  std::size_t known = 0;
+  for (const Eigen::Vector3d& point_world : segments_.PointsOf(place)) {
+    double distance_m = 0.0;
+    if (!sampler.SampleDistance(T_object_world * point_world, &distance_m)) continue;
+    sum_m += std::abs(distance_m);
+    ++known;
+  }
+  if (known == 0) return 0.0;
+  const double change_m = parameters_.change_scale * sum_m / static_cast<double>(known);
+  // The correction takes the observation to the object: forward, if it lies in front.
+  const Eigen::Vector3d shift_camera =
+      cloud.T_world_camera().linear().transpose() * registrations_[place]->shift_world;
+  return shift_camera.z() >= 0.0 ? change_m : -change_m;
+}
+
+/// Whether enough of an object's points lie in the frustum, hidden or not.
+bool PaperMapper::IsExpectedInView(const TrackedObject& object, const SemanticCloud& cloud) const {
+  const Eigen::Isometry3d T_camera_object =
+      cloud.T_world_camera().inverse() * object.state().T_world_object.ToIsometry();
+  const PinholeCamera& camera = cloud.camera();
+  std::size_t visible = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      const Eigen::Vector3d point_camera = T_camera_object * point.position_object.cast<double>();
+      if (point_camera.z() <= 0.0 || point_camera.z() > config_.max_depth_m) continue;
+      const double u = camera.fx * point_camera.x() / point_camera.z() + camera.cx;
+      const double v = camera.fy * point_camera.y() / point_camera.z() + camera.cy;
+      if (u >= 0.0 && v >= 0.0 && u < camera.width_px && v < camera.height_px) ++visible;
+    }
+  }
+  return visible > 0 &&
+         static_cast<double>(visible) >=
+             parameters_.min_visible_share * static_cast<double>(object.surface().point_count());
+}
+
+/// Updates the belief by one measurement, and removes what is no longer believed.
+void PaperMapper::Update(TrackedObject* object, double change_m) {
+  ObjectState& state = object->state();
+  const Belief before = state.belief;
+  state.belief = UpdateStationarity(
+                     before, change_m, PriorOf(config_, state.class_id), parameters_.stationarity)
+                     .belief;
+  map_->MarkChanged(object);
+  if (state.belief.stationarity() >= parameters_.min_stationarity) return;
+  ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object);
+  event.before = before;
+  map_->Tell(event);
+  map_->Forget(object);
+}
+
+void PaperMapper::AddObjects() {
+  const std::size_t known = segments_.in_view().size();
+  segments_.AddObjects();
+  for (std::size_t place = known; place < segments_.in_view().size(); ++place) {
+    TrackedObject* object = segments_.in_view()[place].object;
+    object->state().belief = InitialBelief(parameters_.initial_stationarity);
+    object->state().standing = ObjectStanding::kPresent;
+    object->state().views = 1;
+    map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+    map_->MarkChanged(object);
+  }
+}
+
+}  // namespace steadymap
