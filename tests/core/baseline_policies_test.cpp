@@ -24,6 +24,7 @@ using ::steadymap::testing::LookAtScene;
 using ::steadymap::testing::MapStory;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneBody;
+using ::steadymap::testing::SmallFrame;
 
 class BaselinePolicies : public ::testing::TestWithParam<UpdatePolicy> {};
 
@@ -101,17 +102,6 @@ TEST_P(BaselinePolicies, TakeFramesWithoutLabelsAsBackground) {
   EXPECT_TRUE(story.events().empty());
   EXPECT_GT(CountSurfaceIn(story.map(), Around(Goods(0.0), 0.05)), 100U);
   EXPECT_TRUE(story.Present(0).empty());
-}
-
-/// A wall at 2 m as a small camera sees it.
-Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_time_s) {
-  Frame frame;
-  frame.capture_time = Timestamp::FromSeconds(capture_time_s);
-  frame.camera = {width_px, height_px, 40.0, 40.0, 0.5 * width_px, 0.5 * height_px};
-  frame.depth.units = Image<std::uint16_t>(
-      width_px, height_px, static_cast<std::uint16_t>(std::lround(1000.0 * depth_m)));
-  frame.labels = Image<std::uint16_t>(width_px, height_px, kGoodsClass);
-  return frame;
 }
 
 TEST_P(BaselinePolicies, TakeFramesOfAnySizeAndDepth) {

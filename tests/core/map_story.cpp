@@ -44,6 +44,16 @@ std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int vis
   return frames;
 }
 
+Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_time_s) {
+  Frame frame;
+  frame.capture_time = Timestamp::FromSeconds(capture_time_s);
+  frame.camera = {width_px, height_px, 40.0, 40.0, 0.5 * width_px, 0.5 * height_px};
+  frame.depth.units = Image<std::uint16_t>(
+      width_px, height_px, static_cast<std::uint16_t>(std::lround(1000.0 * depth_m)));
+  frame.labels = Image<std::uint16_t>(width_px, height_px, kGoodsClass);
+  return frame;
+}
+
 MapStory::MapStory(const MapConfig& config)
     : config_(config),
       mapper_(Mapper::Create(config).value()),
@@ -110,6 +120,7 @@ std::map<LeafKey, std::string> PackedLeaves(const MapSnapshot& map) {
 
 void ExpectSameMap(const MapSnapshot& a, const MapSnapshot& b) {
   EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.last_capture_time, b.last_capture_time);
   EXPECT_EQ(a.newest_object, b.newest_object);
   EXPECT_TRUE(PackedLeaves(a) == PackedLeaves(b));
   EXPECT_TRUE(a.free_space == b.free_space);

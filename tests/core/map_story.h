@@ -33,6 +33,9 @@ MapConfig ConfigOf(UpdatePolicy policy);
 /// second apart, and another minute before each visit but the first.
 std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int visit = 0);
 
+/// A frame of goods that fill the view of a small camera.
+Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_time_s);
+
 /// A map from its first frame on.
 class MapStory {
  public:
@@ -55,6 +58,9 @@ class MapStory {
                                     Revision after = Revision(0)) const;
 
   const MapSnapshot& map() const { return *map_; }
+
+  /// The map as the deltas told it.
+  const MapSnapshot& told() const { return told_; }
 
   /// Present objects of a class.
   std::vector<std::shared_ptr<const MapObject>> Present(std::uint16_t label) const;

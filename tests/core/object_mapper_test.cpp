@@ -4,146 +4,39 @@
 #include "core/object_mapper.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <map>
 #include <memory>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/map_delta.h"
 #include "core/mapper.h"
-#include "core/tsdf_codec.h"
+#include "tests/core/map_story.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {
 namespace {
 
+using ::steadymap::testing::Around;
 using ::steadymap::testing::Body;
-using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::ConfigOf;
+using ::steadymap::testing::ExpectSameMap;
+using ::steadymap::testing::FarWall;
+using ::steadymap::testing::Goods;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kPersonClass;
+using ::steadymap::testing::kWallClass;
+using ::steadymap::testing::LookAtScene;
+using ::steadymap::testing::MapStory;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneBody;
+using ::steadymap::testing::SmallFrame;
 
-constexpr std::uint16_t kWallClass = 4;
 constexpr std::uint16_t kRackClass = 6;
-constexpr std::uint16_t kGoodsClass = 7;
-constexpr std::uint16_t kPersonClass = 13;
 
-constexpr double kSecondsPerFrame = 0.5;
-
-SceneBody FarWall() { return Body(kWallClass, {2.6, -4.0, -3.0}, {3.0, 4.0, 3.0}); }
-
-/// A box half a metre wide in front of the wall, its middle at `y`.
-SceneBody Goods(double y) { return Body(kGoodsClass, {1.6, y - 0.25, -0.3}, {2.0, y + 0.25, 0.3}); }
-
-MapConfig PocdConfig() {
-  MapConfig config;
-  config.policy = UpdatePolicy::kPocd;
-  return config;
-}
-
-/// Frames of a scene from a camera that swings to and fro, going on from frame `first`.
-std::vector<Frame> Look(const Scene& scene, int first, int count) {
-  std::vector<Frame> frames;
-  for (int i = first; i < first + count; ++i) {
-    frames.push_back(RenderScene(scene,
-                                 {.eye_world = {0.0, 0.4 * std::sin(0.7 * i), 0.1},
-                                  .target_world = {2.0, 0.1, 0.0},
-                                  .capture_time_s = 100.0 + kSecondsPerFrame * i}));
-  }
-  return frames;
-}
-
-/// A map under observation.
-class Story {
- public:
-  /// Takes in frames, with a commit after every `frames_per_commit` and at the end.
-  void Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1) {
-    for (const Frame& frame : frames) {
-      mapper_->Integrate(mapper_->head().Next(), frame);
-      if (mapper_->uncommitted_frames() == frames_per_commit) Commit();
-    }
-    Commit();
-  }
-
-  /// Goes on looking at a scene.
-  void Look(const Scene& scene, int count) {
-    Tell(steadymap::Look(scene, static_cast<int>(mapper_->head().value()), count));
-  }
-
-  const std::vector<ObjectEvent>& events() const { return events_; }
-
-  const MapSnapshot& map() const { return *map_; }
-
-  /// All leaves as the deltas told them.
-  const std::map<LeafKey, std::string>& told_leaves() const { return told_leaves_; }
-
-  /// Events of a type about things of a class, from revision `after` + 1 on.
-  std::vector<ObjectEvent> EventsOf(EventType type,
-                                    std::uint16_t label,
-                                    Revision after = Revision(0)) const {
-    std::vector<ObjectEvent> found;
-    for (const ObjectEvent& event : events_) {
-      if (event.type == type && event.class_id == ClassId(label) && event.revision > after) {
-        found.push_back(event);
-      }
-    }
-    return found;
-  }
-
-  /// Present objects of a class.
-  std::vector<std::shared_ptr<const MapObject>> Present(std::uint16_t label) const {
-    std::vector<std::shared_ptr<const MapObject>> found;
-    for (const auto& [id, object] : map_->objects) {
-      if (object->standing == ObjectStanding::kPresent && object->class_id == ClassId(label)) {
-        found.push_back(object);
-      }
-    }
-    return found;
-  }
-
- private:
-  void Commit() {
-    const MapCommit commit = mapper_->Commit();
-    map_ = commit.snapshot;
-    events_.insert(events_.end(), commit.delta.events.begin(), commit.delta.events.end());
-    for (const LeafChange& change : commit.delta.leaves) {
-      told_leaves_[change.key] = change.packed;
-      if (change.packed.empty()) told_leaves_.erase(change.key);
-    }
-  }
-
-  std::unique_ptr<Mapper> mapper_ = Mapper::Create(PocdConfig()).value();
-  std::shared_ptr<const MapSnapshot> map_;
-  std::vector<ObjectEvent> events_;
-  std::map<LeafKey, std::string> told_leaves_;
-};
-
-std::map<LeafKey, std::string> PackedLeaves(const MapSnapshot& map) {
-  std::map<LeafKey, std::string> packed;
-  map.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-    packed[{kBackgroundId, origin}] = PackLeaf(leaf, map.scale);
-  });
-  for (const auto& [id, object] : map.objects) {
-    object->volume->ForEachLeaf([&, key = id](LeafOrigin origin, const LeafView& leaf) {
-      packed[{key, origin}] = PackLeaf(leaf, map.scale);
-    });
-  }
-  return packed;
-}
-
-void ExpectSameMap(const MapSnapshot& a, const MapSnapshot& b) {
-  EXPECT_EQ(a.revision, b.revision);
-  EXPECT_EQ(a.last_capture_time, b.last_capture_time);
-  EXPECT_EQ(a.newest_object, b.newest_object);
-  const MapDelta difference = Diff(a, b);
-  EXPECT_TRUE(difference.leaves.empty());
-  EXPECT_TRUE(difference.free_blocks.empty());
-  for (const ObjectChange& change : difference.objects) {
-    ADD_FAILURE() << "object " << change.id.value() << " differs";
-  }
-}
+MapConfig PocdConfig() { return ConfigOf(UpdatePolicy::kPocd); }
 
 /// Observed voxels of present objects and the background within a box, world frame.
 std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {
@@ -170,7 +63,7 @@ std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {
 
 TEST(ObjectMapper, CreatesABoxAfterTheConfirmingViews) {
   const Scene scene = {FarWall(), Goods(0.0)};
-  Story story;
+  MapStory story(PocdConfig());
   story.Look(scene, 3);
   EXPECT_TRUE(story.events().empty());
   EXPECT_TRUE(story.Present(kGoodsClass).empty());
@@ -189,7 +82,7 @@ TEST(ObjectMapper, CreatesABoxAfterTheConfirmingViews) {
 }
 
 TEST(ObjectMapper, ReportsNoChangeOfASceneThatStaysTheSame) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(-0.5), Goods(0.4)}, 60);
   EXPECT_EQ(story.Present(kGoodsClass).size(), 2U);
   for (const ObjectEvent& event : story.events()) {
@@ -198,10 +91,9 @@ TEST(ObjectMapper, ReportsNoChangeOfASceneThatStaysTheSame) {
 }
 
 TEST(ObjectMapper, RemovesABoxThatDisappeared) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(0.0)}, 30);
-  const Box place(Goods(0.0).box_world.min().array() - 0.1,
-                  Goods(0.0).box_world.max().array() + 0.1);
+  const Box place = Around(Goods(0.0), 0.1);
   EXPECT_GT(CountVoxelsIn(story.map(), place), 200U);
   story.Look({FarWall()}, 15);
   const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
@@ -214,7 +106,7 @@ TEST(ObjectMapper, RemovesABoxThatDisappeared) {
 }
 
 TEST(ObjectMapper, KnowsABoxThatComesBack) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(0.0)}, 45);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   const MapObject first = *story.Present(kGoodsClass)[0];
@@ -235,7 +127,7 @@ TEST(ObjectMapper, KnowsABoxThatComesBack) {
 }
 
 TEST(ObjectMapper, TakesABoxBesideAnOldPlaceAsNew) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(-0.1)}, 45);
   story.Look({FarWall()}, 45);
   ASSERT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
@@ -245,7 +137,7 @@ TEST(ObjectMapper, TakesABoxBesideAnOldPlaceAsNew) {
 }
 
 TEST(ObjectMapper, KnowsABoxThatWasMovedAside) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(-0.3)}, 45);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   const ObjectId box = story.Present(kGoodsClass)[0]->id;
@@ -267,7 +159,7 @@ TEST(ObjectMapper, KnowsABoxThatWasMovedAside) {
 }
 
 TEST(ObjectMapper, KeepsWhatItKnewOfABoxThatMovedFarAway) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(-0.8)}, 45);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   const MapObject before = *story.Present(kGoodsClass)[0];
@@ -288,7 +180,7 @@ TEST(ObjectMapper, KeepsWhatItKnewOfABoxThatMovedFarAway) {
 }
 
 TEST(ObjectMapper, NeverGuessesWhichOfTwoTwinsMoved) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(-0.8), Goods(0.0)}, 45);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 2U);
   story.Look({FarWall()}, 30);
@@ -302,7 +194,7 @@ TEST(ObjectMapper, NeverGuessesWhichOfTwoTwinsMoved) {
 SceneBody Pile(double top_m) { return Body(kGoodsClass, {1.6, -0.4, -0.8}, {2.0, 0.4, top_m}); }
 
 TEST(ObjectMapper, CutsOffThePartOfAPileThatWasTakenAway) {
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Pile(0.6)}, 30);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   const ObjectId pile = story.Present(kGoodsClass)[0]->id;
@@ -323,7 +215,7 @@ TEST(ObjectMapper, CutsOffThePartOfAPileThatWasTakenAway) {
 
 TEST(ObjectMapper, KeepsABoxThatIsHidden) {
   const SceneBody rack = Body(kRackClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(0.0)}, 20);
   story.Look({FarWall(), Goods(0.0), rack}, 40);
   EXPECT_TRUE(story.EventsOf(EventType::kRemoved, kGoodsClass).empty());
@@ -332,9 +224,9 @@ TEST(ObjectMapper, KeepsABoxThatIsHidden) {
 
 TEST(ObjectMapper, KeepsNothingOfAPerson) {
   const SceneBody person = Body(kPersonClass, {1.2, -0.2, -0.7}, {1.5, 0.2, 0.7});
-  Story story;
+  MapStory story(PocdConfig());
   story.Look({FarWall(), person}, 20);
-  const Box place(person.box_world.min().array() - 0.2, person.box_world.max().array() + 0.2);
+  const Box place = Around(person, 0.2);
   EXPECT_EQ(CountVoxelsIn(story.map(), place), 0U);
   EXPECT_TRUE(story.EventsOf(EventType::kCreated, kPersonClass).empty());
   for (const auto& [id, object] : story.map().objects) {
@@ -343,9 +235,9 @@ TEST(ObjectMapper, KeepsNothingOfAPerson) {
 }
 
 TEST(ObjectMapper, PutsFramesWithoutLabelsIntoTheBackground) {
-  std::vector<Frame> frames = Look({FarWall(), Goods(0.0)}, 0, 8);
+  std::vector<Frame> frames = LookAtScene({FarWall(), Goods(0.0)}, 0, 8);
   for (Frame& frame : frames) frame.labels = {};
-  Story story;
+  MapStory story(PocdConfig());
   story.Tell(frames);
   EXPECT_TRUE(story.events().empty());
   EXPECT_TRUE(story.map().objects.empty());
@@ -354,9 +246,9 @@ TEST(ObjectMapper, PutsFramesWithoutLabelsIntoTheBackground) {
 
 /// A box that comes, is moved and goes.
 std::vector<Frame> EventfulFrames() {
-  std::vector<Frame> frames = Look({FarWall()}, 0, 6);
+  std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 6);
   const auto append = [&](const Scene& scene, int count) {
-    for (Frame& frame : Look(scene, static_cast<int>(frames.size()), count)) {
+    for (Frame& frame : LookAtScene(scene, static_cast<int>(frames.size()), count)) {
       frames.push_back(std::move(frame));
     }
   };
@@ -368,12 +260,12 @@ std::vector<Frame> EventfulFrames() {
 
 TEST(ObjectMapper, GivesTheSameMapWhateverTheCommitRhythm) {
   const std::vector<Frame> frames = EventfulFrames();
-  Story reference;
+  MapStory reference(PocdConfig());
   reference.Tell(frames, 1);
   EXPECT_GE(reference.events().size(), 4U);
   for (const std::size_t frames_per_commit : {std::size_t{1}, std::size_t{5}, frames.size()}) {
     SCOPED_TRACE(frames_per_commit);
-    Story story;
+    MapStory story(PocdConfig());
     story.Tell(frames, frames_per_commit);
     EXPECT_EQ(story.events(), reference.events());
     ExpectSameMap(story.map(), reference.map());
@@ -442,28 +334,17 @@ TEST(ObjectMapper, TellsInDeltasWhatSnapshotsShow) {
 }
 
 TEST(ObjectMapper, PublishesAnObjectOfWhichAFrameShowsLittle) {
-  std::vector<Frame> frames = Look({FarWall(), Goods(0.0)}, 0, 7);
+  std::vector<Frame> frames = LookAtScene({FarWall(), Goods(0.0)}, 0, 7);
   const Frame whole = frames.back();
   for (int side_px = 8; side_px <= 32; side_px += 2) {
     SCOPED_TRACE(side_px);
     frames.back() = Patch(whole, side_px);
-    Story step_by_step;
+    MapStory step_by_step(PocdConfig());
     step_by_step.Tell(frames, 1);
-    Story at_once;
+    MapStory at_once(PocdConfig());
     at_once.Tell(frames, frames.size());
     ExpectSameMap(step_by_step.map(), at_once.map());
   }
-}
-
-/// A wall at 2 m as a small camera sees it.
-Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_time_s) {
-  Frame frame;
-  frame.capture_time = Timestamp::FromSeconds(capture_time_s);
-  frame.camera = {width_px, height_px, 40.0, 40.0, 0.5 * width_px, 0.5 * height_px};
-  frame.depth.units = Image<std::uint16_t>(
-      width_px, height_px, static_cast<std::uint16_t>(std::lround(1000.0 * depth_m)));
-  frame.labels = Image<std::uint16_t>(width_px, height_px, kGoodsClass);
-  return frame;
 }
 
 TEST(ObjectMapper, TakesFramesOfAnySizeAndDepth) {
@@ -471,22 +352,23 @@ TEST(ObjectMapper, TakesFramesOfAnySizeAndDepth) {
        {std::pair{1, 1}, {2, 1}, {4, 4}, {1, 300}, {10, 10}, {14, 12}, {16, 16}, {37, 5}}) {
     for (const double depth_m : {0.0, 0.001, 1.0, 2.0, 2.9, 65.5}) {
       SCOPED_TRACE(::testing::Message() << width_px << " x " << height_px << " at " << depth_m);
-      Story story;
+      MapStory story(PocdConfig());
       for (int i = 0; i < 6; ++i) story.Tell({SmallFrame(width_px, height_px, depth_m, i)});
       EXPECT_EQ(story.map().revision, Revision(6));
-      EXPECT_TRUE(story.told_leaves() == PackedLeaves(story.map()));
+      ExpectSameMap(story.told(), story.map());
     }
   }
 }
 
 TEST(ObjectMapper, TellsEveryLeafThatChanged) {
-  Story story;
+  MapStory story(PocdConfig());
   const std::vector<Frame> frames = EventfulFrames();
   for (std::size_t i = 0; i < frames.size(); i += 3) {
+    SCOPED_TRACE(i);
     story.Tell({frames.begin() + static_cast<std::ptrdiff_t>(i),
                 frames.begin() + static_cast<std::ptrdiff_t>(i + 3)},
                2);
-    ASSERT_TRUE(story.told_leaves() == PackedLeaves(story.map())) << i;
+    ExpectSameMap(story.told(), story.map());
   }
 }
 
