@@ -38,6 +38,7 @@ void AddEvidence(const ObjectVerdict& verdict,
   const auto absent = static_cast<double>(verdict.seen_through + verdict.replaced);
   evidence->present_cells += present;
   evidence->absent_cells += absent;
+  evidence->change_sum_m += present * verdict.change_m.value_or(0.0);
   evidence->absent_streak_cells = present > absent ? 0.0 : evidence->absent_streak_cells + absent;
 }
 
@@ -54,15 +55,18 @@ bool UpdateBelief(StationarityPrior prior,
     stationarity.max_evidence = std::min(stationarity.max_evidence, parameters.revisit_evidence);
   }
   const double absent_share = evidence.absent_cells / judged;
+  const double found_change_m =
+      evidence.present_cells > 0.0 ? evidence.change_sum_m / evidence.present_cells : 0.0;
   evidence.present_cells = 0.0;
   evidence.absent_cells = 0.0;
+  evidence.change_sum_m = 0.0;
   if (absent_share >= parameters.absent_share) {
     ++object->absences;
     const double change_m = stationarity.max_change_m;
     object->belief = UpdateStationarity(object->belief, change_m, prior, stationarity).belief;
   } else if (absent_share < parameters.present_share) {
     object->last_seen = now;
-    object->belief = UpdateStationarity(object->belief, 0.0, prior, stationarity).belief;
+    object->belief = UpdateStationarity(object->belief, found_change_m, prior, stationarity).belief;
   }
   return true;
 }

@@ -28,13 +28,15 @@ struct JudgementParameters {
 StationarityPrior PriorOf(const MapConfig& config, ClassId class_id);
 
 /// Adds what a frame taken at `now` says about each part of an object's surface to what is known.
+/// Surface found present without a measure of its change counts as unchanged.
 void AddEvidence(const ObjectVerdict& verdict,
                  const ObjectSurface& surface,
                  Timestamp now,
                  ObjectEvidence* evidence);
 
 /// Turns the evidence since the last update into one measurement and updates the belief with it, if
-/// there is enough of it (evidence.md, rule C); whether there was.
+/// there is enough of it (evidence.md, rule C); whether there was. Evidence for the object measures
+/// the mean change of the surface found, evidence against it the greatest change there is.
 bool UpdateBelief(StationarityPrior prior,
                   Timestamp now,
                   const JudgementParameters& parameters,

@@ -34,6 +34,9 @@ struct ObjectEvidence {
   double absent_cells = 0.0;   ///< Judged gone since the last update.
   /// Judged gone since more of the surface was last found than missed.
   double absent_streak_cells = 0.0;
+  /// Changes measured since the last update, metres, each times the cells it was measured on: those
+  /// of `present_cells`.
+  double change_sum_m = 0.0;
   std::vector<LeafEvidence> leaves;  ///< By rising origin.
 
   /// When surface of the leaf was last found; the epoch if never.

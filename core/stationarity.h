@@ -5,7 +5,8 @@
 namespace steadymap {
 
 /// `q(l, v) = N(l | change_mean_m, change_std_m^2) Beta(v | alpha, beta)`: `l` is how far the
-/// object's surface has moved since it was mapped, `v` in [0, 1] whether it stands where it stood.
+/// object's surface has moved since it was mapped, positive towards the camera that measured it,
+/// `v` in [0, 1] whether it stands where it stood.
 struct Belief {
   double change_mean_m = 0.0;
   double change_std_m = 0.5;  ///< > 0.

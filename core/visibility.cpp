@@ -96,26 +96,41 @@ VisibilityTest::VisibilityTest(const SemanticCloud& cloud,
       objects_(objects),
       association_(association),
       parameters_(parameters),
-      T_camera_world_(cloud.T_world_camera().inverse().cast<float>()) {}
+      T_camera_world_(cloud.T_world_camera().inverse().cast<float>()),
+      camera_world_(cloud.T_world_camera().translation().cast<float>()) {}
 
-bool VisibilityTest::IsPresent(const TrackedObject& object,
-                               int column,
-                               int row,
-                               const Eigen::Vector3f& point_world,
-                               float depth_m) const {
+/// Depth at which the ray through a point meets the plane of a sample; `depth_m` is that of the
+/// point. 0 where they hardly meet.
+float VisibilityTest::DepthAlong(const Eigen::Vector3f& point_world,
+                                 float depth_m,
+                                 const SurfaceSample& sample) const {
+  const Eigen::Vector3f ray_world = point_world - camera_world_;
+  const float along_normal_m = -sample.normal_world.dot(ray_world);
+  if (along_normal_m < kMinCosine * ray_world.norm()) return 0.0F;
+  return depth_m * sample.normal_world.dot(camera_world_ - sample.position_world) / along_normal_m;
+}
+
+/// The sample around a place of the grid that shows the surface at a point; null if none does. The
+/// one at the place itself comes first, since it was measured along the point's ray.
+const SurfaceSample* VisibilityTest::FindPresent(const TrackedObject& object,
+                                                 int column,
+                                                 int row,
+                                                 const Eigen::Vector3f& point_world,
+                                                 float depth_m) const {
   const float reach_m = kPresentReachM + kPresentReachPerMetre * depth_m;
+  const auto shows_point = [&](const SurfaceSample& sample) {
+    if (!sample.is_valid() || sample.label != object.state().class_id.value()) return false;
+    const Eigen::Vector3f way = point_world - sample.position_world;
+    return way.squaredNorm() < reach_m * reach_m &&
+           std::abs(way.dot(sample.normal_world)) < FitTolerance(depth_m);
+  };
+  if (shows_point(samples_.At(column, row))) return &samples_.At(column, row);
   for (int v = std::max(row - 1, 0); v <= std::min(row + 1, samples_.height() - 1); ++v) {
     for (int u = std::max(column - 1, 0); u <= std::min(column + 1, samples_.width() - 1); ++u) {
-      const SurfaceSample& sample = samples_.At(u, v);
-      if (!sample.is_valid() || sample.label != object.state().class_id.value()) continue;
-      const Eigen::Vector3f way = point_world - sample.position_world;
-      if (way.squaredNorm() < reach_m * reach_m &&
-          std::abs(way.dot(sample.normal_world)) < FitTolerance(depth_m)) {
-        return true;
-      }
+      if (shows_point(samples_.At(u, v))) return &samples_.At(u, v);
     }
   }
-  return false;
+  return nullptr;
 }
 
 bool VisibilityTest::IsReplaced(const TrackedObject& object,
@@ -140,57 +155,60 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
   return newer.standing_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
 }
 
-bool VisibilityTest::JudgePoint(const TrackedObject& object,
-                                LeafOrigin leaf,
-                                const Eigen::Vector3f& point_world,
-                                const Eigen::Vector3f& normal_world,
-                                Verdict* verdict) const {
+/// The verdict on a point of the surface, none if it is hidden or out of view. Of a point that is
+/// present the change is added to `change`.
+std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
+                                                  LeafOrigin leaf,
+                                                  const Eigen::Vector3f& point_world,
+                                                  const Eigen::Vector3f& normal_world,
+                                                  ChangeSum* change) const {
   const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
   const float depth_m = point_camera.z();
-  if (depth_m < kMinDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) return false;
+  if (depth_m < kMinDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) {
+    return std::nullopt;
+  }
   const Eigen::Vector3f normal_camera = T_camera_world_.linear() * normal_world;
-  if (-normal_camera.dot(point_camera) < kMinCosine * point_camera.norm()) return false;
+  if (-normal_camera.dot(point_camera) < kMinCosine * point_camera.norm()) return std::nullopt;
   const PinholeCamera& camera = cloud_.camera();
   const float u = static_cast<float>(camera.fx) * point_camera.x() / depth_m +
                   static_cast<float>(camera.cx) + 0.5F;
   const float v = static_cast<float>(camera.fy) * point_camera.y() / depth_m +
                   static_cast<float>(camera.cy) + 0.5F;
-  if (u < 0.0F || v < 0.0F) return false;
+  if (u < 0.0F || v < 0.0F) return std::nullopt;
   const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
   const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
-  if (column >= samples_.width() || row >= samples_.height()) return false;
-  if (IsPresent(object, column, row, point_world, depth_m)) {
-    *verdict = Verdict::kPresent;
-    return true;
+  if (column >= samples_.width() || row >= samples_.height()) return std::nullopt;
+  if (const SurfaceSample* sample = FindPresent(object, column, row, point_world, depth_m)) {
+    change->AddRay(static_cast<double>(depth_m),
+                   static_cast<double>(DepthAlong(point_world, depth_m, *sample)));
+    return Verdict::kPresent;
   }
   const float nearest_m = tiles_.NearestAround(column, row);
   if (nearest_m > depth_m + kThroughBaseM + kThroughPerSquareMetre * depth_m * depth_m) {
-    *verdict = Verdict::kSeenThrough;
-    return true;
+    return Verdict::kSeenThrough;
   }
   if (IsReplaced(object, leaf, samples_.Index(column, row), point_world, normal_world)) {
-    *verdict = Verdict::kReplaced;
-    return true;
+    return Verdict::kReplaced;
   }
-  return false;
+  return std::nullopt;
 }
 
 ObjectVerdict VisibilityTest::Judge(const TrackedObject& object) const {
   ObjectVerdict result;
+  ChangeSum change(parameters_.change);
   const Eigen::Isometry3f T_world_object = object.state().T_world_object.ToIsometry().cast<float>();
   const std::vector<SurfaceLeaf>& leaves = object.surface().leaves();
   for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
     // Votes of each cell's points, by verdict.
     std::array<std::array<std::uint8_t, 3>, kEvidenceCells> votes{};
     for (const SurfaceVoxel& point : leaves[leaf].points) {
-      Verdict verdict = Verdict::kPresent;
-      if (JudgePoint(object,
+      const std::optional<Verdict> verdict =
+          JudgePoint(object,
                      leaves[leaf].origin,
                      T_world_object * point.position_object,
                      T_world_object.linear() * point.normal_object,
-                     &verdict)) {
-        ++votes[point.cell][static_cast<std::size_t>(verdict)];
-      }
+                     &change);
+      if (verdict) ++votes[point.cell][static_cast<std::size_t>(*verdict)];
     }
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       const auto& [present, seen_through, replaced] = votes[cell];
@@ -205,6 +223,7 @@ ObjectVerdict VisibilityTest::Judge(const TrackedObject& object) const {
       result.replaced += verdict == Verdict::kReplaced ? 1U : 0U;
     }
   }
+  result.change_m = change.Change();
   return result;
 }
 

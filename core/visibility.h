@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/association.h"
+#include "core/change_estimate.h"
 #include "core/frame.h"
 #include "core/sample_grid.h"
 #include "core/tracked_object.h"
@@ -50,6 +52,9 @@ struct ObjectVerdict {
   std::size_t present = 0;
   std::size_t seen_through = 0;
   std::size_t replaced = 0;
+  /// How far the surface found present lies in front of where it should be, as `ChangeSum` has it,
+  /// metres; none if nothing was found present.
+  std::optional<double> change_m;
 
   std::size_t judged() const { return present + seen_through + replaced; }
 };
@@ -60,6 +65,8 @@ struct VisibilityParameters {
   double max_depth_m = 5.0;
   /// Surface this far behind a newer surface of its class is taken as replaced, metres; 0: never.
   double replaced_within_m = 0.45;
+  /// How the change of the surface found present is measured.
+  ChangeParameters change;
 };
 
 /// Judges the surface of each object in view against a frame (pocd.md section 2, step 4: by depth,
@@ -76,16 +83,19 @@ class VisibilityTest {
   ObjectVerdict Judge(const TrackedObject& object) const;
 
  private:
-  bool JudgePoint(const TrackedObject& object,
-                  LeafOrigin leaf,
-                  const Eigen::Vector3f& point_world,
-                  const Eigen::Vector3f& normal_world,
-                  Verdict* verdict) const;
-  bool IsPresent(const TrackedObject& object,
-                 int column,
-                 int row,
-                 const Eigen::Vector3f& point_world,
-                 float depth_m) const;
+  std::optional<Verdict> JudgePoint(const TrackedObject& object,
+                                    LeafOrigin leaf,
+                                    const Eigen::Vector3f& point_world,
+                                    const Eigen::Vector3f& normal_world,
+                                    ChangeSum* change) const;
+  const SurfaceSample* FindPresent(const TrackedObject& object,
+                                   int column,
+                                   int row,
+                                   const Eigen::Vector3f& point_world,
+                                   float depth_m) const;
+  float DepthAlong(const Eigen::Vector3f& point_world,
+                   float depth_m,
+                   const SurfaceSample& sample) const;
   bool IsReplaced(const TrackedObject& object,
                   LeafOrigin leaf,
                   std::size_t sample_index,
@@ -99,6 +109,7 @@ class VisibilityTest {
   const Association& association_;
   VisibilityParameters parameters_;
   Eigen::Isometry3f T_camera_world_;
+  Eigen::Vector3f camera_world_;
 };
 
 }  // namespace steadymap

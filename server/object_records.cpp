@@ -17,6 +17,10 @@ constexpr std::uint32_t kEventReasons = static_cast<std::uint32_t>(EventReason::
 constexpr std::uint32_t kMaxClassId = 0xFFFF;
 constexpr std::int32_t kMaxLeafIndex = 1 << 27;
 
+// Numbers of evidence in a record, and before changes were measured.
+constexpr int kEvidenceNumbers = 4;
+constexpr int kOldEvidenceNumbers = 3;
+
 absl::Status Impossible(std::string_view what) {
   return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
 }
@@ -82,6 +86,12 @@ absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence*
   evidence->present_cells = proto.evidence_cells(0);
   evidence->absent_cells = proto.evidence_cells(1);
   evidence->absent_streak_cells = proto.evidence_cells(2);
+  if (proto.evidence_cells_size() == kEvidenceNumbers) {
+    evidence->change_sum_m = proto.evidence_cells(3);
+  }
+  if (!std::isfinite(evidence->change_sum_m)) {
+    return Impossible("an object record holds an impossible change");
+  }
   evidence->leaves.reserve(static_cast<std::size_t>(proto.evidence_size()));
   for (const storage::v1::LeafEvidence& leaf : proto.evidence()) {
     absl::StatusOr<LeafEvidence> read = FromProto(leaf);
@@ -115,6 +125,7 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   proto.add_evidence_cells(state.evidence.present_cells);
   proto.add_evidence_cells(state.evidence.absent_cells);
   proto.add_evidence_cells(state.evidence.absent_streak_cells);
+  proto.add_evidence_cells(state.evidence.change_sum_m);
   for (const LeafEvidence& leaf : state.evidence.leaves) ToProto(leaf, proto.add_evidence());
   proto.set_first_seen_ns(state.first_seen.nanoseconds());
   proto.set_standing_since_ns(state.standing_since.nanoseconds());
@@ -126,7 +137,9 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
 
 absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectState& proto) {
   if (proto.standing() < 1 || proto.standing() > kStandings || proto.class_id() > kMaxClassId ||
-      proto.pose_size() != 4 || proto.cuboid_size() != 7 || proto.evidence_cells_size() != 3) {
+      proto.pose_size() != 4 || proto.cuboid_size() != 7 ||
+      proto.evidence_cells_size() < kOldEvidenceNumbers ||
+      proto.evidence_cells_size() > kEvidenceNumbers) {
     return Impossible("an object record holds no object");
   }
   ObjectState state;

@@ -117,6 +117,21 @@ TEST(AddEvidence, SaysNothingWithoutJudgedCells) {
   EXPECT_EQ(evidence, before);
 }
 
+TEST(AddEvidence, WeighsChangesByTheCellsTheyWereMeasuredOn) {
+  ObjectEvidence evidence;
+  ObjectVerdict found;
+  found.present = 5;
+  found.seen_through = 9;
+  found.change_m = 0.1;
+  AddEvidence(found, TwoLeaves(), kNow, &evidence);
+  found.present = 10;
+  found.change_m = -0.02;
+  AddEvidence(found, TwoLeaves(), kNow, &evidence);
+  found.change_m.reset();
+  AddEvidence(found, TwoLeaves(), kNow, &evidence);
+  EXPECT_NEAR(evidence.change_sum_m, 0.3, 1e-12);
+}
+
 MapObject ObjectWith(double present_cells, double absent_cells) {
   MapObject object;
   object.belief = InitialBelief(0.67);
@@ -155,6 +170,27 @@ TEST(UpdateBelief, FallsWhereTheSurfaceIsGone) {
   EXPECT_LT(object.belief.stationarity(), 0.67);
   EXPECT_EQ(object.last_seen, Timestamp());
   EXPECT_EQ(object.absences, 1U);
+}
+
+TEST(UpdateBelief, TakesTheMeanChangeOfTheSurfaceThatWasFound) {
+  MapObject object = ObjectWith(20.0, 3.0);
+  object.evidence.change_sum_m = 20.0 * -0.05;
+  EXPECT_TRUE(Update(&object));
+  const StationarityUpdate expected = UpdateStationarity(
+      InitialBelief(0.67), -0.05, StationarityPrior::kMoves, StationarityParameters());
+  EXPECT_EQ(object.belief, expected.belief);
+  EXPECT_EQ(object.evidence.change_sum_m, 0.0);
+}
+
+TEST(UpdateBelief, TakesTheGreatestChangeWhereTheSurfaceIsGone) {
+  MapObject object = ObjectWith(10.0, 10.0);
+  object.evidence.change_sum_m = 10.0 * 0.05;
+  EXPECT_TRUE(Update(&object));
+  const StationarityParameters parameters;
+  const StationarityUpdate expected = UpdateStationarity(
+      InitialBelief(0.67), parameters.max_change_m, StationarityPrior::kMoves, parameters);
+  EXPECT_EQ(object.belief, expected.belief);
+  EXPECT_EQ(object.evidence.change_sum_m, 0.0);
 }
 
 TEST(UpdateBelief, SaysNothingInBetweenButStartsAnew) {

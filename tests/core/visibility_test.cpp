@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/background.h"
+#include "core/judgement.h"
 #include "core/map_config.h"
 #include "tests/support/analytic_scene.h"
 
@@ -20,6 +23,7 @@ using ::steadymap::testing::Body;
 using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
+using ::steadymap::testing::SceneLook;
 
 constexpr VoxelScale kScale;
 constexpr std::uint16_t kWallClass = 4;
@@ -162,6 +166,61 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
   newer->state().standing_since = Timestamp::FromSeconds(95.0);
   newer->state().class_id = ClassId(kGoodsClass);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
+}
+
+TEST(VisibilityTest, MeasuresHowFarAWallHasComeTowardsTheCamera) {
+  const std::optional<double> none = JudgeWallAt2m(RenderScene({SeenWall(2.6)}, {})).change_m;
+  EXPECT_FALSE(none.has_value()) << "nothing was found";
+  const double scale = ChangeParameters().change_scale;
+  for (const double nearer_m : {0.04, 0.0, -0.04}) {
+    const ObjectVerdict verdict = JudgeWallAt2m(RenderScene({SeenWall(2.0 - nearer_m)}, {}));
+    EXPECT_EQ(verdict.present, CellsOfWallAt2m());
+    ASSERT_TRUE(verdict.change_m.has_value());
+    EXPECT_NEAR(*verdict.change_m, scale * nearer_m, 0.006) << nearer_m;
+  }
+}
+
+TEST(VisibilityTest, MeasuresChangeAlongTheViewOfASlantedWall) {
+  const SceneLook look{.eye_world = {0.6, -1.4, 0.0}, .target_world = {2.0, 0.0, 0.0}};
+  const double scale = ChangeParameters().change_scale;
+  for (const double nearer_m : {0.04, 0.0, -0.04}) {
+    const ObjectVerdict verdict = JudgeWallAt2m(RenderScene({SeenWall(2.0 - nearer_m)}, look));
+    ASSERT_TRUE(verdict.change_m.has_value());
+    EXPECT_NEAR(*verdict.change_m, scale * nearer_m * std::sqrt(2.0), 0.012) << nearer_m;
+  }
+}
+
+/// A frame with noise along z in its depth.
+Frame WithDepthNoise(Frame frame, double noise_m, std::mt19937_64* random) {
+  std::normal_distribution<double> noise(0.0, noise_m / frame.depth.metres_per_unit);
+  for (std::size_t i = 0; i < frame.depth.units.size(); ++i) {
+    std::uint16_t& units = frame.depth.units.data()[i];
+    if (units != kNoDepth) units = static_cast<std::uint16_t>(units + std::lround(noise(*random)));
+  }
+  return frame;
+}
+
+/// The change believed of the wall at 2 m after many noisy frames of a wall elsewhere.
+double SettledChange(double seen_depth_m) {
+  const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
+  const Frame frame = RenderScene({SeenWall(seen_depth_m)}, {});
+  MapObject object;
+  object.belief = InitialBelief(0.67);
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 30; ++i) {
+    const ObjectVerdict verdict = JudgeFirst({wall.get()}, WithDepthNoise(frame, 0.0176, &random));
+    AddEvidence(verdict, wall->surface(), frame.capture_time, &object.evidence);
+    UpdateBelief(StationarityPrior::kStays, frame.capture_time, JudgementParameters(), &object);
+  }
+  EXPECT_GT(object.belief.stationarity(), 0.9);
+  return object.belief.change_mean_m;
+}
+
+TEST(VisibilityTest, BeliefSettlesOnTheChangeOfAWallDespiteNoise) {
+  const double scale = ChangeParameters().change_scale;
+  EXPECT_NEAR(SettledChange(2.0), 0.0, 0.01);
+  EXPECT_NEAR(SettledChange(1.96), scale * 0.04, 0.015);
+  EXPECT_NEAR(SettledChange(2.04), scale * -0.04, 0.015);
 }
 
 TEST(DepthTiles, FindsTheNearestAroundATileThatWasMeasured) {

@@ -101,6 +101,7 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   state.evidence.present_cells = number(random);
   state.evidence.absent_cells = number(random);
   state.evidence.absent_streak_cells = number(random);
+  state.evidence.change_sum_m = number(random);
   for (std::int32_t x = -2; x < 3; ++x) {
     LeafEvidence& leaf = state.evidence.MutableLeaf({x * kLeafSide, -x * kLeafSide, 0});
     for (std::int8_t& score : leaf.score) score = static_cast<std::int8_t>(random());

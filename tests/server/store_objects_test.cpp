@@ -1,5 +1,6 @@
 // The part of the store's contract that is about objects, events and free space.
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -135,6 +136,10 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::ObjectState* state) { state->mutable_pose()->RemoveLast(); });
   refuse([](storage::v1::ObjectState* state) { state->add_cuboid(1.0); });
   refuse([](storage::v1::ObjectState* state) { state->clear_evidence_cells(); });
+  refuse([](storage::v1::ObjectState* state) { state->add_evidence_cells(1.0); });
+  refuse([](storage::v1::ObjectState* state) {
+    state->set_evidence_cells(3, std::numeric_limits<double>::quiet_NaN());
+  });
   refuse([](storage::v1::ObjectState* state) { state->mutable_belief()->set_alpha(0.0); });
   refuse([](storage::v1::ObjectState* state) { state->mutable_votes(0)->set_class_id(70000); });
   refuse([](storage::v1::ObjectState* state) {
@@ -142,6 +147,16 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   });
   refuse([](storage::v1::ObjectState* state) { state->mutable_evidence(0)->set_x(1 << 30); });
   refuse([](storage::v1::ObjectState* state) { *state->add_evidence() = state->evidence(0); });
+}
+
+TEST(ObjectRecords, TakeThoseWrittenBeforeChangesWereMeasured) {
+  ObjectState state = MakeObject(5, 1);
+  storage::v1::ObjectState old = ToProto(state);
+  old.mutable_evidence_cells()->RemoveLast();
+  state.evidence.change_sum_m = 0.0;
+  const absl::StatusOr<ObjectState> read = FromProto(ObjectId{5}, old);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(*read, state);
 }
 
 TEST(EventRecords, RefuseWhatCannotHaveBeenWritten) {

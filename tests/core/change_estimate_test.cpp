@@ -1,0 +1,249 @@
+// The change by rays against the paper's by voxels, and scenes whose change is known.
+
+#include "core/change_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/analytic_depth.h"
+#include "tests/support/analytic_solid.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Plane;
+using ::steadymap::testing::RangeFunction;
+using ::steadymap::testing::RangeTo;
+using ::steadymap::testing::Sphere;
+
+constexpr int kSidePx = 48;
+constexpr double kFocalPx = 90.0;
+constexpr double kCenterPx = 0.5 * (kSidePx - 1);
+
+/// Depth along z that the camera at the origin of its frame sees of a surface; 0 where nothing is.
+Image<float> DepthOf(const RangeFunction& surface) {
+  Image<float> depth_m(kSidePx, kSidePx);
+  for (int v = 0; v < kSidePx; ++v) {
+    for (int u = 0; u < kSidePx; ++u) {
+      const Eigen::Vector3d ray((u - kCenterPx) / kFocalPx, (v - kCenterPx) / kFocalPx, 1.0);
+      const double range_m = surface(Eigen::Vector3d::Zero(), ray);
+      if (range_m > 0.0) depth_m.At(u, v) = static_cast<float>(range_m);
+    }
+  }
+  return depth_m;
+}
+
+Image<float> DepthOfPlane(double depth_m) {
+  return DepthOf(Plane(Eigen::Vector3d::UnitZ(), depth_m));
+}
+
+/// A surface moved by a vector, both in the camera frame.
+RangeFunction Moved(const RangeFunction& surface, const Eigen::Vector3d& shift) {
+  return [=](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+    return surface(origin - shift, direction);
+  };
+}
+
+/// Depths of both surfaces at the pixel that a voxel centre projects to; none where one of them has
+/// nothing there.
+std::optional<std::pair<double, double>> DepthsAt(const Eigen::Vector3d& voxel_camera,
+                                                  const Image<float>& object_depth_m,
+                                                  const Image<float>& observed_depth_m) {
+  const double u = kFocalPx * voxel_camera.x() / voxel_camera.z() + kCenterPx;
+  const double v = kFocalPx * voxel_camera.y() / voxel_camera.z() + kCenterPx;
+  if (u < -0.5 || v < -0.5 || u >= kSidePx - 0.5 || v >= kSidePx - 0.5) return std::nullopt;
+  const int column = static_cast<int>(std::lround(u));
+  const int row = static_cast<int>(std::lround(v));
+  const double object_m = static_cast<double>(object_depth_m.At(column, row));
+  const double observed_m = static_cast<double>(observed_depth_m.At(column, row));
+  if (object_m == 0.0 || observed_m == 0.0) return std::nullopt;
+  return std::pair(object_m, observed_m);
+}
+
+/// The paper's sum, magnitude only: two truncated projective distances at each voxel of a grid in
+/// the camera frame. Voxels that lie a truncation or more in front of both surfaces belong to
+/// neither volume.
+std::optional<double> ChangeByVoxels(const Image<float>& object_depth_m,
+                                     const Image<float>& observed_depth_m,
+                                     double voxel_size_m,
+                                     double farthest_m,
+                                     const ChangeParameters& parameters) {
+  const double truncation_m = parameters.truncation_m;
+  const double half_width = (kCenterPx + 1.0) / kFocalPx;
+  std::size_t voxels = 0;
+  double sum_m = 0.0;
+  for (double z = 0.5 * voxel_size_m; z < farthest_m; z += voxel_size_m) {
+    const double start = -std::ceil(half_width * z / voxel_size_m) * voxel_size_m;
+    for (double y = start; y <= -start; y += voxel_size_m) {
+      for (double x = start; x <= -start; x += voxel_size_m) {
+        const auto depths = DepthsAt({x, y, z}, object_depth_m, observed_depth_m);
+        if (!depths) continue;
+        const double object = std::min(depths->first - z, truncation_m);
+        const double observed = std::min(depths->second - z, truncation_m);
+        const bool is_known = object < truncation_m || observed < truncation_m;
+        if (!is_known || object <= 0.0 || observed <= 0.0) continue;
+        ++voxels;
+        sum_m += std::abs(observed - object);
+      }
+    }
+  }
+  if (voxels == 0) return std::nullopt;
+  return parameters.change_scale * sum_m / static_cast<double>(voxels);
+}
+
+/// Planes, boxes and spheres up to 1.5 m away. None has a face parallel to the voxels, whose layers
+/// would then begin and end with it all at once.
+class RandomScenes {
+ public:
+  explicit RandomScenes(std::uint64_t seed) : random_(seed) {}
+
+  double Uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+
+  RangeFunction Surface(int kind) {
+    const double depth_m = Uniform(0.7, 1.2);
+    const Eigen::Vector3d center(Uniform(-0.1, 0.1), Uniform(-0.1, 0.1), depth_m);
+    if (kind == 0) {
+      const Eigen::Vector3d normal =
+          Eigen::Vector3d(Uniform(-0.5, 0.5), Uniform(-0.5, 0.5), 1.0).normalized();
+      return Plane(normal, depth_m);
+    }
+    if (kind == 1) return Sphere(center, Uniform(0.15, 0.3));
+    const Eigen::Vector3d half_m(Uniform(0.1, 0.2), Uniform(0.1, 0.2), Uniform(0.1, 0.2));
+    const Eigen::Vector3d axis = Eigen::Vector3d(Uniform(-1.0, 1.0), 1.0, 0.0).normalized();
+    const Eigen::Matrix3d turn(Eigen::AngleAxisd(Uniform(0.3, 1.2), axis));
+    return [box = RangeTo({Box(-half_m, half_m)}), turn, center](const Eigen::Vector3d& origin,
+                                                                 const Eigen::Vector3d& direction) {
+      return box(turn.transpose() * (origin - center), turn.transpose() * direction);
+    };
+  }
+
+  /// By mostly along z: there the sign is beyond doubt.
+  Eigen::Vector3d Shift() {
+    const double along_m = Uniform(0.04, 0.25) * (Uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0);
+    return {Uniform(-0.02, 0.02), Uniform(-0.02, 0.02), along_m};
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+ChangeParameters WithoutNoise() {
+  ChangeParameters parameters;
+  parameters.subtracts_noise = false;
+  return parameters;
+}
+
+void CompareWithVoxels(double truncation_m) {
+  RandomScenes scenes(11);
+  ChangeParameters parameters = WithoutNoise();
+  parameters.truncation_m = truncation_m;
+  for (int i = 0; i < 9; ++i) {
+    const RangeFunction surface = scenes.Surface(i % 3);
+    const Eigen::Vector3d shift = scenes.Shift();
+    const Image<float> object_m = DepthOf(surface);
+    const Image<float> observed_m = DepthOf(Moved(surface, shift));
+    const std::optional<double> by_rays = EstimateChange(object_m, observed_m, parameters);
+    const std::optional<double> by_voxels =
+        ChangeByVoxels(object_m, observed_m, 0.008, 1.8, parameters);
+    ASSERT_TRUE(by_rays && by_voxels) << i;
+    EXPECT_NEAR(std::abs(*by_rays), *by_voxels, 0.01 * *by_voxels) << i;
+    EXPECT_EQ(*by_rays > 0.0, shift.z() < 0.0) << i;
+  }
+}
+
+TEST(EstimateChange, EqualsTheSumOverVoxels) {
+  CompareWithVoxels(std::numeric_limits<double>::infinity());
+}
+
+TEST(EstimateChange, EqualsTheSumOverTruncatedVoxels) {
+  CompareWithVoxels(0.2);
+  CompareWithVoxels(0.1);
+}
+
+TEST(EstimateChange, OfAShiftedPlaneIsTheScaledShiftPositiveInFront) {
+  const Image<float> object_m = DepthOfPlane(2.0);
+  for (const double scale : {1.0, 1.6}) {
+    ChangeParameters parameters = WithoutNoise();
+    parameters.change_scale = scale;
+    for (const double nearer_m : {0.9, 0.3, 0.04, 0.0, -0.04, -0.3, -1.5}) {
+      const std::optional<double> change =
+          EstimateChange(object_m, DepthOfPlane(2.0 - nearer_m), parameters);
+      ASSERT_TRUE(change.has_value());
+      EXPECT_NEAR(*change, scale * nearer_m, 1e-6);
+    }
+  }
+}
+
+TEST(EstimateChange, ByDefaultTakesAKnownShiftForWhatItIs) {
+  const std::optional<double> change =
+      EstimateChange(DepthOfPlane(2.0), DepthOfPlane(1.7), ChangeParameters());
+  ASSERT_TRUE(change.has_value());
+  EXPECT_NEAR(*change, 1.6 * 0.3, 0.001);
+}
+
+TEST(EstimateChange, NeverExceedsHalfATruncationIfThereIsOne) {
+  // Far away and thin the voxels are even along a ray, so the limit is the one of a line.
+  ChangeParameters parameters = WithoutNoise();
+  parameters.truncation_m = 0.2;
+  for (const double shift_m : {0.2, 0.5, 5.0}) {
+    const std::optional<double> change =
+        EstimateChange(DepthOfPlane(50.0), DepthOfPlane(50.0 + shift_m), parameters);
+    ASSERT_TRUE(change.has_value());
+    EXPECT_NEAR(*change, -1.6 * 0.1, 0.001) << shift_m;
+  }
+}
+
+TEST(EstimateChange, IsNoneWhereNothingIsShared) {
+  Image<float> left(4, 2);
+  Image<float> right(4, 2);
+  EXPECT_FALSE(EstimateChange(left, right, ChangeParameters()).has_value());
+  left.At(0, 0) = 1.0F;
+  right.At(3, 0) = 1.0F;
+  EXPECT_FALSE(EstimateChange(left, right, ChangeParameters()).has_value());
+  right.At(0, 0) = 1.0F;
+  EXPECT_EQ(EstimateChange(left, right, ChangeParameters()), 0.0);
+  EXPECT_FALSE(EstimateChange(Image<float>(), Image<float>(), ChangeParameters()).has_value());
+}
+
+TEST(EstimateChange, IgnoresDepthsThatAreNone) {
+  ChangeSum sum{WithoutNoise()};
+  for (const double none : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    sum.AddRay(none, 2.0);
+    sum.AddRay(2.0, none);
+  }
+  EXPECT_FALSE(sum.Change().has_value());
+  sum.AddRay(2.0, 1.5);
+  EXPECT_NEAR(*sum.Change(), 1.6 * 0.5, 1e-12);
+}
+
+/// Two depths of a plane, the second `nearer_m` nearer and with the noise that is expected.
+std::optional<double> ChangeOfNoisyPlane(double nearer_m, const ChangeParameters& parameters) {
+  constexpr double kDepthM = 2.0;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(
+      0.0, parameters.noise_base_m + parameters.noise_per_square_metre * kDepthM * kDepthM);
+  ChangeSum sum(parameters);
+  for (int i = 0; i < 20'000; ++i) sum.AddRay(kDepthM, kDepthM - nearer_m + noise(random));
+  return sum.Change();
+}
+
+TEST(EstimateChange, TakesOffWhatNoiseAloneGives) {
+  const ChangeParameters parameters;
+  const double noise_m = parameters.noise_base_m + 4.0 * parameters.noise_per_square_metre;
+  const double floor_m = 1.6 * noise_m * std::sqrt(2.0 * std::numbers::inv_pi);
+  EXPECT_NEAR(std::abs(*ChangeOfNoisyPlane(0.0, WithoutNoise())), floor_m, 0.02 * floor_m);
+  EXPECT_LT(std::abs(*ChangeOfNoisyPlane(0.0, parameters)), 0.3 * floor_m);
+  for (const double nearer_m : {-0.2, -0.05, 0.05, 0.2}) {
+    EXPECT_NEAR(*ChangeOfNoisyPlane(nearer_m, parameters), 1.6 * nearer_m, 0.005) << nearer_m;
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
