@@ -49,6 +49,24 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
   segments_.Fuse();
 }
 
+/// Share of the points that find no surface of the object once they are registered to it.
+double PaperMapper::Dissimilarity(const std::vector<Eigen::Vector3d>& points_world,
+                                  const Registration& registration,
+                                  const TrackedObject& object) const {
+  const Eigen::Isometry3d T_object_corrected =
+      object.state().T_world_object.ToIsometry().inverse() * registration.T_correction;
+  TsdfSampler sampler(object.volume(), map_->scale());
+  std::size_t outliers = 0;
+  for (const Eigen::Vector3d& point_world : points_world) {
+    const Eigen::Vector3d point = T_object_corrected * point_world;
+    double distance_m = 0.0;
+    const bool is_known =
+        sampler.SampleDistance(point, &distance_m) || sampler.SampleNearest(point, &distance_m);
+    if (!is_known || std::abs(distance_m) > parameters_.outlier_distance_m) ++outliers;
+  }
+  return static_cast<double>(outliers) / static_cast<double>(points_world.size());
+}
+
 /// Matches segments with objects: registers the pairs within the gate, then assigns at the least
 /// cost (pocd.md section 2, step 4, "Paper").
 std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
@@ -69,7 +87,9 @@ std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
                                                        map_->scale(),
                                                        object.state().T_world_object,
                                                        parameters_.registration);
-      if (registration.dissimilarity > parameters_.max_dissimilarity) continue;
+      if (Dissimilarity(points_world, registration, object) > parameters_.max_dissimilarity) {
+        continue;
+      }
       const bool is_other_class = object.state().class_id.value() != segments[row].label;
       pairs.push_back({row,
                        column,

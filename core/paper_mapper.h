@@ -16,8 +16,10 @@ namespace steadymap {
 /// The paper's parameters (pocd.md section 5, TorWIC).
 struct PaperParameters {
   SegmentFusionParameters segments{.overlap = {}, .max_depth_m = 3.0};
-  /// Registration as by ICP: a point without a partner within 15 cm is an outlier.
-  RegistrationParameters registration{.inlier_distance_voxels = 3.0, .unknown_is_outlier = true};
+  RegistrationParameters registration;
+  /// A registered point that finds no surface within this is an outlier, metres: what is not mapped
+  /// yet is one, too.
+  double outlier_distance_m = 0.10;
   /// No cap on what a belief gathers.
   StationarityParameters stationarity{.max_evidence = 1e9};
   /// Centres of an object and its observation lie no further apart, metres (theta_dist).
@@ -51,6 +53,9 @@ class PaperMapper final : public MapUpdater {
 
  private:
   std::vector<std::optional<std::size_t>> Associate();
+  double Dissimilarity(const std::vector<Eigen::Vector3d>& points_world,
+                       const Registration& registration,
+                       const TrackedObject& object) const;
   double MeasureChange(std::size_t place, const SemanticCloud& cloud) const;
   bool IsExpectedInView(const TrackedObject& object, const SemanticCloud& cloud) const;
   void Update(TrackedObject* object, double change_m);
