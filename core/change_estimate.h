@@ -19,9 +19,10 @@ struct ChangeParameters {
   /// of what stands still settles near tau / 2.
   bool subtracts_noise = true;
   /// Standard deviation of the difference between the depths of one ray while nothing moves,
-  /// metres: this plus the next times the squared depth, both >= 0. Sensor noise and pose error.
-  double noise_base_m = 0.004;
-  double noise_per_square_metre = 0.003;
+  /// metres: this plus the next times the squared depth, both >= 0. Sensor noise and pose error;
+  /// defaults a little above what unchanged objects of a simulated route show.
+  double noise_base_m = 0.003;
+  double noise_per_square_metre = 0.0018;
 };
 
 /// Sums the rays of one camera into the geometric change `delta` between an object and its
