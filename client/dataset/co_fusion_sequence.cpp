@@ -1,8 +1,8 @@
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -97,16 +97,9 @@ absl::StatusOr<NumberedPoses> ReadPoses(const fs::path& file) {
         (*n)[0] != std::floor((*n)[0])) {
       return MalformedLine(file, line, "\"frame tx ty tz qx qy qz qw\"");
     }
-    if (!std::all_of(n->begin(), n->end(), [](double number) { return std::isfinite(number); })) {
-      continue;
-    }
-    absl::StatusOr<Eigen::Isometry3d> pose =
-        MakePose({(*n)[1], (*n)[2], (*n)[3]}, {(*n)[4], (*n)[5], (*n)[6], (*n)[7]});
-    if (!pose.ok()) {
-      pose = MalformedLine(file, line, "a position within 10 km and a unit quaternion");
-    }
+    if (!AreFinite(*n)) continue;
     const auto number = static_cast<std::int64_t>((*n)[0]);
-    if (!poses.emplace(number, std::move(pose)).second) {
+    if (!poses.emplace(number, PoseInLine(file, line, std::span(*n).subspan<1, 7>())).second) {
       return MalformedLine(file, line, "each frame once");
     }
   }

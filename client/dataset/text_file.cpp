@@ -1,6 +1,7 @@
 #include "client/dataset/text_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <system_error>
 
@@ -8,6 +9,8 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_split.h>
 #include <absl/strings/strip.h>
+
+#include "core/geometry.h"
 
 namespace steadymap {
 namespace {
@@ -86,6 +89,20 @@ absl::Status MalformedLine(const std::filesystem::path& file,
                                                  ", found \"",
                                                  line.text.substr(0, kMaxQuotedLength),
                                                  "\""));
+}
+
+bool AreFinite(std::span<const double> numbers) {
+  return std::all_of(
+      numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
+}
+
+absl::StatusOr<Eigen::Isometry3d> PoseInLine(const std::filesystem::path& file,
+                                             const TextLine& line,
+                                             std::span<const double, 7> numbers) {
+  absl::StatusOr<Eigen::Isometry3d> pose = MakePose(
+      {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]});
+  if (pose.ok()) return pose;
+  return MalformedLine(file, line, "a position within 10 km and a unit quaternion");
 }
 
 absl::StatusOr<Eigen::MatrixXd> ReadSquareMatrix(const std::filesystem::path& file, int rows) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,15 @@ std::optional<std::vector<double>> ParseNumbers(std::string_view text);
 absl::Status MalformedLine(const std::filesystem::path& file,
                            const TextLine& line,
                            std::string_view expected);
+
+/// Whether none of the numbers is NaN or infinite.
+bool AreFinite(std::span<const double> numbers);
+
+/// The pose that a line tells as the numbers "tx ty tz qx qy qz qw", which must be finite.
+/// Errors: as `MalformedLine` for a position beyond 10 km or a quaternion that is not unit.
+absl::StatusOr<Eigen::Isometry3d> PoseInLine(const std::filesystem::path& file,
+                                             const TextLine& line,
+                                             std::span<const double, 7> numbers);
 
 /// Reads `rows` lines of as many numbers, row by row.
 /// Errors: as `ReadFile`; `InvalidArgument` naming the file for any other content.

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -35,12 +36,9 @@ PoseLine ParsePoseLine(const fs::path& file, const TextLine& line) {
   }
   pose.time =
       Timestamp::FromNanoseconds(std::llround((*n)[1]) * 1'000'000'000 + std::llround((*n)[2]));
-  for (std::size_t i = 3; i < 10; ++i) pose.is_finite &= std::isfinite((*n)[i]);
-  if (!pose.is_finite) return pose;
-  pose.T_map_base = MakePose({(*n)[3], (*n)[4], (*n)[5]}, {(*n)[6], (*n)[7], (*n)[8], (*n)[9]});
-  if (!pose.T_map_base.ok()) {
-    pose.T_map_base = MalformedLine(file, line, "a position within 10 km and a unit quaternion");
-  }
+  const auto numbers = std::span(*n).subspan<3, 7>();
+  pose.is_finite = AreFinite(numbers);
+  if (pose.is_finite) pose.T_map_base = PoseInLine(file, line, numbers);
   return pose;
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -93,15 +94,8 @@ absl::StatusOr<TimedPoses> ReadPoses(const fs::path& file) {
     const std::optional<std::vector<double>> n = ParseNumbers(line.text);
     const std::optional<Timestamp> time = n && n->size() == 8 ? TimeOf((*n)[0]) : std::nullopt;
     if (!time) return MalformedLine(file, line, "\"time tx ty tz qx qy qz qw\"");
-    if (!std::all_of(n->begin(), n->end(), [](double number) { return std::isfinite(number); })) {
-      continue;
-    }
-    absl::StatusOr<Eigen::Isometry3d> pose =
-        MakePose({(*n)[1], (*n)[2], (*n)[3]}, {(*n)[4], (*n)[5], (*n)[6], (*n)[7]});
-    if (!pose.ok()) {
-      pose = MalformedLine(file, line, "a position within 10 km and a unit quaternion");
-    }
-    poses.push_back({*time, std::move(pose)});
+    if (!AreFinite(*n)) continue;
+    poses.push_back({*time, PoseInLine(file, line, std::span(*n).subspan<1, 7>())});
   }
   SortByTime(&poses);
   return poses;

@@ -5,8 +5,6 @@
 // The argument of FortyThreePairs is how many of the objects moved by up to 15 cm and 8 degrees;
 // the others stand where they stood, seen with 3 mm of noise.
 
-#include <cmath>
-#include <numbers>
 #include <random>
 #include <vector>
 
@@ -18,22 +16,17 @@
 namespace steadymap::benchmarks {
 namespace {
 
-using ::steadymap::testing::Angle;
-using ::steadymap::testing::Crate;
-using ::steadymap::testing::CrateWithParcel;
 using ::steadymap::testing::LooksAround;
 using ::steadymap::testing::MakeVolume;
-using ::steadymap::testing::RandomShift;
+using ::steadymap::testing::RandomMotionAbout;
 using ::steadymap::testing::Solid;
 using ::steadymap::testing::SurfaceView;
-using ::steadymap::testing::UprightMotionAbout;
+using ::steadymap::testing::ThingsToLookAt;
 using ::steadymap::testing::WithNoise;
 
 constexpr VoxelScale kScale{0.05, 0.15};
 constexpr std::size_t kPairs = 43;
 constexpr double kNoiseM = 0.003;
-constexpr double kMaxShiftM = 0.15;
-constexpr double kMaxYawRad = 8.0 * std::numbers::pi / 180.0;
 
 /// An object and what is seen of it.
 struct Pair {
@@ -46,8 +39,7 @@ std::vector<Pair> MakePairs(std::size_t moved) {
   // Between 2 000 and 5 000 points, by the solid and the look.
   constexpr double kSpacingRad = 0.007;
   std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> yaw(-kMaxYawRad, kMaxYawRad);
-  const std::vector<Solid> solids = {Crate(), CrateWithParcel(), Angle()};
+  const std::vector<Solid> solids = ThingsToLookAt();
   std::vector<std::vector<SurfaceView>> views;
   views.reserve(solids.size());
   for (const Solid& solid : solids) views.push_back(LooksAround(solid, kSpacingRad));
@@ -60,15 +52,12 @@ std::vector<Pair> MakePairs(std::size_t moved) {
               {{2.0 * static_cast<double>(i), 3.0, 0.0}, 0.1 * static_cast<double>(i)},
               WithNoise(view, kNoiseM, &random)};
     const Eigen::Isometry3d T_world_grid = pair.T_world_object.ToIsometry();
-    const Eigen::Vector3d shift_m = RandomShift(kMaxShiftM, &random);
-    const double yaw_rad = yaw(random);
+    const Eigen::Isometry3d motion = RandomMotionAbout(pair.T_world_object.position_world, &random);
     // Spread, so that which of them moved does not depend on the shape.
     const bool moves = i * moved / kPairs != (i + 1) * moved / kPairs;
     for (Eigen::Vector3d& point : pair.points_world) {
       point = T_world_grid * point;
-      if (moves) {
-        point = UprightMotionAbout(pair.T_world_object.position_world, shift_m, yaw_rad) * point;
-      }
+      if (moves) point = motion * point;
     }
     pairs.push_back(std::move(pair));
   }

@@ -8,14 +8,15 @@
 
 #include "core/cell_ownership.h"
 #include "core/map_config.h"
+#include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
-using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::WallVolume;
 
 constexpr VoxelScale kScale;
 constexpr double kMaxRangeM = 5.0;
@@ -23,13 +24,7 @@ constexpr double kMaxRangeM = 5.0;
 /// Gives a wall of one square metre that faces the camera at the world's origin from `depth_m` away
 /// along x to `object`.
 void GiveWall(double depth_m, TrackedObject* object) {
-  object->MutableVolume() = MakeVolume(
-      [depth_m](const Eigen::Vector3d& point) { return depth_m - point.x(); },
-      Box(Eigen::Vector3d(depth_m - 0.2, -0.5, -0.5), Eigen::Vector3d(depth_m + 0.2, 0.5, 0.5)),
-      kScale,
-      [](const Eigen::Vector3d& point) {
-        return std::abs(point.y()) <= 0.5 && std::abs(point.z()) <= 0.5;
-      });
+  object->MutableVolume() = WallVolume(depth_m, kScale);
   object->RebuildSurface();
 }
 

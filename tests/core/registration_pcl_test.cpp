@@ -1,8 +1,6 @@
 // PCL's point-to-plane ICP as a second opinion on registration. It has six degrees of freedom,
 // exact surface points instead of a volume and no truncation, and takes some hundred times as long.
 
-#include <cmath>
-#include <numbers>
 #include <random>
 #include <vector>
 
@@ -16,16 +14,13 @@
 namespace steadymap {
 namespace {
 
-using ::steadymap::testing::Angle;
-using ::steadymap::testing::Crate;
-using ::steadymap::testing::CrateWithParcel;
 using ::steadymap::testing::DistanceFrom;
 using ::steadymap::testing::LooksAround;
 using ::steadymap::testing::MakeVolume;
-using ::steadymap::testing::RandomShift;
+using ::steadymap::testing::RandomMotionAbout;
 using ::steadymap::testing::Solid;
 using ::steadymap::testing::SurfaceView;
-using ::steadymap::testing::UprightMotionAbout;
+using ::steadymap::testing::ThingsToLookAt;
 using ::steadymap::testing::WithNoise;
 
 using Cloud = pcl::PointCloud<pcl::PointNormal>;
@@ -81,13 +76,11 @@ double MeanDistance(const std::vector<Eigen::Vector3d>& points,
 
 TEST(RegisterPoints, AgreesWithPointToPlaneIcpWhereThatSucceeds) {
   constexpr int kMotionsOfASolid = 100;
-  constexpr double kMaxYawRad = 8.0 * std::numbers::pi / 180.0;
   std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> yaw(-kMaxYawRad, kMaxYawRad);
   int icp_recovered = 0;
   int both_recovered = 0;
   int ours_recovered = 0;
-  for (const Solid& solid : {Crate(), CrateWithParcel(), Angle()}) {
+  for (const Solid& solid : ThingsToLookAt()) {
     const std::vector<SurfaceView> views = LooksAround(solid, kSpacingRad);
     const TsdfGrid volume = MakeVolume(solid, kScale);
     pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal> icp;
@@ -98,8 +91,7 @@ TEST(RegisterPoints, AgreesWithPointToPlaneIcpWhereThatSucceeds) {
     for (int i = 0; i < kMotionsOfASolid; ++i) {
       const SurfaceView& view = views[static_cast<std::size_t>(i) % views.size()];
       std::vector<Eigen::Vector3d> points = WithNoise(view, 0.003, &random);
-      const Eigen::Isometry3d motion =
-          UprightMotionAbout({0.0, 0.0, 0.4}, RandomShift(0.15, &random), yaw(random));
+      const Eigen::Isometry3d motion = RandomMotionAbout({0.0, 0.0, 0.4}, &random);
       for (Eigen::Vector3d& point : points) point = motion * point;
 
       icp.setInputSource(CloudOf(points));

@@ -15,26 +15,25 @@ namespace steadymap {
 namespace {
 
 using ::steadymap::testing::AnalyticCamera;
-using ::steadymap::testing::Angle;
 using ::steadymap::testing::Crate;
-using ::steadymap::testing::CrateWithParcel;
 using ::steadymap::testing::DistanceFrom;
 using ::steadymap::testing::LookAt;
 using ::steadymap::testing::LookAtSurface;
 using ::steadymap::testing::LooksAround;
 using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::RandomMotionAbout;
 using ::steadymap::testing::RandomShift;
 using ::steadymap::testing::RangeTo;
 using ::steadymap::testing::RenderAnalytic;
 using ::steadymap::testing::Solid;
 using ::steadymap::testing::Sphere;
 using ::steadymap::testing::SurfaceView;
+using ::steadymap::testing::ThingsToLookAt;
 using ::steadymap::testing::UprightMotionAbout;
 using ::steadymap::testing::WithNoise;
 
 constexpr VoxelScale kScale{0.05, 0.15};
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kMaxShiftM = 0.15;
 constexpr double kMaxYawRad = 8.0 * kDegree;
 constexpr double kRecoveredM = 0.01;
 constexpr double kRecoveredRad = 0.5 * kDegree;
@@ -62,14 +61,12 @@ class MotionTrial {
   explicit MotionTrial(std::uint64_t seed) : random_(seed) {}
 
   Miss Run(const SurfaceView& view, const VoxelReader& volume, const UprightPose& T_world_object) {
-    std::uniform_real_distribution<double> yaw(-kMaxYawRad, kMaxYawRad);
     std::uniform_real_distribution<double> noise_m(0.002, 0.005);
     std::vector<Eigen::Vector3d> points = WithNoise(view, noise_m(random_), &random_);
     const Eigen::Isometry3d T_world_grid = T_world_object.ToIsometry();
     for (Eigen::Vector3d& point : points) point = T_world_grid * point;
     const Eigen::Vector3d center = MeanOf(points);
-    const Eigen::Isometry3d T_moved_world =
-        UprightMotionAbout(center, RandomShift(kMaxShiftM, &random_), yaw(random_));
+    const Eigen::Isometry3d T_moved_world = RandomMotionAbout(center, &random_);
     for (Eigen::Vector3d& point : points) point = T_moved_world * point;
     registration_ = RegisterPoints(points, volume, kScale, T_world_object);
     const Eigen::Isometry3d T_rest = registration_.T_correction * T_moved_world;
@@ -85,7 +82,7 @@ class MotionTrial {
 
 /// The things to register, their volumes and looks at them.
 struct Gallery {
-  std::vector<Solid> solids = {Crate(), CrateWithParcel(), Angle()};
+  std::vector<Solid> solids = ThingsToLookAt();
   std::vector<TsdfGrid> volumes;
   std::vector<std::vector<SurfaceView>> views;
 

@@ -3,7 +3,6 @@
 #include "core/visibility.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <random>
@@ -14,16 +13,17 @@
 #include "core/background.h"
 #include "core/judgement.h"
 #include "core/map_config.h"
+#include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
-using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneLook;
+using ::steadymap::testing::WallVolume;
 
 constexpr VoxelScale kScale;
 constexpr std::uint16_t kWallClass = 4;
@@ -33,13 +33,7 @@ constexpr std::uint16_t kGoodsClass = 7;
 /// away along x.
 std::unique_ptr<TrackedObject> KnownWall(ObjectId id, double depth_m) {
   auto object = std::make_unique<TrackedObject>(id, Eigen::Vector3d::Zero(), kScale);
-  object->MutableVolume() = MakeVolume(
-      [depth_m](const Eigen::Vector3d& point) { return depth_m - point.x(); },
-      Box(Eigen::Vector3d(depth_m - 0.2, -0.5, -0.5), Eigen::Vector3d(depth_m + 0.2, 0.5, 0.5)),
-      kScale,
-      [](const Eigen::Vector3d& point) {
-        return std::abs(point.y()) <= 0.5 && std::abs(point.z()) <= 0.5;
-      });
+  object->MutableVolume() = WallVolume(depth_m, kScale);
   object->RebuildSurface();
   object->state().class_id = ClassId(kWallClass);
   object->state().standing = ObjectStanding::kPresent;

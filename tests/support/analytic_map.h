@@ -33,7 +33,18 @@ inline TsdfGrid FloorVolume(const VoxelScale& scale) {
                     [&](const Eigen::Vector3d& point) { return bounds.contains(point); });
 }
 
-/// A map of that floor without objects.
+/// The volume of a wall of one square metre that faces the origin from `depth_m` away along x,
+/// known up to a truncation on both sides.
+inline TsdfGrid WallVolume(double depth_m, const VoxelScale& scale = {}) {
+  const Box bounds(Eigen::Vector3d(depth_m - scale.truncation_m, -0.5, -0.5),
+                   Eigen::Vector3d(depth_m + scale.truncation_m, 0.5, 0.5));
+  return MakeVolume([depth_m](const Eigen::Vector3d& point) { return depth_m - point.x(); },
+                    bounds,
+                    scale,
+                    [&](const Eigen::Vector3d& point) { return bounds.contains(point); });
+}
+
+/// A map of the floor without objects.
 inline MapSnapshot FloorMap(const VoxelScale& scale = {}) {
   MapSnapshot map(scale);
   map.revision = Revision(7);

@@ -62,6 +62,9 @@ inline Solid Angle() {
           Box(Eigen::Vector3d(-0.4, -0.4, 0), Eigen::Vector3d(-0.1, 0.4, 0.6))};
 }
 
+/// All of them.
+inline std::vector<Solid> ThingsToLookAt() { return {Crate(), CrateWithParcel(), Angle()}; }
+
 /// The voxels at one leaf of a body's volume: those up to a truncation from the surface, where
 /// `is_observed` holds.
 inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
@@ -188,6 +191,15 @@ inline Eigen::Vector3d RandomShift(double max_length, std::mt19937_64* random) {
   std::uniform_real_distribution<double> length(0.0, max_length);
   const Eigen::Vector3d direction(component(*random), component(*random), component(*random));
   return length(*random) * direction.normalized();
+}
+
+/// An upright motion about a point by up to 15 cm and 8 degrees: as far as registration must reach.
+inline Eigen::Isometry3d RandomMotionAbout(const Eigen::Vector3d& pivot, std::mt19937_64* random) {
+  constexpr double kMaxShiftM = 0.15;
+  constexpr double kMaxYawRad = 8.0 * std::numbers::pi / 180.0;
+  std::uniform_real_distribution<double> yaw(-kMaxYawRad, kMaxYawRad);
+  const Eigen::Vector3d shift_m = RandomShift(kMaxShiftM, random);
+  return UprightMotionAbout(pivot, shift_m, yaw(*random));
 }
 
 }  // namespace steadymap::testing
