@@ -16,7 +16,7 @@ struct HallDrive {
 };
 
 /// Renders the drive and makes the maps, in some seconds. Maps hold objects alone, each known from
-/// all sides and long enough to count as settled. It takes 2.5 GB of memory.
+/// all sides and long enough to count as settled. It takes 5 GB of memory.
 HallDrive MakeHallDrive(const VoxelScale& scale);
 
 }  // namespace steadymap::benchmarks
