@@ -56,8 +56,9 @@ std::vector<Eigen::Vector3d> SurfaceInWorld(const TrackedObject& object) {
   return points_world;
 }
 
-UprightPose UprightPoseOf(const Eigen::Isometry3d& T) {
-  return {T.translation(), std::atan2(T.linear()(1, 0), T.linear()(0, 0))};
+UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
+  const Eigen::Matrix3d R_world_object = T_world_object.linear();
+  return {T_world_object.translation(), std::atan2(R_world_object(1, 0), R_world_object(0, 0))};
 }
 
 /// Lays the shape of `before` over `after`, turned by every quarter turn that makes their cuboids

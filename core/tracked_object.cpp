@@ -13,7 +13,9 @@ TrackedObject::TrackedObject(ObjectId id,
 }
 
 TrackedObject::TrackedObject(const MapObject& published, const VoxelScale& scale)
-    : state_(published), scale_(scale), volume_(published.volume->Clone()) {
+    : state_(static_cast<const ObjectState&>(published)),
+      scale_(scale),
+      volume_(published.volume->Clone()) {
   surface_.Rebuild(*volume_, scale_);
   UpdateBounds();
 }
