@@ -23,7 +23,7 @@ void AddPatch(const Eigen::Vector3f& corner,
   const auto first = static_cast<std::uint32_t>(mesh->vertices_world.size());
   const Eigen::Vector3f normal = a.cross(b).normalized();
   for (const Eigen::Vector3f& offset : {Eigen::Vector3f(0, 0, 0), a, Eigen::Vector3f(a + b), b}) {
-    mesh->vertices_world.push_back(corner + offset);
+    mesh->vertices_world.emplace_back(corner + offset);
     mesh->normals_world.push_back(normal);
   }
   mesh->triangles.insert(mesh->triangles.end(),
@@ -281,7 +281,8 @@ TEST(DrawBirdsEye, TheViewHoldsAllObjectsThatAreFinite) {
 TEST(StationarityColor, DarkensAndCoolsFromGoneToStaying) {
   EXPECT_EQ(StationarityColor(-3.0), StationarityColor(0.0));
   EXPECT_EQ(StationarityColor(7.0), StationarityColor(1.0));
-  for (double share = 0.0; share < 0.95; share += 0.1) {
+  for (int tenth = 0; tenth < 10; ++tenth) {
+    const double share = 0.1 * tenth;
     EXPECT_GE(StationarityColor(share)[0] + 30, StationarityColor(share + 0.1)[0]);
     EXPECT_NE(StationarityColor(share), StationarityColor(share + 0.1));
   }

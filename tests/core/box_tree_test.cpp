@@ -54,6 +54,23 @@ TEST(BoxTree, FindsTheBoxesThatHoldAPoint) {
   }
 }
 
+/// Which boxes a ray meets, by steps along it: one that it only grazes may be missed.
+std::vector<std::size_t> StepAlong(const std::vector<Box>& boxes,
+                                   const Eigen::Vector3d& origin,
+                                   const Eigen::Vector3d& direction,
+                                   double max_range_m) {
+  constexpr double kStepM = 0.02;
+  std::vector<std::size_t> met;
+  for (std::size_t box = 0; box < boxes.size(); ++box) {
+    bool is_met = false;
+    for (int step = 0; step * kStepM < max_range_m && !is_met; ++step) {
+      is_met = boxes[box].contains(Eigen::Vector3d(origin + step * kStepM * direction));
+    }
+    if (is_met) met.push_back(box);
+  }
+  return met;
+}
+
 TEST(BoxTree, FindsTheBoxesOnARaysWayNearestFirst) {
   std::mt19937 random(2);
   const std::vector<Box> boxes = RandomBoxes(200, &random);
@@ -74,14 +91,8 @@ TEST(BoxTree, FindsTheBoxesOnARaysWayNearestFirst) {
             Eigen::Vector3d(origin + (crossing.entry_m - 1e-6) * direction)));
       }
     }
-    // Steps along the ray find no box that the tree missed.
-    for (double range_m = 0.0; range_m < 8.0; range_m += 0.02) {
-      const Eigen::Vector3d point = origin + range_m * direction;
-      for (std::size_t box = 0; box < boxes.size(); ++box) {
-        if (boxes[box].contains(point)) {
-          ASSERT_TRUE(found[box]);
-        }
-      }
+    for (const std::size_t box : StepAlong(boxes, origin, direction, 8.0)) {
+      ASSERT_TRUE(found[box]) << box;
     }
     crossed += crossings.size();
   }

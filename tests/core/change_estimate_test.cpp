@@ -77,11 +77,14 @@ std::optional<double> ChangeByVoxels(const Image<float>& object_depth_m,
   const double half_width = (kCenterPx + 1.0) / kFocalPx;
   std::size_t voxels = 0;
   double sum_m = 0.0;
-  for (double z = 0.5 * voxel_size_m; z < farthest_m; z += voxel_size_m) {
-    const double start = -std::ceil(half_width * z / voxel_size_m) * voxel_size_m;
-    for (double y = start; y <= -start; y += voxel_size_m) {
-      for (double x = start; x <= -start; x += voxel_size_m) {
-        const auto depths = DepthsAt({x, y, z}, object_depth_m, observed_depth_m);
+  const auto layers = static_cast<int>(std::ceil(farthest_m / voxel_size_m - 0.5));
+  for (int k = 0; k < layers; ++k) {
+    const double z = (k + 0.5) * voxel_size_m;
+    const auto half_side = static_cast<int>(std::ceil(half_width * z / voxel_size_m));
+    for (int j = -half_side; j <= half_side; ++j) {
+      for (int i = -half_side; i <= half_side; ++i) {
+        const auto depths =
+            DepthsAt({i * voxel_size_m, j * voxel_size_m, z}, object_depth_m, observed_depth_m);
         if (!depths) continue;
         const double object = std::min(depths->first - z, truncation_m);
         const double observed = std::min(depths->second - z, truncation_m);

@@ -62,8 +62,8 @@ TEST(CopyVoxels, PutsVoxelsWhereTheyAreInTheWorld) {
   EXPECT_EQ(moved.into, (std::vector<LeafOrigin>{{16, -24, 8}}));
   EXPECT_EQ(into.volume().CountObservedVoxels(), from.volume().CountObservedVoxels());
   EXPECT_GT(into.surface().point_count(), 0U);
-  const Cuboid a = from.cuboid();
-  const Cuboid b = into.cuboid();
+  const Cuboid& a = from.cuboid();
+  const Cuboid& b = into.cuboid();
   EXPECT_LT((a.center_world - b.center_world).norm(), 1e-5);
   EXPECT_LT((a.size_m - b.size_m).norm(), 1e-5);
 }
