@@ -27,7 +27,7 @@ std::vector<Frame> CircleFrames(int count) {
     const Eigen::Vector3d eye =
         center + Eigen::Vector3d(1.8 * std::cos(angle), 1.8 * std::sin(angle), 0.2);
     frames.push_back(RenderAnalytic(Sphere(center, 0.5), AnalyticCamera(), LookAt(eye, center)));
-    frames.back().capture_time = Timestamp::FromNanoseconds(1'000'000 * (i + 1));
+    frames.back().capture_time = Timestamp::FromNanoseconds(std::int64_t{1'000'000} * (i + 1));
   }
   return frames;
 }
