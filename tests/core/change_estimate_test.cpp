@@ -56,7 +56,7 @@ std::optional<std::pair<double, double>> DepthsAt(const Eigen::Vector3d& voxel_c
                                                   const Image<float>& observed_depth_m) {
   const double u = kFocalPx * voxel_camera.x() / voxel_camera.z() + kCenterPx;
   const double v = kFocalPx * voxel_camera.y() / voxel_camera.z() + kCenterPx;
-  if (u < -0.5 || v < -0.5 || u >= kSidePx - 0.5 || v >= kSidePx - 0.5) return std::nullopt;
+  if (u <= -0.5 || v <= -0.5 || u >= kSidePx - 0.5 || v >= kSidePx - 0.5) return std::nullopt;
   const int column = static_cast<int>(std::lround(u));
   const int row = static_cast<int>(std::lround(v));
   const double object_m = static_cast<double>(object_depth_m.At(column, row));
