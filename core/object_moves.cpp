@@ -1,7 +1,6 @@
 #include "core/object_moves.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -12,8 +11,8 @@
 namespace steadymap {
 namespace {
 
-// Pose error and noise of two looks at one surface, in voxels.
-constexpr double kFitVoxels = 1.5;
+// Of a move that nearness alone tells.
+constexpr double kConfidenceWithoutShape = 0.5;
 
 /// Where an object would stand if it were the other one, and how well that fits.
 struct ShapeMatch {
@@ -44,18 +43,6 @@ bool MayBeAlike(const Cuboid& a, const Cuboid& b, double size_tolerance_m) {
   return (larger_sides(a) - larger_sides(b)).cwiseAbs().maxCoeff() <= size_tolerance_m;
 }
 
-std::vector<Eigen::Vector3d> SurfaceInWorld(const TrackedObject& object) {
-  std::vector<Eigen::Vector3d> points_world;
-  points_world.reserve(object.surface().point_count());
-  const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
-  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    for (const SurfaceVoxel& point : leaf.points) {
-      points_world.emplace_back(T_world_object * point.position_object.cast<double>());
-    }
-  }
-  return points_world;
-}
-
 UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
   const Eigen::Matrix3d R_world_object = T_world_object.linear();
   return {T_world_object.translation(), std::atan2(R_world_object(1, 0), R_world_object(0, 0))};
@@ -68,7 +55,7 @@ ShapeMatch MatchShapes(const TrackedObject& before,
                        const VoxelScale& scale) {
   const Cuboid& old_cuboid = before.cuboid();
   const Cuboid& new_cuboid = after.cuboid();
-  const std::vector<Eigen::Vector3d> points_world = SurfaceInWorld(after);
+  const std::vector<Eigen::Vector3d> points_world = after.SurfaceInWorld();
   const Eigen::Isometry3d T_cuboid_object =
       old_cuboid.T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
   ShapeMatch best;
@@ -83,8 +70,7 @@ ShapeMatch MatchShapes(const TrackedObject& before,
         CompareSurfaces(after,
                         before,
                         match.T_world_object.inverse() * after.state().T_world_object.ToIsometry(),
-                        scale,
-                        kFitVoxels * scale.voxel_size_m);
+                        scale);
     if (match.confidence() > best.confidence()) best = match;
   }
   return best;
@@ -122,7 +108,8 @@ class MoveSearch {
     const Cuboid& cuboid = after.cuboid();
     TrackedObject* found = nullptr;
     for (auto& [id, other] : map_->mutable_objects()) {
-      if (&other == &after || other.state().class_id != after.state().class_id ||
+      if (&other == &after || other.is_forgotten() ||
+          other.state().class_id != after.state().class_id ||
           other.state().standing == ObjectStanding::kTentative ||
           !MayBeAlike(other.cuboid(), cuboid, parameters_.size_tolerance_m)) {
         continue;
@@ -164,7 +151,7 @@ class MoveSearch {
     ObjectEvent event = map_->MakeEvent(EventType::kMoved, reason, *before);
     event.before = belief_before;
     event.old_center_world = old_center_world;
-    event.confidence = match.has_value() ? match->confidence() : 0.5;
+    event.confidence = match.has_value() ? match->confidence() : kConfidenceWithoutShape;
     event.related = after->id();
     map_->Tell(event);
     map_->Forget(after);

@@ -11,9 +11,6 @@ namespace {
 
 constexpr double kMinNormalCosine = 0.5;
 
-// Pose error and noise of two looks at one surface, in voxels.
-constexpr double kFitVoxels = 1.5;
-
 Eigen::Isometry3d RelativePose(const TrackedObject& object, const TrackedObject& other) {
   return other.state().T_world_object.ToIsometry().inverse() *
          object.state().T_world_object.ToIsometry();
@@ -21,7 +18,7 @@ Eigen::Isometry3d RelativePose(const TrackedObject& object, const TrackedObject&
 
 /// Whether `known` is archived, of the class of `object`, and stood where that stands.
 bool IsArchivedNear(const TrackedObject& known, const TrackedObject& object) {
-  if (!known.is_archived() || known.state().class_id != object.state().class_id ||
+  if (!known.is_history() || known.state().class_id != object.state().class_id ||
       !ShareLattice(known.state(), object.state())) {
     return false;
   }
@@ -35,8 +32,7 @@ bool IsArchivedNear(const TrackedObject& known, const TrackedObject& object) {
 SurfaceOverlap CompareInPlace(const TrackedObject& object,
                               const TrackedObject& other,
                               const VoxelScale& scale) {
-  return CompareSurfaces(
-      object, other, RelativePose(object, other), scale, kFitVoxels * scale.voxel_size_m);
+  return CompareSurfaces(object, other, RelativePose(object, other), scale);
 }
 
 }  // namespace
@@ -44,8 +40,9 @@ SurfaceOverlap CompareInPlace(const TrackedObject& object,
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
-                               const VoxelScale& scale,
-                               double tolerance_m) {
+                               const VoxelScale& scale) {
+  // Pose error and noise of two looks at one surface.
+  const double tolerance_m = 1.5 * scale.voxel_size_m;
   const std::size_t points = object.surface().point_count();
   if (points == 0) return {};
   TsdfSampler sampler(other.volume(), scale);
@@ -104,7 +101,7 @@ std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
     for (auto& [id, other] : *objects) {
       const ObjectState& state = other.state();
       const double apart_s = state.standing_since.seconds() - first.standing_since.seconds();
-      if (!other.is_archived() || state.class_id != first.class_id ||
+      if (!other.is_history() || state.class_id != first.class_id ||
           std::abs(apart_s) > parameters.same_visit_s ||
           std::find(reached.begin(), reached.end(), &other) != reached.end() ||
           DistanceBetween(cuboid, other.cuboid()) > parameters.neighbour_distance_m) {

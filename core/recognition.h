@@ -34,15 +34,14 @@ struct SurfaceOverlap {
 };
 
 /// Compares the surface of `object`, moved by `T_other_object`, with the volume of `other`. A point
-/// lies on the surface within `tolerance_m`. Zeros for an object without surface.
+/// lies on the surface within one and a half voxels. Zeros for an object without surface.
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
-                               const VoxelScale& scale,
-                               double tolerance_m);
+                               const VoxelScale& scale);
 
-/// The archived object of the same class that best explains `object` where it stood itself; null if
-/// none does. Of equals the newest.
+/// The archived object of the same class (none that is being forgotten) that best explains `object`
+/// where it stood itself; null if none does. Of equals the newest.
 TrackedObject* FindReturned(const TrackedObject& object,
                             const VoxelScale& scale,
                             StationarityPrior prior,

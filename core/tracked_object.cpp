@@ -53,8 +53,7 @@ void TrackedObject::UpdateBounds() {
   bounds_object_ = bounds.cast<double>();
 }
 
-const Cuboid& TrackedObject::cuboid() const {
-  if (cuboid_.has_value() && cuboid_pose_ == state_.T_world_object) return *cuboid_;
+std::vector<Eigen::Vector3d> TrackedObject::SurfaceInWorld() const {
   std::vector<Eigen::Vector3d> points_world;
   points_world.reserve(surface_.point_count());
   const Eigen::Isometry3d T_world_object = state_.T_world_object.ToIsometry();
@@ -63,8 +62,13 @@ const Cuboid& TrackedObject::cuboid() const {
       points_world.emplace_back(T_world_object * point.position_object.cast<double>());
     }
   }
+  return points_world;
+}
+
+const Cuboid& TrackedObject::cuboid() const {
+  if (cuboid_.has_value() && cuboid_pose_ == state_.T_world_object) return *cuboid_;
   cuboid_pose_ = state_.T_world_object;
-  return cuboid_.emplace(FitCuboid(points_world));
+  return cuboid_.emplace(FitCuboid(SurfaceInWorld()));
 }
 
 std::shared_ptr<const MapObject> TrackedObject::Publish() const {

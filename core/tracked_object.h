@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/geometry.h"
 #include "core/map_object.h"
@@ -28,6 +29,17 @@ class TrackedObject {
 
   bool is_archived() const { return state_.standing == ObjectStanding::kArchived; }
 
+  /// Whether it leaves the map for good when the frame ends; it is archived until then.
+  bool is_forgotten() const { return is_forgotten_; }
+
+  /// Whether it is history: archived, and to stay so.
+  bool is_history() const { return is_archived() && !is_forgotten_; }
+
+  void MarkForgotten() {
+    state_.standing = ObjectStanding::kArchived;
+    is_forgotten_ = true;
+  }
+
   const TsdfGrid& volume() const { return *volume_; }
 
   /// The volume for writing; cloned first if a published state shares it.
@@ -37,6 +49,9 @@ class TrackedObject {
   void TakeVolume(const TrackedObject& other);
 
   const ObjectSurface& surface() const { return surface_; }
+
+  /// The points of the surface, world frame, metres.
+  std::vector<Eigen::Vector3d> SurfaceInWorld() const;
 
   /// Around the surface, object frame.
   const Box& bounds_object() const { return bounds_object_; }
@@ -57,6 +72,7 @@ class TrackedObject {
   void UpdateBounds();
 
   ObjectState state_;
+  bool is_forgotten_ = false;
   VoxelScale scale_;
   std::shared_ptr<TsdfGrid> volume_;
   ObjectSurface surface_;

@@ -68,7 +68,7 @@ TrackedObject& WorkingMap::AddPart(const TrackedObject& whole) {
 }
 
 void WorkingMap::Forget(TrackedObject* object) {
-  object->state().standing = ObjectStanding::kArchived;
+  object->MarkForgotten();
   object->volume().ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
     changed_leaves_.push_back({object->id(), origin});
   });

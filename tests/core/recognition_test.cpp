@@ -32,7 +32,7 @@ TrackedObject Front(std::uint64_t id, double y_m, double width_m) {
 SurfaceOverlap Compare(const TrackedObject& object, const TrackedObject& other) {
   const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
                                            object.state().T_world_object.ToIsometry();
-  return CompareSurfaces(object, other, T_other_object, kScale, 0.05);
+  return CompareSurfaces(object, other, T_other_object, kScale);
 }
 
 TEST(CompareSurfaces, IsWholeForTheSameSurface) {
@@ -51,7 +51,7 @@ TEST(CompareSurfaces, FitsNothingThatLiesTooFarInFront) {
   const TrackedObject object = Front(1, 0.0, 0.8);
   const Eigen::Isometry3d T_other_object(Eigen::Translation3d(-0.1, 0.0, 0.0));
   const SurfaceOverlap overlap =
-      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale, 0.05);
+      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale);
   EXPECT_GT(overlap.known_share, 0.9);
   EXPECT_EQ(overlap.fit_share, 0.0);
 }
@@ -63,7 +63,7 @@ TEST(CompareSurfaces, FitsNothingThatFacesTheOtherWay) {
                                            Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()) *
                                            Eigen::Translation3d(-0.2, -0.4, 0.0);
   const SurfaceOverlap overlap =
-      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale, 0.05);
+      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale);
   EXPECT_GT(overlap.known_share, 0.6);
   EXPECT_LT(overlap.fit_share, 0.1);
 }
@@ -105,6 +105,16 @@ TEST_F(RecognitionArchive, GivesNothingOfAnotherClassOrStillPresent) {
   EXPECT_EQ(Find(other_class, StationarityPrior::kMoves), nullptr);
   known->state().standing = ObjectStanding::kPresent;
   EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), nullptr);
+}
+
+TEST_F(RecognitionArchive, GivesNothingThatIsBeingForgotten) {
+  TrackedObject* merged = Put(Front(2, 0.0, 0.8), 10.0);
+  const TrackedObject* gone = Put(Front(4, 1.2, 0.8), 10.0);
+  merged->MarkForgotten();
+  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), nullptr);
+  EXPECT_TRUE(FindGoneWith(*gone, RecognitionParameters(), &objects_).empty());
+  EXPECT_TRUE(
+      FindReturnedParts(Front(3, 0.0, 0.4), kScale, RecognitionParameters(), &objects_).empty());
 }
 
 TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
