@@ -18,6 +18,30 @@ Eigen::AlignedBox3d BoundsOf(const std::vector<Eigen::Vector3d>& points_world) {
   return bounds_world;
 }
 
+/// Draws points into a picture with a pixel a sample: the nearest depth, 0 where there is none.
+Image<float> DrawDepth(const std::vector<Eigen::Vector3d>& points_world,
+                       const SemanticCloud& cloud,
+                       const SampleGrid& samples) {
+  Image<float> depth_m(samples.width(), samples.height(), 0.0F);
+  const Eigen::Isometry3d T_camera_world = cloud.T_world_camera().inverse();
+  const PinholeCamera& camera = cloud.camera();
+  for (const Eigen::Vector3d& point_world : points_world) {
+    const Eigen::Vector3d point = T_camera_world * point_world;
+    if (point.z() <= 0.0) continue;
+    const double column =
+        std::floor((camera.fx * point.x() / point.z() + camera.cx) / SampleGrid::kStrideCells);
+    const double row =
+        std::floor((camera.fy * point.y() / point.z() + camera.cy) / SampleGrid::kStrideCells);
+    if (column < 0.0 || row < 0.0 || column >= samples.width() || row >= samples.height()) {
+      continue;
+    }
+    float& pixel_m = depth_m.At(static_cast<int>(column), static_cast<int>(row));
+    const auto depth = static_cast<float>(point.z());
+    if (pixel_m == 0.0F || depth < pixel_m) pixel_m = depth;
+  }
+  return depth_m;
+}
+
 }  // namespace
 
 PaperMapper::PaperMapper(const MapConfig& config, const PaperParameters& parameters)
@@ -34,12 +58,13 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
     TrackedObject* object = segments_.in_view()[place].object;
     const std::size_t samples = segments_.CountSamples(place);
     if (samples > 0) {
-      const double change_m = MeasureChange(place, *cloud);
       ++object->state().views;
       object->state().last_seen = map->now();
       AddVotes({{object->state().class_id, samples}}, &object->state());
-      Update(object, change_m);
-      if (std::abs(change_m) > largest_fused_m) segments_.Release(place);
+      const std::optional<double> change_m = MeasureChange(place, *cloud);
+      if (!change_m.has_value()) continue;
+      Update(object, *change_m);
+      if (std::abs(*change_m) > largest_fused_m || object->is_forgotten()) segments_.Release(place);
     } else if (IsExpectedInView(*object, *cloud)) {
       ++object->state().absences;
       Update(object, parameters_.stationarity.max_change_m);
@@ -72,9 +97,7 @@ double PaperMapper::Dissimilarity(const std::vector<Eigen::Vector3d>& points_wor
 std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
   const std::vector<ObjectInView>& in_view = segments_.in_view();
   const std::vector<Observation>& segments = segments_.segments();
-  registrations_.assign(in_view.size(), std::nullopt);
   std::vector<AssignmentPair> pairs;
-  std::vector<Registration> registrations;
   for (std::size_t row = 0; row < segments.size(); ++row) {
     const std::vector<Eigen::Vector3d> points_world = segments_.PointsOf(segments[row]);
     const Eigen::Vector3d center_world = BoundsOf(points_world).center();
@@ -96,38 +119,20 @@ std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
                        parameters_.position_weight * registration.shift_world.norm() +
                            parameters_.orientation_weight * std::abs(registration.yaw_rad) +
                            parameters_.class_weight * (is_other_class ? 1.0 : 0.0)});
-      registrations.push_back(registration);
     }
   }
-  std::vector<std::optional<std::size_t>> matches =
-      AssignColumns(segments.size(), in_view.size(), pairs, parameters_.cost_cutoff);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (matches[pairs[i].row] == pairs[i].column)
-      registrations_[pairs[i].column] = registrations[i];
-  }
-  return matches;
+  return AssignColumns(segments.size(), in_view.size(), pairs, parameters_.cost_cutoff);
 }
 
-/// The mean distance of the observation from the object's surface, scaled; positive if the
-/// observation lies in front (pocd.md section 3).
-double PaperMapper::MeasureChange(std::size_t place, const SemanticCloud& cloud) const {
+/// The change between what was seen of an object and what is known of it, by the paper's measure.
+/// None where nothing can be compared.
+std::optional<double> PaperMapper::MeasureChange(std::size_t place,
+                                                 const SemanticCloud& cloud) const {
   const TrackedObject& object = *segments_.in_view()[place].object;
-  const Eigen::Isometry3d T_object_world = object.state().T_world_object.ToIsometry().inverse();
-  TsdfSampler sampler(object.volume(), map_->scale());
-  double sum_m = 0.0;
-  std::size_t known = 0;
-  for (const Eigen::Vector3d& point_world : segments_.PointsOf(place)) {
-    double distance_m = 0.0;
-    if (!sampler.SampleDistance(T_object_world * point_world, &distance_m)) continue;
-    sum_m += std::abs(distance_m);
-    ++known;
-  }
-  if (known == 0) return 0.0;
-  const double change_m = parameters_.change_scale * sum_m / static_cast<double>(known);
-  // The correction takes the observation to the object: forward, if it lies in front.
-  const Eigen::Vector3d shift_camera =
-      cloud.T_world_camera().linear().transpose() * registrations_[place]->shift_world;
-  return shift_camera.z() >= 0.0 ? change_m : -change_m;
+  const SampleGrid& samples = segments_.samples();
+  return EstimateChange(DrawDepth(object.SurfaceInWorld(), cloud, samples),
+                        DrawDepth(segments_.PointsOf(place), cloud, samples),
+                        parameters_.change);
 }
 
 /// Whether enough of an object's points lie in the frustum, hidden or not.

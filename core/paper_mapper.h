@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/change_estimate.h"
 #include "core/frame.h"
 #include "core/map_config.h"
 #include "core/map_updater.h"
@@ -34,8 +35,8 @@ struct PaperParameters {
   double cost_cutoff = 3.6;
   /// An unmatched object is unobserved if this share of its points lies in the frustum (theta_vis).
   double min_visible_share = 0.20;
-  /// Scale of the geometric change (lambda_diff).
-  double change_scale = 1.6;
+  /// The geometric change: distances are truncated as in the volumes, noise is left in.
+  ChangeParameters change{.truncation_m = 0.15, .subtracts_noise = false};
   /// E[v] of a new object, and the one below which an object leaves the map (theta_stat).
   double initial_stationarity = 0.67;
   double min_stationarity = 0.40;
@@ -56,7 +57,7 @@ class PaperMapper final : public MapUpdater {
   double Dissimilarity(const std::vector<Eigen::Vector3d>& points_world,
                        const Registration& registration,
                        const TrackedObject& object) const;
-  double MeasureChange(std::size_t place, const SemanticCloud& cloud) const;
+  std::optional<double> MeasureChange(std::size_t place, const SemanticCloud& cloud) const;
   bool IsExpectedInView(const TrackedObject& object, const SemanticCloud& cloud) const;
   void Update(TrackedObject* object, double change_m);
   void AddObjects();
@@ -64,8 +65,7 @@ class PaperMapper final : public MapUpdater {
   MapConfig config_;
   PaperParameters parameters_;
   SegmentFusion segments_;
-  WorkingMap* map_ = nullptr;                               ///< Of the frame at hand.
-  std::vector<std::optional<Registration>> registrations_;  ///< By place in view; of the match.
+  WorkingMap* map_ = nullptr;  ///< Of the frame at hand.
 };
 
 }  // namespace steadymap
