@@ -1,10 +1,12 @@
 #include "client/cli/events_command.h"
 
+#include <utility>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
 #include "client/cli/argument_text.h"
 #include "client/cli/enumerator_text.h"
-#include "client/cli/json_writer.h"
 #include "client/cli/object_text.h"
 #include "client/map_client.h"
 
@@ -64,23 +66,16 @@ absl::Status EventsCommand::Run() const {
   const absl::StatusOr<v1::Map> map = client.GetMap(*name);
   if (!map.ok()) return map.status();
   const ClassNames names(map->config());
-  for (const std::string& text : classes_) {
-    const absl::StatusOr<ClassId> class_id = names.Parse(text);
-    if (!class_id.ok()) return class_id.status();
-    query.classes.push_back(*class_id);
-  }
+  absl::StatusOr<std::vector<ClassId>> classes = names.ParseAll(classes_);
+  if (!classes.ok()) return classes.status();
+  query.classes = *std::move(classes);
   const absl::StatusOr<MapList<v1::ObjectEvent>> events = client.ListEvents(*name, query);
   if (!events.ok()) return events.status();
-  if (!as_json_) {
+  if (as_json_) {
+    context_->out << ListJson(*events, "events", names, WriteEventJson);
+  } else {
     WriteEventLines(events->entries, names, &context_->out);
-    return absl::OkStatus();
   }
-  JsonWriter json;
-  json.BeginObject().Key("revision").Integer(events->revision.value());
-  json.Key("events").BeginArray();
-  for (const v1::ObjectEvent& event : events->entries) WriteEventJson(event, names, &json);
-  json.EndArray().EndObject();
-  context_->out << json.Finish();
   return absl::OkStatus();
 }
 

@@ -93,6 +93,17 @@ absl::StatusOr<ClassId> ClassNames::Parse(const std::string& text) const {
       absl::StrCat("expected the name or the id of one of the map's classes, got \"", text, "\""));
 }
 
+absl::StatusOr<std::vector<ClassId>> ClassNames::ParseAll(
+    const std::vector<std::string>& texts) const {
+  std::vector<ClassId> classes;
+  for (const std::string& text : texts) {
+    const absl::StatusOr<ClassId> class_id = Parse(text);
+    if (!class_id.ok()) return class_id.status();
+    classes.push_back(*class_id);
+  }
+  return classes;
+}
+
 absl::StatusOr<v1::EventType> ParseEventType(std::string_view text) {
   const int type = NumberOf(v1::EventType_descriptor(), text);
   if (type != 0) return static_cast<v1::EventType>(type);

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/cli/json_writer.h"
+#include "client/map_client.h"
 #include "core/identifiers.h"
 
 #include "steadymap/v1/event.pb.h"
@@ -30,6 +31,9 @@ class ClassNames {
   /// A class by its name or its id. Errors: `InvalidArgument` for one that the map does not have.
   absl::StatusOr<ClassId> Parse(const std::string& text) const;
 
+  /// Several of them, in their order. Errors: the first one's.
+  absl::StatusOr<std::vector<ClassId>> ParseAll(const std::vector<std::string>& texts) const;
+
  private:
   std::map<std::uint32_t, std::string> names_;
 };
@@ -41,6 +45,20 @@ absl::StatusOr<v1::EventType> ParseEventType(std::string_view text);
 void WriteObjectTable(const std::vector<v1::Object>& objects,
                       const ClassNames& classes,
                       std::ostream* out);
+
+/// What a list call gave, as JSON: `{"revision", "<key>": [...]}`, each entry as `write_entry`
+/// does.
+template <typename Message>
+std::string ListJson(const MapList<Message>& list,
+                     std::string_view key,
+                     const ClassNames& classes,
+                     void (*write_entry)(const Message&, const ClassNames&, JsonWriter*)) {
+  JsonWriter json;
+  json.BeginObject().Key("revision").Integer(list.revision.value()).Key(key).BeginArray();
+  for (const Message& entry : list.entries) write_entry(entry, classes, &json);
+  json.EndArray().EndObject();
+  return json.Finish();
+}
 
 /// An object as JSON: lengths in metres in the world frame, angles in radians, times in seconds
 /// since 1970.

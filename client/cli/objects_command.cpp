@@ -1,9 +1,11 @@
 #include "client/cli/objects_command.h"
 
+#include <utility>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
 #include "client/cli/argument_text.h"
-#include "client/cli/json_writer.h"
 #include "client/cli/object_text.h"
 #include "client/map_client.h"
 
@@ -62,23 +64,16 @@ absl::Status ObjectsCommand::Run() const {
   const absl::StatusOr<v1::Map> map = client.GetMap(*name);
   if (!map.ok()) return map.status();
   const ClassNames names(map->config());
-  for (const std::string& text : classes_) {
-    const absl::StatusOr<ClassId> class_id = names.Parse(text);
-    if (!class_id.ok()) return class_id.status();
-    query.classes.push_back(*class_id);
-  }
+  absl::StatusOr<std::vector<ClassId>> classes = names.ParseAll(classes_);
+  if (!classes.ok()) return classes.status();
+  query.classes = *std::move(classes);
   const absl::StatusOr<MapList<v1::Object>> objects = client.ListObjects(*name, query);
   if (!objects.ok()) return objects.status();
-  if (!as_json_) {
+  if (as_json_) {
+    context_->out << ListJson(*objects, "objects", names, WriteObjectJson);
+  } else {
     WriteObjectTable(objects->entries, names, &context_->out);
-    return absl::OkStatus();
   }
-  JsonWriter json;
-  json.BeginObject().Key("revision").Integer(objects->revision.value());
-  json.Key("objects").BeginArray();
-  for (const v1::Object& object : objects->entries) WriteObjectJson(object, names, &json);
-  json.EndArray().EndObject();
-  context_->out << json.Finish();
   return absl::OkStatus();
 }
 
