@@ -12,6 +12,21 @@ namespace {
 // A leaf's cells reach one voxel into the leaves above it, and its quads one cell below it.
 constexpr int kPatchSide = kLeafSide + 1;
 
+/// Calls `visit(x, y, z)` for each voxel of a box at the origin, z fastest.
+template <typename Visitor>
+void ForEachVoxel(int end_x, int end_y, int end_z, const Visitor& visit) {
+  for (int x = 0; x < end_x; ++x) {
+    for (int y = 0; y < end_y; ++y) {
+      for (int z = 0; z < end_z; ++z) visit(x, y, z);
+    }
+  }
+}
+
+template <typename Visitor>
+void ForEachVoxelOfLeaf(const Visitor& visit) {
+  ForEachVoxel(kLeafSide, kLeafSide, kLeafSide, visit);
+}
+
 /// The voxels of a leaf and of the first layer of the leaves above it on each axis.
 class VoxelPatch {
  public:
@@ -26,13 +41,15 @@ class VoxelPatch {
   bool has_color() const { return has_color_; }
 
  private:
+  static constexpr std::size_t kVoxels = std::size_t{kPatchSide} * kPatchSide * kPatchSide;
+
   static std::size_t At(int x, int y, int z) {
     return static_cast<std::size_t>((x * kPatchSide + y) * kPatchSide + z);
   }
 
-  std::array<bool, kPatchSide * kPatchSide * kPatchSide> known_;
-  std::array<float, kPatchSide * kPatchSide * kPatchSide> distance_m_;
-  std::array<std::uint32_t, kPatchSide * kPatchSide * kPatchSide> color_;
+  std::array<bool, kVoxels> known_;
+  std::array<float, kVoxels> distance_m_;
+  std::array<std::uint32_t, kVoxels> color_;
   bool has_color_ = false;
 };
 
@@ -49,18 +66,14 @@ void VoxelPatch::Load(const VoxelReader& reader, LeafOrigin origin) {
     if (!leaf) continue;
     has_color_ = has_color_ || leaf.color != nullptr;
     const auto end = [](int above) { return above == 1 ? 1 : kLeafSide; };
-    for (int x = 0; x < end(above_x); ++x) {
-      for (int y = 0; y < end(above_y); ++y) {
-        for (int z = 0; z < end(above_z); ++z) {
-          const std::size_t offset = OffsetInLeaf(x, y, z);
-          const std::size_t at =
-              At(x + above_x * kLeafSide, y + above_y * kLeafSide, z + above_z * kLeafSide);
-          known_[at] = IsSet(leaf.observed, offset);
-          distance_m_[at] = leaf.distance_m[offset];
-          color_[at] = leaf.color == nullptr ? 0 : leaf.color[offset];
-        }
-      }
-    }
+    ForEachVoxel(end(above_x), end(above_y), end(above_z), [&](int x, int y, int z) {
+      const std::size_t offset = OffsetInLeaf(x, y, z);
+      const std::size_t at =
+          At(x + above_x * kLeafSide, y + above_y * kLeafSide, z + above_z * kLeafSide);
+      known_[at] = IsSet(leaf.observed, offset);
+      distance_m_[at] = leaf.distance_m[offset];
+      color_[at] = leaf.color == nullptr ? 0 : leaf.color[offset];
+    });
   }
 }
 
@@ -186,26 +199,22 @@ class SurfaceNet {
   void AddVertices(LeafOrigin origin) {
     patch_.Load(reader_, origin);
     CellVertices* cells = nullptr;
-    for (int x = 0; x < kLeafSide; ++x) {
-      for (int y = 0; y < kLeafSide; ++y) {
-        for (int z = 0; z < kLeafSide; ++z) {
-          CellVertex vertex;
-          if (!MakeCellVertex(patch_, x, y, z, &vertex)) continue;
-          const Eigen::Vector3d voxel = Eigen::Vector3d(origin.x + x, origin.y + y, origin.z + z) +
-                                        vertex.place.cast<double>();
-          const Eigen::Vector3d point_m = voxel * scale_.voxel_size_m;
-          if (box_ != nullptr && !box_->contains(point_m)) continue;
-          if (cells == nullptr) {
-            cells = &vertices_.try_emplace(origin).first->second;
-            cells->fill(kNoVertex);
-          }
-          (*cells)[OffsetInLeaf(x, y, z)] = static_cast<std::uint32_t>(mesh_.vertices_world.size());
-          mesh_.vertices_world.push_back(point_m.cast<float>());
-          mesh_.normals_world.push_back(vertex.normal);
-          mesh_.colors.push_back(vertex.color);
-        }
+    ForEachVoxelOfLeaf([&](int x, int y, int z) {
+      CellVertex vertex;
+      if (!MakeCellVertex(patch_, x, y, z, &vertex)) return;
+      const Eigen::Vector3d voxel =
+          Eigen::Vector3d(origin.x + x, origin.y + y, origin.z + z) + vertex.place.cast<double>();
+      const Eigen::Vector3d point_m = voxel * scale_.voxel_size_m;
+      if (box_ != nullptr && !box_->contains(point_m)) return;
+      if (cells == nullptr) {
+        cells = &vertices_.try_emplace(origin).first->second;
+        cells->fill(kNoVertex);
       }
-    }
+      (*cells)[OffsetInLeaf(x, y, z)] = static_cast<std::uint32_t>(mesh_.vertices_world.size());
+      mesh_.vertices_world.emplace_back(point_m.cast<float>());
+      mesh_.normals_world.push_back(vertex.normal);
+      mesh_.colors.push_back(vertex.color);
+    });
     any_color_ = any_color_ || (cells != nullptr && patch_.has_color());
   }
 
@@ -214,24 +223,21 @@ class SurfaceNet {
     return cells == vertices_.end() ? kNoVertex : cells->second[OffsetInLeaf(x, y, z)];
   }
 
-  /// Two triangles for every edge from a voxel of this leaf along +x, +y or +z that changes sign.
   void AddQuads(LeafOrigin origin) {
     patch_.Load(reader_, origin);
-    for (int x = 0; x < kLeafSide; ++x) {
-      for (int y = 0; y < kLeafSide; ++y) {
-        for (int z = 0; z < kLeafSide; ++z) {
-          if (!patch_.known(x, y, z)) continue;
-          const bool inside = patch_.distance_m(x, y, z) <= 0.0F;
-          for (int axis = 0; axis < 3; ++axis) {
-            const int nx = x + (axis == 0 ? 1 : 0);
-            const int ny = y + (axis == 1 ? 1 : 0);
-            const int nz = z + (axis == 2 ? 1 : 0);
-            if (!patch_.known(nx, ny, nz)) continue;
-            if (inside == (patch_.distance_m(nx, ny, nz) <= 0.0F)) continue;
-            AddQuad({origin.x + x, origin.y + y, origin.z + z}, axis, inside);
-          }
-        }
-      }
+    ForEachVoxelOfLeaf([&](int x, int y, int z) {
+      if (patch_.known(x, y, z)) AddQuadsAt(origin, {x, y, z});
+    });
+  }
+
+  /// Two triangles for every edge from a voxel of this leaf along +x, +y or +z that changes sign.
+  void AddQuadsAt(LeafOrigin origin, const Eigen::Vector3i& voxel) {
+    const bool inside = patch_.distance_m(voxel.x(), voxel.y(), voxel.z()) <= 0.0F;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3i next = voxel + Eigen::Vector3i::Unit(axis);
+      if (!patch_.known(next.x(), next.y(), next.z())) continue;
+      if (inside == (patch_.distance_m(next.x(), next.y(), next.z()) <= 0.0F)) continue;
+      AddQuad(Eigen::Vector3i(origin.x, origin.y, origin.z) + voxel, axis, inside);
     }
   }
 
