@@ -11,6 +11,22 @@ bool IsObject(std::uint32_t owner) {
   return owner != Association::kNone && owner != kBackgroundOwner;
 }
 
+/// The instance that most of an owner's samples show; of equals the lowest.
+std::map<std::uint32_t, std::uint16_t> MainInstances(const SampleGrid& samples,
+                                                     const Association& association) {
+  std::map<std::uint32_t, std::map<std::uint16_t, std::size_t>> counts;
+  for (std::size_t index = 0; index < samples.size(); ++index) {
+    const std::uint32_t owner = association.owner[index];
+    if (samples[index].is_valid() && IsObject(owner)) ++counts[owner][samples[index].instance];
+  }
+  std::map<std::uint32_t, std::uint16_t> main;
+  for (const auto& [owner, instances] : counts) {
+    const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+    main[owner] = std::max_element(instances.begin(), instances.end(), fewer)->first;
+  }
+  return main;
+}
+
 }  // namespace
 
 std::vector<Contact> FindContacts(const SampleGrid& samples, const Association& association) {
@@ -29,9 +45,12 @@ std::vector<Contact> FindContacts(const SampleGrid& samples, const Association& 
       count(samples.Index(column, row), samples.Index(column, row + 1));
     }
   }
+  if (counts.empty()) return {};
+  const std::map<std::uint32_t, std::uint16_t> instances = MainInstances(samples, association);
   std::vector<Contact> contacts;
   contacts.reserve(counts.size());
   for (const auto& [owners, found] : counts) {
+    if (instances.at(owners.first) != instances.at(owners.second)) continue;
     contacts.push_back({owners.first, owners.second, found});
   }
   return contacts;

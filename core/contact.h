@@ -15,7 +15,8 @@ struct Contact {
   std::size_t samples = 0;  ///< Pairs of neighbouring samples that are connected.
 };
 
-/// All contacts between objects, by rising owners.
+/// All contacts between objects, by rising owners; none between objects of which the frame's
+/// instance ids say that they are two.
 std::vector<Contact> FindContacts(const SampleGrid& samples, const Association& association);
 
 }  // namespace steadymap

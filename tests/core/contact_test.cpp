@@ -14,13 +14,15 @@ using ::steadymap::testing::Body;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 
-SampleGrid SamplesOf(const Scene& scene) {
+SampleGrid SamplesOf(const Frame& frame) {
   SemanticCloud cloud{MapConfig()};
-  cloud.Compute(RenderScene(scene, {}));
+  cloud.Compute(frame);
   SampleGrid samples;
   samples.Compute(cloud);
   return samples;
 }
+
+SampleGrid SamplesOf(const Scene& scene) { return SamplesOf(RenderScene(scene, {})); }
 
 /// What stands left of the picture's middle belongs to `left`, the rest to `right`.
 Association Halves(const SampleGrid& samples, std::uint32_t left, std::uint32_t right) {
@@ -51,6 +53,19 @@ TEST(FindContacts, FindsNoneAcrossADepthEdge) {
   const Scene step = {Body(4, {1.5, 0.0, -4.0}, {1.8, 4.0, 4.0}),
                       Body(4, {2.5, -4.0, -4.0}, {2.8, 4.0, 4.0})};
   const SampleGrid samples = SamplesOf(step);
+  EXPECT_TRUE(FindContacts(samples, Halves(samples, 1, 2)).empty());
+}
+
+TEST(FindContacts, FindsNoneBetweenWhatInstanceIdsTellApart) {
+  Frame frame = RenderScene(OneWall(), {});
+  frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px);
+  for (int v = 0; v < frame.camera.height_px; ++v) {
+    for (int u = 0; u < frame.camera.width_px; ++u) {
+      // The owners' border lies beside the one of the instances, as it does where they touch.
+      frame.instances.At(u, v) = u < frame.camera.width_px / 3 ? 3 : 0;
+    }
+  }
+  const SampleGrid samples = SamplesOf(frame);
   EXPECT_TRUE(FindContacts(samples, Halves(samples, 1, 2)).empty());
 }
 
