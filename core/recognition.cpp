@@ -11,20 +11,29 @@ namespace {
 
 constexpr double kMinNormalCosine = 0.5;
 
+// Pose error and noise of two looks at one surface, in voxels.
+constexpr double kFitVoxels = 1.5;
+
 Eigen::Isometry3d RelativePose(const TrackedObject& object, const TrackedObject& other) {
   return other.state().T_world_object.ToIsometry().inverse() *
          object.state().T_world_object.ToIsometry();
 }
 
 /// Whether `known` is archived, of the class of `object`, and stood where that stands.
-bool IsArchivedNear(const TrackedObject& known, const TrackedObject& object) {
+bool IsArchivedNear(const TrackedObject& known,
+                    const TrackedObject& object,
+                    const VoxelScale& scale) {
   if (!known.is_history() || known.state().class_id != object.state().class_id ||
       !ShareLattice(known.state(), object.state())) {
     return false;
   }
   const Eigen::Vector3d shift_m = RelativePose(object, known).translation();
   Box bounds_known = object.bounds_object();
+  if (bounds_known.isEmpty()) return false;
   bounds_known.translate(shift_m);
+  // Two looks at the front of a wall are two thin boxes that need not meet.
+  const Eigen::Vector3d tolerance_m = Eigen::Vector3d::Constant(kFitVoxels * scale.voxel_size_m);
+  bounds_known = Box(bounds_known.min() - tolerance_m, bounds_known.max() + tolerance_m);
   return bounds_known.intersects(known.bounds_object());
 }
 
@@ -41,8 +50,7 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
                                const VoxelScale& scale) {
-  // Pose error and noise of two looks at one surface.
-  const double tolerance_m = 1.5 * scale.voxel_size_m;
+  const double tolerance_m = kFitVoxels * scale.voxel_size_m;
   const std::size_t points = object.surface().point_count();
   if (points == 0) return {};
   TsdfSampler sampler(other.volume(), scale);
@@ -71,17 +79,18 @@ TrackedObject* FindReturned(const TrackedObject& object,
                             StationarityPrior prior,
                             const RecognitionParameters& parameters,
                             std::map<ObjectId, TrackedObject>* objects) {
-  const double known_share = prior == StationarityPrior::kStays
-                                 ? parameters.return_known_share_of_walls
-                                 : parameters.return_known_share;
+  const bool is_wall = prior == StationarityPrior::kStays;
+  const double known_share =
+      is_wall ? parameters.return_known_share_of_walls : parameters.return_known_share;
+  const double fit_share =
+      is_wall ? parameters.return_fit_share_of_walls : parameters.return_fit_share;
   TrackedObject* best = nullptr;
   double best_share = 0.0;
   for (auto& [id, known] : *objects) {
-    if (!IsArchivedNear(known, object)) continue;
+    if (!IsArchivedNear(known, object, scale)) continue;
     const SurfaceOverlap overlap = CompareInPlace(object, known, scale);
     const double share = overlap.known_share * overlap.fit_share;
-    if (overlap.known_share < known_share || overlap.fit_share < parameters.return_fit_share ||
-        share < best_share) {
+    if (overlap.known_share < known_share || overlap.fit_share < fit_share || share < best_share) {
       continue;
     }
     best_share = share;
@@ -120,10 +129,10 @@ std::vector<TrackedObject*> FindReturnedParts(const TrackedObject& object,
                                               std::map<ObjectId, TrackedObject>* objects) {
   std::vector<TrackedObject*> parts;
   for (auto& [id, known] : *objects) {
-    if (!IsArchivedNear(known, object)) continue;
+    if (!IsArchivedNear(known, object, scale)) continue;
     const SurfaceOverlap overlap = CompareInPlace(known, object, scale);
     if (overlap.known_share >= parameters.part_known_share &&
-        overlap.fit_share >= parameters.return_fit_share) {
+        overlap.fit_share >= parameters.return_fit_share_of_walls) {
       parts.push_back(&known);
     }
   }

@@ -16,14 +16,16 @@ struct RecognitionParameters {
   double return_known_share = 0.8;
   /// The same for classes that stay: of a wall one corner tells enough.
   double return_known_share_of_walls = 0.3;
-  /// and so much of that lies on the archived surface.
+  /// and so much of that lies on the archived surface;
   double return_fit_share = 0.9;
+  /// of what is seen of a wall beside what hides it, edges are a greater part.
+  double return_fit_share_of_walls = 0.8;
   /// An archived object of a class that stays is part of a new one, if so much of its surface lies
-  /// where the new one knows anything, and `return_fit_share` of that on its surface.
+  /// where the new one knows anything, and `return_fit_share_of_walls` of that on its surface.
   double part_known_share = 0.15;
   /// What of a class that stays was found gone within this time of a neighbour, and no further from
   /// it than that, comes back with it: a wall is taken down and put up as a whole.
-  double same_visit_s = 20.0;
+  double same_visit_s = 60.0;
   double neighbour_distance_m = 0.8;
 };
 

@@ -98,6 +98,19 @@ TEST_F(RecognitionArchive, GivesWhatStoodInThatPlace) {
   EXPECT_EQ(Find(Front(3, 5.0, 0.8), StationarityPrior::kMoves), nullptr);
 }
 
+TEST_F(RecognitionArchive, GivesAThinFrontThatWasSeenALittleInFront) {
+  TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
+  TrackedObject object = Front(3, 0.0, 0.8);
+  object.MutableVolume() =
+      testing::MakeVolume([](const Eigen::Vector3d& point) { return 0.19 - point.x(); },
+                          Box(Eigen::Vector3d(0.05, 0.0, 0.0), Eigen::Vector3d(0.35, 0.8, 1.0)),
+                          kScale,
+                          [](const Eigen::Vector3d&) { return true; });
+  object.RebuildSurface();
+  ASSERT_FALSE(object.bounds_object().intersects(known->bounds_object()));
+  EXPECT_EQ(Find(object, StationarityPrior::kMoves), known);
+}
+
 TEST_F(RecognitionArchive, GivesNothingOfAnotherClassOrStillPresent) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject other_class = Front(3, 0.0, 0.8);
