@@ -51,6 +51,12 @@ DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
   return cells;
 }
 
+/// About, square metres: a point of the surface stands for a side of its voxel.
+double SurfaceArea(const TrackedObject& object, const VoxelScale& scale) {
+  return static_cast<double>(object.surface().point_count()) * scale.voxel_size_m *
+         scale.voxel_size_m;
+}
+
 }  // namespace
 
 ObjectMapper::ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters)
@@ -188,9 +194,7 @@ void ObjectMapper::Merge(TrackedObject* into, TrackedObject* from) {
   state.last_seen = std::max(state.last_seen, other.last_seen);
   state.views = std::max(state.views, other.views);
   if (other.standing == ObjectStanding::kPresent) {
-    ObjectEvent event = map_->MakeEvent(EventType::kMerged, EventReason::kConnected, *from);
-    event.related = state.id;
-    map_->Tell(event);
+    TellMerged(*from, EventReason::kConnected, state.id);
   }
   map_->MarkChanged(into);
   map_->Forget(from);
@@ -222,7 +226,7 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
     if (is_free && !IsRecent(state)) continue;
     if (is_small || state.class_id.value() == observation.label) return contact.owner;
   }
-  if (is_small) return Association::kNone;
+  if (observation.area_m2 < parameters_.min_seen_area_m2) return Association::kNone;
   return AddObject(observation);
 }
 
@@ -272,35 +276,59 @@ void ObjectMapper::ConfirmAndForget() {
   for (auto& [id, object] : map_->mutable_objects()) {
     ObjectState& state = object.state();
     if (state.standing != ObjectStanding::kTentative) continue;
-    if (state.views >= parameters_.confirming_views) {
-      Confirm(&object);
-    } else if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
+    if (state.views >= parameters_.confirming_views && Confirm(&object)) continue;
+    if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
       map_->Forget(&object);
     }
   }
 }
 
-/// Makes a tentative object part of the map: as a new one, or as an old one that is back.
-void ObjectMapper::Confirm(TrackedObject* object) {
-  const StationarityPrior prior = PriorOf(config_, object->state().class_id);
-  TrackedObject* known = FindReturned(
-      *object, map_->scale(), prior, parameters_.recognition, &map_->mutable_objects());
-  if (known == nullptr) {
-    object->state().standing = ObjectStanding::kPresent;
-    map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
-    map_->MarkChanged(object);
-    return;
+/// Makes a tentative object part of the map, as an old one that is back or as a new one; whether it
+/// did. A new one that shows little must be seen longer.
+bool ObjectMapper::Confirm(TrackedObject* object) {
+  if (TrackedObject* known = FindKnown(*object)) {
+    TakeBack(known, object);
+    return true;
   }
+  const double seen_m2 =
+      static_cast<double>(object->state().views) * SurfaceArea(*object, map_->scale());
+  if (seen_m2 < static_cast<double>(parameters_.confirming_views) * parameters_.min_new_area_m2) {
+    return false;
+  }
+  object->state().standing = ObjectStanding::kPresent;
+  map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+  map_->MarkChanged(object);
+  return true;
+}
+
+TrackedObject* ObjectMapper::FindKnown(const TrackedObject& object) {
+  return FindReturned(object,
+                      map_->scale(),
+                      PriorOf(config_, object.state().class_id),
+                      parameters_.recognition,
+                      &map_->mutable_objects());
+}
+
+/// Takes what was held for a new object as an archived one that stands again.
+void ObjectMapper::TakeBack(TrackedObject* known, TrackedObject* object) {
   std::vector<TrackedObject*> others;
-  if (prior == StationarityPrior::kStays) {
+  if (PriorOf(config_, known->state().class_id) == StationarityPrior::kStays) {
     others = FindGoneWith(*known, parameters_.recognition, &map_->mutable_objects());
   }
   known->state().views += object->state().views;
   map_->MarkLeaves(known, CopyVoxels(*object, map_->scale(), known).into);
   Return(known, EventReason::kShapeMatched, object->state().belief);
+  if (object->state().standing == ObjectStanding::kPresent)
+    TellMerged(*object, EventReason::kShapeMatched, known->id());
   map_->Forget(object);
   const Belief unseen = InitialBelief(parameters_.initial_stationarity);
   for (TrackedObject* other : others) Return(other, EventReason::kConnected, unseen);
+}
+
+void ObjectMapper::TellMerged(const TrackedObject& from, EventReason reason, ObjectId into) {
+  ObjectEvent event = map_->MakeEvent(EventType::kMerged, reason, from);
+  event.related = into;
+  map_->Tell(event);
 }
 
 /// Takes an archived object as standing in its place again.
@@ -328,12 +356,15 @@ void ObjectMapper::TakeBackParts() {
         PriorOf(config_, state.class_id) != StationarityPrior::kStays) {
       continue;
     }
+    // What was too little to be known when it came may be enough now.
+    if (TrackedObject* known = FindKnown(*view.object)) {
+      TakeBack(known, view.object);
+      continue;
+    }
     for (TrackedObject* part : FindReturnedParts(
              *view.object, map_->scale(), parameters_.recognition, &map_->mutable_objects())) {
       map_->MarkLeaves(view.object, CopyVoxels(*part, map_->scale(), view.object).into);
-      ObjectEvent event = map_->MakeEvent(EventType::kMerged, EventReason::kShapeMatched, *part);
-      event.related = view.object->id();
-      map_->Tell(event);
+      TellMerged(*part, EventReason::kShapeMatched, view.object->id());
       map_->Forget(part);
     }
   }

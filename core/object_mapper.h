@@ -30,8 +30,10 @@ struct ObjectMapperParameters {
   double initial_stationarity = 0.67;
   /// Objects below this E[v] leave the map (theta_stat).
   double min_stationarity = 0.40;
-  /// Smallest surface that becomes an object, square metres.
+  /// Smallest surface that becomes an object, square metres,
   double min_new_area_m2 = 0.06;
+  /// and the smallest that a frame must show of one. Thin things show little at a time.
+  double min_seen_area_m2 = 0.02;
   /// Frames that must agree with a new object before it is part of the map.
   std::uint64_t confirming_views = 4;
   /// A tentative object that was not seen for so long is forgotten, seconds.
@@ -76,7 +78,10 @@ class ObjectMapper final : public MapUpdater {
   void CountViews();
   void Integrate();
   void ConfirmAndForget();
-  void Confirm(TrackedObject* object);
+  bool Confirm(TrackedObject* object);
+  TrackedObject* FindKnown(const TrackedObject& object);
+  void TakeBack(TrackedObject* known, TrackedObject* object);
+  void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into);
   void Return(TrackedObject* object, EventReason reason, const Belief& belief);
   void TakeBackParts();
   void MarkFreeSpace();

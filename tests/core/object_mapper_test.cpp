@@ -81,6 +81,33 @@ TEST(ObjectMapper, CreatesABoxAfterTheConfirmingViews) {
   EXPECT_GT(box.belief.stationarity(), 0.67);
 }
 
+TEST(ObjectMapper, KnowsAPostOfWhichNoFrameShowsMuch) {
+  // 0.05 square metres of it face the camera: an object only when seen for longer.
+  const Scene scene = {FarWall(), Body(kRackClass, {1.6, -0.03, -0.5}, {1.66, 0.03, 0.3})};
+  MapStory story(PocdConfig());
+  story.Look(scene, 4);
+  EXPECT_TRUE(story.Present(kRackClass).empty());
+  story.Look(scene, 20);
+  ASSERT_EQ(story.EventsOf(EventType::kCreated, kRackClass).size(), 1U);
+  ASSERT_EQ(story.Present(kRackClass).size(), 1U);
+  EXPECT_NEAR(story.Present(kRackClass)[0]->cuboid.size_m.z(), 0.8, 0.11);
+}
+
+TEST(ObjectMapper, KnowsAPanelAgainByTheLittleThatShowsOfIt) {
+  const SceneBody panel = Body(kWallClass, {2.0, -0.6, -0.6}, {2.1, 0.6, 0.6});
+  const SceneBody goods = Body(kGoodsClass, {1.5, -0.9, -1.5}, {1.9, 0.9, 0.40});
+  MapStory story(PocdConfig());
+  story.Look({panel}, 30);
+  ASSERT_EQ(story.Present(kWallClass).size(), 1U);
+  const ObjectId id = story.Present(kWallClass)[0]->id;
+  story.Look({FarWall()}, 60, 1);
+  ASSERT_EQ(story.EventsOf(EventType::kRemoved, kWallClass).size(), 1U);
+  story.Look({FarWall(), goods, panel}, 30, 2);
+  const std::vector<ObjectEvent> returned = story.EventsOf(EventType::kReturned, kWallClass);
+  ASSERT_EQ(returned.size(), 1U);
+  EXPECT_EQ(returned[0].object, id);
+}
+
 TEST(ObjectMapper, ReportsNoChangeOfASceneThatStaysTheSame) {
   MapStory story(PocdConfig());
   story.Look({FarWall(), Goods(-0.5), Goods(0.4)}, 60);
