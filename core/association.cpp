@@ -153,4 +153,12 @@ void AssociateSamples(const SampleGrid& samples,
   }
 }
 
+void ReleaseSamples(std::uint32_t owner, Association* association) {
+  for (std::size_t index = 0; index < association->owner.size(); ++index) {
+    if (association->owner[index] != owner) continue;
+    association->owner[index] = Association::kNone;
+    association->is_in_front[index] = 1;
+  }
+}
+
 }  // namespace steadymap

@@ -50,4 +50,8 @@ void AssociateSamples(const SampleGrid& samples,
                       const VoxelScale& scale,
                       Association* association);
 
+/// Takes its samples from an owner that turned out to stand otherwise than known. They count as new
+/// surface in front of it.
+void ReleaseSamples(std::uint32_t owner, Association* association);
+
 }  // namespace steadymap

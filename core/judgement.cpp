@@ -35,7 +35,7 @@ void AddEvidence(const ObjectVerdict& verdict,
     }
   }
   const auto present = static_cast<double>(verdict.present);
-  const auto absent = static_cast<double>(verdict.seen_through + verdict.replaced);
+  const auto absent = static_cast<double>(verdict.absent());
   evidence->present_cells += present;
   evidence->absent_cells += absent;
   evidence->change_sum_m += present * verdict.change_m.value_or(0.0);

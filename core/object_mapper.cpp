@@ -51,6 +51,13 @@ DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
   return cells;
 }
 
+/// What speaks most against an object.
+EventReason ReasonOf(const ObjectVerdict& verdict) {
+  if (verdict.turned > verdict.seen_through + verdict.replaced) return EventReason::kDisplaced;
+  return verdict.replaced > verdict.seen_through ? EventReason::kReplaced
+                                                 : EventReason::kSeenThrough;
+}
+
 /// About, square metres: a point of the surface stands for a side of its voxel.
 double SurfaceArea(const TrackedObject& object, const VoxelScale& scale) {
   return static_cast<double>(object.surface().point_count()) * scale.voxel_size_m *
@@ -100,30 +107,31 @@ void ObjectMapper::JudgeObjects() {
   for (const ObjectInView& view : in_view_) verdicts.push_back(test.Judge(*view.object));
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (verdicts[i].judged() == 0) continue;
+    if (verdicts[i].turned > 0) ReleaseSamples(static_cast<std::uint32_t>(i + 1), &association_);
     TrackedObject* object = in_view_[i].object;
     AddEvidence(verdicts[i], object->surface(), map_->now(), &object->state().evidence);
     map_->MarkChanged(object);
-    DecideOn(object);
+    DecideOn(verdicts[i], object);
   }
 }
 
 /// Updates the belief in an object, and removes it or what is gone of it.
-void ObjectMapper::DecideOn(TrackedObject* object) {
+void ObjectMapper::DecideOn(const ObjectVerdict& verdict, TrackedObject* object) {
   ObjectState& state = object->state();
   const StationarityPrior prior = PriorOf(config_, state.class_id);
   const Belief before = state.belief;
   if (!UpdateBelief(prior, map_->now(), parameters_.judgement, &state)) return;
   if (state.belief.stationarity() < parameters_.min_stationarity) {
-    Archive(object, before);
+    Archive(object, ReasonOf(verdict), before);
   } else {
     RemoveGoneParts(object);
   }
 }
 
-void ObjectMapper::Archive(TrackedObject* object, const Belief& before) {
+void ObjectMapper::Archive(TrackedObject* object, EventReason reason, const Belief& before) {
   ObjectState& state = object->state();
   if (state.standing == ObjectStanding::kPresent) {
-    ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object);
+    ObjectEvent event = map_->MakeEvent(EventType::kRemoved, reason, *object);
     event.before = before;
     map_->Tell(event);
   }

@@ -66,7 +66,7 @@ class ObjectMapper final : public MapUpdater {
  private:
   void FindOwners();
   void JudgeObjects();
-  void DecideOn(TrackedObject* object);
+  void DecideOn(const ObjectVerdict& verdict, TrackedObject* object);
   void RemoveGoneParts(TrackedObject* object);
   void PlaceObservations();
   bool IsInFreeSpace(const Observation& observation) const;
@@ -85,7 +85,7 @@ class ObjectMapper final : public MapUpdater {
   void Return(TrackedObject* object, EventReason reason, const Belief& belief);
   void TakeBackParts();
   void MarkFreeSpace();
-  void Archive(TrackedObject* object, const Belief& before);
+  void Archive(TrackedObject* object, EventReason reason, const Belief& before);
 
   MapConfig config_;
   ObjectMapperParameters parameters_;

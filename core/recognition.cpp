@@ -37,6 +37,14 @@ bool IsArchivedNear(const TrackedObject& known,
   return bounds_known.intersects(known.bounds_object());
 }
 
+/// Whether `known` was found gone long before `object` was seen first.
+bool WasGoneForLong(const TrackedObject& known,
+                    const TrackedObject& object,
+                    const RecognitionParameters& parameters) {
+  return object.state().standing_since.seconds() - known.state().standing_since.seconds() >
+         parameters.wall_absence_s;
+}
+
 /// Compares two objects where they stand, or stood.
 SurfaceOverlap CompareInPlace(const TrackedObject& object,
                               const TrackedObject& other,
@@ -56,6 +64,7 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
   TsdfSampler sampler(other.volume(), scale);
   std::size_t known = 0;
   std::size_t fitting = 0;
+  TurnSum turn;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
       const Eigen::Vector3d position = T_other_object * point.position_object.cast<double>();
@@ -65,13 +74,18 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
       ++known;
       if (std::abs(distance_m) > tolerance_m) continue;
       const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
-      if (is_inner && sampler.Sample(position).gradient.dot(normal) < kMinNormalCosine) continue;
+      if (is_inner) {
+        const Eigen::Vector3d gradient = sampler.Sample(position).gradient;
+        if (gradient.dot(normal) < kMinNormalCosine) continue;
+        turn.Add(position - distance_m * gradient, gradient, distance_m);
+      }
       ++fitting;
     }
   }
   if (known == 0) return {};
   return {static_cast<double>(known) / static_cast<double>(points),
-          static_cast<double>(fitting) / static_cast<double>(known)};
+          static_cast<double>(fitting) / static_cast<double>(known),
+          turn};
 }
 
 TrackedObject* FindReturned(const TrackedObject& object,
@@ -79,18 +93,20 @@ TrackedObject* FindReturned(const TrackedObject& object,
                             StationarityPrior prior,
                             const RecognitionParameters& parameters,
                             std::map<ObjectId, TrackedObject>* objects) {
-  const bool is_wall = prior == StationarityPrior::kStays;
-  const double known_share =
-      is_wall ? parameters.return_known_share_of_walls : parameters.return_known_share;
-  const double fit_share =
-      is_wall ? parameters.return_fit_share_of_walls : parameters.return_fit_share;
   TrackedObject* best = nullptr;
   double best_share = 0.0;
   for (auto& [id, known] : *objects) {
     if (!IsArchivedNear(known, object, scale)) continue;
     const SurfaceOverlap overlap = CompareInPlace(object, known, scale);
     const double share = overlap.known_share * overlap.fit_share;
-    if (overlap.known_share < known_share || overlap.fit_share < fit_share || share < best_share) {
+    const bool is_old_wall =
+        prior == StationarityPrior::kStays && WasGoneForLong(known, object, parameters);
+    const double known_share =
+        is_old_wall ? parameters.return_known_share_of_walls : parameters.return_known_share;
+    const double fit_share =
+        is_old_wall ? parameters.return_fit_share_of_walls : parameters.return_fit_share;
+    if (overlap.known_share < known_share || overlap.fit_share < fit_share ||
+        overlap.turn.Exceeds(parameters.turn) || share < best_share) {
       continue;
     }
     best_share = share;
@@ -131,8 +147,11 @@ std::vector<TrackedObject*> FindReturnedParts(const TrackedObject& object,
   for (auto& [id, known] : *objects) {
     if (!IsArchivedNear(known, object, scale)) continue;
     const SurfaceOverlap overlap = CompareInPlace(known, object, scale);
-    if (overlap.known_share >= parameters.part_known_share &&
-        overlap.fit_share >= parameters.return_fit_share_of_walls) {
+    const double fit_share = WasGoneForLong(known, object, parameters)
+                                 ? parameters.return_fit_share_of_walls
+                                 : parameters.return_fit_share;
+    if (overlap.known_share >= parameters.part_known_share && overlap.fit_share >= fit_share &&
+        !overlap.turn.Exceeds(parameters.turn)) {
       parts.push_back(&known);
     }
   }

@@ -5,6 +5,7 @@
 
 #include "core/stationarity.h"
 #include "core/tracked_object.h"
+#include "core/turn.h"
 
 /// Tells a thing that comes back from one that is new.
 namespace steadymap {
@@ -20,8 +21,14 @@ struct RecognitionParameters {
   double return_fit_share = 0.9;
   /// of what is seen of a wall beside what hides it, edges are a greater part.
   double return_fit_share_of_walls = 0.8;
+  /// What fits but is turned is not the same as it stood.
+  TurnParameters turn;
+  /// The less that is asked of walls holds for those that were gone for so long: what is found gone
+  /// and found again on one visit was moved a little, seconds.
+  double wall_absence_s = 20.0;
   /// An archived object of a class that stays is part of a new one, if so much of its surface lies
-  /// where the new one knows anything, and `return_fit_share_of_walls` of that on its surface.
+  /// where the new one knows anything, and as much of that on its surface as of a wall that
+  /// returns.
   double part_known_share = 0.15;
   /// What of a class that stays was found gone within this time of a neighbour, and no further from
   /// it than that, comes back with it: a wall is taken down and put up as a whole.
@@ -33,6 +40,7 @@ struct RecognitionParameters {
 struct SurfaceOverlap {
   double known_share = 0.0;  ///< Share of the points in what the other has observed.
   double fit_share = 0.0;    ///< Of those, the share on its surface, facing the same way.
+  TurnSum turn;              ///< Of those that fit.
 };
 
 /// Compares the surface of `object`, moved by `T_other_object`, with the volume of `other`. A point

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace steadymap {
 namespace {
@@ -155,13 +156,13 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
   return newer.standing_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
 }
 
-/// The verdict on a point of the surface, none if it is hidden or out of view. Of a point that is
-/// present the change is added to `change`.
+/// The verdict on a point of the surface, none if it is hidden or out of view. Points that
+/// are present are added to `sums`.
 std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
                                                   LeafOrigin leaf,
                                                   const Eigen::Vector3f& point_world,
                                                   const Eigen::Vector3f& normal_world,
-                                                  ChangeSum* change) const {
+                                                  PresentSums* sums) const {
   const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
   const float depth_m = point_camera.z();
   if (depth_m < kMinDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) {
@@ -179,8 +180,11 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
   const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
   if (column >= samples_.width() || row >= samples_.height()) return std::nullopt;
   if (const SurfaceSample* sample = FindPresent(object, column, row, point_world, depth_m)) {
-    change->AddRay(static_cast<double>(depth_m),
-                   static_cast<double>(DepthAlong(point_world, depth_m, *sample)));
+    sums->change.AddRay(static_cast<double>(depth_m),
+                        static_cast<double>(DepthAlong(point_world, depth_m, *sample)));
+    const float offset_m = normal_world.dot(sample->position_world - point_world);
+    sums->turn.Add(
+        point_world.cast<double>(), normal_world.cast<double>(), static_cast<double>(offset_m));
     return Verdict::kPresent;
   }
   const float nearest_m = tiles_.NearestAround(column, row);
@@ -195,7 +199,7 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
 
 ObjectVerdict VisibilityTest::Judge(const TrackedObject& object) const {
   ObjectVerdict result;
-  ChangeSum change(parameters_.change);
+  PresentSums sums(parameters_.change);
   const Eigen::Isometry3f T_world_object = object.state().T_world_object.ToIsometry().cast<float>();
   const std::vector<SurfaceLeaf>& leaves = object.surface().leaves();
   for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
@@ -207,7 +211,7 @@ ObjectVerdict VisibilityTest::Judge(const TrackedObject& object) const {
                      leaves[leaf].origin,
                      T_world_object * point.position_object,
                      T_world_object.linear() * point.normal_object,
-                     &change);
+                     &sums);
       if (verdict) ++votes[point.cell][static_cast<std::size_t>(*verdict)];
     }
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
@@ -223,7 +227,14 @@ ObjectVerdict VisibilityTest::Judge(const TrackedObject& object) const {
       result.replaced += verdict == Verdict::kReplaced ? 1U : 0U;
     }
   }
-  result.change_m = change.Change();
+  if (sums.turn.Exceeds(parameters_.turn)) {
+    for (CellVerdict& cell : result.cells) {
+      if (cell.verdict == Verdict::kPresent) cell.verdict = Verdict::kTurned;
+    }
+    std::swap(result.present, result.turned);
+  } else {
+    result.change_m = sums.change.Change();
+  }
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include "core/frame.h"
 #include "core/sample_grid.h"
 #include "core/tracked_object.h"
+#include "core/turn.h"
 
 namespace steadymap {
 
@@ -37,6 +38,7 @@ enum class Verdict : std::uint8_t {
   kPresent,      ///< Surface was measured where it should be.
   kSeenThrough,  ///< Depth was measured behind it.
   kReplaced,     ///< Newer surface stands closer in front of it than anything fits between.
+  kTurned,       ///< Surface was measured close by, but faces another way.
 };
 
 /// The verdict on one evidence cell.
@@ -52,11 +54,14 @@ struct ObjectVerdict {
   std::size_t present = 0;
   std::size_t seen_through = 0;
   std::size_t replaced = 0;
+  std::size_t turned = 0;
   /// How far the surface found present lies in front of where it should be, as `ChangeSum` has it,
   /// metres; none if nothing was found present.
   std::optional<double> change_m;
 
-  std::size_t judged() const { return present + seen_through + replaced; }
+  std::size_t absent() const { return seen_through + replaced + turned; }
+
+  std::size_t judged() const { return present + absent(); }
 };
 
 /// How objects are judged.
@@ -65,8 +70,18 @@ struct VisibilityParameters {
   double max_depth_m = 5.0;
   /// Surface this far behind a newer surface of its class is taken as replaced, metres; 0: never.
   double replaced_within_m = 0.45;
+  /// An object of which what was found present is turned stands otherwise than known.
+  TurnParameters turn;
   /// How the change of the surface found present is measured.
   ChangeParameters change;
+};
+
+/// What the points of a surface that are found present say together.
+struct PresentSums {
+  explicit PresentSums(const ChangeParameters& parameters) : change(parameters) {}
+
+  ChangeSum change;
+  TurnSum turn;
 };
 
 /// Judges the surface of each object in view against a frame (pocd.md section 2, step 4: by depth,
@@ -87,7 +102,7 @@ class VisibilityTest {
                                     LeafOrigin leaf,
                                     const Eigen::Vector3f& point_world,
                                     const Eigen::Vector3f& normal_world,
-                                    ChangeSum* change) const;
+                                    PresentSums* sums) const;
   const SurfaceSample* FindPresent(const TrackedObject& object,
                                    int column,
                                    int row,

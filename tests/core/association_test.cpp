@@ -90,6 +90,20 @@ TEST(AssociateSamples, LeavesWhatStandsInFrontToNobodyAndSaysSo) {
   EXPECT_GT(in_front, 500U);
 }
 
+TEST(ReleaseSamples, LeavesThemToNobodyAsNewSurface) {
+  TrackedObject first = NewObject(1);
+  GiveWall(2.0, &first);
+  Look look(2.0, {&first});
+  const Association before = look.association;
+  ASSERT_GT(look.CountOwned(1), 0U);
+  ReleaseSamples(1, &look.association);
+  for (std::size_t index = 0; index < look.samples.size(); ++index) {
+    const bool was_owned = before.owner[index] == 1;
+    EXPECT_EQ(look.association.owner[index], was_owned ? Association::kNone : before.owner[index]);
+    EXPECT_EQ(look.association.is_in_front[index], was_owned ? 1 : before.is_in_front[index]);
+  }
+}
+
 TEST(FindObjectsInView, LeavesOutObjectsThatAreArchivedEmptyBehindOrFar) {
   TrackedObject first = NewObject(1);
   TrackedObject second = NewObject(2);

@@ -4,6 +4,7 @@
 #include "core/object_mapper.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <utility>
@@ -183,6 +184,43 @@ TEST(ObjectMapper, KnowsABoxThatWasMovedAside) {
   for (const ObjectEvent& event : story.events()) {
     EXPECT_FALSE(event.type == EventType::kRemoved && event.revision > moved[0].revision);
   }
+}
+
+/// Looks at a box as if it had been turned where it stands, by `yaw_rad`: from places turned the
+/// other way.
+std::vector<Frame> LookAtTurned(const SceneBody& body, double yaw_rad, int first, int count) {
+  const Eigen::Vector3d center_world = body.box_world.center();
+  const Eigen::Isometry3d turn = Eigen::Translation3d(center_world) *
+                                 Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+                                 Eigen::Translation3d(-center_world);
+  std::vector<Frame> frames = LookAtScene({body}, first, count);
+  for (Frame& frame : frames) frame.T_world_camera = turn * frame.T_world_camera;
+  return frames;
+}
+
+TEST(ObjectMapper, NoticesABoxThatWasTurned) {
+  MapStory story(PocdConfig());
+  story.Look({Goods(0.0)}, 45);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  // A box looks the same after a quarter turn.
+  const auto yaw_rad = [&] {
+    return std::remainder(story.Present(kGoodsClass)[0]->cuboid.yaw_rad, M_PI / 2);
+  };
+  ASSERT_NEAR(yaw_rad(), 0.0, 0.05);
+  story.Tell(LookAtTurned(Goods(0.0), 0.22, 45, 45));
+  const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
+  ASSERT_EQ(removed.size(), 1U);
+  EXPECT_EQ(removed[0].reason, EventReason::kDisplaced);
+  EXPECT_EQ(story.EventsOf(EventType::kReturned, kGoodsClass).size(), 0U);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  EXPECT_NEAR(yaw_rad(), 0.22, 0.05);
+}
+
+TEST(ObjectMapper, TakesALittleTurnForPoseError) {
+  MapStory story(PocdConfig());
+  story.Look({Goods(0.0)}, 45);
+  story.Tell(LookAtTurned(Goods(0.0), 0.02, 45, 45));
+  EXPECT_EQ(story.events().size(), 1U);
 }
 
 TEST(ObjectMapper, KeepsWhatItKnewOfABoxThatMovedFarAway) {

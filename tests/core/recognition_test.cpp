@@ -130,11 +130,28 @@ TEST_F(RecognitionArchive, GivesNothingThatIsBeingForgotten) {
       FindReturnedParts(Front(3, 0.0, 0.4), kScale, RecognitionParameters(), &objects_).empty());
 }
 
+TEST_F(RecognitionArchive, GivesNothingThatStoodTurned) {
+  TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
+  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), known);
+  TrackedObject turned = Front(3, 0.0, 0.8);
+  turned.MutableVolume() = testing::MakeVolume(
+      [](const Eigen::Vector3d& point) { return 0.2 - point.x() + 0.15 * (point.y() - 0.4); },
+      Box(Eigen::Vector3d(0.05, 0.0, 0.0), Eigen::Vector3d(0.35, 0.8, 1.0)),
+      kScale,
+      [](const Eigen::Vector3d&) { return true; });
+  turned.RebuildSurface();
+  EXPECT_GT(Compare(turned, *known).fit_share, 0.9) << "distance does not tell";
+  EXPECT_EQ(Find(turned, StationarityPrior::kMoves), nullptr);
+}
+
 TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
-  const TrackedObject beside = Front(3, 0.4, 0.8);
+  TrackedObject beside = Front(3, 0.4, 0.8);
+  beside.state().standing_since = Timestamp::FromSeconds(100.0);
   EXPECT_EQ(Find(beside, StationarityPrior::kMoves), nullptr);
   EXPECT_EQ(Find(beside, StationarityPrior::kStays), known);
+  beside.state().standing_since = Timestamp::FromSeconds(12.0);
+  EXPECT_EQ(Find(beside, StationarityPrior::kStays), nullptr) << "moved along itself";
 }
 
 TEST_F(RecognitionArchive, BringsBackNeighboursThatWentOnTheSameVisit) {

@@ -3,6 +3,7 @@
 #include "core/visibility.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <random>
@@ -160,6 +161,32 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
   newer->state().standing_since = Timestamp::FromSeconds(95.0);
   newer->state().class_id = ClassId(kGoodsClass);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
+}
+
+/// The known wall, turned about its middle by `yaw_rad` against the one that is seen.
+std::unique_ptr<TrackedObject> TurnedWall(double yaw_rad) {
+  std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
+  wall->state().T_world_object = {{2.0 - 2.0 * std::cos(yaw_rad), -2.0 * std::sin(yaw_rad), 0.0},
+                                  yaw_rad};
+  return wall;
+}
+
+TEST(VisibilityTest, TellsAWallThatWasTurned) {
+  for (const double yaw_rad : {-0.2, 0.15}) {
+    const ObjectVerdict verdict =
+        JudgeFirst({TurnedWall(yaw_rad).get()}, RenderScene({SeenWall(2.0)}, {}));
+    EXPECT_GT(verdict.turned, 50U);
+    EXPECT_EQ(verdict.present, 0U);
+    EXPECT_EQ(verdict.absent(), verdict.judged());
+    EXPECT_FALSE(verdict.change_m.has_value());
+  }
+}
+
+TEST(VisibilityTest, TakesALittleTurnForPoseError) {
+  const ObjectVerdict verdict =
+      JudgeFirst({TurnedWall(0.05).get()}, RenderScene({SeenWall(2.0)}, {}));
+  EXPECT_GT(verdict.present, 50U);
+  EXPECT_EQ(verdict.turned, 0U);
 }
 
 TEST(VisibilityTest, MeasuresHowFarAWallHasComeTowardsTheCamera) {
