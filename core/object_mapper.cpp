@@ -76,9 +76,9 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
 }
 
 void ObjectMapper::FindOwners() {
-  std::vector<TrackedObject*> candidates;
-  for (auto& [id, object] : map_->mutable_objects()) candidates.push_back(&object);
-  in_view_ = FindObjectsInView(candidates, *cloud_, samples_, parameters_.visibility.max_depth_m);
+  const double max_range_m = parameters_.visibility.max_depth_m;
+  in_view_ = FindObjectsInView(
+      map_->ObjectsNear(ReachOfView(*cloud_, max_range_m)), *cloud_, samples_, max_range_m);
   AssociateSamples(samples_, in_view_, map_->background(), map_->scale(), &association_);
   const double camera_height_m = cloud_->T_world_camera().translation().z();
   if (const std::optional<double> ground = FindGroundHeight(samples_, camera_height_m)) {
@@ -135,6 +135,7 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   TrackedObject& part = map_->AddPart(*object);
   part.state().standing = ObjectStanding::kArchived;
   part.state().standing_since = map_->now();
+  map_->MarkChanged(&part);
   const std::vector<LeafOrigin> moved = MoveGoneVoxels(-parameters_.gone_score, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
@@ -269,13 +270,12 @@ void ObjectMapper::Integrate() {
 }
 
 void ObjectMapper::ConfirmAndForget() {
-  for (auto& [id, object] : map_->mutable_objects()) {
-    ObjectState& state = object.state();
-    if (state.standing != ObjectStanding::kTentative) continue;
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    const ObjectState& state = object->state();
     if (state.views >= parameters_.confirming_views) {
-      Confirm(&object);
+      Confirm(object);
     } else if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
-      map_->Forget(&object);
+      map_->Forget(object);
     }
   }
 }
@@ -283,8 +283,9 @@ void ObjectMapper::ConfirmAndForget() {
 /// Makes a tentative object part of the map: as a new one, or as an old one that is back.
 void ObjectMapper::Confirm(TrackedObject* object) {
   const StationarityPrior prior = PriorOf(config_, object->state().class_id);
-  TrackedObject* known = FindReturned(
-      *object, map_->scale(), prior, parameters_.recognition, &map_->mutable_objects());
+  const std::vector<TrackedObject*> around = map_->ObjectsNear(object->BoundsInWorld());
+  TrackedObject* known =
+      FindReturned(*object, map_->scale(), prior, parameters_.recognition, around);
   if (known == nullptr) {
     object->state().standing = ObjectStanding::kPresent;
     map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
@@ -293,7 +294,7 @@ void ObjectMapper::Confirm(TrackedObject* object) {
   }
   std::vector<TrackedObject*> others;
   if (prior == StationarityPrior::kStays) {
-    others = FindGoneWith(*known, parameters_.recognition, &map_->mutable_objects());
+    others = FindGoneWith(*known, parameters_.recognition, map_->ArchivedObjects());
   }
   known->state().views += object->state().views;
   map_->MarkLeaves(known, CopyVoxels(*object, map_->scale(), known).into);
@@ -328,8 +329,9 @@ void ObjectMapper::TakeBackParts() {
         PriorOf(config_, state.class_id) != StationarityPrior::kStays) {
       continue;
     }
-    for (TrackedObject* part : FindReturnedParts(
-             *view.object, map_->scale(), parameters_.recognition, &map_->mutable_objects())) {
+    const std::vector<TrackedObject*> around = map_->ObjectsNear(view.object->BoundsInWorld());
+    for (TrackedObject* part :
+         FindReturnedParts(*view.object, map_->scale(), parameters_.recognition, around)) {
       map_->MarkLeaves(view.object, CopyVoxels(*part, map_->scale(), view.object).into);
       ObjectEvent event = map_->MakeEvent(EventType::kMerged, EventReason::kShapeMatched, *part);
       event.related = view.object->id();

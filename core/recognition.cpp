@@ -70,45 +70,45 @@ TrackedObject* FindReturned(const TrackedObject& object,
                             const VoxelScale& scale,
                             StationarityPrior prior,
                             const RecognitionParameters& parameters,
-                            std::map<ObjectId, TrackedObject>* objects) {
+                            const std::vector<TrackedObject*>& candidates) {
   const double known_share = prior == StationarityPrior::kStays
                                  ? parameters.return_known_share_of_walls
                                  : parameters.return_known_share;
   TrackedObject* best = nullptr;
   double best_share = 0.0;
-  for (auto& [id, known] : *objects) {
-    if (!IsArchivedNear(known, object)) continue;
-    const SurfaceOverlap overlap = CompareInPlace(object, known, scale);
+  for (TrackedObject* known : candidates) {
+    if (!IsArchivedNear(*known, object)) continue;
+    const SurfaceOverlap overlap = CompareInPlace(object, *known, scale);
     const double share = overlap.known_share * overlap.fit_share;
     if (overlap.known_share < known_share || overlap.fit_share < parameters.return_fit_share ||
         share < best_share) {
       continue;
     }
     best_share = share;
-    best = &known;
+    best = known;
   }
   return best;
 }
 
 std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
                                          const RecognitionParameters& parameters,
-                                         std::map<ObjectId, TrackedObject>* objects) {
+                                         const std::vector<TrackedObject*>& candidates) {
   const ObjectState& first = object.state();
   std::vector<TrackedObject*> gone;
   std::vector<const TrackedObject*> reached = {&object};
   for (std::size_t next = 0; next < reached.size(); ++next) {
     const Cuboid& cuboid = reached[next]->cuboid();
-    for (auto& [id, other] : *objects) {
-      const ObjectState& state = other.state();
+    for (TrackedObject* other : candidates) {
+      const ObjectState& state = other->state();
       const double apart_s = state.standing_since.seconds() - first.standing_since.seconds();
-      if (!other.is_history() || state.class_id != first.class_id ||
+      if (!other->is_history() || state.class_id != first.class_id ||
           std::abs(apart_s) > parameters.same_visit_s ||
-          std::find(reached.begin(), reached.end(), &other) != reached.end() ||
-          DistanceBetween(cuboid, other.cuboid()) > parameters.neighbour_distance_m) {
+          std::find(reached.begin(), reached.end(), other) != reached.end() ||
+          DistanceBetween(cuboid, other->cuboid()) > parameters.neighbour_distance_m) {
         continue;
       }
-      reached.push_back(&other);
-      gone.push_back(&other);
+      reached.push_back(other);
+      gone.push_back(other);
     }
   }
   return gone;
@@ -117,14 +117,14 @@ std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
 std::vector<TrackedObject*> FindReturnedParts(const TrackedObject& object,
                                               const VoxelScale& scale,
                                               const RecognitionParameters& parameters,
-                                              std::map<ObjectId, TrackedObject>* objects) {
+                                              const std::vector<TrackedObject*>& candidates) {
   std::vector<TrackedObject*> parts;
-  for (auto& [id, known] : *objects) {
-    if (!IsArchivedNear(known, object)) continue;
-    const SurfaceOverlap overlap = CompareInPlace(known, object, scale);
+  for (TrackedObject* known : candidates) {
+    if (!IsArchivedNear(*known, object)) continue;
+    const SurfaceOverlap overlap = CompareInPlace(*known, object, scale);
     if (overlap.known_share >= parameters.part_known_share &&
         overlap.fit_share >= parameters.return_fit_share) {
-      parts.push_back(&known);
+      parts.push_back(known);
     }
   }
   return parts;

@@ -85,7 +85,13 @@ class RecognitionArchive : public ::testing::Test {
   }
 
   TrackedObject* Find(const TrackedObject& object, StationarityPrior prior) {
-    return FindReturned(object, kScale, prior, RecognitionParameters(), &objects_);
+    return FindReturned(object, kScale, prior, RecognitionParameters(), Candidates());
+  }
+
+  std::vector<TrackedObject*> Candidates() {
+    std::vector<TrackedObject*> candidates;
+    for (auto& [id, object] : objects_) candidates.push_back(&object);
+    return candidates;
   }
 
   std::map<ObjectId, TrackedObject> objects_;
@@ -112,9 +118,9 @@ TEST_F(RecognitionArchive, GivesNothingThatIsBeingForgotten) {
   const TrackedObject* gone = Put(Front(4, 1.2, 0.8), 10.0);
   merged->MarkForgotten();
   EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), nullptr);
-  EXPECT_TRUE(FindGoneWith(*gone, RecognitionParameters(), &objects_).empty());
+  EXPECT_TRUE(FindGoneWith(*gone, RecognitionParameters(), Candidates()).empty());
   EXPECT_TRUE(
-      FindReturnedParts(Front(3, 0.0, 0.4), kScale, RecognitionParameters(), &objects_).empty());
+      FindReturnedParts(Front(3, 0.0, 0.4), kScale, RecognitionParameters(), Candidates()).empty());
 }
 
 TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
@@ -130,14 +136,14 @@ TEST_F(RecognitionArchive, BringsBackNeighboursThatWentOnTheSameVisit) {
   TrackedObject* third = Put(Front(3, 2.4, 0.8), 110.0);
   Put(Front(4, 6.0, 0.8), 100.0);
   Put(Front(5, -1.2, 0.8), 500.0);
-  EXPECT_EQ(FindGoneWith(*first, RecognitionParameters(), &objects_),
+  EXPECT_EQ(FindGoneWith(*first, RecognitionParameters(), Candidates()),
             (std::vector<TrackedObject*>{second, third}));
 }
 
 TEST_F(RecognitionArchive, GivesThePartsOfAWallThatIsUpAgain) {
   TrackedObject* part = Put(Front(1, 0.0, 0.8), 10.0);
   Put(Front(2, 4.0, 0.8), 10.0);
-  EXPECT_EQ(FindReturnedParts(Front(3, 0.4, 1.6), kScale, RecognitionParameters(), &objects_),
+  EXPECT_EQ(FindReturnedParts(Front(3, 0.4, 1.6), kScale, RecognitionParameters(), Candidates()),
             std::vector<TrackedObject*>{part});
 }
 
