@@ -213,9 +213,9 @@ void WorkingMap::CommitObjects(MapDelta* delta) {
       map_.objects.erase(id);
       delta->objects.push_back({id, std::nullopt});
     } else {
-      std::shared_ptr<const MapObject>& published = map_.objects[id];
-      published = object->second.Publish();
+      std::shared_ptr<const MapObject> published = object->second.Publish();
       delta->objects.push_back({id, static_cast<const ObjectState&>(*published)});
+      map_.objects.insert_or_assign(id, std::move(published));
     }
   }
   changed_objects_.clear();
