@@ -29,7 +29,8 @@ class SectionBuilder {
   MapSnapshot Finish() {
     for (auto& [id, object] : objects_) {
       object.second.volume = std::move(object.first);
-      section_.objects[id] = std::make_shared<const MapObject>(std::move(object.second));
+      section_.objects.insert_or_assign(
+          id, std::make_shared<const MapObject>(std::move(object.second)));
     }
     return std::move(section_);
   }

@@ -117,6 +117,12 @@ void OfferObject(const SampleGrid& samples,
 
 float FitTolerance(float depth_m) { return kFitBaseM + kFitPerSquareMetre * depth_m * depth_m; }
 
+Box ReachOfView(const SemanticCloud& cloud, double max_range_m) {
+  const Eigen::Vector3d camera_world = cloud.T_world_camera().translation();
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(max_range_m);
+  return {camera_world - reach, camera_world + reach};
+}
+
 std::vector<ObjectInView> FindObjectsInView(const std::vector<TrackedObject*>& objects,
                                             const SemanticCloud& cloud,
                                             const SampleGrid& samples,

@@ -32,6 +32,10 @@ struct ObjectInView {
   int end_row = 0;
 };
 
+/// Around all that lies within `max_range_m` of the camera, world frame: outside of it, no object
+/// is in view.
+Box ReachOfView(const SemanticCloud& cloud, double max_range_m);
+
 /// The objects that lie at least partly in the camera's view and within `max_range_m`, in the order
 /// given; archived ones left out.
 std::vector<ObjectInView> FindObjectsInView(const std::vector<TrackedObject*>& objects,

@@ -16,21 +16,26 @@ namespace {
 
 using PackedLeaves = std::map<LeafKey, std::string>;
 
-PackedLeaves PackAll(const MapSnapshot& snapshot) {
-  PackedLeaves packed;
-  const auto pack_volume = [&](ObjectId id, const VoxelReader& volume) {
-    volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-      packed.emplace(LeafKey{id, origin}, PackLeaf(leaf, snapshot.scale));
-    });
-  };
-  pack_volume(kBackgroundId, snapshot.background);
-  for (const auto& [id, object] : snapshot.objects) pack_volume(id, *object->volume);
-  return packed;
+void PackVolume(ObjectId id,
+                const VoxelReader& volume,
+                const VoxelScale& scale,
+                PackedLeaves* packed) {
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    packed->emplace(LeafKey{id, origin}, PackLeaf(leaf, scale));
+  });
 }
 
 std::vector<LeafChange> DiffLeaves(const MapSnapshot& before, const MapSnapshot& after) {
-  PackedLeaves changes = PackAll(after);
-  for (const auto& [key, packed] : PackAll(before)) {
+  PackedLeaves known;
+  PackedLeaves changes;
+  PackVolume(kBackgroundId, before.background, before.scale, &known);
+  PackVolume(kBackgroundId, after.background, after.scale, &changes);
+  ObjectLibrary::ForEachDifference(
+      before.objects, after.objects, [&](ObjectId id, const MapObject* old, const MapObject* now) {
+        if (old != nullptr) PackVolume(id, *old->volume, before.scale, &known);
+        if (now != nullptr) PackVolume(id, *now->volume, after.scale, &changes);
+      });
+  for (const auto& [key, packed] : known) {
     const auto [change, vanished] = changes.try_emplace(key);
     if (!vanished && change->second == packed) changes.erase(change);
   }
@@ -41,20 +46,16 @@ std::vector<LeafChange> DiffLeaves(const MapSnapshot& before, const MapSnapshot&
 }
 
 std::vector<ObjectChange> DiffObjects(const MapSnapshot& before, const MapSnapshot& after) {
-  std::map<ObjectId, std::optional<ObjectState>> changes;
-  for (const auto& [id, object] : before.objects) changes[id] = std::nullopt;
-  for (const auto& [id, object] : after.objects) {
-    const auto old = before.objects.find(id);
-    const ObjectState& state = *object;
-    if (old != before.objects.end() && static_cast<const ObjectState&>(*old->second) == state) {
-      changes.erase(id);
-    } else {
-      changes[id] = state;
-    }
-  }
   std::vector<ObjectChange> objects;
-  objects.reserve(changes.size());
-  for (auto& [id, state] : changes) objects.push_back({id, std::move(state)});
+  ObjectLibrary::ForEachDifference(
+      before.objects, after.objects, [&](ObjectId id, const MapObject* old, const MapObject* now) {
+        if (now == nullptr) {
+          objects.push_back({id, std::nullopt});
+        } else if (const ObjectState& state = *now;
+                   old == nullptr || static_cast<const ObjectState&>(*old) != state) {
+          objects.push_back({id, state});
+        }
+      });
   return objects;
 }
 
@@ -94,7 +95,7 @@ class ObjectEdits {
   void Finish() {
     for (auto& [id, edit] : edits_) {
       if (edit.volume != nullptr) edit.object->volume = edit.volume;
-      snapshot_->objects[id] = std::move(edit.object);
+      snapshot_->objects.insert_or_assign(id, std::move(edit.object));
     }
   }
 

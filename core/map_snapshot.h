@@ -1,12 +1,9 @@
 #pragma once
 
-#include <map>
-#include <memory>
-
 #include "core/background.h"
 #include "core/free_space.h"
 #include "core/identifiers.h"
-#include "core/map_object.h"
+#include "core/object_library.h"
 #include "core/timestamp.h"
 #include "core/voxel_leaf.h"
 
@@ -21,7 +18,8 @@ struct LeafKey {
 };
 
 /// A map at one revision. Published as `shared_ptr<const MapSnapshot>`; any number of threads may
-/// read one while the mapper goes on. Copying shares the volumes.
+/// read one while the mapper goes on. Copying shares objects and volumes, and costs next to
+/// nothing.
 ///
 /// A revision is the sequence number of the newest frame in it, so the same frames lead to the same
 /// revision wherever commits or restarts fell.
@@ -37,7 +35,7 @@ struct MapSnapshot {
   Timestamp last_capture_time;  ///< Of the newest frame; the epoch while there is none.
   VoxelScale scale;
   Background background;
-  std::map<ObjectId, std::shared_ptr<const MapObject>> objects;  ///< Archived ones included.
+  ObjectLibrary objects;   ///< Archived ones included.
   ObjectId newest_object;  ///< The last id given away; ids are never given twice.
   FreeSpace free_space;    ///< For the mapper alone: no query asks for it.
 };

@@ -89,9 +89,9 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
 }
 
 void ObjectMapper::FindOwners() {
-  std::vector<TrackedObject*> candidates;
-  for (auto& [id, object] : map_->mutable_objects()) candidates.push_back(&object);
-  in_view_ = FindObjectsInView(candidates, *cloud_, samples_, parameters_.visibility.max_depth_m);
+  const double max_range_m = parameters_.visibility.max_depth_m;
+  in_view_ = FindObjectsInView(
+      map_->ObjectsNear(ReachOfView(*cloud_, max_range_m)), *cloud_, samples_, max_range_m);
   AssociateSamples(samples_, in_view_, map_->background(), map_->scale(), &association_);
   const double camera_height_m = cloud_->T_world_camera().translation().z();
   if (const std::optional<double> ground = FindGroundHeight(samples_, camera_height_m)) {
@@ -149,6 +149,7 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   TrackedObject& part = map_->AddPart(*object);
   part.state().standing = ObjectStanding::kArchived;
   part.state().standing_since = map_->now();
+  map_->MarkChanged(&part);
   const std::vector<LeafOrigin> moved = MoveGoneVoxels(-parameters_.gone_score, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
@@ -281,12 +282,11 @@ void ObjectMapper::Integrate() {
 }
 
 void ObjectMapper::ConfirmAndForget() {
-  for (auto& [id, object] : map_->mutable_objects()) {
-    ObjectState& state = object.state();
-    if (state.standing != ObjectStanding::kTentative) continue;
-    if (state.views >= parameters_.confirming_views && Confirm(&object)) continue;
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    const ObjectState& state = object->state();
+    if (state.views >= parameters_.confirming_views && Confirm(object)) continue;
     if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
-      map_->Forget(&object);
+      map_->Forget(object);
     }
   }
 }
@@ -309,19 +309,26 @@ bool ObjectMapper::Confirm(TrackedObject* object) {
   return true;
 }
 
+/// The objects that may share surface with one.
+std::vector<TrackedObject*> ObjectMapper::ObjectsAround(const TrackedObject& object) {
+  const Box bounds_world = object.BoundsInWorld();
+  const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(map_->scale().truncation_m);
+  return map_->ObjectsNear(Box(bounds_world.min() - margin_m, bounds_world.max() + margin_m));
+}
+
 TrackedObject* ObjectMapper::FindKnown(const TrackedObject& object) {
   return FindReturned(object,
                       map_->scale(),
                       PriorOf(config_, object.state().class_id),
                       parameters_.recognition,
-                      &map_->mutable_objects());
+                      ObjectsAround(object));
 }
 
 /// Takes what was held for a new object as an archived one that stands again.
 void ObjectMapper::TakeBack(TrackedObject* known, TrackedObject* object) {
   std::vector<TrackedObject*> others;
   if (PriorOf(config_, known->state().class_id) == StationarityPrior::kStays) {
-    others = FindGoneWith(*known, parameters_.recognition, &map_->mutable_objects());
+    others = FindGoneWith(*known, parameters_.recognition, map_->ArchivedObjects());
   }
   known->state().views += object->state().views;
   map_->MarkLeaves(known, CopyVoxels(*object, map_->scale(), known).into);
@@ -370,7 +377,7 @@ void ObjectMapper::TakeBackParts() {
       continue;
     }
     for (TrackedObject* part : FindReturnedParts(
-             *view.object, map_->scale(), parameters_.recognition, &map_->mutable_objects())) {
+             *view.object, map_->scale(), parameters_.recognition, ObjectsAround(*view.object))) {
       map_->MarkLeaves(view.object, CopyVoxels(*part, map_->scale(), view.object).into);
       TellMerged(*part, EventReason::kShapeMatched, view.object->id());
       map_->Forget(part);

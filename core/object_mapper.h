@@ -79,6 +79,7 @@ class ObjectMapper final : public MapUpdater {
   void Integrate();
   void ConfirmAndForget();
   bool Confirm(TrackedObject* object);
+  std::vector<TrackedObject*> ObjectsAround(const TrackedObject& object);
   TrackedObject* FindKnown(const TrackedObject& object);
   void TakeBack(TrackedObject* known, TrackedObject* object);
   void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into);

@@ -103,23 +103,30 @@ class MoveSearch {
     return nullptr;
   }
 
-  /// The archived object that alone looks like `after`; null if none does, or several do.
+  /// The archived object that alone looks like `after`; null if none does, or several do. Those
+  /// that stand are looked at only if there is one, since most things are new.
   TrackedObject* FindOnlyLookalike(const TrackedObject& after) const {
-    const Cuboid& cuboid = after.cuboid();
     TrackedObject* found = nullptr;
-    for (auto& [id, other] : map_->mutable_objects()) {
-      if (&other == &after || other.is_forgotten() ||
-          other.state().class_id != after.state().class_id ||
-          other.state().standing == ObjectStanding::kTentative ||
-          !MayBeAlike(other.cuboid(), cuboid, parameters_.size_tolerance_m)) {
-        continue;
-      }
-      if (found != nullptr || !other.is_archived()) return nullptr;
-      found = &other;
+    for (TrackedObject* other : map_->ArchivedObjects()) {
+      if (other->is_forgotten() || !IsLookalike(*other, after)) continue;
+      if (found != nullptr) return nullptr;
+      found = other;
     }
-    const bool is_alike =
-        found != nullptr && IsAlike(found->cuboid(), cuboid, parameters_.size_tolerance_m);
-    return is_alike ? found : nullptr;
+    if (found == nullptr ||
+        !IsAlike(found->cuboid(), after.cuboid(), parameters_.size_tolerance_m)) {
+      return nullptr;
+    }
+    for (const auto& [id, other] : map_->objects()) {
+      if (other.state().standing == ObjectStanding::kPresent && IsLookalike(other, after)) {
+        return nullptr;
+      }
+    }
+    return found;
+  }
+
+  bool IsLookalike(const TrackedObject& other, const TrackedObject& after) const {
+    return &other != &after && other.state().class_id == after.state().class_id &&
+           MayBeAlike(other.cuboid(), after.cuboid(), parameters_.size_tolerance_m);
   }
 
   bool Fits(const ShapeMatch& match) const {
@@ -148,6 +155,7 @@ class MoveSearch {
     state.standing_since = after->state().standing_since;
     state.last_seen = after->state().last_seen;
     state.views += after->state().views;
+    map_->MarkChanged(before);
     ObjectEvent event = map_->MakeEvent(EventType::kMoved, reason, *before);
     event.before = belief_before;
     event.old_center_world = old_center_world;

@@ -49,9 +49,7 @@ PaperMapper::PaperMapper(const MapConfig& config, const PaperParameters& paramet
 
 void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
-  std::vector<TrackedObject*> candidates;
-  for (auto& [id, object] : map->mutable_objects()) candidates.push_back(&object);
-  segments_.Part(candidates, cloud, map);
+  segments_.Part(segments_.Candidates(*cloud, map), cloud, map);
   segments_.SetMatches(Associate());
   const double largest_fused_m = 0.5 * parameters_.stationarity.change_noise_m;
   for (std::size_t place = 0; place < segments_.in_view().size(); ++place) {

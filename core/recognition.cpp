@@ -92,15 +92,15 @@ TrackedObject* FindReturned(const TrackedObject& object,
                             const VoxelScale& scale,
                             StationarityPrior prior,
                             const RecognitionParameters& parameters,
-                            std::map<ObjectId, TrackedObject>* objects) {
+                            const std::vector<TrackedObject*>& candidates) {
   TrackedObject* best = nullptr;
   double best_share = 0.0;
-  for (auto& [id, known] : *objects) {
-    if (!IsArchivedNear(known, object, scale)) continue;
-    const SurfaceOverlap overlap = CompareInPlace(object, known, scale);
+  for (TrackedObject* known : candidates) {
+    if (!IsArchivedNear(*known, object, scale)) continue;
+    const SurfaceOverlap overlap = CompareInPlace(object, *known, scale);
     const double share = overlap.known_share * overlap.fit_share;
     const bool is_old_wall =
-        prior == StationarityPrior::kStays && WasGoneForLong(known, object, parameters);
+        prior == StationarityPrior::kStays && WasGoneForLong(*known, object, parameters);
     const double known_share =
         is_old_wall ? parameters.return_known_share_of_walls : parameters.return_known_share;
     const double fit_share =
@@ -110,30 +110,30 @@ TrackedObject* FindReturned(const TrackedObject& object,
       continue;
     }
     best_share = share;
-    best = &known;
+    best = known;
   }
   return best;
 }
 
 std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
                                          const RecognitionParameters& parameters,
-                                         std::map<ObjectId, TrackedObject>* objects) {
+                                         const std::vector<TrackedObject*>& candidates) {
   const ObjectState& first = object.state();
   std::vector<TrackedObject*> gone;
   std::vector<const TrackedObject*> reached = {&object};
   for (std::size_t next = 0; next < reached.size(); ++next) {
     const Cuboid& cuboid = reached[next]->cuboid();
-    for (auto& [id, other] : *objects) {
-      const ObjectState& state = other.state();
+    for (TrackedObject* other : candidates) {
+      const ObjectState& state = other->state();
       const double apart_s = state.standing_since.seconds() - first.standing_since.seconds();
-      if (!other.is_history() || state.class_id != first.class_id ||
+      if (!other->is_history() || state.class_id != first.class_id ||
           std::abs(apart_s) > parameters.same_visit_s ||
-          std::find(reached.begin(), reached.end(), &other) != reached.end() ||
-          DistanceBetween(cuboid, other.cuboid()) > parameters.neighbour_distance_m) {
+          std::find(reached.begin(), reached.end(), other) != reached.end() ||
+          DistanceBetween(cuboid, other->cuboid()) > parameters.neighbour_distance_m) {
         continue;
       }
-      reached.push_back(&other);
-      gone.push_back(&other);
+      reached.push_back(other);
+      gone.push_back(other);
     }
   }
   return gone;
@@ -142,17 +142,17 @@ std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
 std::vector<TrackedObject*> FindReturnedParts(const TrackedObject& object,
                                               const VoxelScale& scale,
                                               const RecognitionParameters& parameters,
-                                              std::map<ObjectId, TrackedObject>* objects) {
+                                              const std::vector<TrackedObject*>& candidates) {
   std::vector<TrackedObject*> parts;
-  for (auto& [id, known] : *objects) {
-    if (!IsArchivedNear(known, object, scale)) continue;
-    const SurfaceOverlap overlap = CompareInPlace(known, object, scale);
-    const double fit_share = WasGoneForLong(known, object, parameters)
+  for (TrackedObject* known : candidates) {
+    if (!IsArchivedNear(*known, object, scale)) continue;
+    const SurfaceOverlap overlap = CompareInPlace(*known, object, scale);
+    const double fit_share = WasGoneForLong(*known, object, parameters)
                                  ? parameters.return_fit_share_of_walls
                                  : parameters.return_fit_share;
     if (overlap.known_share >= parameters.part_known_share && overlap.fit_share >= fit_share &&
         !overlap.turn.Exceeds(parameters.turn)) {
-      parts.push_back(&known);
+      parts.push_back(known);
     }
   }
   return parts;

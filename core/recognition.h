@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <vector>
 
 #include "core/stationarity.h"
@@ -50,24 +49,26 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const Eigen::Isometry3d& T_other_object,
                                const VoxelScale& scale);
 
-/// The archived object of the same class (none that is being forgotten) that best explains `object`
-/// where it stood itself; null if none does. Of equals the newest.
+/// The archived candidate of the same class (none that is being forgotten) that best explains
+/// `object` where it stood itself; null if none does. Of equals the last, so candidates come by
+/// rising id; those whose bounds do not meet the object's need not be among them.
 TrackedObject* FindReturned(const TrackedObject& object,
                             const VoxelScale& scale,
                             StationarityPrior prior,
                             const RecognitionParameters& parameters,
-                            std::map<ObjectId, TrackedObject>* objects);
+                            const std::vector<TrackedObject*>& candidates);
 
-/// The archived objects of the same class that were found gone together with the archived `object`,
-/// directly or one by one; without it.
+/// The archived candidates of the same class that were found gone together with the archived
+/// `object`, directly or one by one; without it. Candidates may be far away, since a wall is long.
 std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
                                          const RecognitionParameters& parameters,
-                                         std::map<ObjectId, TrackedObject>* objects);
+                                         const std::vector<TrackedObject*>& candidates);
 
-/// The archived objects of the same class whose surface turns out to be that of `object`.
+/// The archived candidates of the same class whose surface turns out to be that of `object`; those
+/// whose bounds do not meet the object's need not be among them.
 std::vector<TrackedObject*> FindReturnedParts(const TrackedObject& object,
                                               const VoxelScale& scale,
                                               const RecognitionParameters& parameters,
-                                              std::map<ObjectId, TrackedObject>* objects);
+                                              const std::vector<TrackedObject*>& candidates);
 
 }  // namespace steadymap

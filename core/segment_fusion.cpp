@@ -9,6 +9,11 @@ namespace steadymap {
 SegmentFusion::SegmentFusion(const MapConfig& config, const SegmentFusionParameters& parameters)
     : config_(config), parameters_(parameters), integrator_(config) {}
 
+std::vector<TrackedObject*> SegmentFusion::Candidates(const SemanticCloud& cloud,
+                                                      WorkingMap* map) const {
+  return map->ObjectsNear(ReachOfView(cloud, parameters_.max_depth_m));
+}
+
 void SegmentFusion::Part(const std::vector<TrackedObject*>& candidates,
                          SemanticCloud* cloud,
                          WorkingMap* map) {

@@ -35,6 +35,9 @@ class SegmentFusion {
  public:
   SegmentFusion(const MapConfig& config, const SegmentFusionParameters& parameters);
 
+  /// The objects that may be in view, by rising id.
+  std::vector<TrackedObject*> Candidates(const SemanticCloud& cloud, WorkingMap* map) const;
+
   /// Parts the frame into segments, none of them matched, and sees which candidates are in view.
   /// All three must outlive the frame.
   void Part(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);

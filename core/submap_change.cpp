@@ -16,14 +16,16 @@ namespace {
 constexpr float kThroughBaseM = 0.05F;
 constexpr float kThroughPerSquareMetre = 0.007F;
 
+/// A box with so much more on all sides; an empty one stays empty.
+Box Grow(const Box& box, double by_m) {
+  if (box.isEmpty()) return box;
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(by_m);
+  return {box.min() - margin, box.max() + margin};
+}
+
 /// Around an object and as far beyond as its volume says anything, world frame.
 Box ReachOf(const TrackedObject& object, double truncation_m) {
-  Box reach = object.bounds_object();
-  if (reach.isEmpty()) return reach;
-  reach.translate(object.state().T_world_object.position_world);
-  reach.min().array() -= truncation_m;
-  reach.max().array() += truncation_m;
-  return reach;
+  return Grow(object.BoundsInWorld(), truncation_m);
 }
 
 }  // namespace
@@ -34,8 +36,8 @@ SubmapMapper::SubmapMapper(const MapConfig& config, const SubmapChangeParameters
 void SubmapMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
   std::vector<TrackedObject*> active;
-  for (auto& [id, object] : map->mutable_objects()) {
-    if (IsActive(object.state())) active.push_back(&object);
+  for (TrackedObject* object : segments_.Candidates(*cloud, map)) {
+    if (IsActive(object->state())) active.push_back(object);
   }
   segments_.Match(active, cloud, map);
   segments_.AddObjects();
@@ -72,19 +74,18 @@ void SubmapMapper::CountDetections() {
 /// Makes a submap that was detected often enough part of the map, or of the inactive submap that it
 /// turns out to be; forgets one that was not.
 void SubmapMapper::KeepOrMerge() {
-  for (auto& [id, object] : map_->mutable_objects()) {
-    ObjectState& state = object.state();
-    if (state.standing != ObjectStanding::kTentative) continue;
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    ObjectState& state = object->state();
     if (!IsActive(state)) {
-      map_->Forget(&object);
+      map_->Forget(object);
     } else if (state.views >= parameters_.keeping_views) {
-      TrackedObject* twin = FindInactiveTwin(object);
+      TrackedObject* twin = FindInactiveTwin(*object);
       if (twin != nullptr) {
-        Reactivate(twin, &object);
+        Reactivate(twin, object);
       } else {
         state.standing = ObjectStanding::kPresent;
-        map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, object));
-        map_->MarkChanged(&object);
+        map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+        map_->MarkChanged(object);
       }
     }
   }
@@ -95,13 +96,13 @@ void SubmapMapper::KeepOrMerge() {
 TrackedObject* SubmapMapper::FindInactiveTwin(const TrackedObject& fresh) {
   const double truncation_m = map_->scale().truncation_m;
   const Box reach = ReachOf(fresh, truncation_m);
-  for (auto& [id, object] : map_->mutable_objects()) {
-    const ObjectState& state = object.state();
+  for (TrackedObject* object : map_->ObjectsNear(Grow(reach, truncation_m))) {
+    const ObjectState& state = object->state();
     if (!IsDormant(state) || state.class_id != fresh.state().class_id ||
-        !reach.intersects(ReachOf(object, truncation_m))) {
+        !reach.intersects(ReachOf(*object, truncation_m))) {
       continue;
     }
-    if (IsMatch(Compare(fresh, object))) return &object;
+    if (IsMatch(Compare(fresh, *object))) return object;
   }
   return nullptr;
 }
@@ -124,26 +125,26 @@ void SubmapMapper::Reactivate(TrackedObject* twin, TrackedObject* fresh) {
 /// Tests inactive submaps near the camera against the active ones and against free space.
 void SubmapMapper::TestInactive(const FreeView& view) {
   const double truncation_m = map_->scale().truncation_m;
-  for (auto& [id, object] : map_->mutable_objects()) {
-    if (!IsDormant(object.state())) continue;
-    const Box reach = ReachOf(object, truncation_m);
-    if (reach.isEmpty() ||
-        reach.exteriorDistance(view.camera_world().cast<double>()) > parameters_.max_depth_m) {
-      continue;
-    }
+  const Eigen::Vector3d camera_world = view.camera_world().cast<double>();
+  const Box near_camera =
+      Grow(Box(camera_world, camera_world), parameters_.max_depth_m + truncation_m);
+  for (TrackedObject* object : map_->ObjectsNear(near_camera)) {
+    if (!IsDormant(object->state())) continue;
+    const Box reach = ReachOf(*object, truncation_m);
+    if (reach.isEmpty() || reach.exteriorDistance(camera_world) > parameters_.max_depth_m) continue;
     Tally tally;
-    tally.contradicted = CountLookedThrough(object, view);
-    for (const auto& [other_id, other] : map_->objects()) {
-      if (other.state().standing != ObjectStanding::kPresent || !IsActive(other.state()) ||
-          !reach.intersects(ReachOf(other, truncation_m))) {
+    tally.contradicted = CountLookedThrough(*object, view);
+    for (const TrackedObject* other : map_->ObjectsNear(Grow(reach, truncation_m))) {
+      if (other->state().standing != ObjectStanding::kPresent || !IsActive(other->state()) ||
+          !reach.intersects(ReachOf(*other, truncation_m))) {
         continue;
       }
-      const Tally more = Compare(object, other);
+      const Tally more = Compare(*object, *other);
       tally.known += more.known;
       tally.matching += more.matching;
       tally.contradicted += more.contradicted;
     }
-    Decide(tally, &object);
+    Decide(tally, object);
   }
 }
 

@@ -53,6 +53,16 @@ void TrackedObject::UpdateBounds() {
   bounds_object_ = bounds.cast<double>();
 }
 
+Box TrackedObject::BoundsInWorld() const {
+  if (bounds_object_.isEmpty()) return {};
+  const UprightPose& pose = state_.T_world_object;
+  if (pose.yaw_rad == 0.0) return bounds_object_.translated(pose.position_world);
+  const Eigen::Isometry3d T_world_object = pose.ToIsometry();
+  const Eigen::Vector3d center_world = T_world_object * bounds_object_.center();
+  const Eigen::Vector3d reach = T_world_object.linear().cwiseAbs() * (0.5 * bounds_object_.sizes());
+  return {center_world - reach, center_world + reach};
+}
+
 std::vector<Eigen::Vector3d> TrackedObject::SurfaceInWorld() const {
   std::vector<Eigen::Vector3d> points_world;
   points_world.reserve(surface_.point_count());

@@ -56,6 +56,9 @@ class TrackedObject {
   /// Around the surface, object frame.
   const Box& bounds_object() const { return bounds_object_; }
 
+  /// Around these bounds, along the axes of the world frame; empty without surface.
+  Box BoundsInWorld() const;
+
   /// Brings surface and bounds up to date after leaves of the volume changed.
   void UpdateSurface(std::span<const LeafOrigin> changed_leaves);
 

@@ -41,9 +41,7 @@ TrackingMapper::TrackingMapper(const MapConfig& config, const TrackingParameters
 
 void TrackingMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
-  std::vector<TrackedObject*> candidates;
-  for (auto& [id, object] : map->mutable_objects()) candidates.push_back(&object);
-  segments_.Match(candidates, cloud, map);
+  segments_.Match(segments_.Candidates(*cloud, map), cloud, map);
   for (std::size_t place = 0; place < segments_.in_view().size(); ++place) Follow(place);
   segments_.AddObjects();
   CountViews();
@@ -127,15 +125,14 @@ void TrackingMapper::CountViews() {
 }
 
 void TrackingMapper::ConfirmAndForget() {
-  for (auto& [id, object] : map_->mutable_objects()) {
-    ObjectState& state = object.state();
-    if (state.standing != ObjectStanding::kTentative) continue;
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    ObjectState& state = object->state();
     if (state.views >= parameters_.confirming_views) {
       state.standing = ObjectStanding::kPresent;
-      map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, object));
-      map_->MarkChanged(&object);
+      map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+      map_->MarkChanged(object);
     } else if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
-      map_->Forget(&object);
+      map_->Forget(object);
     }
   }
 }

@@ -9,10 +9,22 @@
 namespace steadymap {
 namespace {
 
+// Boxes that touch may miss each other by rounding, which differs with the frame it is done in.
+constexpr double kTouchM = 1e-3;
+
 template <typename Value>
 void SortUnique(std::vector<Value>* values) {
   std::sort(values->begin(), values->end());
   values->erase(std::unique(values->begin(), values->end()), values->end());
+}
+
+/// Brings the membership of an id up to date.
+void Keep(ObjectId id, bool is_member, std::set<ObjectId>* ids) {
+  if (is_member) {
+    ids->insert(id);
+  } else {
+    ids->erase(id);
+  }
 }
 
 }  // namespace
@@ -25,8 +37,11 @@ void WorkingMap::Restore(const MapSnapshot& snapshot) {
   map_ = snapshot;
   committed_ = snapshot.revision;
   objects_.clear();
+  places_ = {};
+  tentative_.clear();
+  archived_.clear();
   for (const auto& [id, object] : snapshot.objects) {
-    objects_.try_emplace(id, *object, snapshot.scale);
+    Register(objects_.try_emplace(id, *object, snapshot.scale).first->second);
   }
 }
 
@@ -36,8 +51,53 @@ void WorkingMap::BeginFrame(Revision revision, Timestamp capture_time) {
 }
 
 void WorkingMap::EndFrame() {
-  for (const ObjectId id : forgotten_) objects_.erase(id);
+  for (const ObjectId id : forgotten_) {
+    objects_.erase(id);
+    places_.Erase(id);
+    tentative_.erase(id);
+    archived_.erase(id);
+  }
   forgotten_.clear();
+  assert(IsRegistered());
+}
+
+std::vector<TrackedObject*> WorkingMap::ObjectsNear(const Box& box_world) {
+  std::vector<TrackedObject*> objects;
+  if (box_world.isEmpty()) return objects;
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kTouchM);
+  for (const ObjectId id : places_.Find({box_world.min() - margin, box_world.max() + margin})) {
+    objects.push_back(&objects_.at(id));
+  }
+  return objects;
+}
+
+std::vector<TrackedObject*> WorkingMap::FindAll(const std::set<ObjectId>& ids) {
+  std::vector<TrackedObject*> objects;
+  objects.reserve(ids.size());
+  for (const ObjectId id : ids) objects.push_back(&objects_.at(id));
+  return objects;
+}
+
+/// Notes where an object stands, and as what.
+void WorkingMap::Register(const TrackedObject& object) {
+  const ObjectStanding standing = object.state().standing;
+  places_.Update(object.id(), object.BoundsInWorld());
+  Keep(object.id(), standing == ObjectStanding::kTentative, &tentative_);
+  Keep(object.id(), standing == ObjectStanding::kArchived, &archived_);
+}
+
+/// Whether all changes to objects were marked, as far as place and standing show it.
+bool WorkingMap::IsRegistered() const {
+  const auto is_registered = [this](const auto& entry) {
+    const auto& [id, object] = entry;
+    const ObjectStanding standing = object.state().standing;
+    const Box bounds_world = object.BoundsInWorld();
+    const Box place = places_.BoundsOf(id);
+    return tentative_.contains(id) == (standing == ObjectStanding::kTentative) &&
+           archived_.contains(id) == (standing == ObjectStanding::kArchived) &&
+           (bounds_world.isEmpty() ? place.isEmpty() : place.isApprox(bounds_world, 0.0));
+  };
+  return std::all_of(objects_.begin(), objects_.end(), is_registered);
 }
 
 TrackedObject& WorkingMap::Insert(const Eigen::Vector3d& position_world) {
@@ -74,6 +134,7 @@ void WorkingMap::Forget(TrackedObject* object) {
   });
   changed_objects_.insert(object->id());
   forgotten_.push_back(object->id());
+  Register(*object);
 }
 
 void WorkingMap::TakeVolume(TrackedObject* object, const TrackedObject& other) {
@@ -88,6 +149,7 @@ void WorkingMap::TakeVolume(TrackedObject* object, const TrackedObject& other) {
 void WorkingMap::MarkChanged(TrackedObject* object) {
   object->state().revision = revision();
   changed_objects_.insert(object->id());
+  Register(*object);
 }
 
 void WorkingMap::MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> leaves) {
@@ -151,9 +213,9 @@ void WorkingMap::CommitObjects(MapDelta* delta) {
       map_.objects.erase(id);
       delta->objects.push_back({id, std::nullopt});
     } else {
-      std::shared_ptr<const MapObject>& published = map_.objects[id];
-      published = object->second.Publish();
+      std::shared_ptr<const MapObject> published = object->second.Publish();
       delta->objects.push_back({id, static_cast<const ObjectState&>(*published)});
+      map_.objects.insert_or_assign(id, std::move(published));
     }
   }
   changed_objects_.clear();

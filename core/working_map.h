@@ -13,6 +13,7 @@
 #include "core/map_delta.h"
 #include "core/map_snapshot.h"
 #include "core/object_event.h"
+#include "core/object_index.h"
 #include "core/semantic_cloud.h"
 #include "core/timestamp.h"
 #include "core/tracked_object.h"
@@ -31,8 +32,9 @@ struct MapCommit {
 /// since the last commit. Whatever a policy wants to remember from frame to frame stands here, so
 /// that a map goes on after a restart as if it had never stopped.
 ///
-/// Whoever changes something says so with one of the `Mark` functions; what integration changes is
-/// marked by the `Fuse` functions themselves. One thread at a time.
+/// Whoever changes something says so with one of the `Mark` functions, and does so after the
+/// change: what is not marked is not stored, nor found by place or standing. What integration
+/// changes is marked by the `Fuse` functions themselves. One thread at a time.
 class WorkingMap {
  public:
   explicit WorkingMap(const MapConfig& config);
@@ -62,6 +64,17 @@ class WorkingMap {
 
   std::map<ObjectId, TrackedObject>& mutable_objects() { return objects_; }
 
+  /// The objects of any standing whose surface bounds (upright box along the world's axes, metres)
+  /// come within a millimetre of a box, by rising id: all that could be found there, though
+  /// rounding differs. Cost: that of the objects around the box, not of the map.
+  std::vector<TrackedObject*> ObjectsNear(const Box& box_world);
+
+  /// Those with the standing `kTentative`, by rising id. Cost: theirs.
+  std::vector<TrackedObject*> TentativeObjects() { return FindAll(tentative_); }
+
+  /// Those with the standing `kArchived`, being forgotten or not, by rising id. Cost: theirs.
+  std::vector<TrackedObject*> ArchivedObjects() { return FindAll(archived_); }
+
   /// A new object of a new id, first and last seen now, whose frame has its origin at the corner of
   /// voxels nearest to `position_world`, so that its voxels are voxels of the world.
   TrackedObject& AddObject(const Eigen::Vector3d& position_world);
@@ -75,7 +88,7 @@ class WorkingMap {
   /// Puts `object` with the volume of `other` into the place of `other`, which keeps its own.
   void TakeVolume(TrackedObject* object, const TrackedObject& other);
 
-  /// The state of the object has changed.
+  /// The state of the object has changed, or its surface.
   void MarkChanged(TrackedObject* object);
 
   /// Voxels of the object have changed, and with them its state.
@@ -106,12 +119,18 @@ class WorkingMap {
 
  private:
   TrackedObject& Insert(const Eigen::Vector3d& position_world);
+  void Register(const TrackedObject& object);
+  std::vector<TrackedObject*> FindAll(const std::set<ObjectId>& ids);
+  bool IsRegistered() const;
   void CommitObjects(MapDelta* delta);
   void CommitLeaves(MapDelta* delta);
   void CommitFreeSpace(MapDelta* delta);
 
   MapSnapshot map_;  ///< Ahead of the last commit but for `objects`, which are as published.
   std::map<ObjectId, TrackedObject> objects_;
+  ObjectIndex places_;            ///< Of all objects, as last marked.
+  std::set<ObjectId> tentative_;  ///< Those of this standing, as last marked.
+  std::set<ObjectId> archived_;   ///< Likewise.
   Revision committed_;
 
   // Since the last commit.

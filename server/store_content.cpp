@@ -80,8 +80,8 @@ class ContentLoader {
 
   void Finish() {
     for (auto& [id, object] : objects_) {
-      content_->objects[id] =
-          std::make_shared<const MapObject>(MapObject{std::move(object.state), object.volume});
+      content_->objects.insert_or_assign(
+          id, std::make_shared<const MapObject>(MapObject{std::move(object.state), object.volume}));
     }
   }
 

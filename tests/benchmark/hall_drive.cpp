@@ -115,7 +115,7 @@ HallDrive MakeHallDrive(const VoxelScale& scale) {
     const ObjectId id(thing.id);
     drive.whole.newest_object = id;
     if (std::find(shown.begin(), shown.end(), thing.id) == shown.end()) continue;
-    drive.nearby.objects[id] = drive.whole.objects.at(id);
+    drive.nearby.objects.insert_or_assign(id, drive.whole.objects.at(id));
   }
   drive.nearby.newest_object = drive.whole.newest_object;
   return drive;

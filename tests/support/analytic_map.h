@@ -80,7 +80,7 @@ inline MapObject BoxObject(ObjectId id,
 }
 
 inline void AddObject(const MapObject& object, MapSnapshot* map) {
-  map->objects[object.id] = std::make_shared<const MapObject>(object);
+  map->objects.insert_or_assign(object.id, std::make_shared<const MapObject>(object));
 }
 
 }  // namespace steadymap::testing

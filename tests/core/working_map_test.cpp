@@ -1,0 +1,174 @@
+#include "core/working_map.h"
+
+#include <map>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/analytic_map.h"
+#include "tests/support/analytic_solid.h"
+
+namespace steadymap {
+namespace {
+
+using Objects = std::vector<TrackedObject*>;
+
+/// Writes a cube with sides of 20 cm into the object, somewhere around the origin of its frame, and
+/// returns the leaves.
+std::vector<LeafOrigin> WriteCube(const Eigen::Vector3d& center_object, TrackedObject* object) {
+  const Box body(center_object.array() - 0.1, center_object.array() + 0.1);
+  const Box around(center_object.array() - 0.3, center_object.array() + 0.3);
+  object->MutableVolume() = testing::Canonical(
+      testing::MakeVolume(
+          [&body](const Eigen::Vector3d& point) { return testing::DistanceFrom({body}, point); },
+          around,
+          VoxelScale(),
+          [](const Eigen::Vector3d&) { return true; }),
+      VoxelScale());
+  object->RebuildSurface();
+  std::vector<LeafOrigin> leaves;
+  object->volume().ForEachLeaf(
+      [&leaves](LeafOrigin origin, const LeafView&) { leaves.push_back(origin); });
+  return leaves;
+}
+
+/// What `ObjectsNear` should give.
+Objects WalkNear(const Box& box_world, WorkingMap* map) {
+  constexpr double kTouchM = 1e-3;
+  const Box touching(box_world.min().array() - kTouchM, box_world.max().array() + kTouchM);
+  Objects near;
+  for (auto& [id, object] : map->mutable_objects()) {
+    const Box bounds_world = object.BoundsInWorld();
+    if (!bounds_world.isEmpty() && bounds_world.intersects(touching)) near.push_back(&object);
+  }
+  return near;
+}
+
+Objects WalkStanding(ObjectStanding standing, WorkingMap* map) {
+  Objects objects;
+  for (auto& [id, object] : map->mutable_objects()) {
+    if (object.state().standing == standing) objects.push_back(&object);
+  }
+  return objects;
+}
+
+/// Does to a map what policies do, at random.
+class RandomPolicy {
+ public:
+  explicit RandomPolicy(unsigned seed) : random_(seed) {}
+
+  void Step(WorkingMap* map) {
+    if (map->objects().size() < 12) {
+      map->AddObject(Position());
+      return;
+    }
+    TrackedObject* object = &Any(map);
+    switch (std::uniform_int_distribution(0, 6)(random_)) {
+      case 0:
+        map->AddObject(Position());
+        break;
+      case 1:
+        map->AddPart(*object);
+        break;
+      case 2:
+        map->Forget(object);
+        break;
+      case 3:
+        map->TakeVolume(object, Any(map));
+        break;
+      case 4:
+        object->state().T_world_object = {Position(), Uniform(-3.0, 3.0)};
+        map->MarkChanged(object);
+        break;
+      case 5:
+        if (object->is_forgotten()) break;
+        object->state().standing = static_cast<ObjectStanding>(Integer(2));
+        map->MarkChanged(object);
+        break;
+      default:
+        map->MarkLeaves(object, WriteCube(0.1 * Position(), object));
+        break;
+    }
+  }
+
+  Box AnyBox() {
+    const Eigen::Vector3d center_world = Position();
+    const Eigen::Vector3d reach = Eigen::Vector3d::Constant(Uniform(0.0, 6.0));
+    return {center_world - reach, center_world + reach};
+  }
+
+  std::size_t Integer(std::size_t last) {
+    return std::uniform_int_distribution<std::size_t>(0, last)(random_);
+  }
+
+ private:
+  TrackedObject& Any(WorkingMap* map) {
+    const auto place = static_cast<std::ptrdiff_t>(Integer(map->objects().size() - 1));
+    return std::next(map->mutable_objects().begin(), place)->second;
+  }
+
+  double Uniform(double low, double high) {
+    return std::uniform_real_distribution(low, high)(random_);
+  }
+
+  Eigen::Vector3d Position() {
+    return {Uniform(-10.0, 10.0), Uniform(-10.0, 10.0), Uniform(-1.0, 1.0)};
+  }
+
+  std::mt19937 random_;
+};
+
+void ExpectFoundAsByWalk(const Box& box_world, WorkingMap* map) {
+  ASSERT_EQ(map->ObjectsNear(box_world), WalkNear(box_world, map));
+  ASSERT_EQ(map->TentativeObjects(), WalkStanding(ObjectStanding::kTentative, map));
+  ASSERT_EQ(map->ArchivedObjects(), WalkStanding(ObjectStanding::kArchived, map));
+}
+
+TEST(WorkingMap, FindsByPlaceAndStandingWhatAWalkFindsWhateverHappened) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    RandomPolicy policy(seed);
+    WorkingMap map((MapConfig()));
+    std::size_t found = 0;
+    for (std::uint64_t frame = 1; frame <= 60; ++frame) {
+      map.BeginFrame(Revision(frame), Timestamp::FromSeconds(0.1 * static_cast<double>(frame)));
+      for (std::size_t steps = policy.Integer(10); steps > 0; --steps) {
+        policy.Step(&map);
+        const Box box_world = policy.AnyBox();
+        ASSERT_NO_FATAL_FAILURE(ExpectFoundAsByWalk(box_world, &map)) << seed << " " << frame;
+        found += map.ObjectsNear(box_world).size();
+      }
+      map.EndFrame();
+      ASSERT_NO_FATAL_FAILURE(ExpectFoundAsByWalk(policy.AnyBox(), &map)) << seed << " " << frame;
+    }
+    EXPECT_GT(found, 50U);
+  }
+}
+
+TEST(WorkingMap, FindsAfterARestoreWhatItFoundBefore) {
+  RandomPolicy policy(7);
+  WorkingMap map((MapConfig()));
+  map.BeginFrame(Revision(1), Timestamp::FromSeconds(1.0));
+  for (int step = 0; step < 150; ++step) policy.Step(&map);
+  map.EndFrame();
+  WorkingMap restored((MapConfig()));
+  restored.Restore(*map.Commit().snapshot);
+  ASSERT_EQ(restored.objects().size(), map.objects().size());
+  for (int box = 0; box < 20; ++box) {
+    ASSERT_NO_FATAL_FAILURE(ExpectFoundAsByWalk(policy.AnyBox(), &restored));
+  }
+}
+
+TEST(WorkingMap, FindsNothingInAnEmptyBoxNorAnObjectWithoutSurface) {
+  WorkingMap map((MapConfig()));
+  map.BeginFrame(Revision(1), Timestamp::FromSeconds(1.0));
+  const Box around(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.0));
+  TrackedObject& object = map.AddObject(Eigen::Vector3d::Zero());
+  EXPECT_TRUE(map.ObjectsNear(around).empty());
+  map.MarkLeaves(&object, WriteCube(Eigen::Vector3d::Zero(), &object));
+  EXPECT_EQ(map.ObjectsNear(around), Objects{&object});
+  EXPECT_TRUE(map.ObjectsNear(Box()).empty());
+}
+
+}  // namespace
+}  // namespace steadymap
