@@ -2,11 +2,13 @@
 
 #include <map>
 #include <memory>
+#include <string>
 
 #include "core/background.h"
 #include "core/free_space.h"
 #include "core/identifiers.h"
 #include "core/map_object.h"
+#include "core/robot_state.h"
 #include "core/timestamp.h"
 #include "core/voxel_leaf.h"
 
@@ -38,8 +40,9 @@ struct MapSnapshot {
   VoxelScale scale;
   Background background;
   std::map<ObjectId, std::shared_ptr<const MapObject>> objects;  ///< Archived ones included.
-  ObjectId newest_object;  ///< The last id given away; ids are never given twice.
-  FreeSpace free_space;    ///< For the mapper alone: no query asks for it.
+  ObjectId newest_object;                    ///< The last id given away; ids are never given twice.
+  FreeSpace free_space;                      ///< For the mapper alone: no query asks for it.
+  std::map<std::string, RobotState> robots;  ///< By id; for the mapper alone, too.
 };
 
 /// The leaf in the background or in an object; null where there is none.
