@@ -1,9 +1,10 @@
 #include "core/robot_guard.h"
 
-#include <algorithm>
-
 namespace steadymap {
 namespace {
+
+// Between frames that are closer there is no telling how fast a robot moves.
+constexpr double kMinElapsedS = 0.005;
 
 CameraPlace PlaceOf(const Eigen::Isometry3d& T_world_camera) {
   const Eigen::AngleAxisd turn(T_world_camera.linear());
@@ -59,11 +60,10 @@ bool RobotGuard::IsJump(const Eigen::Isometry3d& from,
 /// Takes in where the robot says that it is now, and where it would be otherwise.
 void RobotGuard::FollowMotion(const Frame& frame, RobotState* robot) const {
   const double since_s = frame.capture_time.seconds() - robot->last_capture_time.seconds();
-  const double elapsed_s = std::clamp(since_s, 0.0, parameters_.motion_s);
-  const bool is_moving = since_s > 0.0 && since_s <= parameters_.motion_s;
+  const bool is_moving = since_s >= kMinElapsedS && since_s <= parameters_.motion_s;
+  const double elapsed_s = is_moving ? since_s : 0.0;
   const Eigen::Isometry3d T_world_before = PoseOf(robot->claimed);
-  const Eigen::Isometry3d T_before_expected =
-      is_moving ? MotionOf(*robot, elapsed_s) : Eigen::Isometry3d::Identity();
+  const Eigen::Isometry3d T_before_expected = MotionOf(*robot, elapsed_s);
   const Eigen::Isometry3d T_before_now = T_world_before.inverse() * frame.T_world_camera;
   const bool is_jump = IsJump(T_world_before * T_before_expected, frame.T_world_camera, elapsed_s);
   robot->claimed = PlaceOf(frame.T_world_camera);
@@ -96,7 +96,10 @@ RobotGuard::Verdict RobotGuard::Judge(const FrameSurface& surface,
   const bool is_known = here.comparable() > min_patches;
   const double here_share = is_known ? here.share() : 0.0;
   if (here_share >= parameters_.sure_share) return Verdict::kAgrees;
-  const FrameAgreement there = CompareFrame(surface, T_world_likely, map);
+  // A guess that has left the range of poses is none.
+  const FrameAgreement there = T_world_likely.translation().norm() > kMaxPositionM
+                                   ? FrameAgreement()
+                                   : CompareFrame(surface, T_world_likely, map);
   if (there.comparable() > min_patches && there.share() >= parameters_.good_share &&
       there.share() >= here_share + parameters_.better_by_share) {
     return Verdict::kDisagrees;
@@ -105,9 +108,12 @@ RobotGuard::Verdict RobotGuard::Judge(const FrameSurface& surface,
     const bool in_doubt = robot.trust == Trust::kLost || robot.streak > 0;
     return in_doubt && here_share < parameters_.good_share ? Verdict::kDisagrees : Verdict::kAgrees;
   }
-  const bool is_new_area = here.unknown > min_patches &&
-                           (robot.trust == Trust::kDoubted || there.comparable() <= min_patches);
-  return is_new_area ? Verdict::kAgrees : Verdict::kSaysNothing;
+  if (here.unknown <= min_patches) return Verdict::kSaysNothing;
+  // Where it would be without the jump is a guess that grows old: what speaks against that says
+  // nothing for the jump.
+  const bool is_guess_void = there.comparable() > min_patches;
+  return robot.trust == Trust::kLost && is_guess_void ? Verdict::kSaysNothing
+                                                      : Verdict::kShowsNewPlace;
 }
 
 /// Draws the consequences; returns whether the frame counts.
@@ -117,9 +123,12 @@ bool RobotGuard::Settle(Verdict verdict,
                         WorkingMap* map) const {
   const bool was_lost = robot->trust == Trust::kLost;
   if (verdict == Verdict::kSaysNothing) return !was_lost && robot->streak == 0;
-  const bool is_against = (verdict == Verdict::kAgrees) == was_lost;
+  const bool is_against = (verdict == Verdict::kDisagrees) != was_lost;
   robot->streak = is_against ? robot->streak + 1 : 0;
-  if (was_lost && robot->streak < parameters_.finding_frames) return false;
+  const std::uint32_t finding_frames = verdict == Verdict::kShowsNewPlace
+                                           ? parameters_.new_place_frames
+                                           : parameters_.finding_frames;
+  if (was_lost && robot->streak < finding_frames) return false;
   if (!was_lost && is_against) {
     if (robot->streak < parameters_.losing_frames) return false;
     robot->trust = Trust::kLost;

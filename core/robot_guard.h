@@ -20,8 +20,8 @@ struct RobotGuardParameters {
   /// The same for its direction, radians.
   double jump_rad = 0.14;
   double jump_rad_per_s = 0.7;
-  /// After so long without a frame the motion is forgotten, and a jump as large as it may be by
-  /// then. Seconds.
+  /// After so long without a frame the robot is taken to stand where it stood: if it turns up
+  /// elsewhere, it jumped. Seconds.
   double motion_s = 1.0;
   /// Share of the picture that the map must know to say anything. Less says what noise says.
   double min_known_share = 0.05;
@@ -35,6 +35,9 @@ struct RobotGuardParameters {
   std::uint32_t losing_frames = 3;
   /// Frames in a row that agree until a lost robot is found. The last of them counts.
   std::uint32_t finding_frames = 3;
+  /// Frames in a row that show nothing the map knows until a lost robot is believed to be somewhere
+  /// new. Many, since it may as well have lost its way further.
+  std::uint32_t new_place_frames = 30;
 };
 
 /// Decides for each frame whether its robot is where it says, before the frame changes anything.
@@ -62,7 +65,7 @@ class RobotGuard {
   bool Admit(const Frame& frame, const FrameSurface& surface, WorkingMap* map) const;
 
  private:
-  enum class Verdict { kAgrees, kDisagrees, kSaysNothing };
+  enum class Verdict { kAgrees, kDisagrees, kShowsNewPlace, kSaysNothing };
 
   bool IsJump(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to, double elapsed_s) const;
   void FollowMotion(const Frame& frame, RobotState* robot) const;
