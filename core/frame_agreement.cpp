@@ -1,7 +1,7 @@
 #include "core/frame_agreement.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <vector>
 
 #include "core/tsdf_sample.h"
@@ -13,7 +13,7 @@ namespace {
 constexpr int kPatchSamples = 4;
 
 // Surface is steep if its normal rises less than this.
-constexpr float kSteep = 0.7F;
+constexpr double kSteep = 0.7;
 
 // Loose enough for a small error of the pose, tight enough that a wall is no wall at 40 degrees.
 constexpr double kMinNormalCosine = 0.8;
@@ -24,12 +24,16 @@ constexpr float kThroughM = 0.25F;
 // Every so many points of an object's surface are looked for in the picture.
 constexpr std::size_t kPointStride = 3;
 
+// Surface is looked for between these depths: raw depth beyond is too noisy.
+constexpr float kMinLookM = 0.3F;
+constexpr float kMaxLookM = 5.0F;
+
 // Points seen flatter than this are not looked for.
 constexpr float kMinFacing = 0.2F;
 
 /// What is known of one patch.
 struct Patch {
-  Eigen::Vector3d position_world;  ///< Where the surface would be.
+  Eigen::Vector3d position_world;  ///< Of its surface, laid into the map.
   Eigen::Vector3d normal_world;
   bool is_surface = false;
   bool is_steep = false;
@@ -38,33 +42,34 @@ struct Patch {
   bool is_through = false;   ///< Whether something known was looked through.
 };
 
-/// The frame cut into patches and laid into the map.
+/// A frame cut into patches and laid into a map.
 class PatchGrid {
  public:
   PatchGrid(const FrameSurface& frame, const Eigen::Isometry3d& T_world_camera)
       : frame_(frame),
-        T_camera_world_(T_world_camera.inverse().cast<float>()),
-        wide_(frame.samples.width() / kPatchSamples),
-        high_(frame.samples.height() / kPatchSamples) {
-    const Eigen::Isometry3d T_here_there = T_world_camera * frame.cloud.T_world_camera().inverse();
-    patches_.resize(static_cast<std::size_t>(wide_ * high_));
-    for (int row = 0; row < high_; ++row) {
-      for (int column = 0; column < wide_; ++column) {
-        const SurfaceSample& sample = frame.samples.At(column * kPatchSamples + kPatchSamples / 2,
-                                                       row * kPatchSamples + kPatchSamples / 2);
-        if (!sample.is_valid()) continue;
-        Patch& patch = At(column, row);
-        patch.is_surface = true;
-        patch.position_world = T_here_there * sample.position_world.cast<double>();
-        patch.normal_world = T_here_there.linear() * sample.normal_world.cast<double>();
-        patch.is_steep = std::abs(static_cast<float>(patch.normal_world.z())) < kSteep;
-        bounds_world_.extend(patch.position_world);
-      }
+        T_world_camera_(T_world_camera),
+        wide_(static_cast<std::size_t>(frame.samples.width() / kPatchSamples)),
+        high_(static_cast<std::size_t>(frame.samples.height() / kPatchSamples)),
+        patches_(wide_ * high_) {
+    const Eigen::Isometry3d T_map_frame = T_world_camera * frame.cloud.T_world_camera().inverse();
+    for (std::size_t index = 0; index < patches_.size(); ++index) {
+      const auto column = static_cast<int>(index % wide_);
+      const auto row = static_cast<int>(index / wide_);
+      const SurfaceSample& sample = frame.samples.At(column * kPatchSamples + kPatchSamples / 2,
+                                                     row * kPatchSamples + kPatchSamples / 2);
+      if (!sample.is_valid()) continue;
+      Patch& patch = patches_[index];
+      patch.is_surface = true;
+      patch.position_world = T_map_frame * sample.position_world.cast<double>();
+      patch.normal_world = T_map_frame.linear() * sample.normal_world.cast<double>();
+      patch.is_steep = std::abs(patch.normal_world.z()) < kSteep;
+      reach_m_ = std::max(reach_m_, (patch.position_world - T_world_camera.translation()).norm());
     }
   }
 
   const std::vector<Patch>& patches() const { return patches_; }
 
+  /// Which patches a volume knows, within bounds of its frame if there are any.
   void CompareVolume(const VoxelReader& volume,
                      const VoxelScale& scale,
                      const Eigen::Isometry3d& T_volume_world,
@@ -85,54 +90,63 @@ class PatchGrid {
     }
   }
 
+  /// Which patches an object knows, and which look through it.
   void CompareObject(const TrackedObject& object, const VoxelScale& scale) {
+    if (object.is_archived() || object.bounds_object().isEmpty()) return;
+    const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
+    const Eigen::Isometry3d T_object_world = T_world_object.inverse();
+    const Eigen::Vector3d camera_object = T_object_world * T_world_camera_.translation();
+    if (object.bounds_object().exteriorDistance(camera_object) > reach_m_) return;
     Box bounds = object.bounds_object();
-    if (object.is_archived() || bounds.isEmpty()) return;
     bounds.min().array() -= scale.truncation_m;
     bounds.max().array() += scale.truncation_m;
-    const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
-    CompareVolume(object.volume(), scale, T_world_object.inverse(), &bounds);
-    LookThrough(object, T_world_object.cast<float>());
+    CompareVolume(object.volume(), scale, T_object_world, &bounds);
+    const Eigen::Isometry3d T_camera_object = T_world_camera_.inverse() * T_world_object;
+    LookThrough(object.surface(), T_camera_object.cast<float>());
   }
 
  private:
-  Patch& At(int column, int row) {
-    return patches_[static_cast<std::size_t>(row * wide_ + column)];
-  }
-
-  void LookThrough(const TrackedObject& object, const Eigen::Isometry3f& T_world_object) {
-    const Eigen::Isometry3f T_camera_object = T_camera_world_ * T_world_object;
-    const PinholeCamera& camera = frame_.cloud.camera();
-    const auto fx = static_cast<float>(camera.fx) / SampleGrid::kStrideCells;
-    const auto fy = static_cast<float>(camera.fy) / SampleGrid::kStrideCells;
-    const auto cx = static_cast<float>(camera.cx) / SampleGrid::kStrideCells;
-    const auto cy = static_cast<float>(camera.cy) / SampleGrid::kStrideCells;
+  void LookThrough(const ObjectSurface& surface, const Eigen::Isometry3f& T_camera_object) {
     std::size_t count = 0;
-    for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceLeaf& leaf : surface.leaves()) {
       for (const SurfaceVoxel& point : leaf.points) {
         if (count++ % kPointStride != 0) continue;
-        const Eigen::Vector3f p = T_camera_object * point.position_object;
-        if (p.z() < 0.3F || p.z() > 5.0F) continue;
-        const Eigen::Vector3f normal = T_camera_object.linear() * point.normal_object;
-        if (-normal.dot(p) < kMinFacing * p.norm()) continue;
-        const int column = static_cast<int>(std::floor(fx * p.x() / p.z() + cx + 0.5F));
-        const int row = static_cast<int>(std::floor(fy * p.y() / p.z() + cy + 0.5F));
-        if (column < 0 || row < 0 || column / kPatchSamples >= wide_ ||
-            row / kPatchSamples >= high_)
+        const Eigen::Vector3f point_camera = T_camera_object * point.position_object;
+        const Eigen::Vector3f normal_camera = T_camera_object.linear() * point.normal_object;
+        if (point_camera.z() < kMinLookM || point_camera.z() > kMaxLookM ||
+            -normal_camera.dot(point_camera) < kMinFacing * point_camera.norm()) {
           continue;
-        if (frame_.tiles.NearestAround(column, row) > p.z() + kThroughM) {
-          At(column / kPatchSamples, row / kPatchSamples).is_through = true;
         }
+        Patch* patch = PatchLookingThrough(point_camera);
+        if (patch != nullptr) patch->is_through = true;
       }
     }
   }
 
+  /// The patch in which depth was measured well behind a point; null if none was.
+  Patch* PatchLookingThrough(const Eigen::Vector3f& point_camera) {
+    const PinholeCamera& camera = frame_.cloud.camera();
+    const Eigen::Vector3d point = point_camera.cast<double>();
+    const double u = camera.fx * point.x() / point.z() + camera.cx;
+    const double v = camera.fy * point.y() / point.z() + camera.cy;
+    if (!(u >= 0.0 && u < camera.width_px && v >= 0.0 && v < camera.height_px)) return nullptr;
+    const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
+    const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
+    const auto patch_column = static_cast<std::size_t>(column / kPatchSamples);
+    const auto patch_row = static_cast<std::size_t>(row / kPatchSamples);
+    if (patch_column >= wide_ || patch_row >= high_ ||
+        frame_.tiles.NearestAround(column, row) <= point_camera.z() + kThroughM) {
+      return nullptr;
+    }
+    return &patches_[patch_row * wide_ + patch_column];
+  }
+
   const FrameSurface& frame_;
-  Eigen::Isometry3f T_camera_world_;
-  int wide_;
-  int high_;
+  Eigen::Isometry3d T_world_camera_;
+  std::size_t wide_;
+  std::size_t high_;
   std::vector<Patch> patches_;
-  Box bounds_world_;
+  double reach_m_ = kMaxLookM;  ///< Nothing that is further away matters.
 };
 
 }  // namespace
