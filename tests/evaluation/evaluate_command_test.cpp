@@ -59,7 +59,7 @@ TEST(EvaluateCommand, ALostRobotSpoilsAMapThatFusesEverything) {
   const std::vector<std::string> sound = {
       "--route", "twin", "--stride", "20", "--ideal", "--policy", "static"};
   std::vector<std::string> misled = sound;
-  misled.insert(misled.end(), {"--lost", "5", "3"});
+  misled.insert(misled.end(), {"--lost", "1", "1000"});
   EXPECT_NE(first_row(Evaluate(misled)), first_row(Evaluate(sound)));
 }
 
