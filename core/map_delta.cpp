@@ -70,6 +70,23 @@ std::vector<FreeBlockChange> DiffFreeSpace(const FreeSpace& before, const FreeSp
   return blocks;
 }
 
+std::vector<RobotChange> DiffRobots(const MapSnapshot& before, const MapSnapshot& after) {
+  std::map<std::string, std::optional<RobotState>> changes;
+  for (const auto& [robot, state] : before.robots) changes[robot] = std::nullopt;
+  for (const auto& [robot, state] : after.robots) {
+    const auto old = before.robots.find(robot);
+    if (old != before.robots.end() && old->second == state) {
+      changes.erase(robot);
+    } else {
+      changes[robot] = state;
+    }
+  }
+  std::vector<RobotChange> robots;
+  robots.reserve(changes.size());
+  for (const auto& [robot, state] : changes) robots.push_back({robot, state});
+  return robots;
+}
+
 /// Copies of the objects that a delta touches, to be written to and then to take their place.
 class ObjectEdits {
  public:
@@ -144,7 +161,8 @@ MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after) {
           .newest_object = after.newest_object,
           .objects = DiffObjects(before, after),
           .leaves = DiffLeaves(before, after),
-          .free_blocks = DiffFreeSpace(before.free_space, after.free_space)};
+          .free_blocks = DiffFreeSpace(before.free_space, after.free_space),
+          .robots = DiffRobots(before, after)};
 }
 
 absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
@@ -184,6 +202,13 @@ absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
   for (const FreeBlockChange& change : delta.free_blocks) {
     snapshot->free_space.StoreBlock(change.origin, change.cells);
   }
+  for (const RobotChange& change : delta.robots) {
+    if (change.state.has_value()) {
+      snapshot->robots[change.robot] = *change.state;
+    } else {
+      snapshot->robots.erase(change.robot);
+    }
+  }
   snapshot->revision = delta.to;
   snapshot->last_capture_time = delta.last_capture_time;
   snapshot->newest_object = delta.newest_object;
@@ -204,6 +229,8 @@ MapDelta Merge(const MapDelta& first, const MapDelta& second) {
       .free_blocks = MergeSorted(first.free_blocks,
                                  second.free_blocks,
                                  [](const FreeBlockChange& change) { return change.origin; }),
+      .robots = MergeSorted(
+          first.robots, second.robots, [](const RobotChange& change) { return change.robot; }),
       .events = first.events};
   merged.events.insert(merged.events.end(), second.events.begin(), second.events.end());
   return merged;

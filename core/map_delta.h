@@ -10,6 +10,7 @@
 #include "core/map_object.h"
 #include "core/map_snapshot.h"
 #include "core/object_event.h"
+#include "core/robot_state.h"
 #include "core/timestamp.h"
 #include "core/voxel_leaf.h"
 
@@ -39,6 +40,14 @@ struct FreeBlockChange {
   friend bool operator==(const FreeBlockChange&, const FreeBlockChange&) = default;
 };
 
+/// The new state of one robot; none if it is forgotten.
+struct RobotChange {
+  std::string robot;
+  std::optional<RobotState> state;
+
+  friend bool operator==(const RobotChange&, const RobotChange&) = default;
+};
+
 /// What takes a map from one revision to another: states, never operations, so that a delta may be
 /// applied twice or merged without harm. The store, recovery and watchers use the same one.
 struct MapDelta {
@@ -49,6 +58,7 @@ struct MapDelta {
   std::vector<ObjectChange> objects{};         ///< By rising id, no id twice.
   std::vector<LeafChange> leaves{};            ///< Sorted by key, no key twice.
   std::vector<FreeBlockChange> free_blocks{};  ///< Sorted by origin, no origin twice.
+  std::vector<RobotChange> robots{};           ///< Sorted by id, no id twice.
   std::vector<ObjectEvent> events{};           ///< In the order they happened.
 
   friend bool operator==(const MapDelta&, const MapDelta&) = default;

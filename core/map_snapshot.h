@@ -1,9 +1,13 @@
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "core/background.h"
 #include "core/free_space.h"
 #include "core/identifiers.h"
 #include "core/object_library.h"
+#include "core/robot_state.h"
 #include "core/timestamp.h"
 #include "core/voxel_leaf.h"
 
@@ -35,9 +39,10 @@ struct MapSnapshot {
   Timestamp last_capture_time;  ///< Of the newest frame; the epoch while there is none.
   VoxelScale scale;
   Background background;
-  ObjectLibrary objects;   ///< Archived ones included.
-  ObjectId newest_object;  ///< The last id given away; ids are never given twice.
-  FreeSpace free_space;    ///< For the mapper alone: no query asks for it.
+  ObjectLibrary objects;                     ///< Archived ones included.
+  ObjectId newest_object;                    ///< The last id given away; ids are never given twice.
+  FreeSpace free_space;                      ///< For the mapper alone: no query asks for it.
+  std::map<std::string, RobotState> robots;  ///< By id; for the mapper alone, too.
 };
 
 /// The leaf in the background or in an object; null where there is none.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <Eigen/Core>
@@ -54,6 +55,7 @@ struct ObjectEvent {
   std::uint64_t views = 0;     ///< Frames that had agreed with it.
   std::uint64_t absences = 0;  ///< Times that the evidence had spoken against it.
   ObjectId related;            ///< The other object of a merge or split; else 0.
+  std::string robot;           ///< For events of robots: whom they are about; else empty.
 
   friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;
 };

@@ -67,13 +67,14 @@ double SurfaceArea(const TrackedObject& object, const VoxelScale& scale) {
 }  // namespace
 
 ObjectMapper::ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters)
-    : config_(config), parameters_(parameters), integrator_(config) {}
+    : config_(config), parameters_(parameters), guard_(parameters.guard), integrator_(config) {}
 
 void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
   cloud_ = cloud;
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
+  if (!guard_.Admit(frame, {*cloud, samples_, tiles_}, map)) return;
   FindOwners();
   JudgeObjects();
   observations_ = FindObservations(samples_, association_);

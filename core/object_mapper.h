@@ -10,6 +10,7 @@
 #include "core/object_moves.h"
 #include "core/observation.h"
 #include "core/recognition.h"
+#include "core/robot_guard.h"
 #include "core/sample_grid.h"
 #include "core/semantic_cloud.h"
 #include "core/tracked_object.h"
@@ -22,6 +23,7 @@ namespace steadymap {
 /// How objects come, are judged and go. Defaults: TorWIC (pocd.md section 5), and what evidence.md
 /// found.
 struct ObjectMapperParameters {
+  RobotGuardParameters guard;
   JudgementParameters judgement;
   VisibilityParameters visibility;
   RecognitionParameters recognition;
@@ -60,7 +62,8 @@ class ObjectMapper final : public MapUpdater {
  public:
   ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters);
 
-  /// Gives each of the cloud's cells to its owner, and fuses objects and background.
+  /// Gives each of the cloud's cells to its owner, and fuses objects and background; nothing of a
+  /// frame whose robot is not where it says.
   void Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) override;
 
  private:
@@ -90,6 +93,7 @@ class ObjectMapper final : public MapUpdater {
 
   MapConfig config_;
   ObjectMapperParameters parameters_;
+  RobotGuard guard_;
   TsdfIntegrator integrator_;
 
   // The frame at hand.

@@ -12,6 +12,9 @@ namespace {
 // Boxes that touch may miss each other by rounding, which differs with the frame it is done in.
 constexpr double kTouchM = 1e-3;
 
+// More robots than any place has, so that ids that are made up fill no memory.
+constexpr std::size_t kMaxRobots = 1000;
+
 template <typename Value>
 void SortUnique(std::vector<Value>* values) {
   std::sort(values->begin(), values->end());
@@ -186,6 +189,35 @@ void WorkingMap::MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector
   map_.free_space.MarkRay(from_world, to_world, &changed_blocks_);
 }
 
+const RobotState* WorkingMap::FindRobot(const std::string& robot) const {
+  const auto found = map_.robots.find(robot);
+  return found == map_.robots.end() ? nullptr : &found->second;
+}
+
+void WorkingMap::StoreRobot(const std::string& robot, const RobotState& state) {
+  map_.robots[robot] = state;
+  changed_robots_.insert(robot);
+  if (map_.robots.size() <= kMaxRobots) return;
+  const auto longest_ago =
+      std::min_element(map_.robots.begin(), map_.robots.end(), [](const auto& a, const auto& b) {
+        return a.second.last_capture_time < b.second.last_capture_time;
+      });
+  changed_robots_.insert(longest_ago->first);
+  map_.robots.erase(longest_ago);
+}
+
+ObjectEvent WorkingMap::MakeRobotEvent(EventType type,
+                                       EventReason reason,
+                                       const std::string& robot) const {
+  ObjectEvent event;
+  event.type = type;
+  event.reason = reason;
+  event.time = now();
+  event.revision = revision();
+  event.robot = robot;
+  return event;
+}
+
 ObjectEvent WorkingMap::MakeEvent(EventType type,
                                   EventReason reason,
                                   const TrackedObject& object) const {
@@ -240,6 +272,14 @@ void WorkingMap::CommitFreeSpace(MapDelta* delta) {
   changed_blocks_.clear();
 }
 
+void WorkingMap::CommitRobots(MapDelta* delta) {
+  for (const std::string& robot : changed_robots_) {
+    const RobotState* state = FindRobot(robot);
+    delta->robots.push_back({robot, state ? std::optional(*state) : std::nullopt});
+  }
+  changed_robots_.clear();
+}
+
 MapCommit WorkingMap::Commit() {
   MapCommit commit;
   commit.delta.from = committed_;
@@ -250,6 +290,7 @@ MapCommit WorkingMap::Commit() {
   CommitObjects(&commit.delta);
   CommitLeaves(&commit.delta);
   CommitFreeSpace(&commit.delta);
+  CommitRobots(&commit.delta);
   committed_ = map_.revision;
   commit.snapshot = std::make_shared<const MapSnapshot>(map_);
   return commit;

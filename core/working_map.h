@@ -4,6 +4,7 @@
 #include <memory>
 #include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/background.h"
@@ -109,8 +110,17 @@ class WorkingMap {
   /// Marks what lies between two points as looked through.
   void MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);
 
+  /// What is remembered of a robot; null if nothing is. Valid until one is stored.
+  const RobotState* FindRobot(const std::string& robot) const;
+
+  /// Remembers a robot, and forgets the one seen longest ago where that makes too many.
+  void StoreRobot(const std::string& robot, const RobotState& state);
+
   /// An event about an object as it stands now; add what it lacks and `Tell` it.
   ObjectEvent MakeEvent(EventType type, EventReason reason, const TrackedObject& object) const;
+
+  /// An event about a robot.
+  ObjectEvent MakeRobotEvent(EventType type, EventReason reason, const std::string& robot) const;
 
   void Tell(const ObjectEvent& event) { events_.push_back(event); }
 
@@ -125,6 +135,7 @@ class WorkingMap {
   void CommitObjects(MapDelta* delta);
   void CommitLeaves(MapDelta* delta);
   void CommitFreeSpace(MapDelta* delta);
+  void CommitRobots(MapDelta* delta);
 
   MapSnapshot map_;  ///< Ahead of the last commit but for `objects`, which are as published.
   std::map<ObjectId, TrackedObject> objects_;
@@ -137,6 +148,7 @@ class WorkingMap {
   std::vector<LeafKey> changed_leaves_;     ///< With repetitions.
   std::set<ObjectId> changed_objects_;      ///< Forgotten ones included.
   std::vector<LeafOrigin> changed_blocks_;  ///< Of free space; with repetitions.
+  std::set<std::string> changed_robots_;    ///< Forgotten ones included.
   std::vector<ObjectEvent> events_;
   std::vector<ObjectId> forgotten_;  ///< In the frame at hand.
 };

@@ -147,9 +147,15 @@ absl::StatusOr<ObjectEvent> FromProto(const v1::ObjectEvent& message) {
   absl::Status status = ReadPlaces(message, &event);
   if (status.ok()) status = ReadBeliefs(message, &event);
   if (!status.ok()) return status;
+  if (!message.robot().empty() && !IsValidId(message.robot())) {
+    return InvalidField(reason::kBadValue, "robot", "robot must be empty or an id");
+  }
   event.object = ObjectId(message.object_id());
   event.related = ObjectId(message.related_object_id());
   event.revision = Revision(message.revision());
+  event.views = message.views();
+  event.absences = message.absences();
+  event.robot = message.robot();
   return event;
 }
 
@@ -170,6 +176,9 @@ v1::ObjectEvent ToProto(EventNumber number, const ObjectEvent& event) {
     *message.mutable_after() = ToProto(event.after);
   }
   message.set_related_object_id(event.related.value());
+  message.set_views(event.views);
+  message.set_absences(event.absences);
+  message.set_robot(event.robot);
   return message;
 }
 

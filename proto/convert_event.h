@@ -20,8 +20,8 @@ v1::EventType ToProto(EventType type);
 
 /// An event without its number. Errors: `InvalidArgument` with reason `BAD_VALUE` for number 0, an
 /// unknown type or reason, a class that is out of range, points that are absent or not finite, a
-/// confidence outside [0, 1], and as for `v1::Belief`, which may be absent for events of robots
-/// alone; `BAD_TIMESTAMP` for a time out of range.
+/// confidence outside [0, 1], a robot that is no valid id, and as for `v1::Belief`, which may be
+/// absent for events of robots alone; `BAD_TIMESTAMP` for a time out of range.
 absl::StatusOr<ObjectEvent> FromProto(const v1::ObjectEvent& message);
 v1::ObjectEvent ToProto(EventNumber number, const ObjectEvent& event);
 

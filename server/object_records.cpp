@@ -181,6 +181,7 @@ storage::v1::EventRecord ToProto(const ObjectEvent& event) {
   record.set_related(event.related.value());
   record.set_views(event.views);
   record.set_absences(event.absences);
+  record.set_robot(event.robot);
   return record;
 }
 
@@ -206,6 +207,7 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
   event.related = ObjectId{record.related()};
   event.views = record.views();
   event.absences = record.absences();
+  event.robot = record.robot();
   return event;
 }
 

@@ -158,9 +158,8 @@ class Store {
   /// map appears twice.
   virtual absl::Status AppendFrames(const std::vector<LogAppend>& appends) = 0;
 
-  /// Makes a commit durable: its objects, leaves and free space, its events, numbered on from the
-  /// last one, its change list and the revision. `now` is the server's
-  /// clock. A delta with `to == from` changes nothing.
+  /// Makes a commit durable: its objects, leaves, free space and robots, its events, numbered on
+  /// from the last one, its change list and the revision. `now` is the server's clock. A delta with `to == from` changes nothing.
   /// Errors: `NotFound`; `FailedPrecondition` if `delta.from` is not the stored revision or
   /// `delta.to` lies beyond the log's head; `Unavailable` with `STORE_READ_ONLY`.
   virtual absl::Status CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) = 0;

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/tsdf_codec.h"
 #include "server/object_records.h"
+#include "server/robot_records.h"
 #include "server/rocks_store.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"
@@ -75,6 +76,17 @@ class ContentLoader {
     const absl::StatusOr<LeafMask> cells = FromProto(record);
     if (!cells.ok()) return DamagedValue(place, std::string(cells.status().message()));
     content_->free_space.StoreBlock(*origin, *cells);
+    return absl::OkStatus();
+  }
+
+  absl::Status LoadRobot(const ValuePlace& place, std::string_view value) {
+    const std::optional<std::string> robot = RobotOfKey(place.key);
+    if (!robot) return DamagedValue(place, "is filed under no robot");
+    storage::v1::RobotRecord record;
+    if (absl::Status status = UnsealRecord(place, value, &record); !status.ok()) return status;
+    const absl::StatusOr<RobotState> state = FromProto(record);
+    if (!state.ok()) return DamagedValue(place, std::string(state.status().message()));
+    content_->robots[*robot] = *state;
     return absl::OkStatus();
   }
 
@@ -153,10 +165,11 @@ absl::Status RocksStore::LoadContent(MapKey map,
                                      MapSnapshot* content) const {
   ContentLoader loader(content);
   using Load = absl::Status (ContentLoader::*)(const ValuePlace&, std::string_view);
-  static constexpr std::array<std::pair<Family, Load>, 3> kLoads = {
+  static constexpr std::array<std::pair<Family, Load>, 4> kLoads = {
       {{Family::kObject, &ContentLoader::LoadObject},
        {Family::kLeaf, &ContentLoader::LoadLeaf},
-       {Family::kFree, &ContentLoader::LoadFreeBlock}}};
+       {Family::kFree, &ContentLoader::LoadFreeBlock},
+       {Family::kRobot, &ContentLoader::LoadRobot}}};
   for (const auto& [family, load] : kLoads) {
     const auto visit = [&loader, load = load](const ValuePlace& place, std::string_view value) {
       return (loader.*load)(place, value);

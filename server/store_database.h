@@ -27,13 +27,14 @@ enum class Family : std::size_t {
   kObject,
   kEvent,
   kFree,
+  kRobot,
   kChange,
   kPose,
   kMeta
 };
 
-inline constexpr std::array<std::string_view, 9> kFamilyNames = {
-    "log", "dedup", "leaf", "object", "event", "free", "change", "pose", "meta"};
+inline constexpr std::array<std::string_view, 10> kFamilyNames = {
+    "log", "dedup", "leaf", "object", "event", "free", "robot", "change", "pose", "meta"};
 
 /// Those whose keys start with a map: all but `meta`.
 inline constexpr std::array kMapFamilies = {Family::kLog,
@@ -42,6 +43,7 @@ inline constexpr std::array kMapFamilies = {Family::kLog,
                                             Family::kObject,
                                             Family::kEvent,
                                             Family::kFree,
+                                            Family::kRobot,
                                             Family::kChange,
                                             Family::kPose};
 

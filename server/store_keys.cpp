@@ -112,6 +112,13 @@ std::optional<LeafOrigin> FreeBlockOfKey(std::string_view key) {
   return ReadOrigin(key.substr(kMapKeyBytes));
 }
 
+std::string RobotKey(MapKey map, const std::string& robot) { return MapPrefix(map) + robot; }
+
+std::optional<std::string> RobotOfKey(std::string_view key) {
+  if (key.size() < kMapKeyBytes) return std::nullopt;
+  return std::string(key.substr(kMapKeyBytes));
+}
+
 std::string SessionKey(MapKey map, const SessionName& name) {
   return MapPrefix(map) + name.robot + '\0' + name.session;
 }

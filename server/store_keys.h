@@ -64,6 +64,10 @@ std::optional<EventNumber> EventOfKey(std::string_view key);
 std::string FreeBlockKey(MapKey map, LeafOrigin origin);
 std::optional<LeafOrigin> FreeBlockOfKey(std::string_view key);
 
+/// `robot`: map, robot; and the robot in such a key, none if `key` is no such key.
+std::string RobotKey(MapKey map, const std::string& robot);
+std::optional<std::string> RobotOfKey(std::string_view key);
+
 /// `meta`: one letter, then the map.
 std::string MapRecordKey(MapKey map);
 std::string LogHeadKey(MapKey map);

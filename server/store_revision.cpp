@@ -6,6 +6,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "server/object_records.h"
+#include "server/robot_records.h"
 #include "server/rocks_store.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"
@@ -91,6 +92,14 @@ void RocksStore::PutCommit(MapKey map,
   }
   for (const FreeBlockChange& block : delta.free_blocks) {
     PutSealed(Family::kFree, FreeBlockKey(map, block.origin), ToProto(block.cells), batch);
+  }
+  for (const RobotChange& robot : delta.robots) {
+    const std::string key = RobotKey(map, robot.robot);
+    if (robot.state.has_value()) {
+      PutSealed(Family::kRobot, key, ToProto(*robot.state), batch);
+    } else {
+      batch->Delete(database_->handle(Family::kRobot), key);
+    }
   }
   PutSealed(Family::kChange, ChangeKey(map, delta.to), change, batch);
   PutSealed(Family::kMeta, RevisionHeadKey(map), head, batch);

@@ -77,6 +77,14 @@ void EvaluateCommand::AddSources(CLI::App* command) {
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--ideal", is_ideal_, "A sensor without noise, holes or drift");
+  command
+      ->add_option("--lost",
+                   lost_,
+                   "Frames of a route in which the robot takes itself to be 1.5 m and 40 degrees "
+                   "elsewhere: the first, and how many")
+      ->type_name("FRAME COUNT")
+      ->expected(2)
+      ->needs(route);
   CLI::Option* const format =
       command->add_option("--format", format_, "How recorded sequences are laid out")
           ->type_name("FORMAT")
@@ -131,6 +139,10 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
   RouteEvaluationOptions options;
   options.simulation.sensor = is_ideal_ ? SensorModel::Ideal() : SensorModel::Full();
   options.simulation.stride = stride_;
+  if (lost_.size() == 2) {
+    options.simulation.lost.first_frame = lost_[0];
+    options.simulation.lost.frame_count = lost_[1];
+  }
   options.seeds = seeds_;
   options.voxel_size_m = voxel_size_m_ > 0.0 ? voxel_size_m_ : EvaluationVoxelFor(name);
   options.with_ground = with_ground_;

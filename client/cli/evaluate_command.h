@@ -38,7 +38,8 @@ class EvaluateCommand {
   std::vector<std::string> policies_;
   std::vector<std::uint64_t> seeds_ = {1};
   std::size_t stride_ = 1;
-  double voxel_size_m_ = 0.0;  ///< 0: as the route says.
+  std::vector<std::size_t> lost_;  ///< First frame and how many; empty: none.
+  double voxel_size_m_ = 0.0;      ///< 0: as the route says.
   std::string pictures_folder_;
   bool is_ideal_ = false;
   bool with_ground_ = false;

@@ -17,16 +17,19 @@ constexpr char kFooter[] =
     "JSON: {\"revision\", \"events\": [{\"number\", \"type\", \"reason\", \"object\", \"class\", "
     "\"class_name\",\n"
     "\"time\" (capture time), \"revision\", \"center\" [x, y, z]; for moves also \"old_center\",\n"
-    "\"new_center\" and \"confidence\"; \"related\" where another object is part of it; \"before\" "
-    "and\n"
-    "\"after\", the object's belief}]}. `class` is the id in the map's class table. Metres in the\n"
-    "world frame, seconds since 1970.";
+    "\"new_center\" and \"confidence\"; \"related\" where another object is part of it; for "
+    "robots\n"
+    "\"robot\", for objects \"views\" and \"absences\", the evidence so far, \"before\" and "
+    "\"after\", the\n"
+    "belief}]}. `class` is the id in the map's class table. Metres in the world frame, seconds "
+    "since\n"
+    "1970.";
 
 }  // namespace
 
 EventsCommand::EventsCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command =
-      app->add_subcommand("events", "List what happened to the objects of a map");
+      app->add_subcommand("events", "List what happened to the objects and robots of a map");
   command->footer(kFooter);
   command->add_option("NAME", map_, "The map")->required();
   command

@@ -12,6 +12,14 @@ namespace {
 
 constexpr std::int64_t kPauseNs = 60'000'000'000;
 
+/// Takes the true pose of a robot that got lost at `T_world_camera` to where it takes itself to be.
+Eigen::Isometry3d MisleadingStep(const LostStretch& lost, const Eigen::Isometry3d& T_world_camera) {
+  const Eigen::Translation3d here(T_world_camera.translation());
+  const Eigen::Vector3d left = -T_world_camera.linear().col(0);
+  return Eigen::Translation3d(lost.shift_m * left) * here *
+         Eigen::AngleAxisd(lost.turn_rad, Eigen::Vector3d::UnitZ()) * here.inverse();
+}
+
 std::int64_t Nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
 }  // namespace
@@ -61,6 +69,10 @@ Frame Simulation::Render(std::size_t index) {
   frame.capture_time = moment.capture_time;
   frame.T_world_camera = DriftPose(
       options_.sensor, options_.seed, static_cast<double>(elapsed_ns) * 1e-9, view.T_world_camera);
+  const LostStretch& lost = options_.lost;
+  if (index >= lost.first_frame && index - lost.first_frame < lost.frame_count) {
+    frame.T_world_camera = MisleadingStep(lost, TruePose(lost.first_frame)) * frame.T_world_camera;
+  }
   return frame;
 }
 

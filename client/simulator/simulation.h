@@ -14,11 +14,21 @@
 
 namespace steadymap {
 
+/// A robot whose localisation jumps away, and back after a while.
+struct LostStretch {
+  std::size_t first_frame = 0;
+  std::size_t frame_count = 0;  ///< 0: it never gets lost.
+  /// What the poses are off by meanwhile: turned about where it was lost, and shifted to its left.
+  double shift_m = 1.5;
+  double turn_rad = 0.7;
+};
+
 /// How a route is played.
 struct SimulationOptions {
   SensorModel sensor = {};  ///< `SensorModel::Ideal()` for a perfect sensor.
   std::uint64_t seed = 1;   ///< Of all noise.
   std::size_t stride = 1;   ///< Every how many frames one is kept, >= 1.
+  LostStretch lost = {};    ///< Frames whose poses are wrong.
   bool include_color = false;
   std::optional<bool> include_instances = std::nullopt;  ///< Unset: as the route says.
   std::string robot = "simulator";                       ///< `Frame::robot` of every frame.
@@ -51,7 +61,8 @@ class Simulation {
   /// The true pose of the camera in frame `index`, `T_world_camera`.
   Eigen::Isometry3d TruePose(std::size_t index) const;
 
-  /// Frame `index`, in [0, frame_count()), complete with pose (drift included), time and robot.
+  /// Frame `index`, in [0, frame_count()), complete with pose (drift and error included), time and
+  /// robot.
   Frame Render(std::size_t index);
 
  private:

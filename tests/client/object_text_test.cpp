@@ -42,6 +42,8 @@ ObjectEvent CartMoved() {
   event.old_center_world = Eigen::Vector3d(4.0, 5.0, 0.5);
   event.confidence = 0.75;
   event.after.alpha = 3.0;
+  event.views = 21;
+  event.absences = 2;
   return event;
 }
 
@@ -69,13 +71,14 @@ TEST(ObjectJson, HasTheDocumentedKeys) {
 TEST(EventJson, AMoveHasBothCentresAndItsConfidence) {
   JsonWriter json;
   WriteEventJson(ToProto(EventNumber(5), CartMoved()), Torwic(), &json);
-  EXPECT_EQ(Compact(json),
-            R"({"number": 5,"type": "moved","reason": "shape_matched","object": 12,"class": 9,)"
-            R"("class_name": "cart/pallet jack","time": 150,"revision": 40,"center": [1,-2,0.5],)"
-            R"("old_center": [4,5,0.5],"new_center": [1,-2,0.5],"confidence": 0.75,)"
-            R"("before": {"stationarity": 0.5,"alpha": 1,"beta": 1,"change_mean_m": 0,)"
-            R"("change_std_m": 0.5},"after": {"stationarity": 0.75,"alpha": 3,"beta": 1,)"
-            R"("change_mean_m": 0,"change_std_m": 0.5}})");
+  EXPECT_EQ(
+      Compact(json),
+      R"({"number": 5,"type": "moved","reason": "shape_matched","object": 12,"class": 9,)"
+      R"("class_name": "cart/pallet jack","time": 150,"revision": 40,"center": [1,-2,0.5],)"
+      R"("old_center": [4,5,0.5],"new_center": [1,-2,0.5],"confidence": 0.75,)"
+      R"("views": 21,"absences": 2,"before": {"stationarity": 0.5,"alpha": 1,"beta": 1,"change_mean_m": 0,)"
+      R"("change_std_m": 0.5},"after": {"stationarity": 0.75,"alpha": 3,"beta": 1,)"
+      R"("change_mean_m": 0,"change_std_m": 0.5}})");
 }
 
 TEST(EventJson, WhatAnEventLacksIsLeftOut) {
@@ -89,10 +92,25 @@ TEST(EventJson, WhatAnEventLacksIsLeftOut) {
   EXPECT_EQ(Compact(merged).find("confidence"), std::string::npos);
   EXPECT_EQ(Compact(merged).find("_center"), std::string::npos);
   EXPECT_NE(Compact(merged).find("\"related\": 3"), std::string::npos);
+}
+
+ObjectEvent RobotLost() {
+  ObjectEvent event;
   event.type = EventType::kRobotLost;
-  JsonWriter lost;
-  WriteEventJson(ToProto(EventNumber(7), event), Torwic(), &lost);
-  EXPECT_EQ(Compact(lost).find("before"), std::string::npos);
+  event.reason = EventReason::kDisagreement;
+  event.time = Timestamp::FromSeconds(150.0);
+  event.revision = Revision(40);
+  event.robot = "forklift-2";
+  return event;
+}
+
+TEST(EventJson, AnEventOfARobotNamesIt) {
+  JsonWriter json;
+  WriteEventJson(ToProto(EventNumber(7), RobotLost()), Torwic(), &json);
+  EXPECT_EQ(Compact(json),
+            R"({"number": 7,"type": "robot_lost","reason": "disagreement","object": 0,"class": 0,)"
+            R"("class_name": "background","time": 150,"revision": 40,"center": [0,0,0],)"
+            R"("robot": "forklift-2"})");
 }
 
 TEST(ObjectTable, HasALineAnObject) {
@@ -112,6 +130,14 @@ TEST(EventLines, SayWhatHappenedToWhom) {
             "     5  1970-01-01T00:02:30Z  revision 40  moved (shape_matched)  object 12 "
             "(cart/pallet jack) from (4.00, 5.00, 0.50) to (1.00, -2.00, 0.50), confidence 0.75, "
             "E[v] 0.50 -> 0.75\n");
+}
+
+TEST(EventLines, SayWhichRobotIsLost) {
+  std::ostringstream out;
+  WriteEventLines({ToProto(EventNumber(7), RobotLost())}, Torwic(), &out);
+  EXPECT_EQ(out.str(),
+            "     7  1970-01-01T00:02:30Z  revision 40  robot_lost (disagreement)  robot "
+            "forklift-2\n");
 }
 
 TEST(ClassNames, AClassIsKnownByItsNameAndItsId) {

@@ -98,6 +98,32 @@ TEST(Simulation, AnotherSeedGivesOtherNoiseAndTheSameTruth) {
   EXPECT_TRUE(first.TruePose(50).matrix() == second.TruePose(50).matrix());
 }
 
+TEST(Simulation, ALostRobotIsWrongAboutItsPoseAlone) {
+  SimulationOptions options = Full(1);
+  const Simulation truth(RouteOf("1-1"), options);
+  Simulation sound(RouteOf("1-1"), options);
+  options.lost = {.first_frame = 20, .frame_count = 3, .shift_m = 1.5, .turn_rad = 0.7};
+  Simulation misled(RouteOf("1-1"), options);
+  ExpectSame(misled.Render(19), sound.Render(19));
+  ExpectSame(misled.Render(23), sound.Render(23));
+  const Eigen::Isometry3d T_world_first = sound.Render(20).T_world_camera;
+  for (const std::size_t index : {20U, 22U}) {
+    Frame lost = misled.Render(index);
+    const Frame frame = sound.Render(index);
+    const Eigen::Isometry3d T_true_misled = frame.T_world_camera * lost.T_world_camera.inverse();
+    EXPECT_NEAR(Eigen::AngleAxisd(T_true_misled.linear()).angle(), 0.7, 1e-9);
+    EXPECT_TRUE((T_world_first.inverse() * frame.T_world_camera)
+                    .isApprox(misled.Render(20).T_world_camera.inverse() * lost.T_world_camera))
+        << "it moves as it does";
+    lost.T_world_camera = frame.T_world_camera;
+    ExpectSame(lost, frame);
+  }
+  EXPECT_NEAR((misled.Render(20).T_world_camera.translation() - T_world_first.translation()).norm(),
+              1.5,
+              0.03);
+  EXPECT_TRUE(misled.TruePose(21).isApprox(truth.TruePose(21)));
+}
+
 TEST(Simulation, StridePicksFramesWithoutChangingThem) {
   SimulationOptions strided = Full(1);
   strided.stride = 7;

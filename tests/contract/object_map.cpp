@@ -53,6 +53,8 @@ std::vector<ObjectEvent> MakeObjectHistory(const MapSnapshot& map) {
     event.time = Timestamp::FromSeconds(100.0 + 10.0 * static_cast<double>(revision));
     event.revision = Revision(revision);
     event.center_world = map.objects.at(event.object)->cuboid.center_world;
+    event.views = 10 * id;
+    event.absences = revision;
   };
   add(EventType::kCreated, EventReason::kNewSurface, 1, 2);
   add(EventType::kCreated, EventReason::kNewSurface, 2, 2);

@@ -124,6 +124,7 @@ void ExpectSameMap(const MapSnapshot& a, const MapSnapshot& b) {
   EXPECT_EQ(a.newest_object, b.newest_object);
   EXPECT_TRUE(PackedLeaves(a) == PackedLeaves(b));
   EXPECT_TRUE(a.free_space == b.free_space);
+  EXPECT_TRUE(a.robots == b.robots);
   ASSERT_EQ(a.objects.size(), b.objects.size());
   for (const auto& [id, object] : a.objects) {
     ASSERT_TRUE(b.objects.contains(id)) << id.value();

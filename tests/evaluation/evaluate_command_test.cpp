@@ -50,11 +50,26 @@ TEST(EvaluateCommand, PrintsJsonInstead) {
   EXPECT_EQ(outcome.out.find("prec."), std::string::npos) << outcome.out;
 }
 
+TEST(EvaluateCommand, ALostRobotSpoilsAMapThatFusesEverything) {
+  const auto first_row = [](const Outcome& outcome) {
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::size_t start = outcome.out.find("\nstatic ");
+    return outcome.out.substr(start, outcome.out.find('\n', start + 1) - start - 16);
+  };
+  const std::vector<std::string> sound = {
+      "--route", "twin", "--stride", "20", "--ideal", "--policy", "static"};
+  std::vector<std::string> misled = sound;
+  misled.insert(misled.end(), {"--lost", "1", "1000"});
+  EXPECT_NE(first_row(Evaluate(misled)), first_row(Evaluate(sound)));
+}
+
 TEST(EvaluateCommand, MisuseIsAnErrorThatSaysWhy) {
   EXPECT_EQ(Evaluate({}).exit_code, 1);
   EXPECT_EQ(Evaluate({"--route", "nowhere"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--route", "twin", "--policy", "best"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--sequence", "/nowhere"}).exit_code, 2);
+  EXPECT_EQ(Evaluate({"--route", "twin", "--lost", "5"}).exit_code, 2);
+  EXPECT_EQ(Evaluate({"--format", "tum", "--lost", "5", "3"}).exit_code, 2);
   const Outcome missing = Evaluate({"--format", "tum", "--sequence", "/nowhere"});
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_NE(missing.err.find("/nowhere"), std::string::npos) << missing.err;

@@ -36,6 +36,10 @@ ObjectEvent RandomEvent(std::mt19937* random) {
   if (event.type != EventType::kRobotLost && event.type != EventType::kRobotFound) {
     event.before = {place(*random), positive(*random), positive(*random), positive(*random)};
     event.after = {place(*random), positive(*random), positive(*random), positive(*random)};
+    event.views = large(*random);
+    event.absences = large(*random);
+  } else {
+    event.robot = "robot-" + std::to_string(large(*random) % 100);
   }
   event.related = ObjectId(large(*random));
   return event;
@@ -100,6 +104,7 @@ TEST(ConvertEvent, WrongFieldsAreNamed) {
   EXPECT_EQ(field([](M* m) { m->mutable_old_center_m()->set_z(kNan); }), "old_center_m");
   EXPECT_EQ(field([](M* m) { m->set_confidence(1.01); }), "confidence");
   EXPECT_EQ(field([](M* m) { m->set_confidence(kNan); }), "confidence");
+  EXPECT_EQ(field([](M* m) { m->set_robot("Robot 1"); }), "robot");
   EXPECT_EQ(field([](M* m) { m->mutable_before()->set_alpha(0.0); }), "before.alpha");
   EXPECT_EQ(field([](M* m) { m->mutable_after()->set_beta(kNan); }), "after.beta");
 }

@@ -139,7 +139,30 @@ ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed) 
   event.related = ObjectId{random()};
   event.views = random();
   event.absences = random();
+  if (type == EventType::kRobotLost || type == EventType::kRobotFound) event.robot = "robot-1";
   return event;
+}
+
+RobotState MakeRobot(Trust trust, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(-100.0, 100.0);
+  const auto vector = [&] {
+    return Eigen::Vector3d(number(random), number(random), number(random));
+  };
+  RobotState state;
+  state.trust = trust;
+  state.last_capture_time = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
+  state.claimed = {vector(), vector().cast<float>()};
+  state.likely = state.claimed;
+  if (trust != Trust::kTrusted) {
+    state.streak = static_cast<std::uint32_t>(random());
+    state.likely = {vector(), vector().cast<float>()};
+  }
+  if (trust != Trust::kLost) {
+    state.velocity_m_per_s = vector().cast<float>();
+    state.turn_rad_per_s = vector().cast<float>();
+  }
+  return state;
 }
 
 MapDelta MakeDelta(std::uint64_t from, std::uint64_t to, std::vector<LeafChange> leaves) {

@@ -35,6 +35,9 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed);
 /// An event, likewise.
 ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed);
 
+/// What is remembered of a robot, likewise.
+RobotState MakeRobot(Trust trust, std::uint32_t seed);
+
 /// A delta with these leaves, sorted.
 MapDelta MakeDelta(std::uint64_t from, std::uint64_t to, std::vector<LeafChange> leaves);
 

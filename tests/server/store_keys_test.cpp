@@ -61,6 +61,13 @@ TEST(StoreKeys, FrameKeysSortBySequenceAndComeBack) {
   }
 }
 
+TEST(StoreKeys, RobotKeysSortByIdAndComeBack) {
+  EXPECT_EQ(RobotOfKey(RobotKey(MapKey{7}, "forklift-2")), "forklift-2");
+  EXPECT_EQ(RobotOfKey(RobotKey(MapKey{7}, "")), "");
+  EXPECT_LT(RobotKey(MapKey{7}, "a"), RobotKey(MapKey{7}, "a-b"));
+  EXPECT_EQ(RobotOfKey("short"), std::nullopt);
+}
+
 TEST(StoreKeys, MapRangeHoldsTheMapsKeysAndNoOther) {
   for (const std::uint64_t map : {1ULL, 255ULL, 256ULL, 0xFFFFULL, 1ULL << 40}) {
     const KeyRange range = MapRange(MapKey{map});
@@ -74,6 +81,7 @@ TEST(StoreKeys, MapRangeHoldsTheMapsKeysAndNoOther) {
       EXPECT_EQ(holds(SessionKey(other, {"zz", "zz"})), own);
       EXPECT_EQ(holds(LeafStoreKey(other, {ObjectId{~0ULL}, {-8, -8, -8}})), own);
       EXPECT_EQ(holds(ChangeKey(other, Revision{1})), own);
+      EXPECT_EQ(holds(RobotKey(other, "zz")), own);
     }
   }
 }

@@ -1,6 +1,7 @@
-// The part of the store's contract that is about objects, events and free space.
+// The part of the store's contract that is about objects, events, free space and robots.
 
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/object_records.h"
+#include "server/robot_records.h"
 #include "tests/server/store_contract.h"
 
 #include "steadymap/storage/v1/records.pb.h"
@@ -46,6 +48,10 @@ MapDelta FirstDelta() {
   delta.objects = {{ObjectId{1}, MakeObject(1, 11)}, {ObjectId{4}, MakeObject(4, 14)}};
   delta.free_blocks = {{{-64, 8, 0}, {1, 0, 0, 0, 0, 0, 0, ~std::uint64_t{0}}},
                        {{0, 0, 0}, {0, 2, 0, 0, 0, 0, 0, 0}}};
+  delta.robots = {{"robot-1", MakeRobot(Trust::kTrusted, 31)},
+                  {"robot-2", MakeRobot(Trust::kDoubted, 32)},
+                  {"robot-3", MakeRobot(Trust::kLost, 33)},
+                  {"robot-4", MakeRobot(Trust::kTrusted, 34)}};
   delta.events = {MakeEvent(EventType::kCreated, 1, 21),
                   MakeEvent(EventType::kMoved, 4, 22),
                   MakeEvent(EventType::kRobotFound, 0, 23)};
@@ -61,6 +67,7 @@ TEST_P(StoreObjects, SurviveARestartBitForBit) {
   second.newest_object = ObjectId{7};
   second.objects = {{ObjectId{1}, MakeObject(1, 111)}, {ObjectId{4}, std::nullopt}};
   second.free_blocks = {{{0, 0, 0}, {0, 3, 0, 0, 0, 0, 0, 0}}};
+  second.robots = {{"robot-1", MakeRobot(Trust::kDoubted, 131)}, {"robot-4", std::nullopt}};
   second.events = {MakeEvent(EventType::kRemoved, 4, 24)};
   Commit(map.key, second);
   Reopen();
@@ -71,6 +78,11 @@ TEST_P(StoreObjects, SurviveARestartBitForBit) {
   const MapSnapshot loaded = Load(map).snapshot;
   EXPECT_EQ(loaded.newest_object, ObjectId{7});
   EXPECT_EQ(loaded.free_space, expected.free_space);
+  const std::map<std::string, RobotState> robots = {{"robot-1", MakeRobot(Trust::kDoubted, 131)},
+                                                    {"robot-2", MakeRobot(Trust::kDoubted, 32)},
+                                                    {"robot-3", MakeRobot(Trust::kLost, 33)}};
+  EXPECT_TRUE(loaded.robots == robots);
+  EXPECT_TRUE(expected.robots == robots);
   ASSERT_EQ(loaded.objects.size(), 1U);
   EXPECT_EQ(static_cast<const ObjectState&>(*loaded.objects.at(ObjectId{1})), MakeObject(1, 111));
   EXPECT_EQ(LeavesOf(loaded), LeavesOf(expected));
@@ -174,6 +186,40 @@ TEST(EventRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::EventRecord* event) { event->set_class_id(65536); });
   refuse([](storage::v1::EventRecord* event) { event->clear_center(); });
   refuse([](storage::v1::EventRecord* event) { event->mutable_old_center()->RemoveLast(); });
+}
+
+TEST(EventRecords, TakeThoseWrittenBeforeRobotsWereNamed) {
+  ObjectEvent event = MakeEvent(EventType::kRobotLost, 0, 1);
+  storage::v1::EventRecord old = ToProto(event);
+  old.clear_robot();
+  event.robot.clear();
+  const absl::StatusOr<ObjectEvent> read = FromProto(old);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(*read, event);
+}
+
+TEST(RobotRecords, RefuseWhatCannotHaveBeenWritten) {
+  const storage::v1::RobotRecord good = ToProto(MakeRobot(Trust::kDoubted, 1));
+  ASSERT_TRUE(FromProto(good).ok());
+  const auto refuse = [&](auto change) {
+    storage::v1::RobotRecord bad = good;
+    change(&bad);
+    EXPECT_EQ(FromProto(bad).status().code(), absl::StatusCode::kDataLoss)
+        << bad.ShortDebugString();
+  };
+  const float not_a_number = std::numeric_limits<float>::quiet_NaN();
+  refuse([](storage::v1::RobotRecord* robot) { robot->set_trust(0); });
+  refuse([](storage::v1::RobotRecord* robot) { robot->set_trust(4); });
+  refuse([](storage::v1::RobotRecord* robot) { robot->clear_claimed(); });
+  refuse([](storage::v1::RobotRecord* robot) { robot->mutable_claimed()->add_position(1.0); });
+  refuse([](storage::v1::RobotRecord* robot) {
+    robot->mutable_likely()->mutable_rotation()->RemoveLast();
+  });
+  refuse([=](storage::v1::RobotRecord* robot) {
+    robot->mutable_likely()->set_rotation(1, not_a_number);
+  });
+  refuse([](storage::v1::RobotRecord* robot) { robot->mutable_motion()->RemoveLast(); });
+  refuse([=](storage::v1::RobotRecord* robot) { robot->set_motion(5, not_a_number); });
 }
 
 TEST(FreeBlockRecords, RefuseWhatCannotHaveBeenWritten) {
