@@ -78,6 +78,15 @@ void EvaluateCommand::AddSources(CLI::App* command) {
       ->capture_default_str();
   command->add_flag("--ideal", is_ideal_, "A sensor without noise, holes or drift");
   command
+      ->add_option(
+          "--wrong-labels",
+          wrong_labels_,
+          "Share of the things in view that each frame of a route takes for another class; "
+          "0.01 unless told")
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0))
+      ->needs(route);
+  command
       ->add_option("--lost",
                    lost_,
                    "Frames of a route in which the robot takes itself to be 1.5 m and 40 degrees "
@@ -138,6 +147,10 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
   absl::Status picture_status;
   RouteEvaluationOptions options;
   options.simulation.sensor = is_ideal_ ? SensorModel::Ideal() : SensorModel::Full();
+  if (wrong_labels_.has_value()) {
+    options.simulation.sensor.label_flips = true;
+    options.simulation.sensor.label_flip_share = *wrong_labels_;
+  }
   options.simulation.stride = stride_;
   if (lost_.size() == 2) {
     options.simulation.lost.first_frame = lost_[0];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,7 @@ class EvaluateCommand {
   std::vector<std::string> policies_;
   std::vector<std::uint64_t> seeds_ = {1};
   std::size_t stride_ = 1;
+  std::optional<double> wrong_labels_;
   std::vector<std::size_t> lost_;  ///< First frame and how many; empty: none.
   double voxel_size_m_ = 0.0;      ///< 0: as the route says.
   std::string pictures_folder_;

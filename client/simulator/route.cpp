@@ -17,6 +17,7 @@ namespace {
 std::vector<std::string> TorwicConfigurationsOf(std::string_view route) {
   if (route == "2-4-4") return {"2-2", "2-4", "4-1"};
   if (route == "9-2") return {"1-9", "2-1"};
+  if (route == "unchanged") return {"baseline", "baseline"};
   const std::vector<std::string> known = TorwicConfigurations();
   if (std::find(known.begin(), known.end(), route) == known.end()) return {};
   if (route == "baseline") return {"baseline"};
@@ -46,7 +47,7 @@ std::string Join(const std::vector<std::string>& names) {
 
 std::vector<std::string> RouteNames() {
   std::vector<std::string> names = TorwicConfigurations();
-  for (const char* name : {"2-4-4", "9-2", "table-top", "twin", "people", "hall"}) {
+  for (const char* name : {"2-4-4", "9-2", "unchanged", "table-top", "twin", "people", "hall"}) {
     names.emplace_back(name);
   }
   return names;

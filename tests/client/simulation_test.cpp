@@ -46,6 +46,7 @@ TEST(MakeRoute, KnowsItsRoutesAndTheirSequences) {
   EXPECT_THAT(SequenceNames("1-5"), testing::ElementsAre("baseline", "1-5"));
   EXPECT_THAT(SequenceNames("2-4-4"), testing::ElementsAre("2-2", "2-4", "4-1"));
   EXPECT_THAT(SequenceNames("9-2"), testing::ElementsAre("1-9", "2-1"));
+  EXPECT_THAT(SequenceNames("unchanged"), testing::ElementsAre("baseline", "baseline"));
   EXPECT_THAT(RouteNames(), testing::IsSupersetOf({"4-1", "table-top", "twin", "people", "hall"}));
   for (const std::string& name : RouteNames()) {
     EXPECT_EQ(RouteOf(name).name, name);
