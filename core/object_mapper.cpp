@@ -7,6 +7,7 @@
 #include "core/cell_ownership.h"
 #include "core/class_votes.h"
 #include "core/contact.h"
+#include "core/free_rays.h"
 #include "core/ground.h"
 #include "core/new_object.h"
 #include "core/object_parts.h"
@@ -21,35 +22,8 @@ constexpr std::size_t kMinFittingSamples = 12;
 // How often new objects are compared with what is archived around them.
 constexpr std::uint64_t kFramesPerComparison = 8;
 
-// Free space ends this far before what was measured.
-constexpr double kFreeMarginM = 0.15;
-
 // Free space this deep inside a surface was free before the surface came.
 constexpr float kInsideM = 0.08F;
-
-/// Cells of an object's surface that frames have missed.
-struct DoubtedCells {
-  std::size_t gone = 0;     ///< With scores of at most `max_score`.
-  std::size_t doubted = 0;  ///< With negative scores, those included.
-};
-
-DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
-  DoubtedCells cells;
-  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
-    if (evidence == nullptr) continue;
-    std::uint64_t counted = 0;
-    for (const SurfaceVoxel& point : leaf.points) {
-      const std::uint64_t bit = std::uint64_t{1} << point.cell;
-      if ((counted & bit) != 0) continue;
-      counted |= bit;
-      const std::int8_t score = evidence->score[point.cell];
-      cells.gone += score <= max_score ? 1U : 0U;
-      cells.doubted += score < 0 ? 1U : 0U;
-    }
-  }
-  return cells;
-}
 
 /// What speaks most against an object.
 EventReason ReasonOf(const ObjectVerdict& verdict) {
@@ -86,7 +60,7 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   ConfirmAndForget();
   TakeBackParts();
   FindMoves(in_view_, parameters_.recent_s, parameters_.moves, map_);
-  MarkFreeSpace();
+  MarkFreeRays(samples_, cloud_->T_world_camera().translation(), map_);
 }
 
 void ObjectMapper::FindOwners() {
@@ -382,22 +356,6 @@ void ObjectMapper::TakeBackParts() {
       map_->MarkLeaves(view.object, CopyVoxels(*part, map_->scale(), view.object).into);
       TellMerged(*part, EventReason::kShapeMatched, view.object->id());
       map_->Forget(part);
-    }
-  }
-}
-
-void ObjectMapper::MarkFreeSpace() {
-  constexpr int kStride = 2;
-  const Eigen::Vector3d camera_world = cloud_->T_world_camera().translation();
-  for (int row = 0; row < samples_.height(); row += kStride) {
-    for (int column = 0; column < samples_.width(); column += kStride) {
-      const SurfaceSample& sample = samples_.At(column, row);
-      if (!sample.is_valid()) continue;
-      const Eigen::Vector3d way = sample.position_world.cast<double>() - camera_world;
-      const double length_m = way.norm();
-      if (length_m < 2.0 * kFreeMarginM) continue;
-      map_->MarkFree(camera_world + way * (kFreeMarginM / length_m),
-                     camera_world + way * (1.0 - kFreeMarginM / length_m));
     }
   }
 }

@@ -88,7 +88,6 @@ class ObjectMapper final : public MapUpdater {
   void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into);
   void Return(TrackedObject* object, EventReason reason, const Belief& belief);
   void TakeBackParts();
-  void MarkFreeSpace();
   void Archive(TrackedObject* object, EventReason reason, const Belief& before);
 
   MapConfig config_;

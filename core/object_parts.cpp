@@ -142,6 +142,24 @@ std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
   return changed;
 }
 
+DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
+  DoubtedCells cells;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr) continue;
+    std::uint64_t counted = 0;
+    for (const SurfaceVoxel& point : leaf.points) {
+      const std::uint64_t bit = std::uint64_t{1} << point.cell;
+      if ((counted & bit) != 0) continue;
+      counted |= bit;
+      const std::int8_t score = evidence->score[point.cell];
+      cells.gone += score <= max_score ? 1U : 0U;
+      cells.doubted += score < 0 ? 1U : 0U;
+    }
+  }
+  return cells;
+}
+
 std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part) {
   TsdfGrid& volume = object->MutableVolume();
   TsdfGrid& part_volume = part->MutableVolume();

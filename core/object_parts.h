@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/tracked_object.h"
@@ -28,6 +29,14 @@ std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
                                        double max_weight,
                                        const VoxelScale& scale,
                                        TrackedObject* into);
+
+/// Cells of an object's surface that frames have missed.
+struct DoubtedCells {
+  std::size_t gone = 0;     ///< With scores of at most `max_score`.
+  std::size_t doubted = 0;  ///< With negative scores, those included.
+};
+
+DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score);
 
 /// Moves the voxels of the evidence cells with scores of at most `max_score` to `part`, which must
 /// have the same frame as `object`, and forgets those scores.
