@@ -159,9 +159,10 @@ class Store {
   virtual absl::Status AppendFrames(const std::vector<LogAppend>& appends) = 0;
 
   /// Makes a commit durable: its objects, leaves, free space and robots, its events, numbered on
-  /// from the last one, its change list and the revision. `now` is the server's clock. A delta with `to == from` changes nothing.
-  /// Errors: `NotFound`; `FailedPrecondition` if `delta.from` is not the stored revision or
-  /// `delta.to` lies beyond the log's head; `Unavailable` with `STORE_READ_ONLY`.
+  /// from the last one, its change list and the revision. `now` is the server's clock. A delta with
+  /// `to == from` changes nothing. Errors: `NotFound`; `FailedPrecondition` if `delta.from` is not
+  /// the stored revision or `delta.to` lies beyond the log's head; `Unavailable` with
+  /// `STORE_READ_ONLY`.
   virtual absl::Status CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) = 0;
 
   /// Calls `visit` for the frames of the log with `first` <= sequence, in order, until it returns
