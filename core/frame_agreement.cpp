@@ -69,6 +69,13 @@ class PatchGrid {
 
   const std::vector<Patch>& patches() const { return patches_; }
 
+  /// Where objects matter, world frame.
+  Box Reach() const {
+    const Eigen::Vector3d camera_world = T_world_camera_.translation();
+    const Eigen::Vector3d reach_m = Eigen::Vector3d::Constant(reach_m_);
+    return {camera_world - reach_m, camera_world + reach_m};
+  }
+
   /// Which patches a volume knows, within bounds of its frame if there are any.
   void CompareVolume(const VoxelReader& volume,
                      const VoxelScale& scale,
@@ -155,7 +162,9 @@ FrameAgreement CompareFrame(const FrameSurface& frame,
                             const Eigen::Isometry3d& T_world_camera,
                             const WorkingMap& map) {
   PatchGrid grid(frame, T_world_camera);
-  for (const auto& [id, object] : map.objects()) grid.CompareObject(object, map.scale());
+  for (const TrackedObject* object : map.ObjectsNear(grid.Reach())) {
+    grid.CompareObject(*object, map.scale());
+  }
   grid.CompareVolume(map.background(), map.scale(), Eigen::Isometry3d::Identity(), nullptr);
   FrameAgreement agreement;
   agreement.patches = grid.patches().size();

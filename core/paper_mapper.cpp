@@ -59,6 +59,7 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
       ++object->state().views;
       object->state().last_seen = map->now();
       AddVotes({{object->state().class_id, samples}}, &object->state());
+      map->MarkChanged(object);
       const std::optional<double> change_m = MeasureChange(place, *cloud);
       if (!change_m.has_value()) continue;
       Update(object, *change_m);

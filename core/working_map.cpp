@@ -64,13 +64,21 @@ void WorkingMap::EndFrame() {
   assert(IsRegistered());
 }
 
+std::vector<ObjectId> WorkingMap::IdsNear(const Box& box_world) const {
+  if (box_world.isEmpty()) return {};
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kTouchM);
+  return places_.Find({box_world.min() - margin, box_world.max() + margin});
+}
+
 std::vector<TrackedObject*> WorkingMap::ObjectsNear(const Box& box_world) {
   std::vector<TrackedObject*> objects;
-  if (box_world.isEmpty()) return objects;
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kTouchM);
-  for (const ObjectId id : places_.Find({box_world.min() - margin, box_world.max() + margin})) {
-    objects.push_back(&objects_.at(id));
-  }
+  for (const ObjectId id : IdsNear(box_world)) objects.push_back(&objects_.at(id));
+  return objects;
+}
+
+std::vector<const TrackedObject*> WorkingMap::ObjectsNear(const Box& box_world) const {
+  std::vector<const TrackedObject*> objects;
+  for (const ObjectId id : IdsNear(box_world)) objects.push_back(&objects_.at(id));
   return objects;
 }
 

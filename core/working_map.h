@@ -69,6 +69,7 @@ class WorkingMap {
   /// come within a millimetre of a box, by rising id: all that could be found there, though
   /// rounding differs. Cost: that of the objects around the box, not of the map.
   std::vector<TrackedObject*> ObjectsNear(const Box& box_world);
+  std::vector<const TrackedObject*> ObjectsNear(const Box& box_world) const;
 
   /// Those with the standing `kTentative`, by rising id. Cost: theirs.
   std::vector<TrackedObject*> TentativeObjects() { return FindAll(tentative_); }
@@ -131,6 +132,7 @@ class WorkingMap {
   TrackedObject& Insert(const Eigen::Vector3d& position_world);
   void Register(const TrackedObject& object);
   std::vector<TrackedObject*> FindAll(const std::set<ObjectId>& ids);
+  std::vector<ObjectId> IdsNear(const Box& box_world) const;
   bool IsRegistered() const;
   void CommitObjects(MapDelta* delta);
   void CommitLeaves(MapDelta* delta);
