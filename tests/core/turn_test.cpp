@@ -16,8 +16,12 @@ TurnSum LookAtFront(double width_m, double turn_rad, const Eigen::Vector3d& shif
   const Eigen::Vector3d middle(3.0, -2.0, 0.5);
   const Eigen::Vector3d normal = -Eigen::Vector3d::UnitX();
   TurnSum sum;
-  for (double y = -0.5 * width_m; y <= 0.5 * width_m; y += 0.05) {
-    for (double z = -0.5; z <= 0.5; z += 0.05) {
+  constexpr double kStepM = 0.05;
+  const auto half_steps = static_cast<int>(std::lround(0.5 * width_m / kStepM));
+  for (int column = -half_steps; column <= half_steps; ++column) {
+    for (int row = -10; row <= 10; ++row) {
+      const double y = column * kStepM;
+      const double z = row * kStepM;
       // Along its normal, the turned front is met here.
       const double offset_m = y * std::tan(turn_rad) + normal.dot(shift) + noise(random);
       sum.Add(middle + Eigen::Vector3d(0.0, y, z), normal, offset_m);
