@@ -69,8 +69,10 @@ void WriteRow(const MethodScore& row, bool has_history, JsonWriter* json) {
     if (!row.last_sequence_only) WriteEvents(row.events, json);
   }
   json->Key("brier").Number(row.brier);
-  json->Key("memory_bytes").Integer(row.memory_bytes);
-  json->Key("median_frame_ms").Number(row.median_frame_ms);
+  json->Key("memory_bytes").Integer(row.cost.memory_bytes);
+  json->Key("bytes_per_object").Number(row.cost.bytes_per_object);
+  json->Key("delta_bytes_per_frame").Number(row.cost.delta_bytes_per_frame);
+  json->Key("median_frame_ms").Number(row.cost.median_frame_ms);
   json->EndObject();
 }
 

@@ -13,6 +13,7 @@
 #include "client/evaluation/event_score.h"
 #include "client/evaluation/map_score.h"
 #include "client/evaluation/method.h"
+#include "client/evaluation/method_run.h"
 #include "client/simulator/simulation.h"
 
 namespace steadymap {
@@ -25,8 +26,7 @@ struct MethodScore {
   EventScore events;                ///< The same.
   /// Brier score of the map's beliefs (`belief_score.h`); NaN where it has none.
   double brier = std::numeric_limits<double>::quiet_NaN();
-  std::size_t memory_bytes = 0;  ///< Of the last seed's map.
-  double median_frame_ms = 0.0;  ///< Of the last seed.
+  MapCost cost;  ///< Of the last seed.
 };
 
 /// One table.

@@ -19,6 +19,29 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
+// Keys and stamps add little to the evidence and the masks.
+std::size_t BytesOf(const MapDelta& delta) {
+  std::size_t bytes = delta.events.size() * sizeof(ObjectEvent);
+  for (const LeafChange& leaf : delta.leaves) bytes += sizeof(LeafKey) + leaf.packed.size();
+  for (const ObjectChange& object : delta.objects) {
+    bytes += sizeof(ObjectId);
+    if (!object.state.has_value()) continue;
+    bytes += sizeof(ObjectState) + object.state->evidence.leaves.size() * sizeof(LeafEvidence);
+  }
+  return bytes + delta.free_blocks.size() * sizeof(FreeBlockChange);
+}
+
+double BytesPerObject(const MapSnapshot& map) {
+  std::size_t bytes = 0;
+  std::size_t objects = 0;
+  for (const auto& [id, object] : map.objects) {
+    if (object->standing != ObjectStanding::kPresent) continue;
+    bytes += object->volume->memory_bytes();
+    ++objects;
+  }
+  return static_cast<double>(bytes) / static_cast<double>(objects);
+}
+
 }  // namespace
 
 absl::StatusOr<MethodRun> MethodRun::Start(const Method& method) {
@@ -42,16 +65,21 @@ void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
 
 void MethodRun::Commit() {
   MapCommit commit = mapper_->Commit();
+  delta_bytes_ += BytesOf(commit.delta);
   snapshot_ = std::move(commit.snapshot);
   events_.insert(events_.end(), commit.delta.events.begin(), commit.delta.events.end());
 }
 
 MethodOutcome MethodRun::Finish(double spacing_m) {
   Commit();
-  return {.surface = SampleMap(*snapshot_, spacing_m),
+  const double frames = std::max(1.0, static_cast<double>(frame_ms_.size()));
+  return {.map = snapshot_,
+          .surface = SampleMap(*snapshot_, spacing_m),
           .events = std::move(events_),
-          .memory_bytes = VolumeBytes(*snapshot_),
-          .median_frame_ms = Median(std::move(frame_ms_))};
+          .cost = {.memory_bytes = VolumeBytes(*snapshot_),
+                   .bytes_per_object = BytesPerObject(*snapshot_),
+                   .delta_bytes_per_frame = static_cast<double>(delta_bytes_) / frames,
+                   .median_frame_ms = Median(std::move(frame_ms_))}};
 }
 
 }  // namespace steadymap

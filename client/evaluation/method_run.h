@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,12 +16,22 @@
 
 namespace steadymap {
 
+/// What a map costs.
+struct MapCost {
+  std::size_t memory_bytes = 0;  ///< Of the final map's volumes.
+  /// Mean of the present objects' volumes; NaN without objects.
+  double bytes_per_object = std::numeric_limits<double>::quiet_NaN();
+  /// What the deltas tell of packed leaves, states and events, by frame; 0 without frames.
+  double delta_bytes_per_frame = 0.0;
+  double median_frame_ms = 0.0;  ///< Wall time of a frame; 0 without frames.
+};
+
 /// What a method made of a route.
 struct MethodOutcome {
+  std::shared_ptr<const MapSnapshot> map;
   std::vector<SurfacePoint> surface;  ///< Of the final map.
   std::vector<ObjectEvent> events;    ///< In the order they were decided.
-  std::size_t memory_bytes = 0;       ///< Of the final map's volumes.
-  double median_frame_ms = 0.0;       ///< Wall time of a frame; 0 without frames.
+  MapCost cost;
 };
 
 /// Builds a map by one method, frame by frame, on the calling thread.
@@ -44,6 +55,7 @@ class MethodRun {
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> snapshot_;
   std::vector<ObjectEvent> events_;
+  std::size_t delta_bytes_ = 0;
   std::vector<double> frame_ms_;
 };
 

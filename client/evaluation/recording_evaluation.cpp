@@ -134,8 +134,7 @@ absl::StatusOr<Evaluation> EvaluateRecording(const RecordingEvaluationOptions& o
     row.name = options.methods[i].name;
     row.last_sequence_only = options.methods[i].last_sequence_only;
     row.map = scorer.Score(outcomes[i].surface);
-    row.memory_bytes = outcomes[i].memory_bytes;
-    row.median_frame_ms = outcomes[i].median_frame_ms;
+    row.cost = outcomes[i].cost;
     if (options.visit_map) options.visit_map(row.name, scorer, outcomes[i].surface);
   }
   return evaluation;

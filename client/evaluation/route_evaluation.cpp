@@ -2,6 +2,7 @@
 #include <cassert>
 #include <utility>
 
+#include "client/evaluation/belief_score.h"
 #include "client/evaluation/evaluation.h"
 #include "client/evaluation/method_run.h"
 
@@ -44,6 +45,25 @@ SurveyOptions SurveyOptionsFor(const RouteEvaluationOptions& options) {
   return survey;
 }
 
+// The other policies keep no beliefs.
+bool HasBeliefs(const Method& method) {
+  return method.config.policy == UpdatePolicy::kPocd ||
+         method.config.policy == UpdatePolicy::kPocdPaper;
+}
+
+// What the map believes of each object that it has shown.
+void AddBeliefs(const MapSnapshot& map,
+                const MapScorer& scorer,
+                double spacing_m,
+                std::vector<BeliefSample>* beliefs) {
+  for (const auto& [id, object] : map.objects) {
+    if (object->standing == ObjectStanding::kTentative) continue;
+    const std::vector<SurfacePoint> surface = SampleObject(*object, map.scale, spacing_m);
+    if (surface.empty()) continue;
+    beliefs->push_back({object->belief.stationarity(), scorer.IsStillTrue(surface)});
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
@@ -67,6 +87,7 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
   const MapScorer scorer(MakeReference(&survey, options.with_ground));
   evaluation.scored_voxels = scorer.scored_voxels();
 
+  std::vector<std::vector<BeliefSample>> beliefs(options.methods.size());
   for (std::size_t seed = 0; seed < options.seeds.size(); ++seed) {
     SimulationOptions noise = options.simulation;
     noise.seed = options.seeds[seed];
@@ -80,10 +101,15 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
       MethodScore& row = evaluation.rows[i];
       row.map += scorer.Score(outcome.surface);
       row.events += ScoreEvents(event_truth, outcome.events);
-      row.memory_bytes = outcome.memory_bytes;
-      row.median_frame_ms = outcome.median_frame_ms;
+      row.cost = outcome.cost;
+      if (HasBeliefs(options.methods[i])) {
+        AddBeliefs(*outcome.map, scorer, SampleSpacingFor(options.voxel_size_m), &beliefs[i]);
+      }
       if (seed == 0 && options.visit_map) options.visit_map(row.name, scorer, outcome.surface);
     }
+  }
+  for (std::size_t i = 0; i < beliefs.size(); ++i) {
+    evaluation.rows[i].brier = BrierScore(beliefs[i]);
   }
   return evaluation;
 }

@@ -12,11 +12,11 @@ namespace {
 
 // clang-format off
 constexpr char kMapHeading[] =
-    "                     | voxel               | near                |ghosts   kept   kept/ |     MB    ms/\n"
-    "map                  | prec. recall    FPR | prec. recall    FPR |               static |         frame\n";
+    "                     | voxel               | near                |ghosts   kept   kept/ |     MB   kB/ delta kB   ms/\n"
+    "map                  | prec. recall    FPR | prec. recall    FPR |               static |          obj   /frame frame\n";
 constexpr char kEventHeading[] =
-    "                     | created, lenient    | removed, lenient    | moved, lenient      | all, one to one     |frames  false\n"
-    "events               | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | until /1000f\n";
+    "                     | created, lenient    | removed, lenient    | moved, lenient      | all, one to one     |frames  false  Brier\n"
+    "events               | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | until /1000f  score\n";
 
 // clang-format on
 
@@ -51,15 +51,17 @@ double KeptOfStatic(const MethodScore& row, const Evaluation& evaluation) {
 }
 
 std::string MethodLine(const MethodScore& row, const Evaluation& evaluation) {
-  return absl::StrFormat("%-21s|%s |%s |%6s %6s %7s |%7.1f %6.2f\n",
+  return absl::StrFormat("%-21s|%s |%s |%6s %6s %7s |%7.1f %5s %8s %5s\n",
                          row.name,
                          SurfaceCells(row.map.voxel),
                          SurfaceCells(row.map.near),
                          Percent(row.map.ghosts.value(), 1),
                          Percent(row.map.kept.value(), 1),
                          Percent(KeptOfStatic(row, evaluation), 1),
-                         static_cast<double>(row.memory_bytes) / 1e6,
-                         row.median_frame_ms);
+                         static_cast<double>(row.cost.memory_bytes) / 1e6,
+                         Decimal(row.cost.bytes_per_object / 1e3, 0),
+                         Decimal(row.cost.delta_bytes_per_frame / 1e3, 1),
+                         Decimal(row.cost.median_frame_ms, 1));
 }
 
 std::string DetectionCells(const DetectionScore& score) {
@@ -71,14 +73,15 @@ std::string DetectionCells(const DetectionScore& score) {
 
 std::string EventLine(const MethodScore& row) {
   const EventScore& events = row.events;
-  return absl::StrFormat("%-21s|%s |%s |%s |%s |%6s %6s\n",
+  return absl::StrFormat("%-21s|%s |%s |%s |%s |%6s %6s %6s\n",
                          row.name,
                          DetectionCells(events.lenient.created),
                          DetectionCells(events.lenient.removed),
                          DetectionCells(events.lenient.moved),
                          DetectionCells(events.one_to_one.all()),
                          Decimal(events.median_latency_frames(), 0),
-                         Decimal(events.false_removals_per_1000_frames(), 1));
+                         Decimal(events.false_removals_per_1000_frames(), 1),
+                         Decimal(row.brier, 3));
 }
 
 std::string EventTable(const Evaluation& evaluation) {

@@ -60,7 +60,7 @@ TEST(EvaluateRoute, AnUnchangedRouteHasNoGhosts) {
   EXPECT_EQ(row.map.ghosts.whole, 0U);
   EXPECT_GT(row.map.near.precision(), 0.95);
   EXPECT_GT(row.map.near.recall(), 0.85);
-  EXPECT_GT(row.memory_bytes, 100'000U);
+  EXPECT_GT(row.cost.memory_bytes, 100'000U);
   EXPECT_EQ(visits.size(), MethodNames().size());
   for (const std::string& method : MethodNames()) EXPECT_EQ(visits[method], 1U) << method;
 }
@@ -75,6 +75,10 @@ TEST(EvaluateRoute, PocdForgetsWhatMovedAndKeepsWhatIsOutOfView) {
   EXPECT_LT(pocd.near.false_positive_rate(), fresh.near.false_positive_rate() + 0.003);
   EXPECT_LT(pocd.ghosts.value(), 0.03);
   EXPECT_GT(pocd.kept.value(), 0.85);
+  EXPECT_LT(Row(*evaluation, "pocd").brier, 0.15);
+  EXPECT_TRUE(std::isnan(Row(*evaluation, "static").brier)) << "it has no beliefs";
+  EXPECT_GT(Row(*evaluation, "pocd").cost.bytes_per_object, 1e4);
+  EXPECT_GT(Row(*evaluation, "pocd").cost.delta_bytes_per_frame, 1e3);
   for (const MethodScore& row : evaluation->rows) {
     if (row.name == "fresh" || row.name == "pocd") continue;
     SCOPED_TRACE(row.name);

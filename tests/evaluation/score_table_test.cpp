@@ -23,8 +23,9 @@ Evaluation Example() {
   row.map.voxel = {600, 400, 750, 250, 5000};
   row.map.ghosts = {79, 100};
   row.map.kept = {45, 50};
-  row.memory_bytes = 6'600'000;
-  row.median_frame_ms = 0.74;
+  row.cost.memory_bytes = 6'600'000;
+  row.cost.delta_bytes_per_frame = 12'345.0;
+  row.cost.median_frame_ms = 0.74;
   evaluation.rows.push_back(row);
   evaluation.rows[1].name = "fresh";
   evaluation.rows[1].last_sequence_only = true;
@@ -48,7 +49,7 @@ TEST(ScoreTable, ShowsEveryMethodAndWhatOthersReported) {
   EXPECT_EQ(
       lines[3],
       "static               |  60.0   75.0   7.41 |  78.0   99.1   4.21 |  79.0   90.0   100.0 "
-      "|    6.6   0.74");
+      "|    6.6     -     12.3   0.7");
   EXPECT_TRUE(lines[4].starts_with("fresh ")) << lines[4];
   EXPECT_NE(lines[4].find(" 18.0    20.0 |"), std::string::npos) << lines[4];
   EXPECT_TRUE(lines[9].starts_with("POCD                 |  80.2   78.7    3.0 |")) << lines[9];
