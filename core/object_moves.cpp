@@ -43,6 +43,10 @@ bool MayBeAlike(const Cuboid& a, const Cuboid& b, double size_tolerance_m) {
   return (larger_sides(a) - larger_sides(b)).cwiseAbs().maxCoeff() <= size_tolerance_m;
 }
 
+double DistanceOfCenters(const TrackedObject& a, const TrackedObject& b) {
+  return (a.cuboid().center_world - b.cuboid().center_world).norm();
+}
+
 UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
   const Eigen::Matrix3d R_world_object = T_world_object.linear();
   return {T_world_object.translation(), std::atan2(R_world_object(1, 0), R_world_object(0, 0))};
@@ -82,25 +86,26 @@ class MoveSearch {
   MoveSearch(const MoveParameters& parameters, WorkingMap* map)
       : parameters_(parameters), map_(map) {}
 
-  /// The object in view that `after` was pushed aside from; null if there is none.
+  /// The object in view that `after` was pushed aside from; null if none was, or if it may as well
+  /// have been another one.
   TrackedObject* FindPushed(const TrackedObject& after,
                             const std::vector<ObjectInView>& in_view) const {
-    const Cuboid& cuboid = after.cuboid();
+    TrackedObject* nearest = nullptr;
+    double nearest_m = parameters_.pushed_distance_m;
     for (const ObjectInView& view : in_view) {
       const ObjectState& old = view.object->state();
       if (old.standing != ObjectStanding::kPresent || old.class_id != after.state().class_id ||
           old.evidence.absent_streak_cells < parameters_.pushed_absent_cells ||
-          old.standing_since >= after.state().standing_since) {
+          old.standing_since >= after.state().standing_since ||
+          !IsAlike(view.object->cuboid(), after.cuboid(), parameters_.size_tolerance_m)) {
         continue;
       }
-      const Cuboid& old_cuboid = view.object->cuboid();
-      const double distance_m = (old_cuboid.center_world - cuboid.center_world).norm();
-      if (distance_m <= parameters_.pushed_distance_m &&
-          IsAlike(old_cuboid, cuboid, parameters_.size_tolerance_m)) {
-        return view.object;
-      }
+      const double distance_m = DistanceOfCenters(*view.object, after);
+      if (distance_m > nearest_m) continue;
+      nearest = view.object;
+      nearest_m = distance_m;
     }
-    return nullptr;
+    return nearest == nullptr || HasRival(*nearest, nearest_m, after) ? nullptr : nearest;
   }
 
   /// The archived object that alone looks like `after`; null if none does, or several do. Those
@@ -127,6 +132,28 @@ class MoveSearch {
   bool IsLookalike(const TrackedObject& other, const TrackedObject& after) const {
     return &other != &after && other.state().class_id == after.state().class_id &&
            MayBeAlike(other.cuboid(), after.cuboid(), parameters_.size_tolerance_m);
+  }
+
+  /// Whether another thing that is alike, and was not seen in its place since `after` came, stood
+  /// hardly further off than `before`.
+  bool HasRival(const TrackedObject& before, double distance_m, const TrackedObject& after) const {
+    const double reach_m = parameters_.rival_distance * distance_m;
+    const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(reach_m);
+    const Eigen::Vector3d center_world = after.cuboid().center_world;
+    const Timestamp came = after.state().standing_since;
+    for (const TrackedObject* other :
+         map_->ObjectsNear({center_world - margin_m, center_world + margin_m})) {
+      const ObjectState& state = other->state();
+      const bool is_unaccounted = other->is_history()
+                                      ? state.standing_since >= came
+                                      : state.standing == ObjectStanding::kPresent &&
+                                            state.standing_since < came && state.last_seen < came;
+      if (other != &before && is_unaccounted && IsLookalike(*other, after) &&
+          DistanceOfCenters(*other, after) <= reach_m) {
+        return true;
+      }
+    }
+    return false;
   }
 
   bool Fits(const ShapeMatch& match) const {

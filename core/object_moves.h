@@ -21,6 +21,9 @@ struct MoveParameters {
   double pushed_distance_m = 0.9;
   /// ... so many cells of the old place must be found gone, and none found there again.
   double pushed_absent_cells = 8.0;
+  /// Nor may another thing that is alike, and missed too, have stood within so many times the
+  /// distance: then it may be either.
+  double rival_distance = 1.5;
 
   /// Share of the new surface that must lie where the old shape knows anything, once it is laid
   /// over it, ...

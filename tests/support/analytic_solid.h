@@ -65,8 +65,8 @@ inline Solid Angle() {
 /// All of them.
 inline std::vector<Solid> ThingsToLookAt() { return {Crate(), CrateWithParcel(), Angle()}; }
 
-/// The voxels at one leaf of a body's volume: those up to a truncation from the surface, where
-/// `is_observed` holds.
+/// The voxels, canonical, at one leaf of a body's volume: those up to a truncation from the
+/// surface, where `is_observed` holds.
 inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
                            const std::function<double(const Eigen::Vector3d&)>& distance_m,
                            const VoxelScale& scale,
@@ -79,7 +79,9 @@ inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
     const Eigen::Vector3d center_m = voxel.cast<double>() * scale.voxel_size_m;
     const double distance = distance_m(center_m);
     if (std::abs(distance) > scale.truncation_m || !is_observed(center_m)) continue;
-    leaf.distance_m[offset] = static_cast<float>(distance);
+    const float step_m = scale.distance_step_m();
+    const auto steps = std::lround(distance / static_cast<double>(step_m));
+    leaf.distance_m[offset] = static_cast<float>(steps) * step_m;
     leaf.weight[offset] = 1.0F;
     leaf.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
   }

@@ -1,0 +1,94 @@
+// Piles that are all alike stand in a row along y; one stands where none stood before.
+
+#include "core/object_moves.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/map_config.h"
+#include "tests/support/analytic_solid.h"
+
+namespace steadymap {
+namespace {
+
+constexpr double kRecentS = 20.0;
+
+class FindMovesTest : public ::testing::Test {
+ protected:
+  FindMovesTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
+
+  /// A pile that was seen first and last at these times.
+  TrackedObject* Put(double y_m, double came_s, double last_seen_s) {
+    TrackedObject& pile = map_.AddObject({2.0, y_m, 0.0});
+    const Eigen::Vector3d origin_world = pile.state().T_world_object.position_world;
+    const Box box(Eigen::Vector3d(2.0, y_m - 0.25, 0.0) - origin_world,
+                  Eigen::Vector3d(2.5, y_m + 0.25, 0.8) - origin_world);
+    pile.MutableVolume() = testing::MakeVolume({box}, map_.scale());
+    pile.RebuildSurface();
+    ObjectState& state = pile.state();
+    state.standing = ObjectStanding::kPresent;
+    state.first_seen = Timestamp::FromSeconds(came_s);
+    state.standing_since = state.first_seen;
+    state.last_seen = Timestamp::FromSeconds(last_seen_s);
+    state.views = 20;
+    map_.MarkChanged(&pile);
+    in_view_.push_back({&pile, 0, 10, 0, 10});
+    return &pile;
+  }
+
+  /// A pile that was there long ago, and is not found any more.
+  TrackedObject* PutMissed(double y_m) {
+    TrackedObject* pile = Put(y_m, 10.0, 30.0);
+    pile->state().evidence.absent_streak_cells = 12.0;
+    return pile;
+  }
+
+  std::vector<ObjectEvent> Find() {
+    FindMoves(in_view_, kRecentS, MoveParameters(), &map_);
+    map_.EndFrame();
+    return map_.Commit().delta.events;
+  }
+
+  WorkingMap map_{MapConfig()};
+  std::vector<ObjectInView> in_view_;
+};
+
+TEST_F(FindMovesTest, TellsAPileThatWasPushedAside) {
+  const ObjectId missed = PutMissed(0.0)->id();
+  Put(0.7, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, missed);
+  EXPECT_NEAR(events[0].old_center_world.value().y(), 0.0, 0.05);
+  EXPECT_NEAR(events[0].center_world.y(), 0.7, 0.05);
+}
+
+TEST_F(FindMovesTest, NeverGuessesWhichOfTwoMissedPilesWasPushed) {
+  PutMissed(0.0);
+  PutMissed(1.4);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, LeavesOutANeighbourThatStillStands) {
+  const ObjectId missed = PutMissed(0.0)->id();
+  Put(1.4, 10.0, 100.0);
+  Put(0.7, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].object, missed);
+}
+
+TEST_F(FindMovesTest, TakesTheOneThatIsClearlyNearer) {
+  PutMissed(1.6);
+  const ObjectId missed = PutMissed(0.4)->id();
+  Put(0.7, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].object, missed);
+}
+
+}  // namespace
+}  // namespace steadymap
