@@ -41,10 +41,12 @@ class VoxelPatch {
   bool has_color() const { return has_color_; }
 
  private:
-  static constexpr std::size_t kVoxels = std::size_t{kPatchSide} * kPatchSide * kPatchSide;
+  static constexpr std::size_t kSide = kPatchSide;
+  static constexpr std::size_t kVoxels = kSide * kSide * kSide;
 
   static std::size_t At(int x, int y, int z) {
-    return static_cast<std::size_t>((x * kPatchSide + y) * kPatchSide + z);
+    const std::size_t row = static_cast<std::size_t>(x) * kSide + static_cast<std::size_t>(y);
+    return row * kSide + static_cast<std::size_t>(z);
   }
 
   std::array<bool, kVoxels> known_;

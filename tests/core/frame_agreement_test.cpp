@@ -30,15 +30,15 @@ class FrameAgreementTest : public ::testing::Test {
   static void SetUpTestSuite() {
     MapStory story(PocdConfig());
     story.Tell(Drive(Room(), 0, 70), 70);
-    room_ = new MapSnapshot(story.map());
+    room = new MapSnapshot(story.map());
   }
 
   static void TearDownTestSuite() {
-    delete room_;
-    room_ = nullptr;
+    delete room;
+    room = nullptr;
   }
 
-  FrameAgreementTest() : map_(PocdConfig()), cloud_(PocdConfig()) { map_.Restore(*room_); }
+  FrameAgreementTest() : map_(PocdConfig()), cloud_(PocdConfig()) { map_.Restore(*room); }
 
   FrameAgreement Compare(const Frame& frame, const WorkingMap& map) {
     cloud_.Compute(frame);
@@ -49,14 +49,14 @@ class FrameAgreementTest : public ::testing::Test {
 
   FrameAgreement Compare(const Frame& frame) { return Compare(frame, map_); }
 
-  static MapSnapshot* room_;
+  static MapSnapshot* room;
   WorkingMap map_;
   SemanticCloud cloud_;
   SampleGrid samples_;
   DepthTiles tiles_;
 };
 
-MapSnapshot* FrameAgreementTest::room_ = nullptr;
+MapSnapshot* FrameAgreementTest::room = nullptr;
 
 TEST_F(FrameAgreementTest, AFrameOfTheMappedRoomFits) {
   for (const int index : {5, 15, 40}) {
