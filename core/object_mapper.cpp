@@ -308,8 +308,9 @@ void ObjectMapper::TakeBack(TrackedObject* known, TrackedObject* object) {
   known->state().views += object->state().views;
   map_->MarkLeaves(known, CopyVoxels(*object, map_->scale(), known).into);
   Return(known, EventReason::kShapeMatched, object->state().belief);
-  if (object->state().standing == ObjectStanding::kPresent)
+  if (object->state().standing == ObjectStanding::kPresent) {
     TellMerged(*object, EventReason::kShapeMatched, known->id());
+  }
   map_->Forget(object);
   const Belief unseen = InitialBelief(parameters_.initial_stationarity);
   for (TrackedObject* other : others) Return(other, EventReason::kConnected, unseen);
@@ -346,8 +347,10 @@ void ObjectMapper::TakeBackParts() {
         PriorOf(config_, state.class_id) != StationarityPrior::kStays) {
       continue;
     }
-    // What was too little to be known when it came may be enough now.
-    if (TrackedObject* known = FindKnown(*view.object)) {
+    // What was too little to be known when it came may be enough now. What came back before has a
+    // history of its own.
+    const bool is_new = state.first_seen == state.standing_since;
+    if (TrackedObject* known = is_new ? FindKnown(*view.object) : nullptr; known != nullptr) {
       TakeBack(known, view.object);
       continue;
     }

@@ -1,7 +1,6 @@
 #include "core/turn.h"
 
 #include <cmath>
-#include <limits>
 
 #include <Eigen/LU>
 

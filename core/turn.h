@@ -7,8 +7,8 @@ namespace steadymap {
 /// When surface counts as turned.
 struct TurnParameters {
   /// Turn about the vertical axis, radians, that must be exceeded by more than the standard
-  /// deviation with which it is known; 0: never. Looks at what stands still stay below
-  /// it, pose error included; boxes that are pushed or put back seldom do.
+  /// deviation with which it is known; 0: never. Looks at what stands still stay below it, pose
+  /// error included; boxes that are pushed or put back seldom do.
   double turned_rad = 0.1;
   /// Greatest standard deviation with which the turn may be known, radians.
   double max_error_rad = 0.06;
@@ -25,7 +25,7 @@ class TurnSum {
   /// An estimate of the turn.
   struct Turn {
     double angle_rad = 0.0;  ///< Counterclockwise from above.
-    double error_rad = 0.0;  ///< Standard deviation; infinite if nothing is known.
+    double error_rad = 0.0;  ///< Standard deviation; over 1000 if nothing is known.
   };
 
   Turn Estimate() const;
