@@ -27,7 +27,7 @@ namespace {
 constexpr char kMapFile[] = "map.vdb";
 constexpr char kStateFile[] = "mirror.json";
 
-constexpr char kFooter[] =
+constexpr char kMirrorFooter[] =
     "FOLDER/map.vdb is what `steadymap export --format vdb` would write, kept up to date: "
     "background\n"
     "and present objects, or what the filter lets pass of them, in whole leaves and whole "
@@ -93,7 +93,7 @@ absl::Status WriteWholeFile(const std::filesystem::path& path, const std::string
 
 MirrorCommand::MirrorCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command = app->add_subcommand("mirror", "Keep a map's vdb file up to date");
-  command->footer(kFooter);
+  command->footer(kMirrorFooter);
   command->add_option("NAME", map_, "The map")->required();
   command->add_option("--output", output_, "The folder; made where there is none")
       ->required()

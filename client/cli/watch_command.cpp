@@ -14,7 +14,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kWatchFooter[] =
     "Prints a line for each event, each new state of an object, each object that is no longer "
     "shown,\n"
     "and the volumes of each step; `progress` ends a step and gives the token to go on from. The "
@@ -50,7 +50,7 @@ absl::Status TwoStarts(const std::string& token_file) {
 
 WatchCommand::WatchCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command = app->add_subcommand("watch", "Print what happens to a map, as it does");
-  command->footer(kFooter);
+  command->footer(kWatchFooter);
   command->add_option("NAME", map_, "The map")->required();
   AddWatchFilterOptions(command, &filter_);
   command->add_option("--kinds", kinds_, "Only these (events, objects, volume), by commas")
