@@ -174,7 +174,10 @@ TEST_F(MirrorContractTest, FiltersShowTheirPartBitForBit) {
   });
   const Box& watched = in_box.boxes_world[0];
   const std::vector<PlacedVolume> background = {BackgroundOf(*part)};
-  EXPECT_GT(part->background.leaf_count(), 100U);
+  EXPECT_GT(part->background.leaf_count(), 0U);
+  const absl::StatusOr<v1::Map> whole = client_.GetMap(kDepot);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  EXPECT_LT(part->objects.size(), whole->state().present_objects());
   EXPECT_TRUE(*WriteVdb(*part, background, &watched) ==
               Export(v1::EXPORT_FORMAT_VDB, {.box_world = watched, .objects = {kBackgroundId}}));
 
