@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <google/protobuf/util/time_util.h>
 #include <grpcpp/client_context.h>
 
 #include "client/map_section_reader.h"
@@ -84,11 +85,17 @@ MapClient::MapClient(const std::shared_ptr<grpc::ChannelInterface>& channel,
       maps_(v1::MapService::NewStub(channel)),
       queries_(v1::QueryService::NewStub(channel)) {}
 
-absl::StatusOr<v1::Map> MapClient::CreateMap(const MapName& name, const v1::MapConfig& config) {
+absl::StatusOr<v1::Map> MapClient::CreateMap(const MapName& name,
+                                             const v1::MapConfig& config,
+                                             std::chrono::milliseconds max_commit_delay) {
   v1::CreateMapRequest request;
   request.set_parent("tenants/" + name.tenant);
   request.set_map_id(name.map);
   *request.mutable_map()->mutable_config() = config;
+  if (max_commit_delay.count() > 0) {
+    *request.mutable_map()->mutable_max_commit_delay() =
+        google::protobuf::util::TimeUtil::MillisecondsToDuration(max_commit_delay.count());
+  }
   return Call(maps_.get(), &MapStub::CreateMap, request, options_.call_timeout);
 }
 

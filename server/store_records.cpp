@@ -160,6 +160,7 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
   proto.set_frame_log_age_s(record.frame_log_age.count());
   proto.set_frame_log_bytes(record.frame_log_bytes);
   proto.set_byte_budget(record.byte_budget);
+  proto.set_max_commit_delay_ms(record.max_commit_delay.count());
   proto.set_create_time_ns(record.create_time.nanoseconds());
   proto.set_incarnation(record.incarnation);
   proto.set_request_id(record.request_id);
@@ -178,6 +179,7 @@ absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
   result.frame_log_age = std::chrono::seconds(record.frame_log_age_s());
   result.frame_log_bytes = record.frame_log_bytes();
   result.byte_budget = record.byte_budget();
+  result.max_commit_delay = std::chrono::milliseconds(record.max_commit_delay_ms());
   result.create_time = Timestamp::FromNanoseconds(record.create_time_ns());
   result.incarnation = record.incarnation();
   result.request_id = record.request_id();

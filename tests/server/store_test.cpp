@@ -41,6 +41,7 @@ TEST_P(StoreContract, MapRecordSurvivesARestartFieldByField) {
   EXPECT_EQ(map.frame_log_age, expected.frame_log_age);
   EXPECT_EQ(map.frame_log_bytes, expected.frame_log_bytes);
   EXPECT_EQ(map.byte_budget, expected.byte_budget);
+  EXPECT_EQ(map.max_commit_delay, expected.max_commit_delay);
   EXPECT_EQ(map.create_time, expected.create_time);
   EXPECT_EQ(map.incarnation, expected.incarnation);
   EXPECT_EQ(map.request_id, expected.request_id);
