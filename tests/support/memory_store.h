@@ -71,6 +71,7 @@ class MemoryStore final : public Store {
 
  private:
   struct Content;
+  struct StoredMap;
 
   explicit MemoryStore(std::shared_ptr<Content> content);
 
