@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <iterator>
 #include <set>
 #include <string>
@@ -18,6 +19,11 @@ absl::Status NotThere() {
   return MakeError(absl::StatusCode::kNotFound, reason::kNotFound, "no such map");
 }
 
+absl::Status Compacted() {
+  return MakeError(
+      absl::StatusCode::kOutOfRange, reason::kRevisionCompacted, "what changed is forgotten");
+}
+
 }  // namespace
 
 /// One map, as the disk would hold it.
@@ -29,16 +35,28 @@ struct MemoryStore::StoredMap {
     std::uint64_t packed_bytes = 0;
   };
 
+  /// What a commit changed, and what retention asks about it.
+  struct StoredCommit {
+    Revision from;
+    Revision to;
+    Timestamp time;
+    std::vector<ObjectId> objects;
+    std::vector<LeafKey> leaves;
+  };
+
   absl::Status Check(const LogAppend& append) const;
   void Append(const LogAppend& append);
   void TrimLog(MapSequence last, Timestamp now, const MapRecord& retention);
+  void TrimCommits(const StoreOptions& options, const TrimBounds& bounds);
 
   MapRecord record;
   bool damaged = false;
   MapSequence head;
   Timestamp newest_append;
   MapSnapshot snapshot;
+  EventNumber last_event;
   std::vector<StoredEvent> events;
+  std::deque<StoredCommit> commits;
   std::map<MapSequence, std::string> log;
   std::map<MapSequence, StoredPose> poses;
   std::map<SessionName, SessionRecord> sessions;
@@ -84,6 +102,23 @@ void MemoryStore::StoredMap::TrimLog(MapSequence last, Timestamp now, const MapR
     } else {
       frame = std::make_reverse_iterator(log.erase(std::next(frame).base()));
     }
+  }
+}
+
+void TrimCommits(const StoreOptions& options,
+                 const TrimBounds& bounds,
+                 std::deque<StoredCommit>* commits) {
+  const auto is_older = [&](const StoredCommit& commit, std::chrono::seconds age) {
+    return std::chrono::nanoseconds(bounds.now.nanoseconds() - commit.time.nanoseconds()) >= age;
+  };
+  while (!commits.empty()) {
+    const StoredCommit& oldest = commits.front();
+    const bool wanted =
+        commits.size() <= options.kept_change_lists && !is_older(oldest, options.change_list_age);
+    const bool watched = bounds.oldest_watched && oldest.to > *bounds.oldest_watched &&
+                         !is_older(oldest, options.change_list_age + options.change_list_grace);
+    if (wanted || watched) return;
+    commits.pop_front();
   }
 }
 
@@ -238,6 +273,7 @@ absl::StatusOr<StoredState> MemoryStore::LoadMap(const MapRecord& record) {
   state.durable_head = map.head;
   for (const auto& [name, session] : map.sessions) state.sessions.push_back(session);
   state.snapshot = map.snapshot;
+  state.snapshot.last_event = map.last_event;
   return state;
 }
 
@@ -260,7 +296,7 @@ absl::Status MemoryStore::AppendFrames(const std::vector<LogAppend>& appends) {
   return absl::OkStatus();
 }
 
-absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Timestamp /*now*/) {
+absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) {
   content_->RunHook();
   const absl::MutexLock lock(&content_->mutex);
   if (!content_->health.ok()) return content_->health;
@@ -275,11 +311,15 @@ absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Time
   if (absl::Status status = content_->CheckWrite(&content_->fail_commit); !status.ok()) {
     return status;
   }
-  EventNumber number = stored.events.empty() ? EventNumber{} : stored.events.back().number;
+  EventNumber& number = stored.last_event;
   for (const ObjectEvent& event : delta.events) {
     number = number.Next();
     stored.events.push_back({number, event});
   }
+  StoredCommit& commit =
+      stored.commits.emplace_back(StoredCommit{delta.from, delta.to, now, {}, {}});
+  for (const ObjectChange& object : delta.objects) commit.objects.push_back(object.id);
+  for (const LeafChange& leaf : delta.leaves) commit.leaves.push_back(leaf.key);
   return Apply(delta, &stored.snapshot);
 }
 
@@ -334,17 +374,36 @@ absl::StatusOr<std::vector<FramePose>> MemoryStore::ReadPoses(MapKey map,
   return poses;
 }
 
-absl::Status MemoryStore::Trim(const MapRecord& map,
-                               MapSequence last,
-                               Timestamp now,
-                               Timestamp forget_sessions_before) {
+absl::StatusOr<ChangeList> MemoryStore::ReadChanges(MapKey map, Revision from, Revision to) {
+  const absl::MutexLock lock(&content_->mutex);
+  const auto found = content_->maps.find(map);
+  if (found == content_->maps.end()) return NotThere();
+  ChangeList changes;
+  std::set<ObjectId> objects;
+  std::set<LeafKey> leaves;
+  Revision reached = from;
+  for (const StoredCommit& commit : found->second.commits) {
+    if (commit.from != reached || reached == to) continue;
+    reached = commit.to;
+    ++changes.commits;
+    objects.insert(commit.objects.begin(), commit.objects.end());
+    leaves.insert(commit.leaves.begin(), commit.leaves.end());
+  }
+  if (reached != to) return Compacted();
+  changes.objects.assign(objects.begin(), objects.end());
+  changes.leaves.assign(leaves.begin(), leaves.end());
+  return changes;
+}
+
+absl::Status MemoryStore::Trim(const MapRecord& map, const TrimBounds& bounds) {
   const absl::MutexLock lock(&content_->mutex);
   const auto found = content_->maps.find(map.key);
   if (found == content_->maps.end()) return NotThere();
   if (!content_->health.ok()) return content_->health;
   StoredMap& stored = found->second;
-  const MapSequence integrated{std::min(last.value(), stored.snapshot.revision.value())};
-  stored.TrimLog(integrated, now, map);
+  const MapSequence integrated{std::min(bounds.last.value(), stored.snapshot.revision.value())};
+  stored.TrimLog(integrated, bounds.now, map);
+  stored.TrimCommits(content_->options, bounds);
   const std::uint64_t head = stored.head.value();
   const MapSequence first_in_log =
       stored.log.empty() ? stored.head.Next() : stored.log.begin()->first;
@@ -357,7 +416,7 @@ absl::Status MemoryStore::Trim(const MapRecord& map,
                         stored.events.begin() + static_cast<std::ptrdiff_t>(surplus));
   }
   std::erase_if(stored.sessions, [&](const auto& session) {
-    return session.second.last_active < forget_sessions_before;
+    return session.second.last_active < bounds.forget_sessions_before;
   });
   return absl::OkStatus();
 }
