@@ -7,6 +7,7 @@
 #include <grpcpp/client_context.h>
 
 #include "client/map_section_reader.h"
+#include "client/protocol_error.h"
 #include "core/error.h"
 #include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
@@ -40,10 +41,6 @@ absl::StatusOr<Response> Call(Stub* stub,
 
 void SetTimeout(grpc::ClientContext* context, std::chrono::milliseconds timeout) {
   context->set_deadline(std::chrono::system_clock::now() + timeout);
-}
-
-absl::Status ProtocolError(const char* what) {
-  return MakeError(absl::StatusCode::kInternal, reason::kInternal, what);
 }
 
 template <typename Request>

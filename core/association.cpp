@@ -12,7 +12,7 @@ constexpr float kFitBaseM = 0.045F;
 constexpr float kFitPerSquareMetre = 0.004F;
 
 // A surface seen from behind is another one: the far side of a fence.
-constexpr double kMinNormalCosine = 0.3;
+constexpr double kMinSameSideCosine = 0.3;
 
 /// Samples that a box covers in the picture; everything if it reaches behind the camera.
 ObjectInView CoverOf(TrackedObject* object,
@@ -77,7 +77,7 @@ class Claimant {
       return;
     }
     const Eigen::Vector3d normal = T_volume_world_.linear() * sample.normal_world.cast<double>();
-    if (is_inner && sampler_.Sample(position).gradient.dot(normal) < kMinNormalCosine) return;
+    if (is_inner && sampler_.Sample(position).gradient.dot(normal) < kMinSameSideCosine) return;
     association->owner[index] = owner_;
     association->distance_m[index] = static_cast<float>(distance_m);
   }

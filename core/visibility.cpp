@@ -9,15 +9,8 @@
 namespace steadymap {
 namespace {
 
-constexpr float kMinDepthM = 0.3F;
-
 // Surface seen flatter than this is not judged: its depth changes too fast along the picture.
-constexpr float kMinCosine = 0.25F;
-
-// Measured depth must lie this far behind a surface to have seen through it: noise and pose error
-// stay below it, shifts of a decimetre do not.
-constexpr float kThroughBaseM = 0.05F;
-constexpr float kThroughPerSquareMetre = 0.007F;
+constexpr float kMinJudgedCosine = 0.25F;
 
 // Surface that was measured this close may be the one that should be there: pose error and half the
 // way between samples.
@@ -107,7 +100,7 @@ float VisibilityTest::DepthAlong(const Eigen::Vector3f& point_world,
                                  const SurfaceSample& sample) const {
   const Eigen::Vector3f ray_world = point_world - camera_world_;
   const float along_normal_m = -sample.normal_world.dot(ray_world);
-  if (along_normal_m < kMinCosine * ray_world.norm()) return 0.0F;
+  if (along_normal_m < kMinJudgedCosine * ray_world.norm()) return 0.0F;
   return depth_m * sample.normal_world.dot(camera_world_ - sample.position_world) / along_normal_m;
 }
 
@@ -165,11 +158,12 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
                                                   PresentSums* sums) const {
   const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
   const float depth_m = point_camera.z();
-  if (depth_m < kMinDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) {
+  if (depth_m < kMinJudgedDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) {
     return std::nullopt;
   }
   const Eigen::Vector3f normal_camera = T_camera_world_.linear() * normal_world;
-  if (-normal_camera.dot(point_camera) < kMinCosine * point_camera.norm()) return std::nullopt;
+  if (-normal_camera.dot(point_camera) < kMinJudgedCosine * point_camera.norm())
+    return std::nullopt;
   const PinholeCamera& camera = cloud_.camera();
   const float u = static_cast<float>(camera.fx) * point_camera.x() / depth_m +
                   static_cast<float>(camera.cx) + 0.5F;
@@ -188,7 +182,7 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
     return Verdict::kPresent;
   }
   const float nearest_m = tiles_.NearestAround(column, row);
-  if (nearest_m > depth_m + kThroughBaseM + kThroughPerSquareMetre * depth_m * depth_m) {
+  if (nearest_m > depth_m + SeenThroughMargin(depth_m)) {
     return Verdict::kSeenThrough;
   }
   if (IsReplaced(object, leaf, samples_.Index(column, row), point_world, normal_world)) {

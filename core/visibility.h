@@ -13,6 +13,14 @@
 
 namespace steadymap {
 
+/// What a frame is asked about lies at this depth at least, metres.
+inline constexpr float kMinJudgedDepthM = 0.3F;
+
+/// How far behind a surface at `depth_m` the measured depth must lie to have seen through it,
+/// metres. Grows as the sensor's noise does: noise and pose error stay below it, shifts of a
+/// decimetre do not.
+inline float SeenThroughMargin(float depth_m) { return 0.05F + 0.007F * depth_m * depth_m; }
+
 /// Nearest raw depth by tiles of pixels, one tile a sample of the grid. Depth beyond what is fused
 /// counts too: one can look through a place from further away than one can map it.
 class DepthTiles {

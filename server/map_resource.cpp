@@ -21,7 +21,6 @@ using google::protobuf::util::FieldMaskUtil;
 
 constexpr std::size_t kMaxDisplayNameBytes = 128;
 constexpr std::size_t kMaxRequestIdBytes = 64;
-constexpr std::string_view kTenantsPrefix = "tenants/";
 
 // A century: more would overflow nanoseconds somewhere down the line.
 constexpr std::int64_t kMaxRetentionSeconds = std::int64_t{100} * 366 * 24 * 3600;
@@ -140,6 +139,11 @@ absl::Status ApplyPath(const std::string& path,
 
 }  // namespace
 
+std::string TenantOf(const std::string& parent) {
+  constexpr std::string_view kPrefix = "tenants/";
+  return parent.starts_with(kPrefix) ? parent.substr(kPrefix.size()) : std::string();
+}
+
 v1::Map MakeMapResource(MapRuntime& map) {
   const MapRecord record = map.record();
   v1::Map resource;
@@ -179,7 +183,7 @@ absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
                                      const RetentionOptions& defaults) {
   MapRecord record;
   const std::string& parent = request.parent();
-  if (parent.starts_with(kTenantsPrefix)) record.name.tenant = parent.substr(kTenantsPrefix.size());
+  record.name.tenant = TenantOf(parent);
   if (!IsValidId(record.name.tenant)) {
     return InvalidField(reason::kBadName,
                         "parent",

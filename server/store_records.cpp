@@ -6,6 +6,7 @@
 
 #include "core/crc32c.h"
 #include "core/error.h"
+#include "server/impossible_record.h"
 #include "server/store_keys.h"
 
 #include "steadymap/storage/v1/records.pb.h"
@@ -55,11 +56,7 @@ std::uint32_t ToNumber(ClassMotion motion) {
   return 0;
 }
 
-absl::Status Impossible(const char* what) {
-  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
-}
-
-absl::StatusOr<MapConfig> FromProto(const storage::v1::MapConfig& config) {
+absl::StatusOr<MapConfig> ConfigFromProto(const storage::v1::MapConfig& config) {
   if (config.policy() < 1 || config.policy() > 6) {
     return Impossible("a map record holds an unknown update policy");
   }
@@ -169,7 +166,7 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
 }
 
 absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
-  absl::StatusOr<MapConfig> config = FromProto(record.config());
+  absl::StatusOr<MapConfig> config = ConfigFromProto(record.config());
   if (!config.ok()) return config.status();
   MapRecord result;
   result.key = MapKey{record.key()};

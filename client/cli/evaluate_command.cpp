@@ -18,7 +18,7 @@
 namespace steadymap {
 namespace {
 
-std::string Footer() {
+std::string EvaluateFooter() {
   std::string footer =
       "Frames of a simulated route, or of recorded sequences, are built into maps in this "
       "process,\n"
@@ -48,7 +48,7 @@ absl::Status WritePicture(const std::filesystem::path& path, const Image<Rgb>& p
 EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command =
       app->add_subcommand("evaluate", "Build maps by several policies and score them");
-  command->footer(Footer());
+  command->footer(EvaluateFooter());
   AddSources(command);
   command->add_option("--policy", policies_, "Policies to compare; without it, all of them")
       ->check(CLI::IsMember(MethodNames()));

@@ -12,7 +12,7 @@ namespace {
 
 using absl::StatusCode;
 
-class MapServiceTest : public testing::TestWithParam<Transport> {
+class MapServiceTest : public ::testing::TestWithParam<Transport> {
  protected:
   absl::Status Create(const v1::CreateMapRequest& request, v1::Map* map = nullptr) {
     v1::Map ignored;
@@ -47,7 +47,7 @@ class MapServiceTest : public testing::TestWithParam<Transport> {
 
 INSTANTIATE_TEST_SUITE_P(Transports,
                          MapServiceTest,
-                         testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         ::testing::Values(Transport::kInProcess, Transport::kLoopback),
                          TransportName);
 
 TEST_P(MapServiceTest, NewMapHasTheDefaultsAndIsEmpty) {

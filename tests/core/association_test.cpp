@@ -10,15 +10,16 @@
 #include "core/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
+using ::steadymap::testing::kScale;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::WallVolume;
 
-constexpr VoxelScale kScale;
 constexpr double kMaxRangeM = 5.0;
 
 /// Gives a wall of one square metre that faces the camera at the world's origin from `depth_m` away

@@ -11,7 +11,7 @@
 namespace steadymap::testing {
 namespace {
 
-constexpr double kSecondsPerFrame = 0.5;
+constexpr double kStorySecondsPerFrame = 0.5;
 constexpr double kSecondsBetweenVisits = 60.0;
 
 }  // namespace
@@ -32,6 +32,8 @@ MapConfig ConfigOf(UpdatePolicy policy) {
   return config;
 }
 
+MapConfig PocdConfig() { return ConfigOf(UpdatePolicy::kPocd); }
+
 std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int visit) {
   std::vector<Frame> frames;
   for (int i = first; i < first + count; ++i) {
@@ -39,7 +41,7 @@ std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int vis
         scene,
         {.eye_world = {0.0, 0.4 * std::sin(0.7 * i), 0.1},
          .target_world = {2.0, 0.1, 0.0},
-         .capture_time_s = 100.0 + kSecondsPerFrame * i + kSecondsBetweenVisits * visit}));
+         .capture_time_s = 100.0 + kStorySecondsPerFrame * i + kSecondsBetweenVisits * visit}));
   }
   return frames;
 }

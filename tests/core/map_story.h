@@ -13,10 +13,6 @@
 /// Maps under observation: scenes with a known answer, run through a policy frame by frame.
 namespace steadymap::testing {
 
-inline constexpr std::uint16_t kWallClass = 4;
-inline constexpr std::uint16_t kGoodsClass = 7;
-inline constexpr std::uint16_t kPersonClass = 13;
-
 /// A wall that closes the view at 2.6 m.
 SceneBody FarWall();
 
@@ -28,6 +24,9 @@ Box Around(const SceneBody& body, double margin_m);
 
 /// A map's configuration with nothing but the policy set.
 MapConfig ConfigOf(UpdatePolicy policy);
+
+/// The one of the policy that this map is made for.
+MapConfig PocdConfig();
 
 /// Frames of a scene from a camera that swings to and fro, going on from frame `first`; half a
 /// second apart, and another minute before each visit but the first.

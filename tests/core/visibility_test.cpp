@@ -16,19 +16,19 @@
 #include "core/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kScale;
+using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneLook;
 using ::steadymap::testing::WallVolume;
-
-constexpr VoxelScale kScale;
-constexpr std::uint16_t kWallClass = 4;
-constexpr std::uint16_t kGoodsClass = 7;
 
 /// A known wall of one square metre that faces the camera at the world's origin from `depth_m`
 /// away along x.
