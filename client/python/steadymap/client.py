@@ -1,0 +1,350 @@
+"""The service, seen from a program."""
+
+import dataclasses
+import enum
+import os
+from pathlib import Path
+from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+
+import grpc
+
+from steadymap._generated.v1 import (
+    ingest_service_pb2_grpc,
+    map_service_pb2,
+    map_service_pb2_grpc,
+    query_service_pb2,
+    query_service_pb2_grpc,
+)
+from steadymap.answers import (
+    DistanceSamples,
+    Listing,
+    RayHits,
+    hits_from_proto,
+    ray_request,
+    sample_request,
+    samples_from_proto,
+)
+from steadymap.errors import DataLossError, error_from_rpc
+from steadymap.frame import Frame
+from steadymap.geometry import box_to_proto
+from steadymap.maps import (
+    Map,
+    MapOptions,
+    full_map_name,
+    map_from_proto,
+    map_to_proto,
+    split_map_name,
+)
+from steadymap.mesh import Mesh, parse_ply
+from steadymap.objects import (
+    Event,
+    EventType,
+    Object,
+    event_from_proto,
+    event_type_to_proto,
+    object_from_proto,
+)
+from steadymap.upload import Uploader
+from steadymap.upload_options import UploadOptions, UploadSummary
+
+_OBJECTS_PER_PAGE = 1000
+_EVENTS_PER_PAGE = 10_000
+_MAPS_PER_PAGE = 1000
+
+# As client/channel.cpp: pings during long uploads, a restarted server found again within 2 s, no
+# compression by gRPC (the server refuses it), messages as large as the server sends.
+_CHANNEL_OPTIONS = (
+    ("grpc.keepalive_time_ms", 30_000),
+    ("grpc.keepalive_timeout_ms", 10_000),
+    ("grpc.initial_reconnect_backoff_ms", 100),
+    ("grpc.min_reconnect_backoff_ms", 2_000),
+    ("grpc.max_reconnect_backoff_ms", 2_000),
+    ("grpc.max_receive_message_length", -1),
+)
+
+
+class ExportFormat(str, enum.Enum):
+    """File formats: PLY and GLB hold the surface, VDB the volumes."""
+
+    PLY = "ply"
+    VDB = "vdb"
+    GLB = "glb"
+
+
+@dataclasses.dataclass(frozen=True)
+class ExportSummary:
+    """What was exported.
+
+    Attributes:
+        revision: at which the map was read.
+        file_bytes: length of the file.
+        triangles: of the surface; 0 for volumes.
+    """
+
+    revision: int
+    file_bytes: int
+    triangles: int
+
+
+def connect(address: str, timeout_s: float = 30.0) -> "Client":
+    """A client of the daemon at `address` (`HOST:PORT`), plain text. Connects when first used.
+
+    `timeout_s` bounds calls with one answer; exports take 20 times as long at most.
+    """
+    return Client(address, timeout_s)
+
+
+class Client:
+    """Creates, feeds and reads maps. Made by `connect`; a context manager that closes the channel.
+
+    A map is named by its id in the tenant `default`, or by `tenants/TENANT/maps/MAP`. Points, boxes
+    and poses are in the map's world frame, metres. Every error of the service is a
+    `steadymap.errors.SteadymapError`; but for uploads and watches nothing is retried. Thread-safe.
+    """
+
+    def __init__(self, address: str, timeout_s: float) -> None:
+        self._timeout_s = timeout_s
+        self._stream_timeout_s = 20 * timeout_s
+        self._channel = grpc.insecure_channel(address, options=_CHANNEL_OPTIONS)
+        self._maps = map_service_pb2_grpc.MapServiceStub(self._channel)
+        self._queries = query_service_pb2_grpc.QueryServiceStub(self._channel)
+        self._ingest = ingest_service_pb2_grpc.IngestServiceStub(self._channel)
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(self, kind: object, value: object, traceback: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Closes the channel; what still runs over it ends with an error."""
+        self._channel.close()
+
+    def create_map(self, map: str, options: MapOptions = MapOptions()) -> Map:
+        """Creates a map. AlreadyExistsError if there is one of that name."""
+        parent, map_id = split_map_name(map)
+        request = map_service_pb2.CreateMapRequest(
+            parent=parent, map_id=map_id, map=map_to_proto(options)
+        )
+        return map_from_proto(self._call(self._maps.CreateMap, request))
+
+    def get_map(self, map: str) -> Map:
+        """The map as it is now. NotFoundError if there is none."""
+        request = map_service_pb2.GetMapRequest(name=full_map_name(map))
+        return map_from_proto(self._call(self._maps.GetMap, request))
+
+    def list_maps(self, tenant: str = "default") -> List[Map]:
+        """A tenant's maps in the order of their names."""
+        maps: List[Map] = []
+        request = map_service_pb2.ListMapsRequest(
+            parent=f"tenants/{tenant}", page_size=_MAPS_PER_PAGE
+        )
+        while True:
+            page = self._call(self._maps.ListMaps, request)
+            maps.extend(map_from_proto(message) for message in page.maps)
+            request.page_token = page.next_page_token
+            if not request.page_token:
+                return maps
+
+    def delete_map(self, map: str) -> None:
+        """Deletes a map with its log and its history. NotFoundError if there is none."""
+        self._call(self._maps.DeleteMap, map_service_pb2.DeleteMapRequest(name=full_map_name(map)))
+
+    def upload(
+        self, map: str, frames: Iterable[Frame], options: UploadOptions = UploadOptions()
+    ) -> UploadSummary:
+        """Uploads frames and waits until all have reached `options.wait_for` or were refused.
+
+        Broken connections and restarted servers are outlasted. A refused frame is no error of the
+        upload: look at `refused` of the summary.
+        """
+        with self.uploader(map, options) as uploader:
+            for frame in frames:
+                uploader.push(frame)
+            return uploader.finish()
+
+    def uploader(self, map: str, options: UploadOptions = UploadOptions()) -> Uploader:
+        """An upload session to push frames into as they come."""
+        return Uploader(self._ingest, full_map_name(map), options)
+
+    def objects(
+        self,
+        map: str,
+        *,
+        class_ids: Sequence[int] = (),
+        box: Any = None,
+        min_stationarity: float = 0.0,
+        changed_since: int = 0,
+        include_archived: bool = False,
+        include_tentative: bool = False,
+    ) -> Listing[Object]:
+        """The objects that pass every filter, by rising id.
+
+        Args:
+            map: the map's name.
+            class_ids: of one of these classes; empty: of any.
+            box: whose cuboid touches this box: lowest and highest corner, shape (2, 3), metres.
+            min_stationarity: whose expected stationarity is not below this, in [0, 1].
+            changed_since: that changed after this revision; 0: all.
+            include_archived: those that are gone, too.
+            include_tentative: those seen too seldom to be believed, too.
+        """
+        request = query_service_pb2.ListObjectsRequest(
+            map=full_map_name(map),
+            class_ids=class_ids,
+            box=box_to_proto(box),
+            min_stationarity=min_stationarity,
+            changed_since=changed_since,
+            include_archived=include_archived,
+            include_tentative=include_tentative,
+            page_size=_OBJECTS_PER_PAGE,
+        )
+
+        def fetch(token: str) -> Tuple[int, List[Object], str]:
+            request.page_token = token
+            page = self._call(self._queries.ListObjects, request)
+            return page.revision, [object_from_proto(o) for o in page.objects], page.next_page_token
+
+        return Listing(fetch)
+
+    def get_object(self, map: str, object_id: int) -> Object:
+        """One object, whatever its standing. NotFoundError if there never was one of that id."""
+        request = query_service_pb2.GetObjectRequest(map=full_map_name(map), object_id=object_id)
+        return object_from_proto(self._call(self._queries.GetObject, request).object)
+
+    def events(
+        self,
+        map: str,
+        *,
+        types: Sequence[Union[EventType, str]] = (),
+        object_ids: Sequence[int] = (),
+        class_ids: Sequence[int] = (),
+        first_number: int = 0,
+        changed_since: int = 0,
+    ) -> Listing[Event]:
+        """The events that pass every filter, by rising number.
+
+        Args:
+            map: the map's name.
+            types: of one of these types, such as `"removed"`; empty: of any.
+            object_ids: of, or related to, one of these objects; empty: of any.
+            class_ids: of objects of one of these classes; empty: of any.
+            first_number: from this number on; 0: from the first.
+            changed_since: that came after this revision; 0: all.
+        """
+        request = query_service_pb2.ListEventsRequest(
+            map=full_map_name(map),
+            types=[event_type_to_proto(value) for value in types],
+            object_ids=object_ids,
+            class_ids=class_ids,
+            first_number=first_number,
+            changed_since=changed_since,
+            page_size=_EVENTS_PER_PAGE,
+        )
+
+        def fetch(token: str) -> Tuple[int, List[Event], str]:
+            request.page_token = token
+            page = self._call(self._queries.ListEvents, request)
+            return page.revision, [event_from_proto(e) for e in page.events], page.next_page_token
+
+        return Listing(fetch)
+
+    def sample_distance(self, map: str, points_m: Any) -> DistanceSamples:
+        """Signed distance to the nearest surface at points of shape (N, 3), at most 100 000."""
+        request = sample_request(full_map_name(map), points_m)
+        return samples_from_proto(self._call(self._queries.SampleDistance, request))
+
+    def cast_rays(
+        self, map: str, origins_m: Any, directions: Any, max_range_m: float = 20.0
+    ) -> RayHits:
+        """First surface along rays, at most 100 000.
+
+        Args:
+            map: the map's name.
+            origins_m: shape (N, 3), or (3,) for all rays alike; metres.
+            directions: shape (N, 3); any length but zero.
+            max_range_m: rays end here, metres, in (0, 1000].
+        """
+        request = ray_request(full_map_name(map), origins_m, directions, max_range_m)
+        return hits_from_proto(self._call(self._queries.CastRays, request))
+
+    def mesh(self, map: str, *, box: Any = None, object_ids: Sequence[int] = ()) -> Mesh:
+        """The map's surface as triangles.
+
+        Args:
+            map: the map's name.
+            box: surface within it: lowest and highest corner, shape (2, 3), metres; None: all.
+            object_ids: of these objects, 0 being the background; empty: what the map shows.
+        """
+        chunks: List[bytes] = []
+        summary = self._export(map, ExportFormat.PLY, box, object_ids, chunks.append)
+        return parse_ply(b"".join(chunks), summary.revision)
+
+    def export(
+        self,
+        map: str,
+        path: Union[str, "os.PathLike[str]"],
+        format: Optional[Union[ExportFormat, str]] = None,
+        *,
+        box: Any = None,
+        object_ids: Sequence[int] = (),
+    ) -> ExportSummary:
+        """Writes the map to a file, which appears when it is whole.
+
+        `format` None: by the ending of `path`. `box` and `object_ids` as for `mesh`.
+        """
+        target = Path(path)
+        chosen = ExportFormat(format if format is not None else target.suffix.lstrip(".").lower())
+        partial = target.with_name(target.name + ".partial")
+        try:
+            with open(partial, "wb") as file:
+                summary = self._export(map, chosen, box, object_ids, file.write)
+            os.replace(partial, target)
+        finally:
+            partial.unlink(missing_ok=True)
+        return summary
+
+    def _export(
+        self,
+        map: str,
+        format: ExportFormat,
+        box: Any,
+        object_ids: Sequence[int],
+        take_chunk: Callable[[bytes], Any],
+    ) -> ExportSummary:
+        request = query_service_pb2.ExportMapRequest(
+            map=full_map_name(map),
+            format=query_service_pb2.ExportFormat.Value(f"EXPORT_FORMAT_{format.name}"),
+            box=box_to_proto(box),
+            object_ids=object_ids,
+        )
+        summary, received_bytes = ExportSummary(0, 0, 0), 0
+        for message in self._stream(self._queries.ExportMap, request):
+            if message.HasField("header"):
+                header = message.header
+                summary = ExportSummary(header.revision, header.file_bytes, header.triangles)
+            else:
+                take_chunk(message.chunk)
+                received_bytes += len(message.chunk)
+        if received_bytes != summary.file_bytes:
+            raise DataLossError(
+                f"the server announced a file of {summary.file_bytes} bytes and sent "
+                f"{received_bytes}",
+                reason="CHECKSUM",
+            )
+        return summary
+
+    def _call(self, method: Any, request: Any) -> Any:
+        try:
+            return method(request, timeout=self._timeout_s)
+        except grpc.RpcError as error:
+            raise error_from_rpc(error) from None
+
+    def _stream(self, method: Any, request: Any) -> Iterator[Any]:
+        call = method(request, timeout=self._stream_timeout_s)
+        try:
+            yield from call
+        except grpc.RpcError as error:
+            raise error_from_rpc(error) from None
+        finally:
+            call.cancel()  # Of no effect but where the reader stopped early.
