@@ -27,13 +27,18 @@ _ZSTD_LEVEL = 1
 class PixelEncoding(str, enum.Enum):
     """How depth and label arrays travel. Files that come packed travel as they are.
 
-    RAW costs no time and most bytes: the quickest on one machine and in a fast network. ZSTD takes a
-    half to a fifth of the bytes and needs the package zstandard. PNG is smallest and slowest.
+    ZSTD takes about a quarter of the bytes of RAW and is the quickest, as every byte goes through
+    the daemon's log, too; it needs the package zstandard. PNG takes fewest bytes and most time.
     """
 
     RAW = "raw"
     ZSTD = "zstd"
     PNG = "png"
+
+
+def default_encoding() -> PixelEncoding:
+    """The quickest that is there."""
+    return PixelEncoding.RAW if zstandard is None else PixelEncoding.ZSTD
 
 
 def check_image(value: Any, name: str, height_px: int, width_px: int, channels: int = 1) -> None:
@@ -143,7 +148,7 @@ def compress_zstd(pixels: np.ndarray) -> bytes:
     """A zstd frame of the raw pixels."""
     if zstandard is None:
         raise RuntimeError("PixelEncoding.ZSTD needs the Python package zstandard")
-    return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(pixels.tobytes())
+    return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(pixels.reshape(-1).view(np.uint8))
 
 
 def encode_png(pixels: np.ndarray) -> bytes:

@@ -6,7 +6,7 @@ from typing import Callable, List, Optional, Union
 
 from steadymap.backoff import BackoffOptions
 from steadymap.errors import SteadymapError
-from steadymap.images import PixelEncoding
+from steadymap.images import PixelEncoding, default_encoding
 from steadymap.upload_queue import RefusedFrame, UploadProgress
 
 
@@ -30,7 +30,8 @@ class UploadOptions:
         robot: id of the robot that the frames come from, matching `[a-z][a-z0-9-]{0,62}`.
         session: id of the upload session, of the same form; None: a random one. Naming it lets a
             later process that pushes the same frames in the same order go on where this one stopped.
-        encoding: how depth and label arrays travel.
+        encoding: how depth and label arrays travel. None: ZSTD where the package zstandard is
+            installed, else RAW.
         wait_for: the level that every frame must have reached when the upload is finished.
         max_batch_bytes, max_batch_frames: a message holds no more, unless one frame alone is larger.
         max_buffered_bytes: frames that are not durable yet take no more memory; `push` waits.
@@ -45,7 +46,7 @@ class UploadOptions:
 
     robot: str = "robot"
     session: Optional[str] = None
-    encoding: Union[PixelEncoding, str] = PixelEncoding.RAW
+    encoding: Optional[Union[PixelEncoding, str]] = None
     wait_for: Union[AckLevel, str] = AckLevel.INTEGRATED
     max_batch_bytes: int = 1 << 20
     max_batch_frames: int = 8
@@ -57,7 +58,8 @@ class UploadOptions:
     on_retry: Optional[Callable[[SteadymapError, float], None]] = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "encoding", PixelEncoding(self.encoding))
+        encoding = default_encoding() if self.encoding is None else PixelEncoding(self.encoding)
+        object.__setattr__(self, "encoding", encoding)
         object.__setattr__(self, "wait_for", AckLevel(self.wait_for))
         for name in ("max_batch_bytes", "max_batch_frames", "max_buffered_bytes"):
             if getattr(self, name) < 1:
