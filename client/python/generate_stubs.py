@@ -15,8 +15,8 @@ import tempfile
 from pathlib import Path
 from typing import List, Optional
 
-# Other packages ship google/rpc/*.proto as well, and Python's protobuf refuses a second file of that
-# name in one process. The wire format knows no package names, so ours get one of their own.
+# Other packages ship google/rpc/*.proto as well, and Python's protobuf refuses a second file of
+# that name in one process. The wire format knows no package names, so ours get one of their own.
 RENAMED = [("google/rpc/", "steadymap/rpc/"), ("google.rpc", "steadymap.rpc")]
 
 # `from steadymap.v1 import frame_pb2`: generated code takes the proto's package for Python's.
@@ -93,7 +93,10 @@ def main() -> None:
     parser.add_argument("--plugin")
     arguments = parser.parse_args()
     generate(
-        arguments.proto_folder, arguments.output_folder, arguments.protoc, arguments.plugin
+        arguments.proto_folder,
+        arguments.output_folder,
+        arguments.protoc,
+        arguments.plugin,
     )
 
 

@@ -48,7 +48,9 @@ def load_example() -> object:
     """client/python/examples/upload_folder.py as a module."""
     import importlib.util
 
-    file = Path(__file__).resolve().parents[2] / "client/python/examples/upload_folder.py"
+    file = (
+        Path(__file__).resolve().parents[2] / "client/python/examples/upload_folder.py"
+    )
     specification = importlib.util.spec_from_file_location("upload_folder", file)
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
@@ -71,7 +73,14 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         folder, data = Path(scratch, "route"), Path(scratch, "daemon")
         data.mkdir()
-        write = [arguments.steadymap, "simulate", "--route", ROUTE, "--write", str(folder)]
+        write = [
+            arguments.steadymap,
+            "simulate",
+            "--route",
+            ROUTE,
+            "--write",
+            str(folder),
+        ]
         subprocess.run(write, check=True, capture_output=True)
         daemon = DaemonProcess(data)
         try:

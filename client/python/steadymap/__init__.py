@@ -15,7 +15,8 @@ Times are integers, nanoseconds since 1970. Arrays in answers are read-only.
 from steadymap import errors
 from steadymap.answers import DistanceSamples, Listing, RayHits
 from steadymap.backoff import BackoffOptions
-from steadymap.client import Client, ExportFormat, ExportSummary, connect
+from steadymap.client import Client, connect
+from steadymap.exports import ExportFormat, ExportSummary
 from steadymap.frame import Frame, Intrinsics
 from steadymap.geometry import Pose
 from steadymap.images import PixelEncoding
@@ -33,6 +34,17 @@ from steadymap.objects import (
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
 from steadymap.upload_queue import RefusedFrame, UploadProgress
+from steadymap.watch import Watch, WatchKind, WatchOptions, WatchStart
+from steadymap.watch_items import (
+    Created,
+    Delta,
+    Events,
+    Leaf,
+    Progress,
+    Resync,
+    Snapshot,
+    WatchItem,
+)
 
 __all__ = [
     "AckLevel",
@@ -40,15 +52,19 @@ __all__ = [
     "Belief",
     "ClassMotion",
     "Client",
+    "Created",
     "Cuboid",
+    "Delta",
     "DistanceSamples",
     "Event",
     "EventReason",
     "EventType",
+    "Events",
     "ExportFormat",
     "ExportSummary",
     "Frame",
     "Intrinsics",
+    "Leaf",
     "Listing",
     "Map",
     "MapOptions",
@@ -57,14 +73,22 @@ __all__ = [
     "ObjectStanding",
     "PixelEncoding",
     "Pose",
+    "Progress",
     "RayHits",
     "RefusedFrame",
+    "Resync",
     "SemanticClass",
+    "Snapshot",
     "UpdatePolicy",
     "UploadOptions",
     "UploadProgress",
     "UploadSummary",
     "Uploader",
+    "Watch",
+    "WatchItem",
+    "WatchKind",
+    "WatchOptions",
+    "WatchStart",
     "connect",
     "errors",
 ]

@@ -59,5 +59,7 @@ class Backoff:
         spread = self._random.uniform(-self._options.jitter, self._options.jitter)
         delay_s = max(self._next_s * (1.0 + spread), at_least_s)
         self._waited_s += delay_s
-        self._next_s = min(self._next_s * self._options.factor, self._options.max_delay_s)
+        self._next_s = min(
+            self._next_s * self._options.factor, self._options.max_delay_s
+        )
         return delay_s

@@ -29,7 +29,9 @@ def extend_crc32c_with_numpy(crc: int, data: bytes) -> int:
     if not data:
         return crc
     lanes = 1 << max(0, (len(data) - 1) // _LANE_BYTES).bit_length()
-    padded = np.zeros(lanes * _LANE_BYTES, np.uint8)  # Zeros in front leave a zero register as it is.
+    padded = np.zeros(
+        lanes * _LANE_BYTES, np.uint8
+    )  # Zeros in front leave a zero register as it is.
     padded[padded.size - len(data) :] = np.frombuffer(data, np.uint8)
     registers = np.zeros(lanes, np.uint32)
     for column in np.ascontiguousarray(padded.reshape(lanes, _LANE_BYTES).T):

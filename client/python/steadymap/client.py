@@ -1,12 +1,8 @@
 """The service, seen from a program."""
 
-import dataclasses
-import enum
 import os
 from pathlib import Path
-from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
-
-import grpc
+from typing import Any, AsyncIterator, Iterable, List, Optional, Sequence, Tuple, Union
 
 from steadymap._generated.v1 import (
     ingest_service_pb2_grpc,
@@ -24,7 +20,15 @@ from steadymap.answers import (
     sample_request,
     samples_from_proto,
 )
-from steadymap.errors import DataLossError, error_from_rpc
+from steadymap.connection import Connection
+from steadymap.exports import (
+    ExportFormat,
+    ExportSummary,
+    choose_format,
+    export_request,
+    take_export,
+    write_export,
+)
 from steadymap.frame import Frame
 from steadymap.geometry import box_to_proto
 from steadymap.maps import (
@@ -46,44 +50,12 @@ from steadymap.objects import (
 )
 from steadymap.upload import Uploader
 from steadymap.upload_options import UploadOptions, UploadSummary
+from steadymap.watch import Watch, WatchOptions, watch_asynchronously
+from steadymap.watch_items import WatchItem
 
 _OBJECTS_PER_PAGE = 1000
 _EVENTS_PER_PAGE = 10_000
 _MAPS_PER_PAGE = 1000
-
-# As client/channel.cpp: pings during long uploads, a restarted server found again within 2 s, no
-# compression by gRPC (the server refuses it), messages as large as the server sends.
-_CHANNEL_OPTIONS = (
-    ("grpc.keepalive_time_ms", 30_000),
-    ("grpc.keepalive_timeout_ms", 10_000),
-    ("grpc.initial_reconnect_backoff_ms", 100),
-    ("grpc.min_reconnect_backoff_ms", 2_000),
-    ("grpc.max_reconnect_backoff_ms", 2_000),
-    ("grpc.max_receive_message_length", -1),
-)
-
-
-class ExportFormat(str, enum.Enum):
-    """File formats: PLY and GLB hold the surface, VDB the volumes."""
-
-    PLY = "ply"
-    VDB = "vdb"
-    GLB = "glb"
-
-
-@dataclasses.dataclass(frozen=True)
-class ExportSummary:
-    """What was exported.
-
-    Attributes:
-        revision: at which the map was read.
-        file_bytes: length of the file.
-        triangles: of the surface; 0 for volumes.
-    """
-
-    revision: int
-    file_bytes: int
-    triangles: int
 
 
 def connect(address: str, timeout_s: float = 30.0) -> "Client":
@@ -103,12 +75,11 @@ class Client:
     """
 
     def __init__(self, address: str, timeout_s: float) -> None:
-        self._timeout_s = timeout_s
-        self._stream_timeout_s = 20 * timeout_s
-        self._channel = grpc.insecure_channel(address, options=_CHANNEL_OPTIONS)
-        self._maps = map_service_pb2_grpc.MapServiceStub(self._channel)
-        self._queries = query_service_pb2_grpc.QueryServiceStub(self._channel)
-        self._ingest = ingest_service_pb2_grpc.IngestServiceStub(self._channel)
+        self._connection = Connection(address, timeout_s)
+        channel = self._connection.channel
+        self._maps = map_service_pb2_grpc.MapServiceStub(channel)
+        self._queries = query_service_pb2_grpc.QueryServiceStub(channel)
+        self._ingest = ingest_service_pb2_grpc.IngestServiceStub(channel)
 
     def __enter__(self) -> "Client":
         return self
@@ -118,7 +89,7 @@ class Client:
 
     def close(self) -> None:
         """Closes the channel; what still runs over it ends with an error."""
-        self._channel.close()
+        self._connection.close()
 
     def create_map(self, map: str, options: MapOptions = MapOptions()) -> Map:
         """Creates a map. AlreadyExistsError if there is one of that name."""
@@ -126,12 +97,12 @@ class Client:
         request = map_service_pb2.CreateMapRequest(
             parent=parent, map_id=map_id, map=map_to_proto(options)
         )
-        return map_from_proto(self._call(self._maps.CreateMap, request))
+        return map_from_proto(self._connection.call(self._maps.CreateMap, request))
 
     def get_map(self, map: str) -> Map:
         """The map as it is now. NotFoundError if there is none."""
         request = map_service_pb2.GetMapRequest(name=full_map_name(map))
-        return map_from_proto(self._call(self._maps.GetMap, request))
+        return map_from_proto(self._connection.call(self._maps.GetMap, request))
 
     def list_maps(self, tenant: str = "default") -> List[Map]:
         """A tenant's maps in the order of their names."""
@@ -140,7 +111,7 @@ class Client:
             parent=f"tenants/{tenant}", page_size=_MAPS_PER_PAGE
         )
         while True:
-            page = self._call(self._maps.ListMaps, request)
+            page = self._connection.call(self._maps.ListMaps, request)
             maps.extend(map_from_proto(message) for message in page.maps)
             request.page_token = page.next_page_token
             if not request.page_token:
@@ -148,10 +119,16 @@ class Client:
 
     def delete_map(self, map: str) -> None:
         """Deletes a map with its log and its history. NotFoundError if there is none."""
-        self._call(self._maps.DeleteMap, map_service_pb2.DeleteMapRequest(name=full_map_name(map)))
+        self._connection.call(
+            self._maps.DeleteMap,
+            map_service_pb2.DeleteMapRequest(name=full_map_name(map)),
+        )
 
     def upload(
-        self, map: str, frames: Iterable[Frame], options: UploadOptions = UploadOptions()
+        self,
+        map: str,
+        frames: Iterable[Frame],
+        options: UploadOptions = UploadOptions(),
     ) -> UploadSummary:
         """Uploads frames and waits until all have reached `options.wait_for` or were refused.
 
@@ -202,15 +179,23 @@ class Client:
 
         def fetch(token: str) -> Tuple[int, List[Object], str]:
             request.page_token = token
-            page = self._call(self._queries.ListObjects, request)
-            return page.revision, [object_from_proto(o) for o in page.objects], page.next_page_token
+            page = self._connection.call(self._queries.ListObjects, request)
+            return (
+                page.revision,
+                [object_from_proto(o) for o in page.objects],
+                page.next_page_token,
+            )
 
         return Listing(fetch)
 
     def get_object(self, map: str, object_id: int) -> Object:
         """One object, whatever its standing. NotFoundError if there never was one of that id."""
-        request = query_service_pb2.GetObjectRequest(map=full_map_name(map), object_id=object_id)
-        return object_from_proto(self._call(self._queries.GetObject, request).object)
+        request = query_service_pb2.GetObjectRequest(
+            map=full_map_name(map), object_id=object_id
+        )
+        return object_from_proto(
+            self._connection.call(self._queries.GetObject, request).object
+        )
 
     def events(
         self,
@@ -244,15 +229,21 @@ class Client:
 
         def fetch(token: str) -> Tuple[int, List[Event], str]:
             request.page_token = token
-            page = self._call(self._queries.ListEvents, request)
-            return page.revision, [event_from_proto(e) for e in page.events], page.next_page_token
+            page = self._connection.call(self._queries.ListEvents, request)
+            return (
+                page.revision,
+                [event_from_proto(e) for e in page.events],
+                page.next_page_token,
+            )
 
         return Listing(fetch)
 
     def sample_distance(self, map: str, points_m: Any) -> DistanceSamples:
         """Signed distance to the nearest surface at points of shape (N, 3), at most 100 000."""
         request = sample_request(full_map_name(map), points_m)
-        return samples_from_proto(self._call(self._queries.SampleDistance, request))
+        return samples_from_proto(
+            self._connection.call(self._queries.SampleDistance, request)
+        )
 
     def cast_rays(
         self, map: str, origins_m: Any, directions: Any, max_range_m: float = 20.0
@@ -266,9 +257,11 @@ class Client:
             max_range_m: rays end here, metres, in (0, 1000].
         """
         request = ray_request(full_map_name(map), origins_m, directions, max_range_m)
-        return hits_from_proto(self._call(self._queries.CastRays, request))
+        return hits_from_proto(self._connection.call(self._queries.CastRays, request))
 
-    def mesh(self, map: str, *, box: Any = None, object_ids: Sequence[int] = ()) -> Mesh:
+    def mesh(
+        self, map: str, *, box: Any = None, object_ids: Sequence[int] = ()
+    ) -> Mesh:
         """The map's surface as triangles.
 
         Args:
@@ -276,8 +269,10 @@ class Client:
             box: surface within it: lowest and highest corner, shape (2, 3), metres; None: all.
             object_ids: of these objects, 0 being the background; empty: what the map shows.
         """
+        request = export_request(full_map_name(map), ExportFormat.PLY, box, object_ids)
         chunks: List[bytes] = []
-        summary = self._export(map, ExportFormat.PLY, box, object_ids, chunks.append)
+        messages = self._connection.stream(self._queries.ExportMap, request)
+        summary = take_export(messages, chunks.append)
         return parse_ply(b"".join(chunks), summary.revision)
 
     def export(
@@ -294,57 +289,20 @@ class Client:
         `format` None: by the ending of `path`. `box` and `object_ids` as for `mesh`.
         """
         target = Path(path)
-        chosen = ExportFormat(format if format is not None else target.suffix.lstrip(".").lower())
-        partial = target.with_name(target.name + ".partial")
-        try:
-            with open(partial, "wb") as file:
-                summary = self._export(map, chosen, box, object_ids, file.write)
-            os.replace(partial, target)
-        finally:
-            partial.unlink(missing_ok=True)
-        return summary
-
-    def _export(
-        self,
-        map: str,
-        format: ExportFormat,
-        box: Any,
-        object_ids: Sequence[int],
-        take_chunk: Callable[[bytes], Any],
-    ) -> ExportSummary:
-        request = query_service_pb2.ExportMapRequest(
-            map=full_map_name(map),
-            format=query_service_pb2.ExportFormat.Value(f"EXPORT_FORMAT_{format.name}"),
-            box=box_to_proto(box),
-            object_ids=object_ids,
+        chosen = choose_format(target, format)
+        request = export_request(full_map_name(map), chosen, box, object_ids)
+        return write_export(
+            self._connection.stream(self._queries.ExportMap, request), target
         )
-        summary, received_bytes = ExportSummary(0, 0, 0), 0
-        for message in self._stream(self._queries.ExportMap, request):
-            if message.HasField("header"):
-                header = message.header
-                summary = ExportSummary(header.revision, header.file_bytes, header.triangles)
-            else:
-                take_chunk(message.chunk)
-                received_bytes += len(message.chunk)
-        if received_bytes != summary.file_bytes:
-            raise DataLossError(
-                f"the server announced a file of {summary.file_bytes} bytes and sent "
-                f"{received_bytes}",
-                reason="CHECKSUM",
-            )
-        return summary
 
-    def _call(self, method: Any, request: Any) -> Any:
-        try:
-            return method(request, timeout=self._timeout_s)
-        except grpc.RpcError as error:
-            raise error_from_rpc(error) from None
+    def watch(self, map: str, options: WatchOptions = WatchOptions()) -> Watch:
+        """Follows the map as it changes: an iterator of Created, Snapshot, Delta, Events, Progress
+        and Resync items. Broken connections and restarted servers are outlasted."""
+        return Watch(self._connection.channel, full_map_name(map), options)
 
-    def _stream(self, method: Any, request: Any) -> Iterator[Any]:
-        call = method(request, timeout=self._stream_timeout_s)
-        try:
-            yield from call
-        except grpc.RpcError as error:
-            raise error_from_rpc(error) from None
-        finally:
-            call.cancel()  # Of no effect but where the reader stopped early.
+    def watch_async(
+        self, map: str, options: WatchOptions = WatchOptions()
+    ) -> AsyncIterator[WatchItem]:
+        """The same for asyncio: `async for item in client.watch_async("hall")`."""
+        name = full_map_name(map)
+        return watch_asynchronously(self._connection.open_asynchronously, name, options)

@@ -14,7 +14,9 @@ from steadymap._generated.rpc import error_details_pb2, status_pb2
 
 _DOMAIN = "steadymap"
 _DETAILS_TRAILER = "grpc-status-details-bin"
-_TOO_LARGE_TEXT = "larger than max"  # How gRPC itself refuses a message beyond its limit.
+_TOO_LARGE_TEXT = (
+    "larger than max"  # How gRPC itself refuses a message beyond its limit.
+)
 
 
 class SteadymapError(Exception):
@@ -50,7 +52,9 @@ class SteadymapError(Exception):
     def _sentence(self) -> str:
         told = self.reason and self.reason != self.code
         name = f"{self.code} / {self.reason}" if told else self.code
-        where = f" in {self.field}" if self.field and self.field not in self.message else ""
+        where = (
+            f" in {self.field}" if self.field and self.field not in self.message else ""
+        )
         return f"{name}{where}: {self.message}"
 
 
@@ -160,21 +164,29 @@ def error_from_status(status: status_pb2.Status) -> SteadymapError:
             if info.domain == _DOMAIN:
                 reason, metadata = info.reason, dict(info.metadata)
         elif kind == "google.rpc.BadRequest":
-            violations = error_details_pb2.BadRequest.FromString(detail.value).field_violations
+            violations = error_details_pb2.BadRequest.FromString(
+                detail.value
+            ).field_violations
             field = violations[0].field if violations else ""
         elif kind == "google.rpc.RetryInfo":
             delay = error_details_pb2.RetryInfo.FromString(detail.value).retry_delay
             retry_delay_s = delay.seconds + delay.nanos * 1e-9
     name = _NAMES.get(status.code, "UNKNOWN")
     return _CLASSES.get(name, SteadymapError)(
-        status.message, reason=reason, field=field, metadata=metadata, retry_delay_s=retry_delay_s
+        status.message,
+        reason=reason,
+        field=field,
+        metadata=metadata,
+        retry_delay_s=retry_delay_s,
     )
 
 
 def error_from_rpc(error: grpc.RpcError) -> SteadymapError:
     """The error that a gRPC call ended with, its trailing details included."""
     code = error.code().value[0]
-    status = status_pb2.Status(code=code, message=error.details() or "no message was given")
+    status = status_pb2.Status(
+        code=code, message=error.details() or "no message was given"
+    )
     for key, value in error.trailing_metadata() or ():
         if key != _DETAILS_TRAILER:
             continue
@@ -196,7 +208,9 @@ def error_from_rpc(error: grpc.RpcError) -> SteadymapError:
 def _parse_status(value: bytes) -> Optional[status_pb2.Status]:
     try:
         return status_pb2.Status.FromString(value)
-    except Exception:  # protobuf's DecodeError; its module differs between implementations.
+    except (
+        Exception
+    ):  # protobuf's DecodeError; its module differs between implementations.
         return None
 
 
@@ -217,6 +231,8 @@ def is_worth_retrying(error: SteadymapError) -> bool:
     if error.code == "RESOURCE_EXHAUSTED":
         return error.reason != "MESSAGE_TOO_LARGE"
     if error.code == "DATA_LOSS":
-        return error.reason == "CHECKSUM"  # A batch damaged on its way, not a map on disk.
+        return (
+            error.reason == "CHECKSUM"
+        )  # A batch damaged on its way, not a map on disk.
     # gRPC reports connections that break in mid-message so; the service always gives a reason.
     return error.code in _RETRIED_WITHOUT_REASON and not error.reason

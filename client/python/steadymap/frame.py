@@ -43,7 +43,9 @@ class Intrinsics:
         for name in ("width_px", "height_px"):
             side_px = getattr(self, name)
             if not 1 <= side_px <= _MAX_SIDE_PX:
-                raise ValueError(f"{name}: expected a value in [1, {_MAX_SIDE_PX}], got {side_px}")
+                raise ValueError(
+                    f"{name}: expected a value in [1, {_MAX_SIDE_PX}], got {side_px}"
+                )
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -112,7 +114,9 @@ def frame_to_proto(frame: Frame, encoding: PixelEncoding) -> frame_pb2.Frame:
     if frame.labels is not None:
         message.labels.CopyFrom(encode_labels(frame.labels, "labels", encoding))
     if frame.instances is not None:
-        message.instances.CopyFrom(encode_labels(frame.instances, "instances", encoding))
+        message.instances.CopyFrom(
+            encode_labels(frame.instances, "instances", encoding)
+        )
     if frame.color is not None:
         message.color.CopyFrom(encode_color(frame.color))
     return message

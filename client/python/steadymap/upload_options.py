@@ -29,11 +29,12 @@ class UploadOptions:
     Attributes:
         robot: id of the robot that the frames come from, matching `[a-z][a-z0-9-]{0,62}`.
         session: id of the upload session, of the same form; None: a random one. Naming it lets a
-            later process that pushes the same frames in the same order go on where this one stopped.
+            later process that pushes the same frames in the same order go on where this one
+            stopped.
         encoding: how depth and label arrays travel. None: ZSTD where the package zstandard is
             installed, else RAW.
         wait_for: the level that every frame must have reached when the upload is finished.
-        max_batch_bytes, max_batch_frames: a message holds no more, unless one frame alone is larger.
+        max_batch_bytes, max_batch_frames: a message holds no more, unless one frame is larger.
         max_buffered_bytes: frames that are not durable yet take no more memory; `push` waits.
         open_timeout_s: a server that does not answer the opening for so long counts as unavailable.
         backoff: waits between reconnections.
@@ -58,12 +59,18 @@ class UploadOptions:
     on_retry: Optional[Callable[[SteadymapError, float], None]] = None
 
     def __post_init__(self) -> None:
-        encoding = default_encoding() if self.encoding is None else PixelEncoding(self.encoding)
+        encoding = (
+            default_encoding()
+            if self.encoding is None
+            else PixelEncoding(self.encoding)
+        )
         object.__setattr__(self, "encoding", encoding)
         object.__setattr__(self, "wait_for", AckLevel(self.wait_for))
         for name in ("max_batch_bytes", "max_batch_frames", "max_buffered_bytes"):
             if getattr(self, name) < 1:
-                raise ValueError(f"{name}: expected at least 1, got {getattr(self, name)}")
+                raise ValueError(
+                    f"{name}: expected at least 1, got {getattr(self, name)}"
+                )
 
 
 @dataclasses.dataclass(frozen=True)
