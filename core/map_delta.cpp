@@ -159,6 +159,7 @@ MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after) {
           .to = after.revision,
           .last_capture_time = after.last_capture_time,
           .newest_object = after.newest_object,
+          .last_event = after.last_event,
           .objects = DiffObjects(before, after),
           .leaves = DiffLeaves(before, after),
           .free_blocks = DiffFreeSpace(before.free_space, after.free_space),
@@ -212,6 +213,7 @@ absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
   snapshot->revision = delta.to;
   snapshot->last_capture_time = delta.last_capture_time;
   snapshot->newest_object = delta.newest_object;
+  snapshot->last_event = delta.last_event;
   return absl::OkStatus();
 }
 
@@ -222,6 +224,7 @@ MapDelta Merge(const MapDelta& first, const MapDelta& second) {
       .to = second.to,
       .last_capture_time = second.last_capture_time,
       .newest_object = second.newest_object,
+      .last_event = second.last_event,
       .objects = MergeSorted(
           first.objects, second.objects, [](const ObjectChange& change) { return change.id; }),
       .leaves = MergeSorted(

@@ -55,6 +55,7 @@ struct MapDelta {
   Revision to;                                 ///< The one that it leads to; not below `from`.
   Timestamp last_capture_time;                 ///< Of the newest frame in `to`.
   ObjectId newest_object{};                    ///< As in `MapSnapshot`, in `to`.
+  EventNumber last_event{};                    ///< As in `MapSnapshot`, in `to`.
   std::vector<ObjectChange> objects{};         ///< By rising id, no id twice.
   std::vector<LeafChange> leaves{};            ///< Sorted by key, no key twice.
   std::vector<FreeBlockChange> free_blocks{};  ///< Sorted by origin, no origin twice.

@@ -41,6 +41,7 @@ struct MapSnapshot {
   Background background;
   ObjectLibrary objects;                     ///< Archived ones included.
   ObjectId newest_object;                    ///< The last id given away; ids are never given twice.
+  EventNumber last_event;                    ///< Of the map's history; 0: nothing happened yet.
   FreeSpace free_space;                      ///< For the mapper alone: no query asks for it.
   std::map<std::string, RobotState> robots;  ///< By id; for the mapper alone, too.
 };

@@ -295,6 +295,8 @@ MapCommit WorkingMap::Commit() {
   commit.delta.last_capture_time = map_.last_capture_time;
   commit.delta.newest_object = map_.newest_object;
   commit.delta.events = std::exchange(events_, {});
+  map_.last_event = EventNumber(map_.last_event.value() + commit.delta.events.size());
+  commit.delta.last_event = map_.last_event;
   CommitObjects(&commit.delta);
   CommitLeaves(&commit.delta);
   CommitFreeSpace(&commit.delta);

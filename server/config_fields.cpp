@@ -137,6 +137,18 @@ void VisitRetention(RetentionOptions* retention, FieldVisitor* visitor) {
                  &retention->trim_interval);
 }
 
+void VisitWatch(WatchOptions* watch, FieldVisitor* visitor) {
+  TypedVisitor typed(visitor);
+  visitor->Section("watch", "Those who watch maps.");
+  typed.Integer(
+      {"max_watches", "Watches at once, all maps together."}, {1, 1'000'000}, &watch->max_watches);
+  typed.Duration({"stall_timeout_s",
+                  "A watcher that takes nothing of what is sent for this long is cut off; it may "
+                  "resume."},
+                 {1, kDayS},
+                 &watch->stall_timeout);
+}
+
 void VisitStore(StoreOptions* store, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
   visitor->Section("store", "RocksDB in data_dir, and what it keeps of every map.");
@@ -162,6 +174,10 @@ void VisitStore(StoreOptions* store, FieldVisitor* visitor) {
   typed.Integer({"kept_change_lists", "Most change lists that are kept of a map."},
                 {1, 100'000'000},
                 &store->kept_change_lists);
+  typed.Duration({"change_list_grace_s",
+                  "Change lists that a live watcher has not seen yet are kept so much longer."},
+                 {0, 100 * kYearS},
+                 &store->change_list_grace);
 }
 
 }  // namespace
@@ -172,6 +188,7 @@ void VisitFields(ServerConfig* config, FieldVisitor* visitor) {
   VisitLimits(&config->limits, visitor);
   VisitCommit(&config->commit, visitor);
   VisitRetention(&config->retention, visitor);
+  VisitWatch(&config->watch, visitor);
   VisitStore(&config->store, visitor);
 }
 

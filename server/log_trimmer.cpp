@@ -10,8 +10,13 @@
 
 namespace steadymap {
 
-LogTrimmer::LogTrimmer(const MapDirectory* maps, Store* store, const RetentionOptions& options)
-    : maps_(maps), store_(store), options_(options), thread_([this] { Run(); }) {}
+LogTrimmer::LogTrimmer(const MapDirectory* maps,
+                       const WatchHub* watches,
+                       Store* store,
+                       const RetentionOptions& options)
+    : maps_(maps), watches_(watches), store_(store), options_(options), thread_([this] {
+        Run();
+      }) {}
 
 LogTrimmer::~LogTrimmer() {
   {
@@ -40,7 +45,8 @@ void LogTrimmer::TrimAll() {
     if (!map->condition().ok()) continue;
     map->sessions().ForgetIdle(forget_before);
     const MapSequence integrated(map->snapshot()->revision.value());
-    const absl::Status status = store_->Trim(map->record(), integrated, now, forget_before);
+    const absl::Status status = store_->Trim(
+        map->record(), {integrated, now, forget_before, watches_->OldestWatched(map->key())});
     // A map that was deleted meanwhile is nothing to worry about.
     if (!status.ok() && !absl::IsNotFound(status)) {
       spdlog::warn("map {}: its log could not be trimmed: {}",

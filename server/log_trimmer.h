@@ -9,6 +9,7 @@
 #include "server/map_directory.h"
 #include "server/server_config.h"
 #include "server/store.h"
+#include "server/watch_hub.h"
 
 namespace steadymap {
 
@@ -16,8 +17,11 @@ namespace steadymap {
 /// integrated and no longer wanted, and forgets upload sessions that have been idle for too long.
 class LogTrimmer {
  public:
-  /// Starts the thread. `maps` and `store` must outlive it.
-  LogTrimmer(const MapDirectory* maps, Store* store, const RetentionOptions& options);
+  /// Starts the thread. What it is given must outlive it.
+  LogTrimmer(const MapDirectory* maps,
+             const WatchHub* watches,
+             Store* store,
+             const RetentionOptions& options);
 
   /// Ends the thread.
   ~LogTrimmer();
@@ -33,6 +37,7 @@ class LogTrimmer {
   bool AwaitStop() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const MapDirectory* const maps_;
+  const WatchHub* const watches_;
   Store* const store_;
   const RetentionOptions options_;
   absl::Mutex mutex_;

@@ -87,7 +87,7 @@ absl::Status MapDirectory::Update(MapRuntime& map, const MapRecord& record) {
 }
 
 absl::Status MapDirectory::Delete(const std::shared_ptr<MapRuntime>& map,
-                                  const std::function<void(const absl::Status&)>& end_uploads) {
+                                  const std::function<void(const absl::Status&)>& end_streams) {
   // A store that cannot delete would bring the map back at the next start.
   if (absl::Status health = surroundings_.store->health(); !health.ok()) return health;
   {
@@ -95,7 +95,7 @@ absl::Status MapDirectory::Delete(const std::shared_ptr<MapRuntime>& map,
     maps_.erase(map->name());
   }
   const absl::Status gone = MapNotFound(map->name(), {});
-  end_uploads(gone);
+  end_streams(gone);
   map->Close(gone, /*commit=*/false);
   spdlog::info("map {}: deleted", map->name().ToString());
   return surroundings_.store->DeleteMap(map->key());

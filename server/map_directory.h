@@ -58,10 +58,10 @@ class MapDirectory {
   /// Replaces the record of a map. Errors: what the store answers.
   absl::Status Update(MapRuntime& map, const MapRecord& record);
 
-  /// Deletes a map. `end_uploads` is called once nobody finds the map any more.
+  /// Deletes a map. `end_streams` is called once nobody finds the map any more.
   /// Errors: what the store answers; the map is then closed all the same.
   absl::Status Delete(const std::shared_ptr<MapRuntime>& map,
-                      const std::function<void(const absl::Status&)>& end_uploads)
+                      const std::function<void(const absl::Status&)>& end_streams)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Closes all maps after a last commit; nothing may be looked up afterwards.

@@ -185,6 +185,7 @@ void MapRuntime::Publish(const std::shared_ptr<const MapSnapshot>& snapshot) {
     memory_bytes_ = memory_bytes;
   }
   waiters_.Notify(revision);
+  surroundings_.on_published(key_);
 }
 
 void MapRuntime::Fail(const absl::Status& status) {

@@ -38,6 +38,8 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
     std::size_t queue_bytes = 0;  ///< Of one map.
     /// The map's queue has got frames; from any thread, without locks held.
     std::function<void(const std::shared_ptr<MapRuntime>&)> on_queued;
+    /// The map has published a revision; from its thread, without locks held.
+    std::function<void(MapKey)> on_published;
     /// Something has failed for good; from any thread, without locks held.
     std::function<void(const absl::Status&)> on_failure;
   };

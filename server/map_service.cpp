@@ -144,8 +144,10 @@ absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
     return status;
   }
   const MapKey key = (*map)->key();
-  return surroundings_.maps->Delete(
-      *map, [this, key](const absl::Status& status) { surroundings_.roster->EndMap(key, status); });
+  return surroundings_.maps->Delete(*map, [this, key](const absl::Status& status) {
+    surroundings_.roster->EndMap(key, status);
+    surroundings_.watches->EndMap(key, status);
+  });
 }
 
 }  // namespace steadymap

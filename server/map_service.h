@@ -3,6 +3,7 @@
 #include "server/map_directory.h"
 #include "server/server_config.h"
 #include "server/upload_roster.h"
+#include "server/watch_hub.h"
 #include "server/worker_pool.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"
@@ -16,6 +17,7 @@ class MapService final : public v1::MapService::CallbackService {
   struct Surroundings {
     MapDirectory* maps = nullptr;
     UploadRoster* roster = nullptr;
+    WatchHub* watches = nullptr;
     WorkerPool* clerk = nullptr;  ///< Of one thread, so that changes come one after another.
     RetentionOptions retention;
   };

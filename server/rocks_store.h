@@ -52,10 +52,8 @@ class RocksStore final : public Store {
   absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
                                                       EventNumber first,
                                                       std::size_t limit) override;
-  absl::Status Trim(const MapRecord& map,
-                    MapSequence last,
-                    Timestamp now,
-                    Timestamp forget_sessions_before) override;
+  absl::StatusOr<ChangeList> ReadChanges(MapKey map, Revision from, Revision to) override;
+  absl::Status Trim(const MapRecord& map, const TrimBounds& bounds) override;
   absl::Status health() const override;
 
   /// For tests that damage what is stored.
@@ -127,7 +125,7 @@ class RocksStore final : public Store {
                        rocksdb::WriteBatch* batch,
                        std::uint64_t* dropped_bytes) const;
   absl::Status TrimChangeLists(const MapEntry& entry,
-                               Timestamp now,
+                               const TrimBounds& bounds,
                                rocksdb::WriteBatch* batch) const;
   absl::Status TrimEvents(const MapEntry& entry, rocksdb::WriteBatch* batch) const;
   absl::Status TrimSessions(MapKey map, Timestamp forget_before, rocksdb::WriteBatch* batch) const;

@@ -27,6 +27,8 @@
 #include "server/map_service.h"
 #include "server/query_service.h"
 #include "server/upload_roster.h"
+#include "server/watch_hub.h"
+#include "server/watch_service.h"
 #include "server/worker_pool.h"
 
 namespace steadymap {
@@ -43,6 +45,9 @@ constexpr std::size_t kTransportBytes = std::size_t{256} << 20;
 // large, up to this factor.
 constexpr std::size_t kHardMessageLimitFactor = 2;
 
+// For watchers to take their last step and the goodbye; who does not read is cut off.
+constexpr absl::Duration kGoodbyeTime = absl::Seconds(2);
+
 // The client's pings are 30 s apart; ours find out about clients that have vanished.
 constexpr int kMinClientPingIntervalMs = 10'000;
 constexpr int kServerPingIntervalMs = 60'000;
@@ -51,6 +56,7 @@ constexpr int kServerPingTimeoutMs = 20'000;
 constexpr char kIngestServiceName[] = "steadymap.v1.IngestService";
 constexpr char kMapServiceName[] = "steadymap.v1.MapService";
 constexpr char kQueryServiceName[] = "steadymap.v1.QueryService";
+constexpr char kWatchServiceName[] = "steadymap.v1.WatchService";
 
 std::size_t DecoderCount() { return std::max(2U, std::thread::hardware_concurrency()); }
 
@@ -87,14 +93,17 @@ class Server::Parts {
   LiveLimits limits_;
   FrameBudget budget_;
   UploadRoster roster_;
+  WatchHub watch_hub_;
   LogWriter log_writer_;
   MapDirectory maps_;
   WorkerPool decoders_;
   WorkerPool clerk_;
   WorkerPool readers_;
+  WorkerPool watchers_;
   IngestService ingest_service_;
   MapService map_service_;
   QueryService query_service_;
+  WatchService watch_service_;
   std::optional<LogTrimmer> trimmer_;
   int port_ = 0;
   std::unique_ptr<grpc::Server> grpc_server_;
@@ -108,23 +117,28 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       store_(std::move(store)),
       limits_(config.limits),
       budget_(config.limits.queue_bytes_total),
+      watch_hub_(
+          {store_.get(), config.watch.max_watches, absl::FromChrono(config.watch.stall_timeout)}),
       log_writer_(store_.get(), [this](const absl::Status&) { UpdateHealth(); }),
       maps_({store_.get(),
              &budget_,
              config.commit,
              config.limits.queue_bytes_per_map,
              [this](const std::shared_ptr<MapRuntime>& map) { log_writer_.Notify(map); },
+             [this](MapKey map) { watch_hub_.OnCommit(map); },
              [this](const absl::Status&) { UpdateHealth(); }}),
       decoders_("decoders", DecoderCount(), kMaxWaitingBatches),
       clerk_("clerk", 1, kMaxWaitingCalls),
       readers_("readers", 2, kMaxWaitingCalls),
+      watchers_("watchers", 2, kMaxWaitingCalls),
       ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
-      map_service_({&maps_, &roster_, &clerk_, config.retention}),
-      query_service_({&maps_, store_.get(), &readers_}) {}
+      map_service_({&maps_, &roster_, &watch_hub_, &clerk_, config.retention}),
+      query_service_({&maps_, store_.get(), &readers_}),
+      watch_service_({&maps_, &watch_hub_, &watchers_}) {}
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
-  trimmer_.emplace(&maps_, store_.get(), config_.retention);
+  trimmer_.emplace(&maps_, &watch_hub_, store_.get(), config_.retention);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
   UpdateHealth();
@@ -143,6 +157,7 @@ absl::Status Server::Parts::Listen() {
   builder.RegisterService(&ingest_service_);
   builder.RegisterService(&map_service_);
   builder.RegisterService(&query_service_);
+  builder.RegisterService(&watch_service_);
   grpc_server_ = builder.BuildAndStart();
   if (grpc_server_ != nullptr) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat("cannot listen on ",
@@ -179,6 +194,7 @@ void Server::Parts::UpdateHealth() {
   health->SetServingStatus(kMapServiceName, writable);
   // What is published can be read all the same.
   health->SetServingStatus(kQueryServiceName, !stopping);
+  health->SetServingStatus(kWatchServiceName, !stopping);
 }
 
 void Server::Parts::Drain() {
@@ -191,19 +207,22 @@ void Server::Parts::Drain() {
   roster_.Drain();
 }
 
-// The order of the end: nobody comes in, what is under way is finished, calls end, then the threads
-// from the first of the pipeline to the last, so that none feeds one that is gone.
+// The order of the end: nobody comes in, what is under way is finished, watchers see it, calls end,
+// then the threads from the first of the pipeline to the last, so that none feeds one that is gone.
 void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (shut_down_.exchange(true)) return;
   const absl::Time end = absl::Now() + absl::FromChrono(deadline);
   Drain();
   if (!roster_.AwaitEmpty(end)) spdlog::warn("some uploads had not ended at the deadline");
+  watch_hub_.Drain();
+  if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
   health_service_ = nullptr;
   if (grpc_server_ != nullptr) grpc_server_->Shutdown(absl::ToChronoTime(end));
   trimmer_.reset();
   decoders_.Stop();
   clerk_.Stop();
   readers_.Stop();
+  watchers_.Stop();
   log_writer_.Stop();
   maps_.Close(DrainingError());
 }

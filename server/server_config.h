@@ -62,6 +62,16 @@ struct RetentionOptions {
   std::chrono::seconds trim_interval{60};
 };
 
+/// Those who watch maps.
+struct WatchOptions {
+  /// Watches at once, all maps together. Each costs some kilobytes, and while it takes a step the
+  /// message at hand.
+  std::size_t max_watches = 2000;
+
+  /// A watcher that takes nothing of what is sent for this long is cut off; it may resume.
+  std::chrono::seconds stall_timeout{60};
+};
+
 /// Everything that an operator can set.
 struct ServerConfig {
   /// Host and port of the gRPC listener; port 0 takes a free one.
@@ -86,6 +96,7 @@ struct ServerConfig {
   LimitOptions limits;
   CommitOptions commit;
   RetentionOptions retention;
+  WatchOptions watch;
   StoreOptions store;
 };
 

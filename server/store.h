@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -97,6 +98,26 @@ struct StoredState {
   std::vector<SessionRecord> sessions;
 };
 
+/// What the commits between two revisions changed: names, not values.
+struct ChangeList {
+  std::uint64_t commits = 0;
+  std::vector<ObjectId> objects{};  ///< By rising id, no id twice; forgotten ones included.
+  std::vector<LeafKey> leaves{};    ///< Sorted, no key twice; leaves that are gone included.
+
+  friend bool operator==(const ChangeList&, const ChangeList&) = default;
+};
+
+/// What a trim may drop of a map.
+struct TrimBounds {
+  /// Log frames up to and including this one; it must be integrated.
+  MapSequence last;
+  Timestamp now;  ///< By the server's clock.
+  /// Sessions idle since before this moment.
+  Timestamp forget_sessions_before;
+  /// The oldest revision that a live watcher is at: change lists behind it have a grace.
+  std::optional<Revision> oldest_watched{};
+};
+
 struct StoreOptions {
   /// Bytes of RocksDB's block cache.
   std::size_t block_cache_bytes = std::size_t{32} << 20;
@@ -117,6 +138,9 @@ struct StoreOptions {
   /// `kept_change_lists`: a reader that is further behind starts from a snapshot.
   std::chrono::seconds change_list_age{3600};
   std::uint64_t kept_change_lists = 100'000;
+
+  /// Change lists that a live watcher has not seen yet are kept for so much longer.
+  std::chrono::seconds change_list_grace{600};
 };
 
 /// The durable side of all maps: RocksDB, embedded (service.md section 5).
@@ -185,15 +209,17 @@ class Store {
                                                               EventNumber first,
                                                               std::size_t limit) = 0;
 
-  /// Drops log frames up to and including `last` that retention no longer wants, change lists and
-  /// poses beyond what `StoreOptions` keeps, and sessions idle since before
-  /// `forget_sessions_before`. `last` must be integrated; what lies beyond the stored revision is
-  /// never dropped. Cost: some milliseconds, with disk space to give back some 100: not for a
-  /// thread that robots wait for.
-  virtual absl::Status Trim(const MapRecord& map,
-                            MapSequence last,
-                            Timestamp now,
-                            Timestamp forget_sessions_before) = 0;
+  /// What the commits behind `from` up to `to` changed. Both must be revisions that were committed,
+  /// or 0, `from` not above `to`.
+  /// Errors: `OutOfRange` with reason `REVISION_COMPACTED` if one of the lists is gone, or there
+  /// were no such commits.
+  virtual absl::StatusOr<ChangeList> ReadChanges(MapKey map, Revision from, Revision to) = 0;
+
+  /// Drops log frames within `bounds` that retention no longer wants, change lists, events and
+  /// poses beyond what `StoreOptions` keeps, and idle sessions. What lies beyond the stored
+  /// revision is never dropped. Cost: some milliseconds, with disk space to give back some 100: not
+  /// for a thread that robots wait for.
+  virtual absl::Status Trim(const MapRecord& map, const TrimBounds& bounds) = 0;
 
   /// OK, or the error that made the store read-only.
   virtual absl::Status health() const = 0;

@@ -125,6 +125,7 @@ absl::StatusOr<StoredState> RocksStore::LoadMap(const MapRecord& record) {
     return OfMap(record, status);
   }
   state.snapshot.newest_object = ObjectId{entry->revision_head.newest_object()};
+  state.snapshot.last_event = EventNumber{entry->revision_head.events()};
   if (absl::Status status = LoadContent(record.key, snapshot.snapshot(), &state.snapshot);
       !status.ok()) {
     return OfMap(record, status);

@@ -36,26 +36,24 @@ absl::StatusOr<storage::v1::PoseRecord> ReadPoseRecord(const StoreDatabase& data
 
 }  // namespace
 
-absl::Status RocksStore::Trim(const MapRecord& map,
-                              MapSequence last,
-                              Timestamp now,
-                              Timestamp forget_sessions_before) {
+absl::Status RocksStore::Trim(const MapRecord& map, const TrimBounds& bounds) {
   // Against appends, which would else renew a session between our look and our deletion.
   const WriteTurns::Turn turn(&append_turns_, {map.key});
   absl::StatusOr<MapEntry> entry = Find(map.key);
   if (!entry.ok()) return entry.status();
   entry->record.frame_log_age = map.frame_log_age;
   entry->record.frame_log_bytes = map.frame_log_bytes;
-  const MapSequence integrated{std::min(last.value(), entry->revision_head.revision())};
+  const MapSequence integrated{std::min(bounds.last.value(), entry->revision_head.revision())};
   rocksdb::WriteBatch batch;
   std::uint64_t dropped_bytes = 0;
-  if (absl::Status status = TrimLog(*entry, integrated, now, &batch, &dropped_bytes);
+  if (absl::Status status = TrimLog(*entry, integrated, bounds.now, &batch, &dropped_bytes);
       !status.ok()) {
     return status;
   }
-  if (absl::Status status = TrimChangeLists(*entry, now, &batch); !status.ok()) return status;
+  if (absl::Status status = TrimChangeLists(*entry, bounds, &batch); !status.ok()) return status;
   if (absl::Status status = TrimEvents(*entry, &batch); !status.ok()) return status;
-  if (absl::Status status = TrimSessions(map.key, forget_sessions_before, &batch); !status.ok()) {
+  if (absl::Status status = TrimSessions(map.key, bounds.forget_sessions_before, &batch);
+      !status.ok()) {
     return status;
   }
   if (batch.Count() == 0) return absl::OkStatus();
@@ -148,7 +146,7 @@ absl::StatusOr<std::optional<std::uint64_t>> RocksStore::FirstNumber(Family fami
 }
 
 absl::Status RocksStore::TrimChangeLists(const MapEntry& entry,
-                                         Timestamp now,
+                                         const TrimBounds& bounds,
                                          rocksdb::WriteBatch* batch) const {
   const KeyRange range = MapRange(entry.record.key);
   const rocksdb::Slice upper_bound(range.end);
@@ -163,7 +161,16 @@ absl::Status RocksStore::TrimChangeLists(const MapEntry& entry,
     }
     const bool surplus =
         entry.revision_head.commits() - change.ordinal() >= options_.kept_change_lists;
-    if (!surplus && !IsOlder(change.commit_time_ns(), now, options_.change_list_age)) break;
+    const bool old = IsOlder(change.commit_time_ns(), bounds.now, options_.change_list_age);
+    if (!surplus && !old) break;
+    const std::optional<std::uint64_t> revision = NumberOfKey(place.key);
+    if (!revision) return DamagedValue(place, "is filed under no revision");
+    if (bounds.oldest_watched && *revision > bounds.oldest_watched->value() &&
+        !IsOlder(change.commit_time_ns(),
+                 bounds.now,
+                 options_.change_list_age + options_.change_list_grace)) {
+      break;
+    }
     // The smallest key behind this one.
     kept = scan->key().ToString() + '\0';
   }

@@ -66,6 +66,7 @@ void RocksStore::PutCommit(MapKey map,
   change.set_commit_time_ns(head.commit_time_ns());
   change.set_ordinal(head.commits());
   change.set_events(head.events());
+  change.set_previous_revision(delta.from.value());
   for (const LeafChange& leaf : delta.leaves) {
     const std::string key = LeafStoreKey(map, leaf.key);
     change.mutable_leaf_keys()->append(PackLeafKey(leaf.key));

@@ -34,7 +34,7 @@ class ChangeLists : public ::testing::Test {
 
   void Trim(double now_s) {
     ASSERT_TRUE(
-        store_->Trim(map_, MapSequence{50}, Timestamp::FromSeconds(now_s), Timestamp()).ok());
+        store_->Trim(map_, {MapSequence{50}, Timestamp::FromSeconds(now_s), Timestamp()}).ok());
   }
 
   /// Which of the revisions 1..50 have a change list.

@@ -112,7 +112,7 @@ TEST_P(StoreContract, UnknownMapsAreNotFound) {
         store_->ReadLog(nobody.key, MapSequence{1}, visit),
         store_->ReadPoses(nobody.key, MapSequence{1}, MapSequence{9}, 9).status(),
         store_->ReadEvents(nobody.key, EventNumber{1}, 9).status(),
-        store_->Trim(nobody, MapSequence{1}, kNow, kForgetNone)}) {
+        store_->Trim(nobody, {MapSequence{1}, kNow, kForgetNone})}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kNotFound) << status;
     EXPECT_EQ(ReasonOf(status), reason::kNotFound);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <iterator>
 #include <set>
 #include <string>
@@ -21,13 +22,24 @@ struct StoredPose {
   std::uint64_t packed_bytes = 0;
 };
 
+/// What a commit changed, and what retention asks about it.
+struct StoredCommit {
+  Revision from;
+  Revision to;
+  Timestamp time;
+  std::vector<ObjectId> objects;
+  std::vector<LeafKey> leaves;
+};
+
 struct StoredMap {
   MapRecord record;
   bool damaged = false;
   MapSequence head;
   Timestamp newest_append;
   MapSnapshot snapshot;
+  EventNumber last_event;
   std::vector<StoredEvent> events;
+  std::deque<StoredCommit> commits;
   std::map<MapSequence, std::string> log;
   std::map<MapSequence, StoredPose> poses;
   std::map<SessionName, SessionRecord> sessions;
@@ -78,6 +90,28 @@ void TrimLog(MapSequence last, Timestamp now, const MapRecord& retention, Stored
       frame = std::make_reverse_iterator(map->log.erase(std::next(frame).base()));
     }
   }
+}
+
+void TrimCommits(const StoreOptions& options,
+                 const TrimBounds& bounds,
+                 std::deque<StoredCommit>* commits) {
+  const auto is_older = [&](const StoredCommit& commit, std::chrono::seconds age) {
+    return std::chrono::nanoseconds(bounds.now.nanoseconds() - commit.time.nanoseconds()) >= age;
+  };
+  while (!commits->empty()) {
+    const StoredCommit& oldest = commits->front();
+    const bool wanted =
+        commits->size() <= options.kept_change_lists && !is_older(oldest, options.change_list_age);
+    const bool watched = bounds.oldest_watched && oldest.to > *bounds.oldest_watched &&
+                         !is_older(oldest, options.change_list_age + options.change_list_grace);
+    if (wanted || watched) return;
+    commits->pop_front();
+  }
+}
+
+absl::Status Compacted() {
+  return MakeError(
+      absl::StatusCode::kOutOfRange, reason::kRevisionCompacted, "what changed is forgotten");
 }
 
 }  // namespace
@@ -233,6 +267,7 @@ absl::StatusOr<StoredState> MemoryStore::LoadMap(const MapRecord& record) {
   state.durable_head = map.head;
   for (const auto& [name, session] : map.sessions) state.sessions.push_back(session);
   state.snapshot = map.snapshot;
+  state.snapshot.last_event = map.last_event;
   return state;
 }
 
@@ -255,7 +290,7 @@ absl::Status MemoryStore::AppendFrames(const std::vector<LogAppend>& appends) {
   return absl::OkStatus();
 }
 
-absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Timestamp /*now*/) {
+absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) {
   content_->RunHook();
   const absl::MutexLock lock(&content_->mutex);
   if (!content_->health.ok()) return content_->health;
@@ -270,11 +305,15 @@ absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Time
   if (absl::Status status = content_->CheckWrite(&content_->fail_commit); !status.ok()) {
     return status;
   }
-  EventNumber number = stored.events.empty() ? EventNumber{} : stored.events.back().number;
+  EventNumber& number = stored.last_event;
   for (const ObjectEvent& event : delta.events) {
     number = number.Next();
     stored.events.push_back({number, event});
   }
+  StoredCommit& commit =
+      stored.commits.emplace_back(StoredCommit{delta.from, delta.to, now, {}, {}});
+  for (const ObjectChange& object : delta.objects) commit.objects.push_back(object.id);
+  for (const LeafChange& leaf : delta.leaves) commit.leaves.push_back(leaf.key);
   return Apply(delta, &stored.snapshot);
 }
 
@@ -329,17 +368,36 @@ absl::StatusOr<std::vector<FramePose>> MemoryStore::ReadPoses(MapKey map,
   return poses;
 }
 
-absl::Status MemoryStore::Trim(const MapRecord& map,
-                               MapSequence last,
-                               Timestamp now,
-                               Timestamp forget_sessions_before) {
+absl::StatusOr<ChangeList> MemoryStore::ReadChanges(MapKey map, Revision from, Revision to) {
+  const absl::MutexLock lock(&content_->mutex);
+  const auto found = content_->maps.find(map);
+  if (found == content_->maps.end()) return NotThere();
+  ChangeList changes;
+  std::set<ObjectId> objects;
+  std::set<LeafKey> leaves;
+  Revision reached = from;
+  for (const StoredCommit& commit : found->second.commits) {
+    if (commit.from != reached || reached == to) continue;
+    reached = commit.to;
+    ++changes.commits;
+    objects.insert(commit.objects.begin(), commit.objects.end());
+    leaves.insert(commit.leaves.begin(), commit.leaves.end());
+  }
+  if (reached != to) return Compacted();
+  changes.objects.assign(objects.begin(), objects.end());
+  changes.leaves.assign(leaves.begin(), leaves.end());
+  return changes;
+}
+
+absl::Status MemoryStore::Trim(const MapRecord& map, const TrimBounds& bounds) {
   const absl::MutexLock lock(&content_->mutex);
   const auto found = content_->maps.find(map.key);
   if (found == content_->maps.end()) return NotThere();
   if (!content_->health.ok()) return content_->health;
   StoredMap& stored = found->second;
-  const MapSequence integrated{std::min(last.value(), stored.snapshot.revision.value())};
-  TrimLog(integrated, now, map, &stored);
+  const MapSequence integrated{std::min(bounds.last.value(), stored.snapshot.revision.value())};
+  TrimLog(integrated, bounds.now, map, &stored);
+  TrimCommits(content_->options, bounds, &stored.commits);
   const std::uint64_t head = stored.head.value();
   const MapSequence first_in_log =
       stored.log.empty() ? stored.head.Next() : stored.log.begin()->first;
@@ -352,7 +410,7 @@ absl::Status MemoryStore::Trim(const MapRecord& map,
                         stored.events.begin() + static_cast<std::ptrdiff_t>(surplus));
   }
   std::erase_if(stored.sessions, [&](const auto& session) {
-    return session.second.last_active < forget_sessions_before;
+    return session.second.last_active < bounds.forget_sessions_before;
   });
   return absl::OkStatus();
 }

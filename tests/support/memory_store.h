@@ -63,10 +63,8 @@ class MemoryStore final : public Store {
   absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
                                                       EventNumber first,
                                                       std::size_t limit) override;
-  absl::Status Trim(const MapRecord& map,
-                    MapSequence last,
-                    Timestamp now,
-                    Timestamp forget_sessions_before) override;
+  absl::StatusOr<ChangeList> ReadChanges(MapKey map, Revision from, Revision to) override;
+  absl::Status Trim(const MapRecord& map, const TrimBounds& bounds) override;
   absl::Status health() const override;
 
  private:

@@ -1,0 +1,156 @@
+#include "server/watch_hub.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <absl/time/clock.h>
+
+#include "core/error.h"
+#include "server/upload_roster.h"
+
+namespace steadymap {
+namespace {
+
+// Watchers of one map who are not behind share one step for each filter. A step holds its messages
+// and a snapshot, which costs little while the map has moved on little.
+constexpr std::size_t kMaxSharedSteps = 16;
+
+}  // namespace
+
+absl::Status WatchHub::Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) {
+  const absl::MutexLock lock(&mutex_);
+  if (draining_) return DrainingError();
+  if (count_ >= surroundings_.max_watches) {
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     reason::kQueueFull,
+                     absl::StrCat("the server has ", count_, " watchers and takes no more"));
+  }
+  if (watches_[map].insert(std::move(watch)).second) ++count_;
+  return absl::OkStatus();
+}
+
+void WatchHub::Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) {
+  const absl::MutexLock lock(&mutex_);
+  const auto watches = watches_.find(map);
+  if (watches == watches_.end()) return;
+  count_ -= watches->second.erase(watch);
+  if (watches->second.empty()) watches_.erase(watches);
+}
+
+void WatchHub::OnCommit(MapKey map) {
+  const absl::Time stalled = absl::Now() - surroundings_.stall_timeout;
+  for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) {
+    if (watch->sending_since() < stalled) {
+      watch->Cancel();
+    } else {
+      watch->Wake();
+    }
+  }
+}
+
+std::optional<Revision> WatchHub::OldestWatched(MapKey map) const {
+  std::optional<Revision> oldest;
+  for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) {
+    oldest = std::min(oldest.value_or(watch->revision()), watch->revision());
+  }
+  return oldest;
+}
+
+void WatchHub::EndMap(MapKey map, const absl::Status& status) {
+  for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) watch->End(status);
+}
+
+void WatchHub::Drain() {
+  {
+    const absl::MutexLock lock(&mutex_);
+    draining_ = true;
+  }
+  for (const std::shared_ptr<ActiveWatch>& watch : All()) watch->Drain();
+}
+
+bool WatchHub::AwaitEmpty(absl::Time deadline) {
+  const absl::MutexLock lock(&mutex_);
+  return mutex_.AwaitWithDeadline(absl::Condition(this, &WatchHub::IsEmpty), deadline);
+}
+
+void WatchHub::CancelAll() {
+  for (const std::shared_ptr<ActiveWatch>& watch : All()) watch->Cancel();
+}
+
+std::size_t WatchHub::watch_count() const {
+  const absl::MutexLock lock(&mutex_);
+  return count_;
+}
+
+absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::FindStep(const StepRequest& request) {
+  const std::shared_ptr<SharedStep> step = ShareStep({request.scope,
+                                                      request.before,
+                                                      request.snapshot->revision,
+                                                      request.max_message_bytes,
+                                                      request.as_snapshot,
+                                                      request.shown != nullptr});
+  // Who comes second waits for the first to make it.
+  const absl::MutexLock lock(&step->mutex);
+  if (step->messages == nullptr) {
+    absl::StatusOr<std::shared_ptr<WatchMessages>> messages = MakeStep(request);
+    if (!messages.ok()) return messages.status();
+    step->messages = *std::move(messages);
+  }
+  return step->messages;
+}
+
+absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(
+    const StepRequest& request) const {
+  Store* const store = surroundings_.store;
+  const MapKey map = request.scope.map;
+  const Revision to = request.snapshot->revision;
+  WatchMessages::Source source{store,
+                               request.scope,
+                               request.filter,
+                               request.before,
+                               {to, request.snapshot->last_event},
+                               request.max_message_bytes};
+  if (request.as_snapshot) {
+    return std::make_shared<WatchMessages>(std::move(source),
+                                           MakeSnapshotStep(request.filter, request.snapshot));
+  }
+  ChangeList changes;
+  if (request.filter.WantsObjects()) {
+    absl::StatusOr<ChangeList> read = store->ReadChanges(map, request.before.revision, to);
+    if (!read.ok()) return read.status();
+    changes = *std::move(read);
+  }
+  return std::make_shared<WatchMessages>(
+      std::move(source),
+      MakeDeltaStep(
+          request.filter, changes, request.before.revision, request.shown, request.snapshot));
+}
+
+std::shared_ptr<WatchHub::SharedStep> WatchHub::ShareStep(const StepKey& key) {
+  const absl::MutexLock lock(&mutex_);
+  for (const std::shared_ptr<SharedStep>& step : steps_) {
+    if (step->key == key) return step;
+  }
+  auto step = std::make_shared<SharedStep>();
+  step->key = key;
+  steps_.push_front(step);
+  if (steps_.size() > kMaxSharedSteps) steps_.pop_back();
+  return step;
+}
+
+std::vector<std::shared_ptr<ActiveWatch>> WatchHub::WatchesOf(MapKey map) const {
+  const absl::MutexLock lock(&mutex_);
+  const auto watches = watches_.find(map);
+  if (watches == watches_.end()) return {};
+  return {watches->second.begin(), watches->second.end()};
+}
+
+std::vector<std::shared_ptr<ActiveWatch>> WatchHub::All() const {
+  std::vector<std::shared_ptr<ActiveWatch>> all;
+  const absl::MutexLock lock(&mutex_);
+  for (const auto& [map, watches] : watches_) all.insert(all.end(), watches.begin(), watches.end());
+  return all;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <absl/synchronization/mutex.h>
+#include <absl/time/time.h>
+
+#include "core/identifiers.h"
+#include "server/map_runtime.h"
+#include "server/store.h"
+#include "server/watch_messages.h"
+
+namespace steadymap {
+
+/// A watch under way. Called from any thread, without locks held; returns at once.
+class ActiveWatch {
+ public:
+  virtual ~ActiveWatch() = default;
+
+  /// The map has a newer revision.
+  virtual void Wake() = 0;
+
+  /// Says goodbye once everything that is committed has been sent.
+  virtual void Drain() = 0;
+
+  /// Ends with `status`, after the message that is on its way.
+  virtual void End(const absl::Status& status) = 0;
+
+  /// Ends now, whatever is on its way.
+  virtual void Cancel() = 0;
+
+  /// What the watcher has for certain.
+  virtual Revision revision() const = 0;
+
+  /// Since when a message has been on its way; infinitely far in the future if none is.
+  virtual absl::Time sending_since() const = 0;
+};
+
+/// All watches under way: wakes them when their map changes, and makes the steps that they share.
+/// Holds a watch's revision and nothing of its data: a watcher who is slow takes a longer step.
+/// Thread-safe.
+class WatchHub {
+ public:
+  /// What the hub needs of the server; all of it outlives the hub.
+  struct Surroundings {
+    Store* store = nullptr;
+    std::size_t max_watches = 0;
+    /// A watch that takes a message for longer than this is cancelled.
+    absl::Duration stall_timeout = absl::InfiniteDuration();
+  };
+
+  explicit WatchHub(const Surroundings& surroundings) : surroundings_(surroundings) {}
+
+  /// Enters a watch. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with reason
+  /// `QUEUE_FULL`.
+  absl::Status Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// The map has published a revision: wakes its watches, and cancels those that have stalled.
+  void OnCommit(MapKey map) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// The revision of the watch that is furthest behind; none without watches.
+  std::optional<Revision> OldestWatched(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Ends the watches of a map.
+  void EndMap(MapKey map, const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Lets nobody in from now on, and asks all watches to say goodbye.
+  void Drain() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Whether all watches have ended by `deadline`.
+  bool AwaitEmpty(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  void CancelAll() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  std::size_t watch_count() const ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// What a watcher has and wants to have.
+  struct StepRequest {
+    WatchScope scope;
+    MapFilter filter;
+    std::size_t max_message_bytes = 0;
+    bool as_snapshot = false;  ///< All that the filter shows, not what changed.
+    WatchPosition before;
+    std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
+    std::shared_ptr<const MapSnapshot> snapshot;
+  };
+
+  /// The messages that take a watcher to the snapshot; made once for all who ask the same.
+  /// Errors: `OutOfRange` with reason `REVISION_COMPACTED`; what the store answers.
+  absl::StatusOr<std::shared_ptr<WatchMessages>> FindStep(const StepRequest& request)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+
+ private:
+  /// What makes two steps the same.
+  struct StepKey {
+    WatchScope scope;
+    WatchPosition before;
+    Revision to;
+    std::size_t max_message_bytes = 0;
+    bool as_snapshot = false;
+    bool is_shown_known = false;
+
+    friend bool operator==(const StepKey&, const StepKey&) = default;
+  };
+
+  /// A step that is being made or was.
+  struct SharedStep {
+    StepKey key;
+    absl::Mutex mutex;
+    std::shared_ptr<WatchMessages> messages ABSL_GUARDED_BY(mutex);
+  };
+
+  using Watches = std::set<std::shared_ptr<ActiveWatch>>;
+
+  absl::StatusOr<std::shared_ptr<WatchMessages>> MakeStep(const StepRequest& request) const;
+  std::shared_ptr<SharedStep> ShareStep(const StepKey& key) ABSL_LOCKS_EXCLUDED(mutex_);
+  std::vector<std::shared_ptr<ActiveWatch>> WatchesOf(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
+  std::vector<std::shared_ptr<ActiveWatch>> All() const ABSL_LOCKS_EXCLUDED(mutex_);
+
+  bool IsEmpty() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return count_ == 0; }
+
+  const Surroundings surroundings_;
+  mutable absl::Mutex mutex_;
+  std::map<MapKey, Watches> watches_ ABSL_GUARDED_BY(mutex_);
+  std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  std::deque<std::shared_ptr<SharedStep>> steps_ ABSL_GUARDED_BY(mutex_);  ///< Newest first.
+};
+
+}  // namespace steadymap

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/status/statusor.h>
+#include <absl/synchronization/mutex.h>
+#include <grpcpp/support/byte_buffer.h>
+
+#include "server/resume_token.h"
+#include "server/store.h"
+#include "server/watch_step.h"
+
+#include "steadymap/v1/watch_service.pb.h"
+
+namespace steadymap {
+
+/// A message as it goes to gRPC. Copies share the bytes.
+grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message);
+
+/// The messages of one step, made when they are first asked for. All watchers with the same filter
+/// who take the same step share them: a small step's messages are kept, so that each is made once;
+/// those of a large one are made for each watcher, so that one who stalls holds little.
+/// Thread-safe.
+class WatchMessages {
+ public:
+  /// What a step's messages are made of besides the step.
+  struct Source {
+    Store* store = nullptr;  ///< Outlives the messages.
+    WatchScope scope;
+    MapFilter filter;
+    WatchPosition before;  ///< What the watcher has.
+    WatchPosition after;   ///< What it then has.
+    std::size_t max_message_bytes = 0;
+  };
+
+  WatchMessages(Source source, WatchStep step);
+
+  /// Number of messages, those included that turn out to say nothing.
+  std::size_t count() const { return fragments_.size() + event_pages_ + 1; }
+
+  /// The message at `place`, below `count()`; none if it would say nothing.
+  /// Errors: `Aborted` with reason `SLOW_CONSUMER` for events that are no longer kept; what the
+  /// store answers.
+  absl::StatusOr<std::optional<grpc::ByteBuffer>> At(std::size_t place) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  const WatchPosition& after() const { return source_.after; }
+
+  const std::shared_ptr<const ShownObjects>& shown() const { return step_.shown; }
+
+ private:
+  /// The first and the last but one of each list that a fragment holds.
+  struct Fragment {
+    std::size_t first_removed = 0;
+    std::size_t last_removed = 0;
+    std::size_t first_object = 0;
+    std::size_t last_object = 0;
+    std::size_t first_leaf = 0;
+    std::size_t last_leaf = 0;
+  };
+
+  void PlanFragments();
+  absl::StatusOr<std::optional<grpc::ByteBuffer>> Make(std::size_t place) const;
+  v1::WatchMapResponse MakeFragment(std::size_t place) const;
+  absl::StatusOr<v1::WatchMapResponse> MakeEvents(std::size_t page) const;
+  v1::WatchMapResponse MakeProgress() const;
+  void FillLeaf(const LeafKey& key, v1::PackedLeaf* leaf) const;
+
+  const Source source_;
+  const WatchStep step_;
+  std::vector<Fragment> fragments_;
+  std::size_t event_pages_ = 0;
+  bool keeps_ = false;  ///< Whether messages are kept.
+
+  absl::Mutex mutex_;
+  std::vector<std::optional<std::optional<grpc::ByteBuffer>>> kept_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace steadymap

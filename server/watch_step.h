@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/identifiers.h"
+#include "core/map_filter.h"
+#include "core/map_snapshot.h"
+#include "server/store.h"
+
+namespace steadymap {
+
+/// The objects that a filter shows at one revision, by rising id.
+using ShownObjects = std::vector<ObjectId>;
+
+/// What of a map a watcher is to be told: the names of what changed within its filter, and the
+/// snapshot to take the values from. Small, however large the values are.
+struct WatchStep {
+  std::optional<Revision> from;  ///< None: a snapshot, everything that the filter shows.
+  std::uint64_t commits = 0;     ///< Between `from` and the snapshot.
+  std::vector<ObjectId> removed{};
+  std::vector<ObjectId> objects{};            ///< By rising id.
+  std::vector<LeafKey> leaves{};              ///< Sorted.
+  std::shared_ptr<const ShownObjects> shown;  ///< After the step.
+  std::shared_ptr<const MapSnapshot> snapshot;
+
+  bool IsEmpty() const { return removed.empty() && objects.empty() && leaves.empty(); }
+};
+
+/// Everything that the filter shows of a map. Cost: a pass over all objects and leaves.
+WatchStep MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot);
+
+/// What a step brings a watcher who has what the filter showed at revision `from`; `shown` says
+/// which objects those were, and is null where nobody knows any more: then objects that changed are
+/// sent whole. Cost: that of what changed, and of the objects of the map if their number shown
+/// changes.
+WatchStep MakeDeltaStep(const MapFilter& filter,
+                        const ChangeList& changes,
+                        Revision from,
+                        const std::shared_ptr<const ShownObjects>& shown,
+                        std::shared_ptr<const MapSnapshot> snapshot);
+
+/// The objects that a filter shows. Cost: a pass over all objects.
+std::shared_ptr<const ShownObjects> ShownBy(const MapFilter& filter, const MapSnapshot& snapshot);
+
+}  // namespace steadymap

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <absl/synchronization/mutex.h>
+#include <absl/time/time.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include "server/map_directory.h"
+#include "server/watch_hub.h"
+#include "server/worker_pool.h"
+
+#include "steadymap/v1/watch_service.pb.h"
+
+namespace steadymap {
+
+/// One `WatchMap` call. It holds what the watcher has, takes the next step when the one before is
+/// written, and sleeps while the map does not change. At any moment either one task of the pool is
+/// at work on it, or one write is on its way, or neither; whoever wakes it meanwhile leaves a note.
+/// The stream outlives the reactor as long as a task or the hub knows it. Thread-safe.
+class WatchStream final : public ActiveWatch, public std::enable_shared_from_this<WatchStream> {
+ public:
+  using GrpcReactor = grpc::ServerWriteReactor<grpc::ByteBuffer>;
+
+  /// What streams need of the server; all of it outlives them.
+  struct Surroundings {
+    MapDirectory* maps = nullptr;
+    WatchHub* hub = nullptr;
+    WorkerPool* pool = nullptr;
+  };
+
+  /// Starts a stream; `request` is a serialized `v1::WatchMapRequest`. The reactor deletes itself.
+  static GrpcReactor* Start(const Surroundings& surroundings,
+                            grpc::CallbackServerContext* context,
+                            const grpc::ByteBuffer& request);
+
+  /// Use `Start`.
+  WatchStream(const Surroundings& surroundings, grpc::CallbackServerContext* context);
+
+  void Wake() override;
+  void Drain() override ABSL_LOCKS_EXCLUDED(mutex_);
+  void End(const absl::Status& status) override ABSL_LOCKS_EXCLUDED(mutex_);
+  void Cancel() override ABSL_LOCKS_EXCLUDED(mutex_);
+  Revision revision() const override ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Time sending_since() const override ABSL_LOCKS_EXCLUDED(mutex_);
+
+ private:
+  class Reactor;
+
+  /// A message to send; none if there is nothing to say now.
+  using Message = std::optional<grpc::ByteBuffer>;
+
+  enum class Activity { kIdle, kAdvancing, kWriting, kFinished };
+
+  // Reports of gRPC.
+  void OnWritten(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
+  void OnGone() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  void Schedule() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Submit() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Advance() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  absl::Status Open();
+  absl::Status ChooseStart(const std::shared_ptr<const MapSnapshot>& snapshot);
+  absl::Status ResumeBehindToken(const std::shared_ptr<const MapSnapshot>& snapshot);
+  absl::StatusOr<Message> Next(bool draining);
+  absl::StatusOr<Message> NextOfStep();
+  absl::StatusOr<Message> TakeStep(const std::shared_ptr<const MapSnapshot>& snapshot);
+  absl::StatusOr<Message> HandleGap(const absl::Status& gap,
+                                    const std::shared_ptr<const MapSnapshot>& snapshot);
+  grpc::ByteBuffer MakeCreated() const;
+
+  const Surroundings surroundings_;
+  Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
+  v1::WatchMapRequest request_;
+  bool is_request_whole_ = false;
+
+  // Of whoever advances the stream.
+  bool opened_ = false;
+  bool following_ = false;  ///< A step or snapshot has been sent whole.
+  bool said_goodbye_ = false;
+  std::shared_ptr<MapRuntime> map_;
+  WatchScope scope_;
+  MapFilter filter_;
+  std::size_t max_message_bytes_ = 0;
+  WatchPosition position_;                            ///< What the watcher has.
+  std::shared_ptr<const ShownObjects> shown_;         ///< At `position_`; null: not known.
+  std::shared_ptr<const MapSnapshot> next_snapshot_;  ///< To be sent whole; null: deltas follow.
+  absl::Status gap_;  ///< Why the history behind the token is no use; to be told or resynced.
+  std::shared_ptr<WatchMessages> step_;  ///< On its way; null between steps.
+  std::size_t place_ = 0;                ///< Of the next message in it.
+  grpc::ByteBuffer outgoing_;            ///< Of the write on its way.
+
+  mutable absl::Mutex mutex_;
+  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null once the call is over.
+  Activity activity_ ABSL_GUARDED_BY(mutex_) = Activity::kIdle;
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since the last look at the map.
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub knows it.
+  std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
+  Revision revision_ ABSL_GUARDED_BY(mutex_);
+  absl::Time sending_since_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
+};
+
+}  // namespace steadymap
