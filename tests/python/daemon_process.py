@@ -52,6 +52,11 @@ class DaemonProcess:
         self._process = None
         return code
 
+    def send_signal(self, number: int) -> None:
+        """Sends a signal to it."""
+        if self._process is not None:
+            self._process.send_signal(number)
+
     def restart(self) -> None:
         """Starts it again, over the same store and on the same port."""
         self._start(self.address)

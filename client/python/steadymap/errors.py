@@ -6,9 +6,10 @@ plain `ValueError` or `TypeError`.
 """
 
 from types import MappingProxyType
-from typing import Dict, Mapping, Optional, Type
+from typing import Any, Dict, Mapping, Optional, Type
 
 import grpc
+from google.protobuf.message import DecodeError
 
 from steadymap._generated.rpc import error_details_pb2, status_pb2
 
@@ -154,23 +155,25 @@ _CLASSES: Dict[str, Type[SteadymapError]] = {
 _NAMES: Dict[int, str] = {code.value[0]: code.name for code in grpc.StatusCode}
 
 
+_DETAILS = {
+    "google.rpc.ErrorInfo": error_details_pb2.ErrorInfo,
+    "google.rpc.BadRequest": error_details_pb2.BadRequest,
+    "google.rpc.RetryInfo": error_details_pb2.RetryInfo,
+}
+
+
 def error_from_status(status: status_pb2.Status) -> SteadymapError:
     """The error that a `google.rpc.Status` tells; details of other domains are ignored."""
     reason, field, metadata, retry_delay_s = "", "", {}, None
     for detail in status.details:
         kind = detail.type_url.rpartition("/")[2]
-        if kind == "google.rpc.ErrorInfo":
-            info = error_details_pb2.ErrorInfo.FromString(detail.value)
-            if info.domain == _DOMAIN:
-                reason, metadata = info.reason, dict(info.metadata)
-        elif kind == "google.rpc.BadRequest":
-            violations = error_details_pb2.BadRequest.FromString(
-                detail.value
-            ).field_violations
-            field = violations[0].field if violations else ""
-        elif kind == "google.rpc.RetryInfo":
-            delay = error_details_pb2.RetryInfo.FromString(detail.value).retry_delay
-            retry_delay_s = delay.seconds + delay.nanos * 1e-9
+        message = _parse(_DETAILS[kind], detail.value) if kind in _DETAILS else None
+        if isinstance(message, error_details_pb2.ErrorInfo) and message.domain == _DOMAIN:
+            reason, metadata = message.reason, dict(message.metadata)
+        elif isinstance(message, error_details_pb2.BadRequest) and message.field_violations:
+            field = message.field_violations[0].field
+        elif isinstance(message, error_details_pb2.RetryInfo):
+            retry_delay_s = message.retry_delay.seconds + message.retry_delay.nanos * 1e-9
     name = _NAMES.get(status.code, "UNKNOWN")
     return _CLASSES.get(name, SteadymapError)(
         status.message,
@@ -191,7 +194,7 @@ def error_from_rpc(error: grpc.RpcError) -> SteadymapError:
         if key != _DETAILS_TRAILER:
             continue
         # Proxies put what they like there: it counts only where it says the same as the status.
-        details = _parse_status(value)
+        details = _parse(status_pb2.Status, value)
         if details is not None and details.code == code:
             del status.details[:]
             status.details.extend(details.details)
@@ -205,12 +208,11 @@ def error_from_rpc(error: grpc.RpcError) -> SteadymapError:
     return converted
 
 
-def _parse_status(value: bytes) -> Optional[status_pb2.Status]:
+def _parse(kind: Any, value: bytes) -> Any:
+    """The message in the bytes, or None where they are damaged."""
     try:
-        return status_pb2.Status.FromString(value)
-    except (
-        Exception
-    ):  # protobuf's DecodeError; its module differs between implementations.
+        return kind.FromString(value)
+    except DecodeError:
         return None
 
 
