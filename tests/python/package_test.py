@@ -179,8 +179,9 @@ class ThePackage(DaemonTest):
             assert options.encoding is steadymap.PixelEncoding.RAW, options.encoding
             with steadymap.connect("{self.daemon.address}") as client:
                 assert client.upload("{name}", [wall_frame()] * 3).progress.integrated == 3
+                options = steadymap.UploadOptions(encoding="zstd")
                 try:
-                    client.upload("{name}", [wall_frame()], steadymap.UploadOptions(encoding="zstd"))
+                    client.upload("{name}", [wall_frame()], options)
                 except RuntimeError as error:
                     print(error)
         """

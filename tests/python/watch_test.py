@@ -30,8 +30,8 @@ QUICK = steadymap.BackoffOptions(
 )
 
 # One for all tests: gRPC's asyncio is for one event loop a process.
-_event_loop = asyncio.new_event_loop()
-unittest.addModuleCleanup(_event_loop.close)
+_runner = asyncio.Runner()
+unittest.addModuleCleanup(_runner.close)
 
 
 def brief(item):
@@ -65,7 +65,7 @@ def follow_asynchronously(address, count, options):
             await iteration.aclose()
         return items
 
-    return _event_loop.run_until_complete(collect())
+    return _runner.run(collect())
 
 
 class AScriptedWatch(unittest.TestCase):

@@ -34,12 +34,12 @@ from steadymap.objects import (
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
 from steadymap.upload_queue import RefusedFrame, UploadProgress
+from steadymap.volumes import Leaf, LeafVoxels, Section, unpack_leaves
 from steadymap.watch import Watch, WatchKind, WatchOptions, WatchStart
 from steadymap.watch_items import (
     Created,
     Delta,
     Events,
-    Leaf,
     Progress,
     Resync,
     Snapshot,
@@ -65,6 +65,7 @@ __all__ = [
     "Frame",
     "Intrinsics",
     "Leaf",
+    "LeafVoxels",
     "Listing",
     "Map",
     "MapOptions",
@@ -77,6 +78,7 @@ __all__ = [
     "RayHits",
     "RefusedFrame",
     "Resync",
+    "Section",
     "SemanticClass",
     "Snapshot",
     "UpdatePolicy",
@@ -91,4 +93,5 @@ __all__ = [
     "WatchStart",
     "connect",
     "errors",
+    "unpack_leaves",
 ]

@@ -50,6 +50,7 @@ from steadymap.objects import (
 )
 from steadymap.upload import Uploader
 from steadymap.upload_options import UploadOptions, UploadSummary
+from steadymap.volumes import Section, take_section
 from steadymap.watch import Watch, WatchOptions, watch_asynchronously
 from steadymap.watch_items import WatchItem
 
@@ -274,6 +275,17 @@ class Client:
         messages = self._connection.stream(self._queries.ExportMap, request)
         summary = take_export(messages, chunks.append)
         return parse_ply(b"".join(chunks), summary.revision)
+
+    def section(
+        self, map: str, *, box: Any = None, object_ids: Sequence[int] = ()
+    ) -> Section:
+        """The volumes of a part of the map, for `unpack_leaves`; arguments as for `mesh`."""
+        request = query_service_pb2.GetMapSectionRequest(
+            map=full_map_name(map), box=box_to_proto(box), object_ids=object_ids
+        )
+        return take_section(
+            self._connection.stream(self._queries.GetMapSection, request)
+        )
 
     def export(
         self,

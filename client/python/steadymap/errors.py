@@ -168,12 +168,20 @@ def error_from_status(status: status_pb2.Status) -> SteadymapError:
     for detail in status.details:
         kind = detail.type_url.rpartition("/")[2]
         message = _parse(_DETAILS[kind], detail.value) if kind in _DETAILS else None
-        if isinstance(message, error_details_pb2.ErrorInfo) and message.domain == _DOMAIN:
+        if (
+            isinstance(message, error_details_pb2.ErrorInfo)
+            and message.domain == _DOMAIN
+        ):
             reason, metadata = message.reason, dict(message.metadata)
-        elif isinstance(message, error_details_pb2.BadRequest) and message.field_violations:
+        elif (
+            isinstance(message, error_details_pb2.BadRequest)
+            and message.field_violations
+        ):
             field = message.field_violations[0].field
         elif isinstance(message, error_details_pb2.RetryInfo):
-            retry_delay_s = message.retry_delay.seconds + message.retry_delay.nanos * 1e-9
+            retry_delay_s = (
+                message.retry_delay.seconds + message.retry_delay.nanos * 1e-9
+            )
     name = _NAMES.get(status.code, "UNKNOWN")
     return _CLASSES.get(name, SteadymapError)(
         status.message,

@@ -258,5 +258,4 @@ async def watch_asynchronously(
                 error = error_from_rpc(rpc_error)
             finally:
                 call.cancel()
-                await call.code()  # So that nothing of it outlives the iteration.
             await asyncio.sleep(state.delay_after(error))

@@ -3,28 +3,10 @@
 import dataclasses
 from typing import Optional, Tuple, Union
 
-import numpy as np
-
-from steadymap._generated.v1 import volume_pb2, watch_service_pb2
-from steadymap.geometry import read_only
+from steadymap._generated.v1 import watch_service_pb2
 from steadymap.moments import time_ns_from_proto
 from steadymap.objects import Event, Object, event_from_proto, object_from_proto
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Leaf:
-    """8 x 8 x 8 voxels of a volume.
-
-    Attributes:
-        object_id: whose volume it is; 0 is the background, whose grid frame is the world frame.
-        origin: int32 (3,), index of the lowest voxel in the volume's grid frame, multiples of 8.
-            Voxel (i, j, k) has its centre at (i, j, k) times the voxel size.
-        packed: the voxels as core/tsdf_codec.h packs them; empty: the leaf is gone.
-    """
-
-    object_id: int
-    origin: np.ndarray
-    packed: bytes
+from steadymap.volumes import Leaf, leaf_from_proto
 
 
 @dataclasses.dataclass(frozen=True)
@@ -153,9 +135,4 @@ def _objects(message: object) -> Tuple[Object, ...]:
 
 
 def _leaves(message: object) -> Tuple[Leaf, ...]:
-    return tuple(_leaf(entry) for entry in message.leaves)
-
-
-def _leaf(entry: volume_pb2.PackedLeaf) -> Leaf:
-    origin = np.array((entry.origin_x, entry.origin_y, entry.origin_z), np.int32)
-    return Leaf(entry.object_id, read_only(origin), entry.packed)
+    return tuple(leaf_from_proto(entry) for entry in message.leaves)
