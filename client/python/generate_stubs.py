@@ -92,12 +92,7 @@ def main() -> None:
     parser.add_argument("--protoc")
     parser.add_argument("--plugin")
     arguments = parser.parse_args()
-    generate(
-        arguments.proto_folder,
-        arguments.output_folder,
-        arguments.protoc,
-        arguments.plugin,
-    )
+    generate(arguments.proto_folder, arguments.output_folder, arguments.protoc, arguments.plugin)
 
 
 if __name__ == "__main__":

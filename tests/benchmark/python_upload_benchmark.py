@@ -1,12 +1,13 @@
-"""Frames per second from numpy arrays to INTEGRATED, beside the C++ client's on the same frames.
+r"""Frames per second from numpy arrays to INTEGRATED, beside the C++ client's on the same frames.
 
     cmake --build build/release --target steadymap steadymapd steadymap_python
-    PYTHONPATH=build/release/client/python:tests/python STEADYMAPD=build/release/server/steadymapd \
-        /usr/bin/python3 tests/benchmark/python_upload_benchmark.py build/release/client/cli/steadymap
+    PYTHONPATH=build/release/client/python:tests/python \
+        STEADYMAPD=build/release/server/steadymapd STEADYMAP=build/release/client/cli/steadymap \
+        /usr/bin/python3 tests/benchmark/python_upload_benchmark.py
 
 Route 1-5 with full sensor noise, 640 x 360, depth and labels. The C++ client is `steadymap upload`,
-which sends PNG files as they are: nothing to pack. Here the arrays are packed on the way. Both go to
-one daemon over loopback, in turns; figures are medians. Needs Pillow to unpack the PNG files.
+which sends PNG files as they are: nothing to pack. Here the arrays are packed on the way. Both go
+to one daemon over loopback, in turns; figures are medians. Needs Pillow to unpack the PNG files.
 """
 
 import argparse
@@ -22,7 +23,7 @@ from typing import Callable, List
 
 import numpy as np
 import PIL.Image
-from daemon_process import DaemonProcess
+from daemon_process import DaemonProcess, program
 
 import steadymap
 
@@ -48,9 +49,7 @@ def load_example() -> object:
     """client/python/examples/upload_folder.py as a module."""
     import importlib.util
 
-    file = (
-        Path(__file__).resolve().parents[2] / "client/python/examples/upload_folder.py"
-    )
+    file = Path(__file__).resolve().parents[2] / "client/python/examples/upload_folder.py"
     specification = importlib.util.spec_from_file_location("upload_folder", file)
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
@@ -65,7 +64,6 @@ def rate(upload: Callable[[], int]) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("steadymap", help="the command-line client")
     parser.add_argument("--policy", default="static")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--encodings", nargs="+", default=["raw", "zstd", "png"])
@@ -73,14 +71,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as scratch:
         folder, data = Path(scratch, "route"), Path(scratch, "daemon")
         data.mkdir()
-        write = [
-            arguments.steadymap,
-            "simulate",
-            "--route",
-            ROUTE,
-            "--write",
-            str(folder),
-        ]
+        write = [program("STEADYMAP"), "simulate", "--route", ROUTE, "--write", str(folder)]
         subprocess.run(write, check=True, capture_output=True)
         daemon = DaemonProcess(data)
         try:
@@ -96,7 +87,7 @@ def measure(arguments: argparse.Namespace, folder: Path, daemon: DaemonProcess) 
     with steadymap.connect(daemon.address) as client:
 
         def upload_from_command_line(name: str) -> int:
-            command = [arguments.steadymap, "--server", daemon.address, "upload", name]
+            command = [program("STEADYMAP"), "--server", daemon.address, "upload", name]
             command += ["--format", "torwic", "--json", str(folder)]
             done = subprocess.run(command, check=True, capture_output=True)
             return json.loads(done.stdout)["integrated"]

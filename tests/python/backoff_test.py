@@ -21,16 +21,12 @@ class Delays(unittest.TestCase):
     def test_end_when_nothing_succeeds(self):
         options = steadymap.BackoffOptions(jitter=0.0, give_up_after_s=0.5)
         backoff = Backoff(options)
-        self.assertEqual(
-            [backoff.next_delay_s() for _ in range(4)], [0.1, 0.2, 0.4, None]
-        )
+        self.assertEqual([backoff.next_delay_s() for _ in range(4)], [0.1, 0.2, 0.4, None])
         backoff.reset()
         self.assertEqual(backoff.next_delay_s(), 0.1)
 
     def test_are_no_shorter_than_the_service_asks(self):
-        self.assertEqual(
-            Backoff(steadymap.BackoffOptions()).next_delay_s(at_least_s=2.0), 2.0
-        )
+        self.assertEqual(Backoff(steadymap.BackoffOptions()).next_delay_s(at_least_s=2.0), 2.0)
 
     def test_of_options_that_make_no_sense_are_refused(self):
         for wrong in (

@@ -21,9 +21,7 @@ def program(variable: str) -> str:
     """The program that CMake names in an environment variable."""
     path = os.environ.get(variable)
     if not path:
-        raise RuntimeError(
-            f"{variable} must name a program of this build: run the tests by ctest"
-        )
+        raise RuntimeError(f"{variable} must name a program of this build: run the tests by ctest")
     return path
 
 
@@ -34,9 +32,7 @@ class DaemonProcess:
         self._folder = folder
         self._process: Optional[subprocess.Popen] = None
         self._start("127.0.0.1:0")
-        self.address = (
-            "127.0.0.1:" + (folder / "port").read_text(encoding="ascii").strip()
-        )
+        self.address = "127.0.0.1:" + (folder / "port").read_text(encoding="ascii").strip()
 
     def kill(self) -> None:
         """kill -9; returns when the process is gone."""

@@ -29,15 +29,13 @@ class FakeRpcError(grpc.RpcError):
 def packed(name, message):
     """A detail as a server packs it."""
     return any_pb2.Any(
-        type_url=f"type.googleapis.com/google.rpc.{name}",
-        value=message.SerializeToString(),
+        type_url=f"type.googleapis.com/google.rpc.{name}", value=message.SerializeToString()
     )
 
 
 def info(reason, domain="steadymap", **metadata):
     return packed(
-        "ErrorInfo",
-        error_details_pb2.ErrorInfo(reason=reason, domain=domain, metadata=metadata),
+        "ErrorInfo", error_details_pb2.ErrorInfo(reason=reason, domain=domain, metadata=metadata)
     )
 
 
@@ -50,9 +48,7 @@ class ErrorFromRpc(unittest.TestCase):
     def test_carries_reason_field_metadata_and_delay(self):
         code = grpc.StatusCode.INVALID_ARGUMENT
         violations = error_details_pb2.BadRequest()
-        violations.field_violations.add(
-            field="frames[3].depth.data", description="too short"
-        )
+        violations.field_violations.add(field="frames[3].depth.data", description="too short")
         retry = error_details_pb2.RetryInfo()
         retry.retry_delay.FromMilliseconds(1500)
         details = (
@@ -60,9 +56,7 @@ class ErrorFromRpc(unittest.TestCase):
             packed("BadRequest", violations),
             packed("RetryInfo", retry),
         )
-        error = errors.error_from_rpc(
-            FakeRpcError(code, "too short", [trailer(code, *details)])
-        )
+        error = errors.error_from_rpc(FakeRpcError(code, "too short", [trailer(code, *details)]))
         self.assertIs(type(error), errors.InvalidArgumentError)
         self.assertIsInstance(error, ValueError)
         self.assertEqual(error.reason, "IMAGE_SIZE_MISMATCH")
@@ -70,8 +64,7 @@ class ErrorFromRpc(unittest.TestCase):
         self.assertEqual(dict(error.metadata), {"expected": "8"})
         self.assertEqual(error.retry_delay_s, 1.5)
         self.assertEqual(
-            str(error),
-            "INVALID_ARGUMENT / IMAGE_SIZE_MISMATCH in frames[3].depth.data: too short",
+            str(error), "INVALID_ARGUMENT / IMAGE_SIZE_MISMATCH in frames[3].depth.data: too short"
         )
 
     def test_has_a_class_for_every_status(self):
@@ -88,9 +81,7 @@ class ErrorFromRpc(unittest.TestCase):
     def test_ignores_details_of_another_domain(self):
         code = grpc.StatusCode.NOT_FOUND
         trailers = [trailer(code, info("ELSEWHERE", domain="example.com"))]
-        self.assertEqual(
-            errors.error_from_rpc(FakeRpcError(code, "gone", trailers)).reason, ""
-        )
+        self.assertEqual(errors.error_from_rpc(FakeRpcError(code, "gone", trailers)).reason, "")
 
     def test_ignores_details_that_contradict_the_status(self):
         trailers = [trailer(grpc.StatusCode.NOT_FOUND, info("NOT_FOUND"))]
@@ -101,26 +92,19 @@ class ErrorFromRpc(unittest.TestCase):
 
     def test_survives_details_that_are_damaged(self):
         trailers = [("grpc-status-details-bin", b"\xff\xff\xff"), ("other", "text")]
-        error = errors.error_from_rpc(
-            FakeRpcError(grpc.StatusCode.INTERNAL, "broken", trailers)
-        )
+        error = errors.error_from_rpc(FakeRpcError(grpc.StatusCode.INTERNAL, "broken", trailers))
         self.assertEqual((error.code, error.message), ("INTERNAL", "broken"))
 
     def test_survives_a_detail_that_is_damaged(self):
         code = grpc.StatusCode.NOT_FOUND
-        detail = any_pb2.Any(
-            type_url="type.googleapis.com/google.rpc.ErrorInfo", value=b"\xff"
-        )
-        error = errors.error_from_rpc(
-            FakeRpcError(code, "gone", [trailer(code, detail)])
-        )
+        detail = any_pb2.Any(type_url="type.googleapis.com/google.rpc.ErrorInfo", value=b"\xff")
+        error = errors.error_from_rpc(FakeRpcError(code, "gone", [trailer(code, detail)]))
         self.assertEqual((error.code, error.message), ("NOT_FOUND", "gone"))
 
     def test_knows_a_message_that_grpc_itself_refuses(self):
         error = errors.error_from_rpc(
             FakeRpcError(
-                grpc.StatusCode.RESOURCE_EXHAUSTED,
-                "Received message larger than max (9 vs. 8)",
+                grpc.StatusCode.RESOURCE_EXHAUSTED, "Received message larger than max (9 vs. 8)"
             )
         )
         self.assertEqual(error.reason, "MESSAGE_TOO_LARGE")

@@ -64,9 +64,7 @@ class FrameChecks(unittest.TestCase):
             ({"depth": b"GIF89a"}, "depth: expected the bytes of a PNG file"),
             ({"color": b""}, "color: expected the bytes of a PNG file"),
         ):
-            with self.subTest(message=message), self.assertRaisesRegex(
-                ValueError, message
-            ):
+            with self.subTest(message=message), self.assertRaisesRegex(ValueError, message):
                 frame_to_proto(wall_frame(**changes), images.PixelEncoding.RAW)
 
     def test_refuses_metres_per_unit_and_sizes_out_of_range(self):
@@ -80,9 +78,7 @@ class FrameChecks(unittest.TestCase):
 
 class DepthInUnits(unittest.TestCase):
     def test_rounds_metres_and_drops_what_is_no_return(self):
-        depth = np.array(
-            [[0.0, -1.0, np.nan, np.inf], [1.0004, 1.0006, 65.534, 65.536]]
-        )
+        depth = np.array([[0.0, -1.0, np.nan, np.inf], [1.0004, 1.0006, 65.534, 65.536]])
         units = images.depth_in_units(depth, 0.001)
         self.assertEqual(units.dtype, np.dtype("<u2"))
         self.assertEqual(units.tolist(), [[0, 0, 0, 0], [1000, 1001, 65534, 0]])
@@ -95,14 +91,8 @@ class DepthInUnits(unittest.TestCase):
 
     def test_takes_big_endian_and_strided_images(self):
         units = np.arange(12, dtype=np.uint16).reshape(3, 4)
-        for same in (
-            units.astype(">u2"),
-            units[:, ::-1][:, ::-1],
-            np.asfortranarray(units),
-        ):
-            self.assertEqual(
-                images.depth_in_units(same, 0.001).tobytes(), units.tobytes()
-            )
+        for same in (units.astype(">u2"), units[:, ::-1][:, ::-1], np.asfortranarray(units)):
+            self.assertEqual(images.depth_in_units(same, 0.001).tobytes(), units.tobytes())
 
 
 class Labels(unittest.TestCase):
@@ -120,14 +110,8 @@ class Labels(unittest.TestCase):
 class EncodePng(unittest.TestCase):
     def test_keeps_every_pixel(self):
         random = np.random.default_rng(1)
-        for shape, dtype in (
-            ((5, 7), np.uint16),
-            ((1, 1), np.uint8),
-            ((6, 4, 3), np.uint8),
-        ):
-            pixels = random.integers(
-                0, np.iinfo(dtype).max, shape, dtype, endpoint=True
-            )
+        for shape, dtype in (((5, 7), np.uint16), ((1, 1), np.uint8), ((6, 4, 3), np.uint8)):
+            pixels = random.integers(0, np.iinfo(dtype).max, shape, dtype, endpoint=True)
             data = images.encode_png(pixels)
             self.assertTrue(data.startswith(PNG_START))
             np.testing.assert_array_equal(decode_png(data), pixels)
@@ -147,9 +131,7 @@ class Crc32c(unittest.TestCase):
             whole = checksum.extend_crc32c(0, data)
             self.assertEqual(checksum.extend_crc32c_with_numpy(0, data), whole)
             first = checksum.extend_crc32c_with_numpy(0, data[:cut])
-            self.assertEqual(
-                checksum.extend_crc32c_with_numpy(first, data[cut:]), whole
-            )
+            self.assertEqual(checksum.extend_crc32c_with_numpy(first, data[cut:]), whole)
 
 
 class FrameToProto(unittest.TestCase):
@@ -161,9 +143,7 @@ class FrameToProto(unittest.TestCase):
 
     def test_passes_files_as_they_are(self):
         png = images.encode_png(wall_frame().depth)
-        frame = dataclasses.replace(
-            wall_frame(), depth=png, labels=png, color=b"\xff\xd8\xff..."
-        )
+        frame = dataclasses.replace(wall_frame(), depth=png, labels=png, color=b"\xff\xd8\xff...")
         message = frame_to_proto(frame, images.PixelEncoding.ZSTD)
         self.assertEqual((message.depth.data, message.labels.data), (png, png))
         self.assertEqual(message.depth.encoding, frame_pb2.DEPTH_ENCODING_PNG_UINT16)
@@ -172,8 +152,7 @@ class FrameToProto(unittest.TestCase):
 
     def test_splits_the_capture_time(self):
         message = frame_to_proto(
-            wall_frame(capture_time_ns=1_650_000_000_123_456_789),
-            images.PixelEncoding.RAW,
+            wall_frame(capture_time_ns=1_650_000_000_123_456_789), images.PixelEncoding.RAW
         )
         time = message.capture_time
         self.assertEqual((time.seconds, time.nanos), (1_650_000_000, 123_456_789))

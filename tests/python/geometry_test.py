@@ -16,9 +16,7 @@ class PoseFromMatrix(unittest.TestCase):
             quaternion /= np.linalg.norm(quaternion)
             pose = steadymap.Pose(random.normal(size=3), quaternion)
             matrix = pose.matrix()
-            np.testing.assert_allclose(
-                matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=1e-12
-            )
+            np.testing.assert_allclose(matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=1e-12)
             self.assertAlmostEqual(np.linalg.det(matrix), 1.0)
             again = steadymap.Pose.from_matrix(matrix)
             np.testing.assert_allclose(again.matrix(), matrix, atol=1e-12)
@@ -67,9 +65,7 @@ class Arrays(unittest.TestCase):
         self.assertEqual(as_points((1, 2, 3), "points").shape, (1, 3))
         self.assertEqual(as_points(np.empty((0, 3)), "points").shape, (0, 3))
         for wrong in (np.zeros((3, 2)), np.zeros(4), 1.0, []):
-            with self.assertRaisesRegex(
-                ValueError, "points: expected an array of shape"
-            ):
+            with self.assertRaisesRegex(ValueError, "points: expected an array of shape"):
                 as_points(wrong, "points")
 
     def test_of_a_box_are_its_corners(self):

@@ -17,9 +17,7 @@ class Maps(DaemonTest):
         self.assertEqual(created.options.policy, steadymap.UpdatePolicy.STATIC)
         self.assertEqual(len(created.options.classes), 16)
         self.assertEqual((created.revision, created.last_capture_time_ns), (0, None))
-        self.assertEqual(
-            self.client.get_map("defaults").incarnation, created.incarnation
-        )
+        self.assertEqual(self.client.get_map("defaults").incarnation, created.incarnation)
 
     def test_keep_their_options(self):
         options = steadymap.MapOptions(
@@ -42,9 +40,7 @@ class Maps(DaemonTest):
         for name in ("tenants/elsewhere/maps/b", "tenants/elsewhere/maps/a"):
             self.client.create_map(name)
         names = [entry.name for entry in self.client.list_maps("elsewhere")]
-        self.assertEqual(
-            names, ["tenants/elsewhere/maps/a", "tenants/elsewhere/maps/b"]
-        )
+        self.assertEqual(names, ["tenants/elsewhere/maps/a", "tenants/elsewhere/maps/b"])
         self.client.delete_map("tenants/elsewhere/maps/a")
         self.assertEqual(len(self.client.list_maps("elsewhere")), 1)
 

@@ -69,19 +69,12 @@ class ARoom(DaemonTest):
         ]
         self.assertAlmostEqual(gone.cuboid.center_m[1], 0.4, delta=0.06)
         created, removed = (
-            [
-                event
-                for event in self.client.events(
-                    "room", types=[kind], object_ids=[gone.id]
-                )
-            ]
+            [event for event in self.client.events("room", types=[kind], object_ids=[gone.id])]
             for kind in ("created", steadymap.EventType.REMOVED)
         )
         self.assertEqual((len(created), len(removed)), (1, 1))
         self.assertLess(created[0].number, removed[0].number)
-        self.assertGreaterEqual(
-            removed[0].capture_time_ns, room_frame(1000, ()).capture_time_ns
-        )
+        self.assertGreaterEqual(removed[0].capture_time_ns, room_frame(1000, ()).capture_time_ns)
         self.assertEqual(removed[0].class_id, BOX_CLASS)
         self.assertEqual(removed[0].reason, steadymap.EventReason.SEEN_THROUGH)
         self.assertLess(removed[0].after.stationarity, created[0].after.stationarity)
@@ -114,12 +107,8 @@ class ARoom(DaemonTest):
 
     def test_samples_name_the_object(self):
         (box,) = self.boxes()
-        samples = self.client.sample_distance(
-            "room", (BOX_DISTANCE_M - 0.02, -0.4, 0.0)
-        )
-        self.assertEqual(
-            (samples.object_id[0], samples.class_id[0]), (box.id, BOX_CLASS)
-        )
+        samples = self.client.sample_distance("room", (BOX_DISTANCE_M - 0.02, -0.4, 0.0))
+        self.assertEqual((samples.object_id[0], samples.class_id[0]), (box.id, BOX_CLASS))
         hits = self.client.cast_rays("room", (0, 0, 0), (BOX_DISTANCE_M, -0.4, 0.0))
         self.assertEqual(hits.object_id[0], box.id)
 
@@ -136,8 +125,7 @@ class FromProto(unittest.TestCase):
             (object_pb2.ObjectStanding, "OBJECT_STANDING_", steadymap.ObjectStanding),
         ):
             names = [
-                name[len(prefix) :].lower()
-                for name, _ in sorted(kind.items(), key=lambda i: i[1])
+                name[len(prefix) :].lower() for name, _ in sorted(kind.items(), key=lambda i: i[1])
             ]
             self.assertEqual([entry.value for entry in known], names)
 
@@ -150,11 +138,7 @@ class FromProto(unittest.TestCase):
 
     def test_places_the_corners_of_a_turned_cuboid(self):
         message = object_pb2.Object(id=1)
-        message.cuboid.size_m.x, message.cuboid.size_m.y, message.cuboid.size_m.z = (
-            4.0,
-            2.0,
-            1.0,
-        )
+        message.cuboid.size_m.x, message.cuboid.size_m.y, message.cuboid.size_m.z = (4.0, 2.0, 1.0)
         message.cuboid.center_m.x = 10.0
         message.cuboid.yaw_rad = math.pi / 2
         corners = object_from_proto(message).cuboid.corners_m()
@@ -167,9 +151,7 @@ class FromProto(unittest.TestCase):
         message.world_from_object.position_m.x = 3.0
         message.world_from_object.yaw_rad = math.pi / 2
         T_world_object = object_from_proto(message).T_world_object
-        np.testing.assert_allclose(
-            T_world_object @ (1, 0, 0, 1), (3, 1, 0, 1), atol=1e-12
-        )
+        np.testing.assert_allclose(T_world_object @ (1, 0, 0, 1), (3, 1, 0, 1), atol=1e-12)
 
 
 if __name__ == "__main__":

@@ -31,9 +31,7 @@ def run_python(*arguments, path=None):
     if path is not None:
         environment["PYTHONPATH"] = str(path)
     command = [sys.executable, *map(str, arguments)]
-    done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise AssertionError(f"{command} failed:\n{done.stdout}{done.stderr}")
     return done.stdout
@@ -84,9 +82,7 @@ class TheReadme(DaemonTest):
         connect = steadymap.connect
         output = io.StringIO()
         # The one thing it cannot know is where this daemon listens.
-        with mock.patch(
-            "steadymap.connect", lambda address: connect(self.daemon.address)
-        ):
+        with mock.patch("steadymap.connect", lambda address: connect(self.daemon.address)):
             with contextlib.redirect_stdout(output):
                 exec(compile(example, "README.md", "exec"), {})
         lines = output.getvalue().splitlines()
@@ -98,24 +94,12 @@ class TheReadme(DaemonTest):
 
 class TheExample(TemporaryFolderTest):
     def run_example(self, name, folder, *options):
-        return run_python(
-            EXAMPLE, "--server", self.daemon.address, *options, name, folder
-        )
+        return run_python(EXAMPLE, "--server", self.daemon.address, *options, name, folder)
 
     def test_uploads_a_simulated_route_and_draws_its_objects(self):
         route, picture = self.folder / "route", self.folder / "objects.png"
-        simulate = [
-            program("STEADYMAP"),
-            "simulate",
-            "--route",
-            "1-5",
-            "--stride",
-            "6",
-            "--color",
-        ]
-        subprocess.run(
-            [*simulate, "--write", str(route)], check=True, capture_output=True
-        )
+        simulate = [program("STEADYMAP"), "simulate", "--route", "1-5", "--stride", "6", "--color"]
+        subprocess.run([*simulate, "--write", str(route)], check=True, capture_output=True)
         output = self.run_example("depot", route, "--picture", picture)
         frames = len(list(route.glob("*/Depth/*.png")))
         self.assertGreater(frames, 50)
@@ -147,9 +131,7 @@ class ThePackage(DaemonTest):
                 continue
             self.assertTrue(inspect.getdoc(thing), name)
             for member, value in vars(thing).items() if inspect.isclass(thing) else ():
-                is_member = inspect.isfunction(value) or isinstance(
-                    value, (property, staticmethod)
-                )
+                is_member = inspect.isfunction(value) or isinstance(value, (property, staticmethod))
                 if is_member and not member.startswith("_"):
                     self.assertTrue(inspect.getdoc(value), f"{name}.{member}")
         for name in dir(steadymap.errors):

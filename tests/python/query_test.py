@@ -44,41 +44,29 @@ class AWall(DaemonTest):
         self.assertFalse(samples.distance_m.flags.writeable)
 
     def test_is_unknown_where_nobody_looked(self):
-        samples = self.client.sample_distance(
-            "wall", [(-1.0, 0.0, 0.0), (WALL_M, 0.0, 0.0)]
-        )
+        samples = self.client.sample_distance("wall", [(-1.0, 0.0, 0.0), (WALL_M, 0.0, 0.0)])
         self.assertEqual(samples.known.tolist(), [False, True])
-        self.assertTrue(
-            np.isnan(samples.distance_m[0]) and np.isnan(samples.gradient[0]).all()
-        )
+        self.assertTrue(np.isnan(samples.distance_m[0]) and np.isnan(samples.gradient[0]).all())
         self.assertEqual(samples.weight[0], 0.0)
 
     def test_is_met_by_rays_where_a_plane_is(self):
         random = np.random.default_rng(6)
         origins = random.uniform((-0.5, -0.1, -0.1), (1.5, 0.1, 0.1), (200, 3))
-        targets = np.column_stack(
-            (np.full(200, WALL_M), random.uniform(-0.4, 0.4, (200, 2)))
-        )
+        targets = np.column_stack((np.full(200, WALL_M), random.uniform(-0.4, 0.4, (200, 2))))
         directions = 3.0 * (targets - origins)
         hits = self.client.cast_rays("wall", origins, directions)
         self.assertTrue(hits.hit.all())
         np.testing.assert_allclose(hits.point_m, targets, atol=2 * STEP_M)
         expected_m = np.linalg.norm(targets - origins, axis=1)
         np.testing.assert_allclose(hits.range_m, expected_m, atol=2 * STEP_M)
-        np.testing.assert_allclose(
-            hits.normal, np.tile((-1.0, 0.0, 0.0), (200, 1)), atol=1e-2
-        )
+        np.testing.assert_allclose(hits.normal, np.tile((-1.0, 0.0, 0.0), (200, 1)), atol=1e-2)
 
     def test_is_missed_by_rays_that_go_elsewhere(self):
         directions = [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
         hits = self.client.cast_rays("wall", (0.0, 0.0, 0.0), directions)
         self.assertEqual(hits.hit.tolist(), [True, False, False])
-        self.assertTrue(
-            np.isnan(hits.range_m[1:]).all() and np.isnan(hits.point_m[1:]).all()
-        )
-        short = self.client.cast_rays(
-            "wall", (0.0, 0.0, 0.0), directions, max_range_m=1.0
-        )
+        self.assertTrue(np.isnan(hits.range_m[1:]).all() and np.isnan(hits.point_m[1:]).all())
+        short = self.client.cast_rays("wall", (0.0, 0.0, 0.0), directions, max_range_m=1.0)
         self.assertFalse(short.hit.any())
 
     def test_is_a_flat_mesh(self):
@@ -104,23 +92,16 @@ class AWall(DaemonTest):
 
     def test_is_exported_in_every_format(self):
         with tempfile.TemporaryDirectory() as folder:
-            for name, start in (
-                ("a.ply", b"ply\n"),
-                ("a.GLB", b"glTF"),
-                ("a.vdb", b" BDV"),
-            ):
+            for name, start in (("a.ply", b"ply\n"), ("a.GLB", b"glTF"), ("a.vdb", b" BDV")):
                 file = Path(folder, name)
                 summary = self.client.export("wall", file)
                 self.assertEqual(summary.revision, 5)
                 self.assertEqual(file.stat().st_size, summary.file_bytes)
                 self.assertEqual(file.read_bytes()[:4], start)
             file = Path(folder, "mesh")
-            self.assertGreater(
-                self.client.export("wall", str(file), "ply").triangles, 100
-            )
+            self.assertGreater(self.client.export("wall", str(file), "ply").triangles, 100)
             self.assertEqual(
-                sorted(p.name for p in Path(folder).iterdir()),
-                ["a.GLB", "a.ply", "a.vdb", "mesh"],
+                sorted(p.name for p in Path(folder).iterdir()), ["a.GLB", "a.ply", "a.vdb", "mesh"]
             )
             with self.assertRaises(ValueError):
                 self.client.export("wall", Path(folder, "a.obj"))
@@ -133,12 +114,8 @@ class AWall(DaemonTest):
 
     def test_that_nobody_saw_is_empty(self):
         surface = self.client.mesh("empty")
-        self.assertEqual(
-            (surface.vertices.shape, surface.triangles.shape), ((0, 3), (0, 3))
-        )
-        self.assertFalse(
-            self.client.sample_distance("empty", (0.0, 0.0, 0.0)).known.any()
-        )
+        self.assertEqual((surface.vertices.shape, surface.triangles.shape), ((0, 3), (0, 3)))
+        self.assertFalse(self.client.sample_distance("empty", (0.0, 0.0, 0.0)).known.any())
         self.assertEqual(list(self.client.objects("empty")), [])
         self.assertEqual(list(self.client.events("empty")), [])
 
@@ -186,20 +163,14 @@ class Requests(DaemonTest):
 class ParsePly(unittest.TestCase):
     def test_refuses_what_the_service_does_not_write(self):
         start = b"ply\nformat binary_little_endian 1.0\n"
-        vertices = b"".join(
-            b"property float %s\n" % p for p in b"x y z nx ny nz".split()
-        )
+        vertices = b"".join(b"property float %s\n" % p for p in b"x y z nx ny nz".split())
         for wrong in (
             b"",
             b"ply\nformat ascii 1.0\nend_header\n",
             start,
             start + b"element vertex 1\nproperty float x\nend_header\n",
             start + b"element vertex 1\n" + vertices + b"end_header\n" + bytes(23),
-            start
-            + b"element vertex 0\n"
-            + vertices
-            + b"element face 1\nend_header\n"
-            + bytes(13),
+            start + b"element vertex 0\n" + vertices + b"element face 1\nend_header\n" + bytes(13),
         ):
             with self.assertRaises(errors.DataLossError):
                 mesh.parse_ply(wrong, 1)

@@ -25,9 +25,7 @@ def opened(resume=0, credit_bytes=1 << 20, credit_frames=100, max_message_bytes=
 
 
 def ack(level, client_seq, refused=(), revision=0):
-    message = ingest_service_pb2.UploadAck(
-        level=level, client_seq=client_seq, revision=revision
-    )
+    message = ingest_service_pb2.UploadAck(level=level, client_seq=client_seq, revision=revision)
     for sequence in refused:
         message.refused.add(client_seq=sequence)
     return message
@@ -143,14 +141,10 @@ class Acknowledgements(unittest.TestCase):
         queue.acknowledge(ack(DURABLE, 4, refused=[2, 3]))
         queue.acknowledge(ack(DURABLE, 4, refused=[3]))
         progress = queue.progress(0)
-        self.assertEqual(
-            (progress.durable, progress.refused, progress.integrated), (2, 2, 0)
-        )
+        self.assertEqual((progress.durable, progress.refused, progress.integrated), (2, 2, 0))
         queue.acknowledge(ack(INTEGRATED, 4, refused=[2], revision=9))
         progress = queue.progress(0)
-        self.assertEqual(
-            (progress.integrated, progress.refused, progress.revision), (2, 2, 9)
-        )
+        self.assertEqual((progress.integrated, progress.refused, progress.revision), (2, 2, 9))
         self.assertEqual([refused.index for refused in queue.refused], [1, 2])
 
     def test_never_go_back(self):

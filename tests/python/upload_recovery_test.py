@@ -14,9 +14,7 @@ from steadymap import errors
 
 FRAMES = 40
 WAIT_S = 60.0
-BACKOFF = steadymap.BackoffOptions(
-    first_delay_s=0.01, max_delay_s=0.05, give_up_after_s=60.0
-)
+BACKOFF = steadymap.BackoffOptions(first_delay_s=0.01, max_delay_s=0.05, give_up_after_s=60.0)
 
 
 class UploadOverRestarts(unittest.TestCase):
@@ -82,8 +80,7 @@ class UploadOverRestarts(unittest.TestCase):
 
     def test_a_hanging_one_counts_as_unavailable(self):
         options = steadymap.UploadOptions(
-            open_timeout_s=0.05,
-            backoff=steadymap.BackoffOptions(0.01, 0.01, give_up_after_s=0.02),
+            open_timeout_s=0.05, backoff=steadymap.BackoffOptions(0.01, 0.01, give_up_after_s=0.02)
         )
         self.daemon.send_signal(signal.SIGSTOP)
         self.addCleanup(self.daemon.send_signal, signal.SIGCONT)

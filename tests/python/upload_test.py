@@ -11,9 +11,7 @@ from wall_frame import LOOK_ALONG_X, wall_frame
 import steadymap
 from steadymap import errors
 
-IMPATIENT = steadymap.BackoffOptions(
-    first_delay_s=0.01, max_delay_s=0.01, give_up_after_s=0.02
-)
+IMPATIENT = steadymap.BackoffOptions(first_delay_s=0.01, max_delay_s=0.01, give_up_after_s=0.02)
 
 
 def nan_frame(number):
@@ -37,9 +35,7 @@ class Upload(DaemonTest):
     def test_of_nothing_is_done_at_once(self):
         name = self.new_map()
         for level in steadymap.AckLevel:
-            summary = self.client.upload(
-                name, [], steadymap.UploadOptions(wait_for=level)
-            )
+            summary = self.client.upload(name, [], steadymap.UploadOptions(wait_for=level))
             self.assertEqual(summary.progress, steadymap.UploadProgress())
 
     def test_names_each_refused_frame_and_takes_the_others(self):
@@ -62,9 +58,7 @@ class Upload(DaemonTest):
     def test_refuses_hostile_frames_alone(self):
         hostile = [
             wall_frame(0, capture_time_ns=-1),
-            wall_frame(
-                1, intrinsics=steadymap.Intrinsics(64, 48, np.nan, 64.0, 31.5, 23.5)
-            ),
+            wall_frame(1, intrinsics=steadymap.Intrinsics(64, 48, np.nan, 64.0, 31.5, 23.5)),
             wall_frame(2, T_world_camera=steadymap.Pose((1e9, 0, 0), (0, 0, 0, 1))),
             wall_frame(3, T_world_camera=steadymap.Pose((0, 0, 0), (0, 0, 0, 0))),
             wall_frame(4, depth=b"\x89PNG\r\n\x1a\n" + bytes(100)),
@@ -82,9 +76,7 @@ class Upload(DaemonTest):
             name = f"level-{level.value}"
             self.client.create_map(name)
             options = steadymap.UploadOptions(wait_for=level)
-            summary = self.client.upload(
-                name, [wall_frame(i) for i in range(20)], options
-            )
+            summary = self.client.upload(name, [wall_frame(i) for i in range(20)], options)
             self.assertEqual(getattr(summary.progress, level.value), 20)
             state = self.client.get_map(name)
             if level is not steadymap.AckLevel.RECEIVED:
@@ -148,8 +140,7 @@ class Upload(DaemonTest):
     def test_gives_up_on_a_server_that_never_answers(self):
         retries = []
         options = steadymap.UploadOptions(
-            backoff=IMPATIENT,
-            on_retry=lambda error, delay_s: retries.append((error, delay_s)),
+            backoff=IMPATIENT, on_retry=lambda error, delay_s: retries.append((error, delay_s))
         )
         with socket.socket() as nobody:
             nobody.bind(("127.0.0.1", 0))  # Not listening: connections are refused.

@@ -26,20 +26,14 @@ class ASection(DaemonTest):
         frames = []
         for i in range(3):
             # Rough surface with holes: predictions of all kinds, large residuals, sparse masks.
-            depth = (
-                random.integers(1700, 2100, (12, 16))
-                .repeat(4, axis=0)
-                .repeat(4, axis=1)
-            )
+            depth = random.integers(1700, 2100, (12, 16)).repeat(4, axis=0).repeat(4, axis=1)
             depth[random.random((48, 64)) < 0.3] = 0
             color = random.integers(0, 256, (48, 64, 3), np.uint8)
             frames.append(wall_frame(i, depth=depth.astype(np.uint16), color=color))
         summary = cls.client.upload("rough", frames)
         assert not summary.refused, summary.refused
         cls.section = cls.client.section("rough")
-        cls.voxels = steadymap.unpack_leaves(
-            cls.section.leaves, cls.section.truncation_m
-        )
+        cls.voxels = steadymap.unpack_leaves(cls.section.leaves, cls.section.truncation_m)
 
     def test_names_its_revision_and_scale(self):
         self.assertEqual(self.section.revision, 3)
@@ -60,9 +54,7 @@ class ASection(DaemonTest):
         np.testing.assert_allclose(weight, samples.weight[known], rtol=1e-4, atol=1e-4)
 
     def test_counts_the_voxels_that_the_map_counts(self):
-        self.assertEqual(
-            self.voxels.observed.sum(), self.client.get_map("rough").voxels
-        )
+        self.assertEqual(self.voxels.observed.sum(), self.client.get_map("rough").voxels)
         self.assertTrue(np.isnan(self.voxels.distance_m[~self.voxels.observed]).all())
         self.assertTrue((self.voxels.weight[~self.voxels.observed] == 0).all())
 
@@ -84,9 +76,7 @@ class ASection(DaemonTest):
         section = self.client.section(name)
         voxels = steadymap.unpack_leaves(section.leaves, section.truncation_m)
         expected_m = 2.0 - centers_m(section)[voxels.observed][:, 0]
-        np.testing.assert_allclose(
-            voxels.distance_m[voxels.observed], expected_m, atol=1e-3
-        )
+        np.testing.assert_allclose(voxels.distance_m[voxels.observed], expected_m, atol=1e-3)
 
 
 class UnpackLeaves(unittest.TestCase):
@@ -98,9 +88,7 @@ class UnpackLeaves(unittest.TestCase):
     def test_refuses_damaged_leaves(self):
         one_voxel = b"\x01" + b"\x01" + bytes(63)
         good = one_voxel + bytes((2, 0, 2, 0))
-        voxels = steadymap.unpack_leaves(
-            [steadymap.Leaf(0, np.zeros(3, np.int32), good)], 32.767
-        )
+        voxels = steadymap.unpack_leaves([steadymap.Leaf(0, np.zeros(3, np.int32), good)], 32.767)
         self.assertAlmostEqual(float(voxels.distance_m[0, 0, 0, 0]), 0.001, places=6)
         for damaged in (
             b"\x02" + good[1:],  # Another version.
@@ -115,9 +103,7 @@ class UnpackLeaves(unittest.TestCase):
             one_voxel + bytes((0xFF, 0xFF, 2, 0)),  # Further than the truncation.
         ):
             leaf = steadymap.Leaf(0, np.zeros(3, np.int32), damaged)
-            with self.subTest(damaged=damaged[:2]), self.assertRaises(
-                errors.DataLossError
-            ):
+            with self.subTest(damaged=damaged[:2]), self.assertRaises(errors.DataLossError):
                 steadymap.unpack_leaves([leaf], 0.15)
 
 

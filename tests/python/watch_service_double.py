@@ -13,10 +13,7 @@ Response = watch_service_pb2.WatchMapResponse
 def created(revision, incarnation="one"):
     return Response(
         created=watch_service_pb2.WatchCreated(
-            revision=revision,
-            voxel_size_m=0.05,
-            truncation_m=0.15,
-            incarnation=incarnation,
+            revision=revision, voxel_size_m=0.05, truncation_m=0.15, incarnation=incarnation
         )
     )
 
@@ -30,11 +27,7 @@ def snapshot(revision, *object_ids):
 
 def delta(revision, previous_revision, *object_ids, removed=()):
     fragment = watch_service_pb2.DeltaFragment(
-        revision=revision,
-        previous_revision=previous_revision,
-        commits=1,
-        fragment=1,
-        fragments=1,
+        revision=revision, previous_revision=previous_revision, commits=1, fragment=1, fragments=1
     )
     fragment.removed_object_ids.extend(removed)
     for object_id in object_ids:
@@ -51,15 +44,11 @@ def events(revision, *numbers):
 
 def progress(revision):
     token = b"token-%d" % revision
-    return Response(
-        progress=watch_service_pb2.WatchProgress(revision=revision, resume_token=token)
-    )
+    return Response(progress=watch_service_pb2.WatchProgress(revision=revision, resume_token=token))
 
 
 def resync(revision, reason="REVISION_COMPACTED"):
-    return Response(
-        resync=watch_service_pb2.WatchResync(revision=revision, reason=reason)
-    )
+    return Response(resync=watch_service_pb2.WatchResync(revision=revision, reason=reason))
 
 
 def goodbye(delay_ms):

@@ -25,9 +25,7 @@ from steadymap import errors
 from steadymap._generated.v1 import watch_service_pb2
 
 UNAVAILABLE = grpc.StatusCode.UNAVAILABLE
-QUICK = steadymap.BackoffOptions(
-    first_delay_s=0.001, max_delay_s=0.01, give_up_after_s=60.0
-)
+QUICK = steadymap.BackoffOptions(first_delay_s=0.001, max_delay_s=0.01, give_up_after_s=60.0)
 
 # One for all tests: gRPC's asyncio is for one event loop a process.
 _runner = asyncio.Runner()
@@ -80,9 +78,7 @@ class AScriptedWatch(unittest.TestCase):
                 self.retries = []
                 watch_options = steadymap.WatchOptions(
                     backoff=QUICK,
-                    on_retry=lambda error, delay_s: self.retries.append(
-                        (error, delay_s)
-                    ),
+                    on_retry=lambda error, delay_s: self.retries.append((error, delay_s)),
                     **options,
                 )
                 items = way(server.address, len(expected), watch_options)
@@ -121,9 +117,7 @@ class AScriptedWatch(unittest.TestCase):
                 ("Progress", 6),
             ],
         )
-        self.assertEqual(
-            [r.resume_token for r in requests], [b"", b"token-3", b"token-4"]
-        )
+        self.assertEqual([r.resume_token for r in requests], [b"", b"token-3", b"token-4"])
         self.assertEqual(requests[1].start, watch_service_pb2.WATCH_START_UNSPECIFIED)
         self.assertEqual(len(self.retries), 2)
 
@@ -171,10 +165,7 @@ class AScriptedWatch(unittest.TestCase):
 
     def test_waits_as_long_as_a_parting_server_asks(self):
         self.check(
-            [
-                [created(3), progress(3), goodbye(50), UNAVAILABLE],
-                [created(3), progress(4)],
-            ],
+            [[created(3), progress(3), goodbye(50), UNAVAILABLE], [created(3), progress(4)]],
             [("Created", 3), ("Progress", 3), ("Progress", 4)],
         )
         self.assertGreaterEqual(self.retries[0][1], 0.05)
@@ -185,9 +176,7 @@ class AScriptedWatch(unittest.TestCase):
             server = WatchServiceDouble([grpc.StatusCode.OUT_OF_RANGE])
             self.addCleanup(server.stop)
             with self.assertRaises(errors.OutOfRangeError):
-                way(
-                    server.address, 1, steadymap.WatchOptions(resync_if_compacted=False)
-                )
+                way(server.address, 1, steadymap.WatchOptions(resync_if_compacted=False))
             self.assertFalse(server.requests[0].resync_if_compacted)
 
     def test_sends_its_filter(self):
@@ -203,10 +192,7 @@ class AScriptedWatch(unittest.TestCase):
             max_message_bytes=65536,
         )
         (request,) = requests
-        kinds = [
-            watch_service_pb2.WATCH_KIND_VOLUMES,
-            watch_service_pb2.WATCH_KIND_EVENTS,
-        ]
+        kinds = [watch_service_pb2.WATCH_KIND_VOLUMES, watch_service_pb2.WATCH_KIND_EVENTS]
         self.assertEqual(request.map, "tenants/default/maps/hall")
         self.assertEqual(request.start, watch_service_pb2.WATCH_START_NOW)
         self.assertEqual(list(request.filter.kinds), kinds)
@@ -318,25 +304,19 @@ class AWatchOfADaemon(unittest.TestCase):
 
     def test_brings_leaves_where_volumes_are_asked_for(self):
         self.client.upload("hall", [room_frame(i, (0.4,)) for i in range(10)])
-        with self.client.watch(
-            "hall", steadymap.WatchOptions(kinds=["volumes"])
-        ) as watch:
+        with self.client.watch("hall", steadymap.WatchOptions(kinds=["volumes"])) as watch:
             items = self.read_up_to(watch, 10)
         leaves = [leaf for item in items[1:-1] for leaf in item.leaves]
         state = self.client.get_map("hall")
         self.assertEqual(len(leaves), state.leaves)
-        self.assertTrue(
-            all((leaf.origin % 8 == 0).all() and leaf.packed for leaf in leaves)
-        )
+        self.assertTrue(all((leaf.origin % 8 == 0).all() and leaf.packed for leaf in leaves))
 
     def test_of_a_map_that_is_not_there_is_not_found(self):
         with self.assertRaises(errors.NotFoundError):
             next(self.client.watch("nowhere"))
 
     def test_with_a_token_of_another_filter_is_refused(self):
-        with self.client.watch(
-            "hall", steadymap.WatchOptions(kinds=["events"])
-        ) as watch:
+        with self.client.watch("hall", steadymap.WatchOptions(kinds=["events"])) as watch:
             self.client.upload("hall", [room_frame(0, ())])
             self.read_up_to(watch, 1)
             token = watch.resume_token

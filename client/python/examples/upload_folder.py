@@ -28,12 +28,7 @@ SEVEN_SCENES_CAMERA = steadymap.Intrinsics(640, 480, 585.0, 585.0, 320.0, 240.0)
 SEVEN_SCENES_PERIOD_NS = 33_333_333
 SEVEN_SCENES_START_NS = 1_356_998_400_000_000_000
 SEVEN_SCENES_T_WORLD_DATASET = np.array(
-    (
-        (1.0, 0.0, 0.0, 0.0),
-        (0.0, 0.0, 1.0, 0.0),
-        (0.0, -1.0, 0.0, 0.0),
-        (0.0, 0.0, 0.0, 1.0),
-    )
+    ((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 )
 
 Beliefs = Dict[int, List[Tuple[int, float]]]
@@ -41,11 +36,7 @@ Beliefs = Dict[int, List[Tuple[int, float]]]
 
 def read_calibration(file: Path) -> Tuple[steadymap.Intrinsics, np.ndarray, float]:
     """Intrinsics, T_base_camera and metres per unit of depth of a calibration.txt."""
-    lines = [
-        line
-        for line in file.read_text().splitlines()
-        if line and not line.startswith("#")
-    ]
+    lines = [line for line in file.read_text().splitlines() if line and not line.startswith("#")]
     camera = dict(part.split("=") for part in lines[0].split())
     numbers = np.array(lines[1].split(), float)
     intrinsics = steadymap.Intrinsics(
@@ -53,24 +44,13 @@ def read_calibration(file: Path) -> Tuple[steadymap.Intrinsics, np.ndarray, floa
         height_px=int(camera["h"]),
         **{name: float(camera[name]) for name in ("fx", "fy", "cx", "cy")},
     )
-    return (
-        intrinsics,
-        steadymap.Pose(numbers[:3], numbers[3:]).matrix(),
-        float(lines[2]),
-    )
+    return (intrinsics, steadymap.Pose(numbers[:3], numbers[3:]).matrix(), float(lines[2]))
 
 
 def torwic_frames(folder: Path) -> Iterator[steadymap.Frame]:
     """The frames of a recording in the TorWIC layout."""
-    intrinsics, T_base_camera, metres_per_unit = read_calibration(
-        folder / "calibration.txt"
-    )
-    kinds = {
-        "depth": "Depth",
-        "labels": "Segmentation",
-        "instances": "Instances",
-        "color": "RGB",
-    }
+    intrinsics, T_base_camera, metres_per_unit = read_calibration(folder / "calibration.txt")
+    kinds = {"depth": "Depth", "labels": "Segmentation", "instances": "Instances", "color": "RGB"}
     files = {kind: sorted((folder / name).glob("*.*g")) for kind, name in kinds.items()}
     for i, line in enumerate((folder / "poses.txt").read_text().splitlines()):
         _, seconds, nanoseconds, *numbers = line.split()
@@ -80,9 +60,7 @@ def torwic_frames(folder: Path) -> Iterator[steadymap.Frame]:
             T_world_camera=T_world_base @ T_base_camera,
             capture_time_ns=int(seconds) * 1_000_000_000 + int(nanoseconds),
             metres_per_unit=metres_per_unit,
-            **{
-                kind: images[i].read_bytes() for kind, images in files.items() if images
-            },
+            **{kind: images[i].read_bytes() for kind, images in files.items() if images},
         )
 
 
@@ -119,9 +97,7 @@ def read_folder(folder: Path) -> Iterator[steadymap.Frame]:
     else:
         folders = sorted(entry for entry in folder.iterdir() if entry.is_dir())
         if not folders:
-            raise SystemExit(
-                f"{folder}: found neither a TorWIC nor a 7-Scenes recording"
-            )
+            raise SystemExit(f"{folder}: found neither a TorWIC nor a 7-Scenes recording")
         for entry in folders:
             yield from read_folder(entry)
 
@@ -137,9 +113,7 @@ def upload(
         summary = client.upload(name, chunk)
         frame_count += len(chunk)
         for refused in summary.refused:
-            print(
-                f"frame {frame_count - len(chunk) + refused.index} was refused: {refused.error}"
-            )
+            print(f"frame {frame_count - len(chunk) + refused.index} was refused: {refused.error}")
         for thing in client.objects(name):
             beliefs[thing.id].append((chunk[-1].capture_time_ns, thing.stationarity))
     print(f"{frame_count} frames uploaded, {len(beliefs)} objects seen")
@@ -170,9 +144,7 @@ def draw(client: steadymap.Client, name: str, beliefs: Beliefs, picture: Path) -
         axes.plot([], [], color=style, label=label)
     for label, mark in marks.items():
         axes.plot([], [], "k" + mark, label=f"{label}, with the object's id")
-    axes.set(
-        xlabel="capture time (s)", ylabel="expected stationarity E[v]", ylim=(0, 1.02)
-    )
+    axes.set(xlabel="capture time (s)", ylabel="expected stationarity E[v]", ylim=(0, 1.02))
     axes.set_title(f"Objects of {name}")
     axes.legend(loc="lower left", fontsize="small")
     figure.savefig(picture)
@@ -184,24 +156,16 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--server", default="localhost:7443", metavar="HOST:PORT")
     parser.add_argument("--policy", default="pocd", help="of the map")
-    parser.add_argument(
-        "--step", type=int, default=10, help="frames from one look to the next"
-    )
+    parser.add_argument("--step", type=int, default=10, help="frames from one look to the next")
     parser.add_argument("--picture", type=Path, metavar="FILE")
     arguments = parser.parse_args()
     with steadymap.connect(arguments.server) as client:
         client.create_map(arguments.map, steadymap.MapOptions(policy=arguments.policy))
-        beliefs = upload(
-            client, arguments.map, read_folder(arguments.folder), arguments.step
-        )
+        beliefs = upload(client, arguments.map, read_folder(arguments.folder), arguments.step)
         for event in client.events(arguments.map):
             if event.type is not steadymap.EventType.CREATED:
-                subject = (
-                    f"object {event.object_id}" if event.object_id else event.robot
-                )
-                print(
-                    f"{event.capture_time_ns * 1e-9:.2f} s: {subject} {event.type.value}"
-                )
+                subject = f"object {event.object_id}" if event.object_id else event.robot
+                print(f"{event.capture_time_ns * 1e-9:.2f} s: {subject} {event.type.value}")
         if arguments.picture is not None:
             draw(client, arguments.map, beliefs, arguments.picture)
 

@@ -22,29 +22,13 @@ from steadymap.geometry import Pose
 from steadymap.images import PixelEncoding
 from steadymap.maps import ClassMotion, Map, MapOptions, SemanticClass, UpdatePolicy
 from steadymap.mesh import Mesh
-from steadymap.objects import (
-    Belief,
-    Cuboid,
-    Event,
-    EventReason,
-    EventType,
-    Object,
-    ObjectStanding,
-)
+from steadymap.objects import Belief, Cuboid, Event, EventReason, EventType, Object, ObjectStanding
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
 from steadymap.upload_queue import RefusedFrame, UploadProgress
 from steadymap.volumes import Leaf, LeafVoxels, Section, unpack_leaves
 from steadymap.watch import Watch, WatchKind, WatchOptions, WatchStart
-from steadymap.watch_items import (
-    Created,
-    Delta,
-    Events,
-    Progress,
-    Resync,
-    Snapshot,
-    WatchItem,
-)
+from steadymap.watch_items import Created, Delta, Events, Progress, Resync, Snapshot, WatchItem
 
 __all__ = [
     "AckLevel",

@@ -26,9 +26,7 @@ class Listing(Generic[_Entry], Iterator[_Entry]):
     def __next__(self) -> _Entry:
         return next(self._entries)
 
-    def _iterate(
-        self, fetch: Callable[[str], Tuple[int, List[_Entry], str]]
-    ) -> Iterator[_Entry]:
+    def _iterate(self, fetch: Callable[[str], Tuple[int, List[_Entry], str]]) -> Iterator[_Entry]:
         token = ""
         while True:
             self.revision, entries, token = fetch(token)
@@ -86,9 +84,7 @@ class RayHits:
     class_id: np.ndarray
 
 
-def sample_request(
-    map_name: str, points_m: Any
-) -> query_service_pb2.SampleDistanceRequest:
+def sample_request(map_name: str, points_m: Any) -> query_service_pb2.SampleDistanceRequest:
     """The request for points of shape (N, 3)."""
     request = query_service_pb2.SampleDistanceRequest(map=map_name)
     for x, y, z in as_points(points_m, "points_m").tolist():
@@ -117,9 +113,7 @@ def ray_request(
     return request
 
 
-def samples_from_proto(
-    message: query_service_pb2.SampleDistanceResponse,
-) -> DistanceSamples:
+def samples_from_proto(message: query_service_pb2.SampleDistanceResponse) -> DistanceSamples:
     """The answer as arrays."""
     samples = message.samples
     known = _column(samples, bool, lambda sample: sample.known)
@@ -132,9 +126,7 @@ def samples_from_proto(
         known=read_only(known),
         distance_m=read_only(distance_m),
         gradient=read_only(gradient),
-        object_id=read_only(
-            _column(samples, np.uint64, lambda sample: sample.object_id)
-        ),
+        object_id=read_only(_column(samples, np.uint64, lambda sample: sample.object_id)),
         class_id=read_only(_column(samples, np.uint32, lambda sample: sample.class_id)),
         weight=read_only(_column(samples, np.float64, lambda sample: sample.weight)),
     )

@@ -44,7 +44,8 @@ class Backoff:
         """Equal seeds give equal delays; None takes one from the system."""
         self._options = options
         self._random = random.Random(seed)
-        self.reset()
+        self._next_s = options.first_delay_s
+        self._waited_s = 0.0
 
     def reset(self) -> None:
         """Notes a success: the delays start over."""
@@ -59,7 +60,5 @@ class Backoff:
         spread = self._random.uniform(-self._options.jitter, self._options.jitter)
         delay_s = max(self._next_s * (1.0 + spread), at_least_s)
         self._waited_s += delay_s
-        self._next_s = min(
-            self._next_s * self._options.factor, self._options.max_delay_s
-        )
+        self._next_s = min(self._next_s * self._options.factor, self._options.max_delay_s)
         return delay_s

@@ -92,17 +92,17 @@ class Client:
         """Closes the channel; what still runs over it ends with an error."""
         self._connection.close()
 
-    def create_map(self, map: str, options: MapOptions = MapOptions()) -> Map:
+    def create_map(self, map_name: str, options: MapOptions = MapOptions()) -> Map:
         """Creates a map. AlreadyExistsError if there is one of that name."""
-        parent, map_id = split_map_name(map)
+        parent, map_id = split_map_name(map_name)
         request = map_service_pb2.CreateMapRequest(
             parent=parent, map_id=map_id, map=map_to_proto(options)
         )
         return map_from_proto(self._connection.call(self._maps.CreateMap, request))
 
-    def get_map(self, map: str) -> Map:
+    def get_map(self, map_name: str) -> Map:
         """The map as it is now. NotFoundError if there is none."""
-        request = map_service_pb2.GetMapRequest(name=full_map_name(map))
+        request = map_service_pb2.GetMapRequest(name=full_map_name(map_name))
         return map_from_proto(self._connection.call(self._maps.GetMap, request))
 
     def list_maps(self, tenant: str = "default") -> List[Map]:
@@ -118,36 +118,32 @@ class Client:
             if not request.page_token:
                 return maps
 
-    def delete_map(self, map: str) -> None:
+    def delete_map(self, map_name: str) -> None:
         """Deletes a map with its log and its history. NotFoundError if there is none."""
         self._connection.call(
-            self._maps.DeleteMap,
-            map_service_pb2.DeleteMapRequest(name=full_map_name(map)),
+            self._maps.DeleteMap, map_service_pb2.DeleteMapRequest(name=full_map_name(map_name))
         )
 
     def upload(
-        self,
-        map: str,
-        frames: Iterable[Frame],
-        options: UploadOptions = UploadOptions(),
+        self, map_name: str, frames: Iterable[Frame], options: UploadOptions = UploadOptions()
     ) -> UploadSummary:
         """Uploads frames and waits until all have reached `options.wait_for` or were refused.
 
         Broken connections and restarted servers are outlasted. A refused frame is no error of the
         upload: look at `refused` of the summary.
         """
-        with self.uploader(map, options) as uploader:
+        with self.uploader(map_name, options) as uploader:
             for frame in frames:
                 uploader.push(frame)
             return uploader.finish()
 
-    def uploader(self, map: str, options: UploadOptions = UploadOptions()) -> Uploader:
+    def uploader(self, map_name: str, options: UploadOptions = UploadOptions()) -> Uploader:
         """An upload session to push frames into as they come."""
-        return Uploader(self._ingest, full_map_name(map), options)
+        return Uploader(self._ingest, full_map_name(map_name), options)
 
     def objects(
         self,
-        map: str,
+        map_name: str,
         *,
         class_ids: Sequence[int] = (),
         box: Any = None,
@@ -159,7 +155,7 @@ class Client:
         """The objects that pass every filter, by rising id.
 
         Args:
-            map: the map's name.
+            map_name: the map's name.
             class_ids: of one of these classes; empty: of any.
             box: whose cuboid touches this box: lowest and highest corner, shape (2, 3), metres.
             min_stationarity: whose expected stationarity is not below this, in [0, 1].
@@ -168,7 +164,7 @@ class Client:
             include_tentative: those seen too seldom to be believed, too.
         """
         request = query_service_pb2.ListObjectsRequest(
-            map=full_map_name(map),
+            map=full_map_name(map_name),
             class_ids=class_ids,
             box=box_to_proto(box),
             min_stationarity=min_stationarity,
@@ -189,18 +185,16 @@ class Client:
 
         return Listing(fetch)
 
-    def get_object(self, map: str, object_id: int) -> Object:
+    def get_object(self, map_name: str, object_id: int) -> Object:
         """One object, whatever its standing. NotFoundError if there never was one of that id."""
         request = query_service_pb2.GetObjectRequest(
-            map=full_map_name(map), object_id=object_id
+            map=full_map_name(map_name), object_id=object_id
         )
-        return object_from_proto(
-            self._connection.call(self._queries.GetObject, request).object
-        )
+        return object_from_proto(self._connection.call(self._queries.GetObject, request).object)
 
     def events(
         self,
-        map: str,
+        map_name: str,
         *,
         types: Sequence[Union[EventType, str]] = (),
         object_ids: Sequence[int] = (),
@@ -211,7 +205,7 @@ class Client:
         """The events that pass every filter, by rising number.
 
         Args:
-            map: the map's name.
+            map_name: the map's name.
             types: of one of these types, such as `"removed"`; empty: of any.
             object_ids: of, or related to, one of these objects; empty: of any.
             class_ids: of objects of one of these classes; empty: of any.
@@ -219,7 +213,7 @@ class Client:
             changed_since: that came after this revision; 0: all.
         """
         request = query_service_pb2.ListEventsRequest(
-            map=full_map_name(map),
+            map=full_map_name(map_name),
             types=[event_type_to_proto(value) for value in types],
             object_ids=object_ids,
             class_ids=class_ids,
@@ -231,90 +225,76 @@ class Client:
         def fetch(token: str) -> Tuple[int, List[Event], str]:
             request.page_token = token
             page = self._connection.call(self._queries.ListEvents, request)
-            return (
-                page.revision,
-                [event_from_proto(e) for e in page.events],
-                page.next_page_token,
-            )
+            return (page.revision, [event_from_proto(e) for e in page.events], page.next_page_token)
 
         return Listing(fetch)
 
-    def sample_distance(self, map: str, points_m: Any) -> DistanceSamples:
+    def sample_distance(self, map_name: str, points_m: Any) -> DistanceSamples:
         """Signed distance to the nearest surface at points of shape (N, 3), at most 100 000."""
-        request = sample_request(full_map_name(map), points_m)
-        return samples_from_proto(
-            self._connection.call(self._queries.SampleDistance, request)
-        )
+        request = sample_request(full_map_name(map_name), points_m)
+        return samples_from_proto(self._connection.call(self._queries.SampleDistance, request))
 
     def cast_rays(
-        self, map: str, origins_m: Any, directions: Any, max_range_m: float = 20.0
+        self, map_name: str, origins_m: Any, directions: Any, max_range_m: float = 20.0
     ) -> RayHits:
         """First surface along rays, at most 100 000.
 
         Args:
-            map: the map's name.
+            map_name: the map's name.
             origins_m: shape (N, 3), or (3,) for all rays alike; metres.
             directions: shape (N, 3); any length but zero.
             max_range_m: rays end here, metres, in (0, 1000].
         """
-        request = ray_request(full_map_name(map), origins_m, directions, max_range_m)
+        request = ray_request(full_map_name(map_name), origins_m, directions, max_range_m)
         return hits_from_proto(self._connection.call(self._queries.CastRays, request))
 
-    def mesh(
-        self, map: str, *, box: Any = None, object_ids: Sequence[int] = ()
-    ) -> Mesh:
+    def mesh(self, map_name: str, *, box: Any = None, object_ids: Sequence[int] = ()) -> Mesh:
         """The map's surface as triangles.
 
         Args:
-            map: the map's name.
+            map_name: the map's name.
             box: surface within it: lowest and highest corner, shape (2, 3), metres; None: all.
             object_ids: of these objects, 0 being the background; empty: what the map shows.
         """
-        request = export_request(full_map_name(map), ExportFormat.PLY, box, object_ids)
+        request = export_request(full_map_name(map_name), ExportFormat.PLY, box, object_ids)
         chunks: List[bytes] = []
         messages = self._connection.stream(self._queries.ExportMap, request)
         summary = take_export(messages, chunks.append)
         return parse_ply(b"".join(chunks), summary.revision)
 
-    def section(
-        self, map: str, *, box: Any = None, object_ids: Sequence[int] = ()
-    ) -> Section:
+    def section(self, map_name: str, *, box: Any = None, object_ids: Sequence[int] = ()) -> Section:
         """The volumes of a part of the map, for `unpack_leaves`; arguments as for `mesh`."""
         request = query_service_pb2.GetMapSectionRequest(
-            map=full_map_name(map), box=box_to_proto(box), object_ids=object_ids
+            map=full_map_name(map_name), box=box_to_proto(box), object_ids=object_ids
         )
-        return take_section(
-            self._connection.stream(self._queries.GetMapSection, request)
-        )
+        return take_section(self._connection.stream(self._queries.GetMapSection, request))
 
     def export(
         self,
-        map: str,
+        map_name: str,
         path: Union[str, "os.PathLike[str]"],
-        format: Optional[Union[ExportFormat, str]] = None,
+        file_format: Optional[Union[ExportFormat, str]] = None,
         *,
         box: Any = None,
         object_ids: Sequence[int] = (),
     ) -> ExportSummary:
         """Writes the map to a file, which appears when it is whole.
 
-        `format` None: by the ending of `path`. `box` and `object_ids` as for `mesh`.
+        `file_format` None: by the ending of `path`. `box` and `object_ids` as for `mesh`.
         """
         target = Path(path)
-        chosen = choose_format(target, format)
-        request = export_request(full_map_name(map), chosen, box, object_ids)
-        return write_export(
-            self._connection.stream(self._queries.ExportMap, request), target
-        )
+        chosen = choose_format(target, file_format)
+        request = export_request(full_map_name(map_name), chosen, box, object_ids)
+        return write_export(self._connection.stream(self._queries.ExportMap, request), target)
 
-    def watch(self, map: str, options: WatchOptions = WatchOptions()) -> Watch:
+    def watch(self, map_name: str, options: WatchOptions = WatchOptions()) -> Watch:
         """Follows the map as it changes: an iterator of Created, Snapshot, Delta, Events, Progress
         and Resync items. Broken connections and restarted servers are outlasted."""
-        return Watch(self._connection.channel, full_map_name(map), options)
+        return Watch(self._connection.channel, full_map_name(map_name), options)
 
     def watch_async(
-        self, map: str, options: WatchOptions = WatchOptions()
+        self, map_name: str, options: WatchOptions = WatchOptions()
     ) -> AsyncIterator[WatchItem]:
         """The same for asyncio: `async for item in client.watch_async("hall")`."""
-        name = full_map_name(map)
+        name = full_map_name(map_name)
         return watch_asynchronously(self._connection.open_asynchronously, name, options)

@@ -15,9 +15,7 @@ from steadymap._generated.rpc import error_details_pb2, status_pb2
 
 _DOMAIN = "steadymap"
 _DETAILS_TRAILER = "grpc-status-details-bin"
-_TOO_LARGE_TEXT = (
-    "larger than max"  # How gRPC itself refuses a message beyond its limit.
-)
+_TOO_LARGE_TEXT = "larger than max"  # How gRPC itself refuses a message beyond its limit.
 
 
 class SteadymapError(Exception):
@@ -53,9 +51,7 @@ class SteadymapError(Exception):
     def _sentence(self) -> str:
         told = self.reason and self.reason != self.code
         name = f"{self.code} / {self.reason}" if told else self.code
-        where = (
-            f" in {self.field}" if self.field and self.field not in self.message else ""
-        )
+        where = f" in {self.field}" if self.field and self.field not in self.message else ""
         return f"{name}{where}: {self.message}"
 
 
@@ -168,36 +164,22 @@ def error_from_status(status: status_pb2.Status) -> SteadymapError:
     for detail in status.details:
         kind = detail.type_url.rpartition("/")[2]
         message = _parse(_DETAILS[kind], detail.value) if kind in _DETAILS else None
-        if (
-            isinstance(message, error_details_pb2.ErrorInfo)
-            and message.domain == _DOMAIN
-        ):
+        if isinstance(message, error_details_pb2.ErrorInfo) and message.domain == _DOMAIN:
             reason, metadata = message.reason, dict(message.metadata)
-        elif (
-            isinstance(message, error_details_pb2.BadRequest)
-            and message.field_violations
-        ):
+        elif isinstance(message, error_details_pb2.BadRequest) and message.field_violations:
             field = message.field_violations[0].field
         elif isinstance(message, error_details_pb2.RetryInfo):
-            retry_delay_s = (
-                message.retry_delay.seconds + message.retry_delay.nanos * 1e-9
-            )
+            retry_delay_s = message.retry_delay.seconds + message.retry_delay.nanos * 1e-9
     name = _NAMES.get(status.code, "UNKNOWN")
     return _CLASSES.get(name, SteadymapError)(
-        status.message,
-        reason=reason,
-        field=field,
-        metadata=metadata,
-        retry_delay_s=retry_delay_s,
+        status.message, reason=reason, field=field, metadata=metadata, retry_delay_s=retry_delay_s
     )
 
 
 def error_from_rpc(error: grpc.RpcError) -> SteadymapError:
     """The error that a gRPC call ended with, its trailing details included."""
     code = error.code().value[0]
-    status = status_pb2.Status(
-        code=code, message=error.details() or "no message was given"
-    )
+    status = status_pb2.Status(code=code, message=error.details() or "no message was given")
     for key, value in error.trailing_metadata() or ():
         if key != _DETAILS_TRAILER:
             continue
@@ -241,8 +223,6 @@ def is_worth_retrying(error: SteadymapError) -> bool:
     if error.code == "RESOURCE_EXHAUSTED":
         return error.reason != "MESSAGE_TOO_LARGE"
     if error.code == "DATA_LOSS":
-        return (
-            error.reason == "CHECKSUM"
-        )  # A batch damaged on its way, not a map on disk.
+        return error.reason == "CHECKSUM"  # A batch damaged on its way, not a map on disk.
     # gRPC reports connections that break in mid-message so; the service always gives a reason.
     return error.code in _RETRIED_WITHOUT_REASON and not error.reason

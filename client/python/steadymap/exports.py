@@ -35,24 +35,20 @@ class ExportSummary:
 
 
 def export_request(
-    map_name: str, format: ExportFormat, box: Any, object_ids: Sequence[int]
+    map_name: str, file_format: ExportFormat, box: Any, object_ids: Sequence[int]
 ) -> query_service_pb2.ExportMapRequest:
     """The request for a part of a map as a file."""
     return query_service_pb2.ExportMapRequest(
         map=map_name,
-        format=query_service_pb2.ExportFormat.Value(f"EXPORT_FORMAT_{format.name}"),
+        format=query_service_pb2.ExportFormat.Value(f"EXPORT_FORMAT_{file_format.name}"),
         box=box_to_proto(box),
         object_ids=object_ids,
     )
 
 
-def choose_format(
-    path: Path, format: Optional[Union[ExportFormat, str]]
-) -> ExportFormat:
+def choose_format(path: Path, file_format: Optional[Union[ExportFormat, str]]) -> ExportFormat:
     """The format asked for, or that of the path's ending. ValueError for one that is unknown."""
-    return ExportFormat(
-        format if format is not None else path.suffix.lstrip(".").lower()
-    )
+    return ExportFormat(format if format is not None else path.suffix.lstrip(".").lower())
 
 
 def take_export(messages: Any, take_chunk: Callable[[bytes], Any]) -> ExportSummary:
@@ -61,9 +57,7 @@ def take_export(messages: Any, take_chunk: Callable[[bytes], Any]) -> ExportSumm
     for message in messages:
         if message.HasField("header"):
             header = message.header
-            summary = ExportSummary(
-                header.revision, header.file_bytes, header.triangles
-            )
+            summary = ExportSummary(header.revision, header.file_bytes, header.triangles)
         else:
             take_chunk(message.chunk)
             received_bytes += len(message.chunk)

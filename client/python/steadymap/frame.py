@@ -7,13 +7,7 @@ import numpy as np
 
 from steadymap._generated.v1 import frame_pb2
 from steadymap.geometry import Pose, as_pose, pose_to_proto
-from steadymap.images import (
-    PixelEncoding,
-    check_image,
-    encode_color,
-    encode_depth,
-    encode_labels,
-)
+from steadymap.images import PixelEncoding, check_image, encode_color, encode_depth, encode_labels
 from steadymap.moments import timestamp_to_proto
 
 _MAX_SIDE_PX = 4096  # The service's own limit at most.
@@ -43,9 +37,7 @@ class Intrinsics:
         for name in ("width_px", "height_px"):
             side_px = getattr(self, name)
             if not 1 <= side_px <= _MAX_SIDE_PX:
-                raise ValueError(
-                    f"{name}: expected a value in [1, {_MAX_SIDE_PX}], got {side_px}"
-                )
+                raise ValueError(f"{name}: expected a value in [1, {_MAX_SIDE_PX}], got {side_px}")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -114,9 +106,7 @@ def frame_to_proto(frame: Frame, encoding: PixelEncoding) -> frame_pb2.Frame:
     if frame.labels is not None:
         message.labels.CopyFrom(encode_labels(frame.labels, "labels", encoding))
     if frame.instances is not None:
-        message.instances.CopyFrom(
-            encode_labels(frame.instances, "instances", encoding)
-        )
+        message.instances.CopyFrom(encode_labels(frame.instances, "instances", encoding))
     if frame.color is not None:
         message.color.CopyFrom(encode_color(frame.color))
     return message

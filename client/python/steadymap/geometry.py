@@ -29,9 +29,7 @@ def as_points(value: Any, name: str) -> np.ndarray:
     if array.shape == (3,):
         array = array.reshape(1, 3)
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(
-            f"{name}: expected an array of shape (N, 3), got {array.shape}"
-        )
+        raise ValueError(f"{name}: expected an array of shape (N, 3), got {array.shape}")
     return array
 
 
@@ -74,9 +72,7 @@ class Pose:
         for name, length in (("position_m", 3), ("quaternion_xyzw", 4)):
             array = np.array(getattr(self, name), dtype=np.float64)
             if array.shape != (length,):
-                raise ValueError(
-                    f"{name}: expected shape ({length},), got {array.shape}"
-                )
+                raise ValueError(f"{name}: expected shape ({length},), got {array.shape}")
             object.__setattr__(self, name, read_only(array))
 
     @staticmethod
@@ -91,8 +87,7 @@ class Pose:
         if not np.isfinite(T).all():
             # As much of the fault as a pose can carry.
             return Pose(
-                T[:3, 3],
-                np.full(4, np.nan) if np.isfinite(T[:3, 3]).all() else [0, 0, 0, 1],
+                T[:3, 3], np.full(4, np.nan) if np.isfinite(T[:3, 3]).all() else [0, 0, 0, 1]
             )
         R = T[:3, :3]
         off_rigid = max(
@@ -146,30 +141,10 @@ def _quaternion_of_rotation(R: np.ndarray) -> np.ndarray:
     # the rotation nearest to R: no case distinctions, and slight errors of R are evened out.
     K = np.array(
         (
-            (
-                R[0, 0] - R[1, 1] - R[2, 2],
-                R[1, 0] + R[0, 1],
-                R[2, 0] + R[0, 2],
-                R[2, 1] - R[1, 2],
-            ),
-            (
-                R[1, 0] + R[0, 1],
-                R[1, 1] - R[0, 0] - R[2, 2],
-                R[2, 1] + R[1, 2],
-                R[0, 2] - R[2, 0],
-            ),
-            (
-                R[2, 0] + R[0, 2],
-                R[2, 1] + R[1, 2],
-                R[2, 2] - R[0, 0] - R[1, 1],
-                R[1, 0] - R[0, 1],
-            ),
-            (
-                R[2, 1] - R[1, 2],
-                R[0, 2] - R[2, 0],
-                R[1, 0] - R[0, 1],
-                R[0, 0] + R[1, 1] + R[2, 2],
-            ),
+            (R[0, 0] - R[1, 1] - R[2, 2], R[1, 0] + R[0, 1], R[2, 0] + R[0, 2], R[2, 1] - R[1, 2]),
+            (R[1, 0] + R[0, 1], R[1, 1] - R[0, 0] - R[2, 2], R[2, 1] + R[1, 2], R[0, 2] - R[2, 0]),
+            (R[2, 0] + R[0, 2], R[2, 1] + R[1, 2], R[2, 2] - R[0, 0] - R[1, 1], R[1, 0] - R[0, 1]),
+            (R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], R[0, 0] + R[1, 1] + R[2, 2]),
         )
     )
     _, vectors = np.linalg.eigh(K)

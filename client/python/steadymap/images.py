@@ -41,19 +41,13 @@ def default_encoding() -> PixelEncoding:
     return PixelEncoding.RAW if zstandard is None else PixelEncoding.ZSTD
 
 
-def check_image(
-    value: Any, name: str, height_px: int, width_px: int, channels: int = 1
-) -> None:
+def check_image(value: Any, name: str, height_px: int, width_px: int, channels: int = 1) -> None:
     """ValueError or TypeError for what cannot be an image of this size; bytes are not opened."""
     if isinstance(value, bytes):
         return
     if not isinstance(value, np.ndarray):
-        raise TypeError(
-            f"{name}: expected a numpy array or the bytes of a file, got {type(value)}"
-        )
-    expected = (
-        (height_px, width_px) if channels == 1 else (height_px, width_px, channels)
-    )
+        raise TypeError(f"{name}: expected a numpy array or the bytes of a file, got {type(value)}")
+    expected = (height_px, width_px) if channels == 1 else (height_px, width_px, channels)
     if value.shape != expected:
         raise ValueError(
             f"{name}: expected shape {expected} (rows, columns) as the intrinsics say, "
@@ -67,9 +61,7 @@ def depth_in_units(depth: np.ndarray, metres_per_unit: float) -> np.ndarray:
     if depth.dtype.kind == "u" and depth.dtype.itemsize == 2:
         return np.ascontiguousarray(depth, dtype="<u2")
     if depth.dtype.kind != "f":
-        raise ValueError(
-            f"depth: expected uint16 or floating point metres, got {depth.dtype}"
-        )
+        raise ValueError(f"depth: expected uint16 or floating point metres, got {depth.dtype}")
     units = depth * np.float32(1.0 / metres_per_unit) + np.float32(0.5)
     with np.errstate(invalid="ignore"):
         is_return = (units >= 1.0) & (units < _MAX_DEPTH_UNITS + 1.0)
@@ -103,9 +95,7 @@ def encode_depth(
             kind, data = frame_pb2.DEPTH_ENCODING_ZSTD_UINT16, compress_zstd(units)
         else:
             kind, data = frame_pb2.DEPTH_ENCODING_RAW_UINT16, units.tobytes()
-    return frame_pb2.DepthImage(
-        encoding=kind, metres_per_unit=metres_per_unit, data=data
-    )
+    return frame_pb2.DepthImage(encoding=kind, metres_per_unit=metres_per_unit, data=data)
 
 
 def encode_labels(
@@ -128,9 +118,7 @@ def encode_labels(
         data = compress_zstd(ids)
     else:
         kind = (
-            frame_pb2.LABEL_ENCODING_RAW_UINT8
-            if is_small
-            else frame_pb2.LABEL_ENCODING_RAW_UINT16
+            frame_pb2.LABEL_ENCODING_RAW_UINT8 if is_small else frame_pb2.LABEL_ENCODING_RAW_UINT16
         )
         data = ids.tobytes()
     return frame_pb2.LabelImage(encoding=kind, data=data)
@@ -153,18 +141,14 @@ def encode_color(color: Union[np.ndarray, bytes]) -> frame_pb2.ColorImage:
 def require_png(data: bytes, name: str) -> None:
     """ValueError for bytes that are no PNG file."""
     if not data.startswith(_PNG_SIGNATURE):
-        raise ValueError(
-            f"{name}: expected the bytes of a PNG file, got {data[:8]!r}..."
-        )
+        raise ValueError(f"{name}: expected the bytes of a PNG file, got {data[:8]!r}...")
 
 
 def compress_zstd(pixels: np.ndarray) -> bytes:
     """A zstd frame of the raw pixels."""
     if zstandard is None:
         raise RuntimeError("PixelEncoding.ZSTD needs the Python package zstandard")
-    return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(
-        pixels.reshape(-1).view(np.uint8)
-    )
+    return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(pixels.reshape(-1).view(np.uint8))
 
 
 def encode_png(pixels: np.ndarray) -> bytes:
@@ -172,17 +156,13 @@ def encode_png(pixels: np.ndarray) -> bytes:
     height_px, width_px = pixels.shape[:2]
     bit_depth = 8 * pixels.dtype.itemsize
     color_type = 2 if pixels.ndim == 3 else 0
-    rows = np.frombuffer(
-        pixels.astype(pixels.dtype.newbyteorder(">")).tobytes(), np.uint8
-    )
+    rows = np.frombuffer(pixels.astype(pixels.dtype.newbyteorder(">")).tobytes(), np.uint8)
     rows = rows.reshape(height_px, -1)
     # Filter "up" for every row: each byte less the one above it.
     filtered = np.full((height_px, 1 + rows.shape[1]), 2, np.uint8)
     filtered[0, 1:] = rows[0]
     np.subtract(rows[1:], rows[:-1], out=filtered[1:, 1:])
-    header = struct.pack(
-        ">IIBBBBB", width_px, height_px, bit_depth, color_type, 0, 0, 0
-    )
+    header = struct.pack(">IIBBBBB", width_px, height_px, bit_depth, color_type, 0, 0, 0)
     return (
         _PNG_SIGNATURE
         + _png_chunk(b"IHDR", header)
@@ -192,9 +172,4 @@ def encode_png(pixels: np.ndarray) -> bytes:
 
 
 def _png_chunk(kind: bytes, data: bytes) -> bytes:
-    return (
-        struct.pack(">I", len(data))
-        + kind
-        + data
-        + struct.pack(">I", zlib.crc32(kind + data))
-    )
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

@@ -129,17 +129,13 @@ def split_map_name(name: str) -> Tuple[str, str]:
     """The parent `tenants/{tenant}` and the id of the map. ValueError for any other form."""
     parts = full_map_name(name).split("/")
     if len(parts) != 4 or parts[0] != "tenants" or parts[2] != "maps":
-        raise ValueError(
-            f"map: expected an id or tenants/TENANT/maps/MAP, got {name!r}"
-        )
+        raise ValueError(f"map: expected an id or tenants/TENANT/maps/MAP, got {name!r}")
     return f"tenants/{parts[1]}", parts[3]
 
 
 def map_to_proto(options: MapOptions) -> map_pb2.Map:
     """The map to create."""
-    message = map_pb2.Map(
-        display_name=options.display_name, byte_budget=options.byte_budget
-    )
+    message = map_pb2.Map(display_name=options.display_name, byte_budget=options.byte_budget)
     config = message.config
     config.voxel_size_m = options.voxel_size_m
     config.truncation_m = options.truncation_m
@@ -188,8 +184,5 @@ def map_from_proto(message: map_pb2.Map) -> Map:
 def _class_from_proto(row: map_pb2.SemanticClass) -> SemanticClass:
     motion = map_pb2.ClassMotion.Name(row.motion).replace("CLASS_MOTION_", "")
     return SemanticClass(
-        id=row.id,
-        name=row.name,
-        motion=ClassMotion[motion],
-        in_background=row.in_background,
+        id=row.id, name=row.name, motion=ClassMotion[motion], in_background=row.in_background
     )

@@ -39,9 +39,7 @@ def parse_ply(data: bytes, revision: int) -> Mesh:
     """The mesh of a PLY file as the service writes it (core/mesh_file.h); DataLossError for any
     other."""
     header_bytes = data.find(_HEADER_END)
-    if header_bytes < 0 or not data.startswith(
-        b"ply\nformat binary_little_endian 1.0\n"
-    ):
+    if header_bytes < 0 or not data.startswith(b"ply\nformat binary_little_endian 1.0\n"):
         raise DataLossError("the exported mesh is no binary PLY file")
     header = data[:header_bytes].decode("ascii", "replace")
     counts = dict(re.findall(r"^element (\w+) (\d+)$", header, re.MULTILINE))
@@ -54,9 +52,7 @@ def parse_ply(data: bytes, revision: int) -> Mesh:
     vertex_count, face_count = int(counts.get("vertex", 0)), int(counts.get("face", 0))
     body = memoryview(data)[header_bytes + len(_HEADER_END) :]
     if len(body) != vertex_count * vertex.itemsize + face_count * _FACE.itemsize:
-        raise DataLossError(
-            f"the exported mesh has {len(body)} bytes, not what its header says"
-        )
+        raise DataLossError(f"the exported mesh has {len(body)} bytes, not what its header says")
     vertices = np.frombuffer(body, vertex, count=vertex_count)
     faces = np.frombuffer(body, _FACE, count=face_count, offset=vertices.nbytes)
     if not (faces["corners"] == 3).all():

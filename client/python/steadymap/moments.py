@@ -10,9 +10,7 @@ _NANOSECONDS = 1_000_000_000
 def timestamp_to_proto(time_ns: int) -> timestamp_pb2.Timestamp:
     """The message of a moment; TypeError for anything but an integer (seconds, say)."""
     if isinstance(time_ns, bool) or not hasattr(time_ns, "__index__"):
-        raise TypeError(
-            f"capture_time_ns: expected integer nanoseconds, got {type(time_ns)}"
-        )
+        raise TypeError(f"capture_time_ns: expected integer nanoseconds, got {type(time_ns)}")
     seconds, nanos = divmod(int(time_ns), _NANOSECONDS)
     return timestamp_pb2.Timestamp(seconds=seconds, nanos=nanos)
 

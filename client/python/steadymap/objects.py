@@ -93,9 +93,7 @@ class Cuboid:
         each counter-clockwise from above."""
         signs = np.array([(x, y, z) for z in (-1, 1) for x, y in _CORNERS_FROM_ABOVE])
         cosine, sine = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
-        rotation = np.array(
-            ((cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0))
-        )
+        rotation = np.array(((cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0)))
         return (signs * self.size_m / 2) @ rotation.T + self.center_m
 
 
@@ -193,9 +191,7 @@ def event_type_to_proto(value: object) -> int:
 
 def belief_from_proto(message: object_pb2.Belief) -> Belief:
     """A belief that the service sent."""
-    return Belief(
-        message.change_mean_m, message.change_std_m, message.alpha, message.beta
-    )
+    return Belief(message.change_mean_m, message.change_std_m, message.alpha, message.beta)
 
 
 def object_from_proto(message: object_pb2.Object) -> Object:
@@ -208,9 +204,7 @@ def object_from_proto(message: object_pb2.Object) -> Object:
         class_confidence=message.class_confidence,
         votes={vote.class_id: vote.weight for vote in message.votes},
         cuboid=Cuboid(
-            vector_from_proto(cuboid.center_m),
-            vector_from_proto(cuboid.size_m),
-            cuboid.yaw_rad,
+            vector_from_proto(cuboid.center_m), vector_from_proto(cuboid.size_m), cuboid.yaw_rad
         ),
         T_world_object=_upright_matrix(message.world_from_object),
         belief=belief_from_proto(message.belief),
@@ -236,9 +230,7 @@ def event_from_proto(message: event_pb2.ObjectEvent) -> Event:
         capture_time_ns=time_ns_from_proto(message, "capture_time"),
         revision=message.revision,
         center_m=vector_from_proto(message.center_m),
-        old_center_m=vector_from_proto(message.old_center_m)
-        if has("old_center_m")
-        else None,
+        old_center_m=vector_from_proto(message.old_center_m) if has("old_center_m") else None,
         confidence=message.confidence if has("confidence") else None,
         before=belief_from_proto(message.before) if has("before") else None,
         after=belief_from_proto(message.after) if has("after") else None,

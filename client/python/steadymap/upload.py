@@ -39,11 +39,10 @@ class _Stream:
         self.opened = False
         self.ended = False
         self.reached_goal = False
-        self.error: Optional[
-            SteadymapError
-        ] = None  # Of ours; goes before the call's own status.
+        self.error: Optional[SteadymapError] = None  # Of ours; goes before the call's own status.
 
     def fail(self, error: SteadymapError) -> None:
+        """Ends the stream with an error of ours."""
         self.error = self.error or error
         if self.call is not None:
             self.call.cancel()
@@ -62,10 +61,7 @@ class Uploader:
     """
 
     def __init__(
-        self,
-        stub: ingest_service_pb2_grpc.IngestServiceStub,
-        map_name: str,
-        options: UploadOptions,
+        self, stub: ingest_service_pb2_grpc.IngestServiceStub, map_name: str, options: UploadOptions
     ) -> None:
         self._stub = stub
         self._map_name = map_name
@@ -79,9 +75,7 @@ class Uploader:
         self._cancelled = False
         self._done = False
         self._error: Optional[BaseException] = None
-        self._thread = threading.Thread(
-            target=self._run, name="steadymap-upload", daemon=True
-        )
+        self._thread = threading.Thread(target=self._run, name="steadymap-upload", daemon=True)
         self._thread.start()
 
     def __enter__(self) -> "Uploader":
@@ -211,15 +205,12 @@ class Uploader:
             return stream.error or error
         return self._confirm()
 
-    def _requests(
-        self, stream: _Stream
-    ) -> Iterator[ingest_service_pb2.UploadFramesRequest]:
+    def _requests(self, stream: _Stream) -> Iterator[ingest_service_pb2.UploadFramesRequest]:
         """What the stream sends; runs in a thread of gRPC."""
         yield self._open_message()
         with self._changed:
             if not self._changed.wait_for(
-                lambda: stream.opened or self._is_over(stream),
-                self._options.open_timeout_s,
+                lambda: stream.opened or self._is_over(stream), self._options.open_timeout_s
             ):
                 message = (
                     "the server did not answer the opening of the upload within "
@@ -228,9 +219,7 @@ class Uploader:
                 stream.fail(DeadlineExceededError(message))
         while True:
             with self._changed:
-                self._changed.wait_for(
-                    lambda: self._is_over(stream) or self._writer_has_work()
-                )
+                self._changed.wait_for(lambda: self._is_over(stream) or self._writer_has_work())
                 if self._is_over(stream):
                     return
                 try:
@@ -256,9 +245,7 @@ class Uploader:
             request.open.last_durable_client_seq = self._queue.durable
         return request
 
-    def _take(
-        self, stream: _Stream, response: ingest_service_pb2.UploadFramesResponse
-    ) -> None:
+    def _take(self, stream: _Stream, response: ingest_service_pb2.UploadFramesResponse) -> None:
         kind = response.WhichOneof("kind")
         with self._changed:
             try:
@@ -291,9 +278,7 @@ class Uploader:
         """
         with self._changed:
             if not self._finishing or not self._queue.all_sent:
-                return UnavailableError(
-                    "the server ended the upload before everything was sent"
-                )
+                return UnavailableError("the server ended the upload before everything was sent")
         request = ingest_service_pb2.GetUploadStateRequest(
             map=self._map_name, robot=self._options.robot, session=self._session
         )
@@ -311,9 +296,7 @@ class Uploader:
                 return error
             if self._has_reached_goal():
                 return None
-        return UnavailableError(
-            "the server ended the upload before everything was integrated"
-        )
+        return UnavailableError("the server ended the upload before everything was integrated")
 
     def _has_reached_goal(self) -> bool:
         """Whether every pushed frame has the level asked for, or was refused."""
@@ -329,9 +312,7 @@ class Uploader:
         return self._done or self._finishing or has_room
 
     def _writer_has_work(self) -> bool:
-        return self._queue.can_take_batch() or (
-            self._finishing and self._queue.all_sent
-        )
+        return self._queue.can_take_batch() or (self._finishing and self._queue.all_sent)
 
     def _is_over(self, stream: _Stream) -> bool:
         return stream.ended or self._cancelled or stream.error is not None

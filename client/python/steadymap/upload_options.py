@@ -59,18 +59,12 @@ class UploadOptions:
     on_retry: Optional[Callable[[SteadymapError, float], None]] = None
 
     def __post_init__(self) -> None:
-        encoding = (
-            default_encoding()
-            if self.encoding is None
-            else PixelEncoding(self.encoding)
-        )
+        encoding = default_encoding() if self.encoding is None else PixelEncoding(self.encoding)
         object.__setattr__(self, "encoding", encoding)
         object.__setattr__(self, "wait_for", AckLevel(self.wait_for))
         for name in ("max_batch_bytes", "max_batch_frames", "max_buffered_bytes"):
             if getattr(self, name) < 1:
-                raise ValueError(
-                    f"{name}: expected at least 1, got {getattr(self, name)}"
-                )
+                raise ValueError(f"{name}: expected at least 1, got {getattr(self, name)}")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -210,9 +210,7 @@ class UploadQueue:
 
     def _note_integrated(self, client_seq: int) -> None:
         self.integrated = max(self.integrated, client_seq)
-        behind = {
-            sequence for sequence in self._refused_ahead if sequence <= self.integrated
-        }
+        behind = {sequence for sequence in self._refused_ahead if sequence <= self.integrated}
         self._refused_ahead -= behind
         self._refused_behind += len(behind)
 
@@ -225,9 +223,7 @@ class UploadQueue:
             return
         self._refused_ahead.add(client_seq)
         if len(self.refused) < _MAX_KEPT_REFUSALS:
-            self.refused.append(
-                RefusedFrame(client_seq - 1, error_from_status(refused.status))
-            )
+            self.refused.append(RefusedFrame(client_seq - 1, error_from_status(refused.status)))
 
     def _without_refused(self, client_seq: int) -> int:
         ahead = sum(1 for sequence in self._refused_ahead if sequence <= client_seq)
@@ -244,16 +240,10 @@ class UploadQueue:
         batch_bytes = _ENVELOPE_BYTES
         count = 0
         while count == 0 or count < most_frames:
-            grown = (
-                batch_bytes
-                + self._bytes_at(self._next_to_send + count)
-                - _ENVELOPE_BYTES
-            )
+            grown = batch_bytes + self._bytes_at(self._next_to_send + count) - _ENVELOPE_BYTES
             if grown > self._max_message_bytes:
                 break
-            if count > 0 and (
-                grown > self._max_batch_bytes or grown > self._credit_bytes
-            ):
+            if count > 0 and (grown > self._max_batch_bytes or grown > self._credit_bytes):
                 break
             batch_bytes = grown
             count += 1

@@ -93,9 +93,7 @@ def take_section(messages: Iterable[Any]) -> Section:
         if kind == "header":
             header = message.header
         elif kind == "objects":
-            objects.extend(
-                object_from_proto(entry) for entry in message.objects.objects
-            )
+            objects.extend(object_from_proto(entry) for entry in message.objects.objects)
         elif kind == "leaves":
             leaves.extend(leaf_from_proto(entry) for entry in message.leaves.leaves)
     if header is None:
@@ -116,21 +114,13 @@ def unpack_leaves(leaves: Sequence[Leaf], truncation_m: float) -> LeafVoxels:
     observed = bits.reshape(-1, _VOXELS).astype(bool)
     planes = _planes(bodies, observed.sum(axis=1))
     steps = _undo_prediction(observed, _from_zigzag(planes[0] | planes[1] << 8))
-    weight_units = _undo_differences(
-        observed, _from_zigzag(planes[2] | planes[3] << 8), 0xFFFF
-    )
+    weight_units = _undo_differences(observed, _from_zigzag(planes[2] | planes[3] << 8), 0xFFFF)
     is_damaged = (steps < -_MAX_DISTANCE_STEPS) | (observed & (weight_units == 0))
     if is_damaged.any():
-        raise DataLossError(
-            "a packed leaf is damaged: a voxel is out of range", reason="CHECKSUM"
-        )
+        raise DataLossError("a packed leaf is damaged: a voxel is out of range", reason="CHECKSUM")
     step_m = np.float32(truncation_m) / np.float32(_MAX_DISTANCE_STEPS)
-    distance_m = np.where(
-        observed, steps.astype(np.float32) * step_m, np.float32(np.nan)
-    )
-    colors = [
-        _undo_differences(observed, _from_zigzag(plane), 0xFF) for plane in planes[4:7]
-    ]
+    distance_m = np.where(observed, steps.astype(np.float32) * step_m, np.float32(np.nan))
+    colors = [_undo_differences(observed, _from_zigzag(plane), 0xFF) for plane in planes[4:7]]
     shape = (len(leaves), _SIDE, _SIDE, _SIDE)
     return LeafVoxels(
         observed=read_only(observed.reshape(shape)),
@@ -156,9 +146,7 @@ def _body_of(packed: bytes) -> Tuple[bytes, bool]:
         if zstandard is None:
             raise RuntimeError("unpack_leaves needs the Python package zstandard")
         try:
-            body = zstandard.ZstdDecompressor().decompress(
-                body, max_output_size=_MAX_BODY_BYTES
-            )
+            body = zstandard.ZstdDecompressor().decompress(body, max_output_size=_MAX_BODY_BYTES)
         except zstandard.ZstdError as error:
             raise _damaged(str(error)) from None
     if len(body) < _MASK_BYTES:
@@ -176,9 +164,7 @@ def _planes(bodies: List[Tuple[bytes, bool]], counts: np.ndarray) -> List[np.nda
         if not count or len(body) != _MASK_BYTES + plane_count * count:
             raise _damaged("its length does not fit its mask")
         part = np.zeros((8, count), np.uint8)
-        part[:plane_count] = np.frombuffer(body, np.uint8, offset=_MASK_BYTES).reshape(
-            -1, count
-        )
+        part[:plane_count] = np.frombuffer(body, np.uint8, offset=_MASK_BYTES).reshape(-1, count)
         parts.append(part)
     return list(np.concatenate(parts, axis=1).astype(np.int32))
 
@@ -187,9 +173,7 @@ def _from_zigzag(zigzag: np.ndarray) -> np.ndarray:
     return (zigzag >> 1) ^ -(zigzag & 1)
 
 
-def _undo_differences(
-    observed: np.ndarray, residuals: np.ndarray, wrap: int
-) -> np.ndarray:
+def _undo_differences(observed: np.ndarray, residuals: np.ndarray, wrap: int) -> np.ndarray:
     """Values that were stored as differences from the observed voxel before; 0 elsewhere."""
     differences = np.zeros(observed.shape, np.int32)
     differences[observed] = residuals
@@ -236,14 +220,6 @@ def _predict(has: np.ndarray, steps: np.ndarray, offset: int) -> np.ndarray:
     if depth > 0 and along_x and along_y:
         xy, xz, yz, xyz = x - 8, x - 1, y - 1, x - 9
         near = has[x] & has[y] & has[z] & has[xy] & has[xz] & has[yz] & has[xyz]
-        linear = (
-            steps[x]
-            + steps[y]
-            + steps[z]
-            - steps[xy]
-            - steps[xz]
-            - steps[yz]
-            + steps[xyz]
-        )
+        linear = steps[x] + steps[y] + steps[z] - steps[xy] - steps[xz] - steps[yz] + steps[xyz]
         prediction = use(near, linear)
     return prediction

@@ -4,36 +4,15 @@ import asyncio
 import dataclasses
 import enum
 import threading
-from typing import (
-    Any,
-    AsyncIterator,
-    Callable,
-    Iterator,
-    List,
-    Optional,
-    Sequence,
-    Union,
-)
+from typing import Any, AsyncIterator, Callable, Iterator, List, Optional, Sequence, Union
 
 import grpc
 
 from steadymap._generated.v1 import watch_service_pb2, watch_service_pb2_grpc
 from steadymap.backoff import Backoff, BackoffOptions
-from steadymap.errors import (
-    SteadymapError,
-    UnavailableError,
-    error_from_rpc,
-    is_worth_retrying,
-)
+from steadymap.errors import SteadymapError, UnavailableError, error_from_rpc, is_worth_retrying
 from steadymap.geometry import box_to_proto
-from steadymap.watch_items import (
-    Created,
-    Progress,
-    Resync,
-    Snapshot,
-    WatchItem,
-    item_from_proto,
-)
+from steadymap.watch_items import Created, Progress, Resync, Snapshot, WatchItem, item_from_proto
 
 
 class WatchStart(str, enum.Enum):
@@ -94,9 +73,7 @@ class WatchOptions:
         object.__setattr__(self, "start", WatchStart(self.start))
         object.__setattr__(self, "kinds", tuple(WatchKind(kind) for kind in self.kinds))
         if not self.kinds:
-            raise ValueError(
-                "kinds: expected at least one of events, objects and volumes"
-            )
+            raise ValueError("kinds: expected at least one of events, objects and volumes")
 
 
 _STARTS = {
@@ -167,9 +144,7 @@ class _WatchState:
         """Seconds to wait before the next stream; raises what waiting does not heal."""
         at_least_s = max(self._goodbye_delay_s, error.retry_delay_s or 0.0)
         self._goodbye_delay_s = 0.0
-        delay_s = (
-            self._backoff.next_delay_s(at_least_s) if is_worth_retrying(error) else None
-        )
+        delay_s = self._backoff.next_delay_s(at_least_s) if is_worth_retrying(error) else None
         if delay_s is None:
             raise error
         if self._options.on_retry is not None:
@@ -190,9 +165,7 @@ class Watch(Iterator[WatchItem]):
     retrying does not heal is raised. A context manager; `close` may be called from any thread.
     """
 
-    def __init__(
-        self, channel: grpc.Channel, map_name: str, options: WatchOptions
-    ) -> None:
+    def __init__(self, channel: grpc.Channel, map_name: str, options: WatchOptions) -> None:
         self._stub = watch_service_pb2_grpc.WatchServiceStub(channel)
         self._state = _WatchState(map_name, options)
         self._closed = threading.Event()

@@ -91,18 +91,13 @@ class Resync:
 WatchItem = Union[Created, Snapshot, Delta, Events, Progress, Resync]
 
 
-def item_from_proto(
-    response: watch_service_pb2.WatchMapResponse,
-) -> Optional[WatchItem]:
+def item_from_proto(response: watch_service_pb2.WatchMapResponse) -> Optional[WatchItem]:
     """The item of a message; None for `goodbye`, and for a kind that only a newer server knows."""
     kind = response.WhichOneof("kind")
     if kind == "created":
         message = response.created
         return Created(
-            message.revision,
-            message.voxel_size_m,
-            message.truncation_m,
-            message.incarnation,
+            message.revision, message.voxel_size_m, message.truncation_m, message.incarnation
         )
     if kind == "snapshot":
         message = response.snapshot
@@ -120,9 +115,7 @@ def item_from_proto(
         )
     if kind == "events":
         message = response.events
-        return Events(
-            message.revision, tuple(event_from_proto(event) for event in message.events)
-        )
+        return Events(message.revision, tuple(event_from_proto(event) for event in message.events))
     if kind == "progress":
         return Progress(response.progress.revision, response.progress.resume_token)
     if kind == "resync":
