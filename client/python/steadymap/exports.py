@@ -48,7 +48,7 @@ def export_request(
 
 def choose_format(path: Path, file_format: Optional[Union[ExportFormat, str]]) -> ExportFormat:
     """The format asked for, or that of the path's ending. ValueError for one that is unknown."""
-    return ExportFormat(format if format is not None else path.suffix.lstrip(".").lower())
+    return ExportFormat(file_format if file_format is not None else path.suffix.lstrip(".").lower())
 
 
 def take_export(messages: Any, take_chunk: Callable[[bytes], Any]) -> ExportSummary:
