@@ -274,10 +274,9 @@ class AWatchOfADaemon(unittest.TestCase):
         one = [room_frame(i, (-0.4,)) for i in range(1000, 1040)]
         objects, numbers = {}, []
         with self.client.watch("hall", steadymap.WatchOptions(backoff=QUICK)) as watch:
+            self.assertIsInstance(next(watch), steadymap.Created)
             self.client.upload("hall", both)
-            items = self.read_up_to(watch, 20)
-            self.assertIsInstance(items[0], steadymap.Created)
-            self.apply(items, objects, numbers)
+            self.apply(self.read_up_to(watch, 20), objects, numbers)
             self.assert_mirrors(dict(objects))
             self.daemon.kill()
             self.daemon.restart()

@@ -157,7 +157,8 @@ def _ended() -> UnavailableError:
 
 
 class Watch(Iterator[WatchItem]):
-    """An iterator over what happens to a map; made by `Client.watch`. Ends when it is closed.
+    """An iterator over what happens to a map; made by `Client.watch`. Begins with the first `next`,
+    and ends when it is closed.
 
     Yields Created, then Snapshot chunks where they were asked for, then steps: Delta and Events
     items, closed by a Progress. A cut stream is opened anew behind the last Progress, and nothing
