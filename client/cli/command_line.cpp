@@ -10,11 +10,13 @@
 #include "client/cli/events_command.h"
 #include "client/cli/export_command.h"
 #include "client/cli/map_commands.h"
+#include "client/cli/mirror_command.h"
 #include "client/cli/objects_command.h"
 #include "client/cli/query_command.h"
 #include "client/cli/render_command.h"
 #include "client/cli/simulate_command.h"
 #include "client/cli/upload_command.h"
+#include "client/cli/watch_command.h"
 #include "core/error.h"
 
 namespace steadymap {
@@ -106,6 +108,8 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const SimulateCommand simulate(&app, context);
   const ObjectsCommand objects(&app, context);
   const EventsCommand events(&app, context);
+  const WatchCommand watch(&app, context);
+  const MirrorCommand mirror(&app, context);
   const ExportCommand exporting(&app, context);
   const QueryCommand query(&app, context);
   const RenderCommand render(&app, context);

@@ -7,11 +7,18 @@
 
 namespace steadymap {
 
-/// Writes one JSON document (RFC 8259), two spaces an indentation level. The caller's order is
-/// kept. Keys and values must alternate within objects, and every Begin must have its End
-/// (asserted).
+/// How a JSON document is laid out.
+enum class JsonLayout {
+  kIndented,  ///< A value a line, two spaces an indentation level.
+  kOneLine,   ///< All in one line, for streams of documents.
+};
+
+/// Writes one JSON document (RFC 8259). The caller's order is kept. Keys and values must alternate
+/// within objects, and every Begin must have its End (asserted).
 class JsonWriter {
  public:
+  explicit JsonWriter(JsonLayout layout = JsonLayout::kIndented) : layout_(layout) {}
+
   JsonWriter& BeginObject();
   JsonWriter& EndObject();
   JsonWriter& BeginArray();
@@ -42,6 +49,7 @@ class JsonWriter {
   void End(char bracket);
   void NewLine();
 
+  JsonLayout layout_;
   std::string text_;
   std::vector<bool> is_empty_;  ///< One an open object or array, innermost last.
   bool after_key_ = false;
