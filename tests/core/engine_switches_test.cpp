@@ -39,7 +39,7 @@ using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Room;
 using ::steadymap::testing::SceneBody;
 
-constexpr std::uint16_t kRackClass = 6;
+constexpr std::uint16_t kShelfLabel = 6;
 
 /// A map of the pocd policy with all switches on but one; with all on without a name.
 MapStory StoryWithout(const std::string& name) {
@@ -98,7 +98,7 @@ TEST(EngineSwitches, OtherPoliciesHaveNone) {
 }
 
 TEST(EngineSwitches, WithoutVisibilityByDepthAHiddenBoxIsRemoved) {
-  const SceneBody rack = Body(kRackClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
+  const SceneBody rack = Body(kShelfLabel, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
   const auto [with, without] = WithAndWithout("visibility", [&](MapStory* story) {
     story->Look({FarWall(), Goods(0.0)}, 12);
     story->Look({FarWall(), Goods(0.0), rack}, 12);
@@ -141,7 +141,7 @@ TEST(EngineSwitches, WithoutManyToOneAWallThatComesIntoViewBitByBitIsNeverKnown)
 }
 
 TEST(EngineSwitches, WithoutMergingTwoPiecesOfOneThingStayTwo) {
-  const SceneBody post = Body(kRackClass, {1.0, -0.12, -1.0}, {1.1, 0.12, 1.0});
+  const SceneBody post = Body(kShelfLabel, {1.0, -0.12, -1.0}, {1.1, 0.12, 1.0});
   const SceneBody wide = Body(kGoodsClass, {1.6, -0.6, -0.3}, {2.0, 0.6, 0.3});
   const auto [with, without] = WithAndWithout("merging", [&](MapStory* story) {
     story->Look({FarWall(), post, wide}, 6);
@@ -273,12 +273,12 @@ TEST(EngineSwitches, WithoutTentativeObjectsOneFrameIsEnough) {
 }
 
 TEST(EngineSwitches, WithoutGatheringALittleSurfaceChangesABeliefSooner) {
-  const SceneBody post = Body(kRackClass, {1.6, -0.03, -0.5}, {1.66, 0.03, 0.3});
+  const SceneBody post = Body(kShelfLabel, {1.6, -0.03, -0.5}, {1.66, 0.03, 0.3});
   const auto [with, without] = WithAndWithout("gathering", [&](MapStory* story) {
     story->Look({FarWall(), post}, 13);
     double evidence = 0.0;
     for (const auto& [id, object] : story->map().objects) {
-      if (object->class_id != ClassId(kRackClass)) continue;
+      if (object->class_id != ClassId(kShelfLabel)) continue;
       evidence = std::max(evidence, object->belief.alpha + object->belief.beta);
     }
     return evidence;
