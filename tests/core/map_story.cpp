@@ -56,9 +56,10 @@ Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_tim
   return frame;
 }
 
-MapStory::MapStory(const MapConfig& config)
+MapStory::MapStory(const MapConfig& config, const MapperOptions& options)
     : config_(config),
-      mapper_(Mapper::Create(config).value()),
+      options_(options),
+      mapper_(Mapper::Create(config, options).value()),
       told_(VoxelScale{config.voxel_size_m, config.truncation_m}) {}
 
 void MapStory::Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
@@ -74,7 +75,7 @@ void MapStory::Look(const Scene& scene, int count, int visit) {
 }
 
 void MapStory::Restart() {
-  mapper_ = Mapper::Create(config_).value();
+  mapper_ = Mapper::Create(config_, options_).value();
   mapper_->Restore(told_);
 }
 

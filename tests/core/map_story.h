@@ -38,7 +38,7 @@ Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_tim
 /// A map from its first frame on.
 class MapStory {
  public:
-  explicit MapStory(const MapConfig& config);
+  explicit MapStory(const MapConfig& config, const MapperOptions& options = {});
 
   /// Takes in frames, with a commit after every `frames_per_commit` and at the end.
   void Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1);
@@ -68,6 +68,7 @@ class MapStory {
   void Commit();
 
   MapConfig config_;
+  MapperOptions options_;
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> map_;
   MapSnapshot told_;

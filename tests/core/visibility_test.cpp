@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "core/background.h"
+#include "core/frame_clusters.h"
 #include "core/judgement.h"
 #include "core/map_config.h"
 #include "tests/support/analytic_map.h"
@@ -58,7 +59,7 @@ ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects, const Frame
   const std::vector<ObjectInView> in_view =
       FindObjectsInView(objects, cloud, samples, parameters.max_depth_m);
   Association association;
-  AssociateSamples(samples, in_view, Background(), kScale, &association);
+  AssociateSamples(samples, in_view, Background(), kScale, FrameClusters({}, {}), &association);
   const VisibilityTest test(cloud, samples, tiles, in_view, association, parameters);
   return test.Judge(*objects.front());
 }
