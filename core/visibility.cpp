@@ -185,7 +185,7 @@ ObjectVerdict VisibilityTest::JudgeByFrustum(const TrackedObject& object) const 
     std::array<bool, kEvidenceCells> is_visible{};
     for (const SurfaceVoxel& point : leaves[leaf].points) {
       const Eigen::Vector3f point_camera = T_camera_object * point.position_object;
-      if (point_camera.z() < kMinDepthM ||
+      if (point_camera.z() < kMinJudgedDepthM ||
           point_camera.z() > static_cast<float>(parameters_.max_depth_m) ||
           !FindPlace(point_camera).has_value()) {
         continue;
