@@ -105,9 +105,7 @@ void MemoryStore::StoredMap::TrimLog(MapSequence last, Timestamp now, const MapR
   }
 }
 
-void TrimCommits(const StoreOptions& options,
-                 const TrimBounds& bounds,
-                 std::deque<StoredCommit>* commits) {
+void MemoryStore::StoredMap::TrimCommits(const StoreOptions& options, const TrimBounds& bounds) {
   const auto is_older = [&](const StoredCommit& commit, std::chrono::seconds age) {
     return std::chrono::nanoseconds(bounds.now.nanoseconds() - commit.time.nanoseconds()) >= age;
   };
@@ -316,8 +314,8 @@ absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Time
     number = number.Next();
     stored.events.push_back({number, event});
   }
-  StoredCommit& commit =
-      stored.commits.emplace_back(StoredCommit{delta.from, delta.to, now, {}, {}});
+  StoredMap::StoredCommit& commit =
+      stored.commits.emplace_back(StoredMap::StoredCommit{delta.from, delta.to, now, {}, {}});
   for (const ObjectChange& object : delta.objects) commit.objects.push_back(object.id);
   for (const LeafChange& leaf : delta.leaves) commit.leaves.push_back(leaf.key);
   return Apply(delta, &stored.snapshot);
@@ -382,7 +380,7 @@ absl::StatusOr<ChangeList> MemoryStore::ReadChanges(MapKey map, Revision from, R
   std::set<ObjectId> objects;
   std::set<LeafKey> leaves;
   Revision reached = from;
-  for (const StoredCommit& commit : found->second.commits) {
+  for (const StoredMap::StoredCommit& commit : found->second.commits) {
     if (commit.from != reached || reached == to) continue;
     reached = commit.to;
     ++changes.commits;
