@@ -28,7 +28,7 @@ constexpr int kMisused = 2;
 // Says nothing that the rest of gRPC's sentence does not.
 constexpr std::string_view kGrpcPreamble = "failed to connect to all addresses; last error: ";
 
-constexpr char kFooter[] =
+constexpr char kCommandLineFooter[] =
     "Maps are kept in metres in a right-handed frame with z up. A map's NAME is its id in the\n"
     "tenant `default`, or tenants/T/maps/M. `steadymap COMMAND --help` tells more of each "
     "command.\n"
@@ -95,7 +95,7 @@ std::string ErrorLine(const absl::Status& status, const std::string& server) {
 
 int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* context) {
   CLI::App app("Uploads frames to a steadymap server and reads its maps.", "steadymap");
-  app.footer(kFooter);
+  app.footer(kCommandLineFooter);
   app.require_subcommand(1);
   app.fallthrough();
   app.set_version_flag("--version", STEADYMAP_VERSION);

@@ -116,6 +116,10 @@ JsonWriter& JsonWriter::Number(double value) {
   return *this;
 }
 
+JsonWriter& JsonWriter::Vector(double x, double y, double z) {
+  return BeginArray().Number(x).Number(y).Number(z).EndArray();
+}
+
 JsonWriter& JsonWriter::Integer(std::uint64_t value) {
   BeginValue();
   text_ += std::to_string(value);

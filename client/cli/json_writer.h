@@ -33,6 +33,9 @@ class JsonWriter {
   /// The shortest spelling that reads back as `value`; null for NaN and infinity, which JSON lacks.
   JsonWriter& Number(double value);
 
+  /// An array of three numbers.
+  JsonWriter& Vector(double x, double y, double z);
+
   JsonWriter& Integer(std::uint64_t value);
   JsonWriter& Boolean(bool value);
   JsonWriter& Null();

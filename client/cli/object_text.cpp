@@ -28,8 +28,7 @@ double StationarityOf(const v1::Belief& belief) {
 }
 
 void WriteVectorJson(const char* key, const v1::Vector3& vector, JsonWriter* json) {
-  json->Key(key).BeginArray();
-  json->Number(vector.x()).Number(vector.y()).Number(vector.z()).EndArray();
+  json->Key(key).Vector(vector.x(), vector.y(), vector.z());
 }
 
 // The members of a belief, within an object that is open.
