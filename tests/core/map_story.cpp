@@ -125,7 +125,6 @@ void ExpectSameMap(const MapSnapshot& a, const MapSnapshot& b) {
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.last_capture_time, b.last_capture_time);
   EXPECT_EQ(a.newest_object, b.newest_object);
-  EXPECT_EQ(a.last_event, b.last_event);
   EXPECT_TRUE(PackedLeaves(a) == PackedLeaves(b));
   EXPECT_TRUE(a.free_space == b.free_space);
   EXPECT_TRUE(a.robots == b.robots);
