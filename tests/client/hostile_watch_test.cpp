@@ -50,8 +50,6 @@ struct HostileCase {
 
 std::vector<HostileCase> BrokenOrder() {
   const auto internal = absl::StatusCode::kInternal;
-  Messages repeated = DeltaOf(FirstMap(), SecondMap(), 2);
-  repeated[1] = repeated[0];
   return {
       {"NoCreated", Progress(5, "t5"), internal, "`created` must come first"},
       {"CreatedTwice", AfterFirst(Created(FirstMap())), internal, "`created` must come first"},
@@ -68,6 +66,14 @@ std::vector<HostileCase> BrokenOrder() {
        Join({Created(FirstMap()), SnapshotOf(FirstMap()), Progress(6, "t6")}),
        internal,
        "ended with the progress to revision 6"},
+  };
+}
+
+std::vector<HostileCase> BrokenDeltas() {
+  const auto internal = absl::StatusCode::kInternal;
+  Messages repeated = DeltaOf(FirstMap(), SecondMap(), 2);
+  repeated[1] = repeated[0];
+  return {
       {"FragmentLeftOut",
        AlteredDelta(3, [](Messages* delta) { delta->erase(delta->begin() + 1); }),
        internal,
@@ -98,6 +104,12 @@ std::vector<HostileCase> BrokenOrder() {
        AlteredDelta(1, [](Messages* delta) { (*delta)[0].mutable_delta()->set_revision(5); }),
        internal,
        "of revision 5 came after revision 5"},
+  };
+}
+
+std::vector<HostileCase> BrokenEvents() {
+  const auto internal = absl::StatusCode::kInternal;
+  return {
       {"ProgressFalls",
        AfterFirst(Progress(4, "t4")),
        internal,
@@ -215,6 +227,8 @@ const auto kCaseName = [](const ::testing::TestParamInfo<HostileCase>& info) {
 };
 
 INSTANTIATE_TEST_SUITE_P(Order, HostileWatch, ::testing::ValuesIn(BrokenOrder()), kCaseName);
+INSTANTIATE_TEST_SUITE_P(Deltas, HostileWatch, ::testing::ValuesIn(BrokenDeltas()), kCaseName);
+INSTANTIATE_TEST_SUITE_P(Events, HostileWatch, ::testing::ValuesIn(BrokenEvents()), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Content, HostileWatch, ::testing::ValuesIn(BrokenContent()), kCaseName);
 
 // What a resumed stream says it goes on from must be what the watcher has.

@@ -52,6 +52,9 @@ struct WatchOutcome {
 };
 
 class WatchCommandTest : public ::testing::Test {
+ public:
+  ~WatchCommandTest() override { watches_.Release(); }
+
  protected:
   WatchCommandTest() {
     v1::Map& map = maps_.maps["tenants/default/maps/kitchen"];
@@ -60,8 +63,6 @@ class WatchCommandTest : public ::testing::Test {
     chair.set_id(103);
     chair.set_name("chair");
   }
-
-  ~WatchCommandTest() override { watches_.Release(); }
 
   WatchOutcome Run(const std::vector<std::string>& arguments) {
     std::ostringstream out;
@@ -85,6 +86,7 @@ class WatchCommandTest : public ::testing::Test {
   /// Scripts that send messages and leave the stream open.
   void Play(const std::vector<Messages>& streams) {
     std::vector<FakeWatchService::Script> scripts;
+    scripts.reserve(streams.size());
     for (const Messages& messages : streams) {
       scripts.emplace_back([messages](ScriptedWatch& watch) {
         watch.Send(messages);
@@ -255,7 +257,7 @@ TEST_F(WatchCommandTest, TwoStartsMustAgree) {
 
 TEST_F(WatchCommandTest, WhatMakesNoSenseIsRefusedBeforeAnythingIsWatched) {
   std::ofstream(PathOf("garbage")) << "no token!";
-  std::ofstream(PathOf("empty"));
+  std::ofstream(PathOf("empty")) << "";
   std::ofstream(PathOf("long")) << std::string(5000, 'A');
   for (const char* file : {"garbage", "empty", "long"}) {
     ExpectRefused({"watch", "kitchen", "--token-file", PathOf(file)}, 1, "a resume token");
