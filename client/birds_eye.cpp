@@ -7,29 +7,17 @@
 #include "client/birds_eye_objects.h"
 #include "client/birds_eye_scene.h"
 #include "client/canvas.h"
+#include "client/picture_style.h"
 #include "client/surface_shading.h"
 
 namespace steadymap {
 namespace {
 
-constexpr Rgb kPage = {247, 247, 245};
-constexpr Rgb kInk = {45, 48, 54};
-constexpr Rgb kFaintInk = {105, 110, 118};
-constexpr Rgb kFrame = {150, 154, 160};
-constexpr Rgb kWhite = {255, 255, 255};
-
-// Margins around the map, pixels.
-constexpr int kLeftPx = 28;
-constexpr int kTopPx = 84;
-constexpr int kRightPx = 172;
-constexpr int kBottomPx = 78;
 // Room that titles and legends need whatever the map's shape.
 constexpr int kMinMapWidthPx = 400;
 constexpr int kMinMapHeightPx = 320;
 
-constexpr double kTitlePx = 19.0;
-constexpr double kSubtitlePx = 11.0;
-constexpr double kGapPx = 20.0;
+constexpr double kLegendGapPx = 20.0;
 
 // Where the map lies in the picture.
 struct Layout {
@@ -104,9 +92,9 @@ void WriteTitles(const BirdsEyeOptions& options, Canvas* picture) {
   const double width_px = picture->width_px() - 2.0 * kLeftPx;
   const double title_y = 24.0 + kTitlePx;
   picture->Write(Fit(options.title, kTitlePx, width_px), {kLeftPx, title_y}, kTitlePx, kInk);
-  picture->Write(Fit(options.subtitle, kSubtitlePx, width_px),
-                 {kLeftPx, title_y + 12.0 + kSubtitlePx},
-                 kSubtitlePx,
+  picture->Write(Fit(options.subtitle, kSmallTextPx, width_px),
+                 {kLeftPx, title_y + 12.0 + kSmallTextPx},
+                 kSmallTextPx,
                  kFaintInk);
 }
 
@@ -115,17 +103,17 @@ void DrawSideLegends(const Marks& marks,
                      const Layout& layout,
                      bool by_height,
                      Canvas* picture) {
-  Eigen::Vector2d origin_px(kLeftPx + layout.map_size_px.x() + kGapPx, kTopPx);
+  Eigen::Vector2d origin_px(kLeftPx + layout.map_size_px.x() + kLegendGapPx, kTopPx);
   if (scene.has_surface && by_height) {
     const double share = marks.objects.empty() ? 0.5 : 0.25;
     const double ramp_height_px = std::min(240.0, std::floor(layout.map_size_px.y() * share));
-    origin_px.y() = DrawHeightLegend(scene, origin_px, ramp_height_px, picture) + kGapPx;
+    origin_px.y() = DrawHeightLegend(scene, origin_px, ramp_height_px, picture) + kLegendGapPx;
   }
   if (!marks.objects.empty()) {
-    origin_px.y() = DrawObjectLegend(marks.objects, origin_px, picture) + kGapPx;
+    origin_px.y() = DrawObjectLegend(marks.objects, origin_px, picture) + kLegendGapPx;
   }
   if (!marks.paths.empty()) {
-    DrawPathLegend(marks.paths, origin_px, kRightPx - kGapPx - 8.0, picture);
+    DrawPathLegend(marks.paths, origin_px, kRightPx - kLegendGapPx - 8.0, picture);
   }
 }
 
@@ -164,7 +152,7 @@ BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
     picture.WriteRightAligned(
         "without what is above " + Decimal(std::round(scene.cut_height_m * 10.0) / 10.0) + " m",
         {kLeftPx + layout.map_size_px.x() - 90.0, bottom_px + 56.0},
-        kSubtitlePx,
+        kSmallTextPx,
         kFaintInk);
   }
   result.image = picture.image();

@@ -6,22 +6,19 @@
 #include <cmath>
 
 #include "client/height_ramp.h"
+#include "client/picture_style.h"
 
 namespace steadymap {
 namespace {
 
-constexpr Rgb kInk = {45, 48, 54};
 constexpr Rgb kGridLine = {226, 228, 231};
-constexpr Rgb kWhite = {255, 255, 255};
 constexpr Rgb kStartMark = {0, 135, 95};
 constexpr Rgb kEndMark = {190, 30, 45};
 
-constexpr double kSmallTextPx = 11.0;
 constexpr double kPathWidthPx = 3.0;
 constexpr double kCasingWidthPx = 6.0;
 constexpr double kMarkRadiusPx = 7.0;
 constexpr std::size_t kMaxPathRows = 8;
-constexpr double kRowPx = 22.0;
 constexpr double kSampleWidthPx = 26.0;
 constexpr double kTextOffsetPx = 36.0;
 
@@ -190,7 +187,7 @@ void DrawPathLegend(const std::vector<RobotPath>& paths,
                   row_px + Eigen::Vector2d(kTextOffsetPx, kSmallTextPx / 2.0),
                   kSmallTextPx,
                   kInk);
-    row_px.y() += kRowPx;
+    row_px.y() += kLegendRowPx;
   };
   for (std::size_t i = 0; i < std::min(paths.size(), kMaxPathRows); ++i) {
     canvas->DrawStrokes(

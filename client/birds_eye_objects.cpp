@@ -4,11 +4,11 @@
 #include <cmath>
 #include <string>
 
+#include "client/picture_style.h"
+
 namespace steadymap {
 namespace {
 
-constexpr Rgb kInk = {45, 48, 54};
-constexpr Rgb kWhite = {255, 255, 255};
 constexpr Rgb kGone = {213, 94, 0};
 constexpr Rgb kUnsure = {240, 205, 120};
 constexpr Rgb kStays = {0, 84, 166};
@@ -18,10 +18,7 @@ constexpr double kOutlinePx = 3.0;
 constexpr double kCasingPx = 5.5;
 constexpr double kGhostPx = 1.6;
 constexpr double kDashPx = 7.0;
-constexpr double kGapPx = 5.0;
-
-constexpr double kSmallTextPx = 11.0;
-constexpr double kRowPx = 22.0;
+constexpr double kDashGapPx = 5.0;
 
 bool IsFinite(const ObjectMark& object) {
   return object.cuboid.center_world.allFinite() && object.cuboid.size_m.allFinite() &&
@@ -50,9 +47,9 @@ std::vector<Stroke> Dashes(const Stroke& line) {
       dashes.push_back({line[i], line[i + 1]});
       continue;
     }
-    const int count = static_cast<int>(length_px / (kDashPx + kGapPx)) + 1;
+    const int count = static_cast<int>(length_px / (kDashPx + kDashGapPx)) + 1;
     for (int dash = 0; dash < count; ++dash) {
-      const double from = std::min(1.0, dash * (kDashPx + kGapPx) / std::max(length_px, 1.0));
+      const double from = std::min(1.0, dash * (kDashPx + kDashGapPx) / std::max(length_px, 1.0));
       const double to = std::min(1.0, from + kDashPx / std::max(length_px, 1.0));
       dashes.push_back({line[i] + from * way, line[i] + to * way});
     }
@@ -123,7 +120,7 @@ double DrawObjectLegend(const std::vector<ObjectMark>& objects,
       })) {
     return y;
   }
-  y += kRowPx;
+  y += kLegendRowPx;
   const Eigen::Vector2d start(origin_px.x(), y - kSmallTextPx / 2.0);
   canvas->DrawStrokes(Dashes({start, start + Eigen::Vector2d(30.0, 0.0)}), kGhostPx, kGhost);
   canvas->Write("removed", {origin_px.x() + 36.0, y}, kSmallTextPx, kInk);

@@ -3,9 +3,11 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <google/protobuf/util/time_util.h>
 #include <grpcpp/client_context.h>
 
 #include "client/map_section_reader.h"
+#include "client/protocol_error.h"
 #include "core/error.h"
 #include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
@@ -39,10 +41,6 @@ absl::StatusOr<Response> Call(Stub* stub,
 
 void SetTimeout(grpc::ClientContext* context, std::chrono::milliseconds timeout) {
   context->set_deadline(std::chrono::system_clock::now() + timeout);
-}
-
-absl::Status ProtocolError(const char* what) {
-  return MakeError(absl::StatusCode::kInternal, reason::kInternal, what);
 }
 
 template <typename Request>
@@ -84,11 +82,17 @@ MapClient::MapClient(const std::shared_ptr<grpc::ChannelInterface>& channel,
       maps_(v1::MapService::NewStub(channel)),
       queries_(v1::QueryService::NewStub(channel)) {}
 
-absl::StatusOr<v1::Map> MapClient::CreateMap(const MapName& name, const v1::MapConfig& config) {
+absl::StatusOr<v1::Map> MapClient::CreateMap(const MapName& name,
+                                             const v1::MapConfig& config,
+                                             std::chrono::milliseconds max_commit_delay) {
   v1::CreateMapRequest request;
   request.set_parent("tenants/" + name.tenant);
   request.set_map_id(name.map);
   *request.mutable_map()->mutable_config() = config;
+  if (max_commit_delay.count() > 0) {
+    *request.mutable_map()->mutable_max_commit_delay() =
+        google::protobuf::util::TimeUtil::MillisecondsToDuration(max_commit_delay.count());
+  }
   return Call(maps_.get(), &MapStub::CreateMap, request, options_.call_timeout);
 }
 

@@ -75,8 +75,11 @@ class MapClient {
   explicit MapClient(const std::shared_ptr<grpc::ChannelInterface>& channel,
                      const MapClientOptions& options = {});
 
-  /// Creates a map; what `config` leaves out takes the server's defaults.
-  absl::StatusOr<v1::Map> CreateMap(const MapName& name, const v1::MapConfig& config);
+  /// Creates a map; what `config` leaves out takes the server's defaults, and so does a
+  /// `max_commit_delay` of 0.
+  absl::StatusOr<v1::Map> CreateMap(const MapName& name,
+                                    const v1::MapConfig& config,
+                                    std::chrono::milliseconds max_commit_delay = {});
 
   absl::StatusOr<v1::Map> GetMap(const MapName& name);
 

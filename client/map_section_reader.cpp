@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "client/protocol_error.h"
 #include "core/error.h"
 #include "core/tsdf_codec.h"
 #include "core/tsdf_grid.h"
@@ -11,10 +12,6 @@
 
 namespace steadymap {
 namespace {
-
-absl::Status ProtocolError(const char* what) {
-  return MakeError(absl::StatusCode::kInternal, reason::kInternal, what);
-}
 
 /// A section that grows message by message.
 class SectionBuilder {

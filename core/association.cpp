@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/frame_clusters.h"
 #include "core/tsdf_sample.h"
 
 namespace steadymap {
@@ -12,7 +13,7 @@ constexpr float kFitBaseM = 0.045F;
 constexpr float kFitPerSquareMetre = 0.004F;
 
 // A surface seen from behind is another one: the far side of a fence.
-constexpr double kMinNormalCosine = 0.3;
+constexpr double kMinSameSideCosine = 0.3;
 
 /// Samples that a box covers in the picture; everything if it reaches behind the camera.
 ObjectInView CoverOf(TrackedObject* object,
@@ -77,7 +78,7 @@ class Claimant {
       return;
     }
     const Eigen::Vector3d normal = T_volume_world_.linear() * sample.normal_world.cast<double>();
-    if (is_inner && sampler_.Sample(position).gradient.dot(normal) < kMinNormalCosine) return;
+    if (is_inner && sampler_.Sample(position).gradient.dot(normal) < kMinSameSideCosine) return;
     association->owner[index] = owner_;
     association->distance_m[index] = static_cast<float>(distance_m);
   }
@@ -93,6 +94,7 @@ void OfferObject(const SampleGrid& samples,
                  const ObjectInView& view,
                  std::uint32_t owner,
                  const VoxelScale& scale,
+                 const FrameClusters& clusters,
                  Association* association) {
   const Eigen::Isometry3d T_object_world =
       view.object->state().T_world_object.ToIsometry().inverse();
@@ -106,7 +108,8 @@ void OfferObject(const SampleGrid& samples,
     for (int column = view.first_column; column < view.end_column; ++column) {
       const std::size_t index = samples.Index(column, row);
       const SurfaceSample& sample = samples[index];
-      if (sample.is_valid() && bounds.contains(T_bounds_world * sample.position_world)) {
+      if (sample.is_valid() && bounds.contains(T_bounds_world * sample.position_world) &&
+          clusters.MayClaim(*view.object, index)) {
         claimant.Claim(sample, index, association);
       }
     }
@@ -146,12 +149,14 @@ void AssociateSamples(const SampleGrid& samples,
                       const std::vector<ObjectInView>& objects,
                       const Background& background,
                       const VoxelScale& scale,
+                      const FrameClusters& clusters,
                       Association* association) {
   association->owner.assign(samples.size(), Association::kNone);
   association->distance_m.assign(samples.size(), 0.0F);
   association->is_in_front.assign(samples.size(), 0);
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    OfferObject(samples, objects[i], static_cast<std::uint32_t>(i + 1), scale, association);
+    const auto owner = static_cast<std::uint32_t>(i + 1);
+    OfferObject(samples, objects[i], owner, scale, clusters, association);
   }
   Claimant claimant(background, scale, Eigen::Isometry3d::Identity(), kBackgroundOwner);
   for (std::size_t index = 0; index < samples.size(); ++index) {

@@ -9,6 +9,8 @@
 
 namespace steadymap {
 
+class FrameClusters;
+
 /// Whom each sample of a frame belongs to.
 struct Association {
   /// No known surface explains the sample.
@@ -47,11 +49,13 @@ std::vector<ObjectInView> FindObjectsInView(const std::vector<TrackedObject*>& o
 float FitTolerance(float depth_m);
 
 /// Gives each sample to the object, or the background, on whose surface it lies where it stands
-/// (identity first: nothing is moved). Where several qualify: the closest.
+/// (identity first: nothing is moved). Where several qualify: the closest. `clusters` say
+/// what an object may claim at all.
 void AssociateSamples(const SampleGrid& samples,
                       const std::vector<ObjectInView>& objects,
                       const Background& background,
                       const VoxelScale& scale,
+                      const FrameClusters& clusters,
                       Association* association);
 
 /// Takes its samples from an owner that turned out to stand otherwise than known. They count as new

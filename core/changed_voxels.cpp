@@ -51,9 +51,9 @@ Eigen::Vector3i VoxelAt(LeafOrigin origin, std::size_t offset) {
 }
 
 /// Collects connected voxels of masks.
-class ComponentSearch {
+class VoxelComponentSearch {
  public:
-  explicit ComponentSearch(const Masks& different) : different_(different), open_(different) {}
+  explicit VoxelComponentSearch(const Masks& different) : different_(different), open_(different) {}
 
   /// Any voxel of a leaf that belongs to no component yet.
   bool FindOpen(LeafOrigin origin, Eigen::Vector3i* voxel) const {
@@ -188,7 +188,7 @@ std::vector<VoxelChange> FindChanges(const VoxelReader& before,
     open_space.emplace(origin, OpenSpaceOf(new_leaf, scale, parameters));
   }
   std::vector<VoxelChange> changes;
-  ComponentSearch search(different);
+  VoxelComponentSearch search(different);
   for (const LeafOrigin& origin : origins) {
     if (!different.contains(origin)) continue;
     Eigen::Vector3i first;

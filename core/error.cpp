@@ -2,13 +2,13 @@
 
 #include <absl/strings/cord.h>
 
+#include "core/absl_text.h"
+
 namespace steadymap {
 namespace {
 
 constexpr char kReasonUrl[] = "steadymap/reason";
 constexpr char kFieldUrl[] = "steadymap/field";
-
-absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
 
 std::string PayloadOf(const absl::Status& status, const char* url) {
   const absl::optional<absl::Cord> payload = status.GetPayload(url);

@@ -16,7 +16,7 @@ constexpr int kPatchSamples = 4;
 constexpr double kSteep = 0.7;
 
 // Loose enough for a small error of the pose, tight enough that a wall is no wall at 40 degrees.
-constexpr double kMinNormalCosine = 0.8;
+constexpr double kMinAgreeingCosine = 0.8;
 
 // A view is through a surface if it ends so much further away.
 constexpr float kThroughM = 0.25F;
@@ -89,7 +89,7 @@ class PatchGrid {
       const DistanceSample known = sampler.Sample(position);
       if (!known.known) continue;
       const Eigen::Vector3d normal = T_volume_world.linear() * patch.normal_world;
-      if (known.gradient.dot(normal) >= kMinNormalCosine) {
+      if (known.gradient.dot(normal) >= kMinAgreeingCosine) {
         patch.fits = true;
       } else if (known.distance_m > 0.0) {
         patch.is_in_front = true;

@@ -5,8 +5,6 @@
 namespace steadymap {
 namespace {
 
-constexpr float kMinDepthM = 0.3F;
-
 // A surface of unknown slant is met at 11 degrees at the flattest: a fifth.
 constexpr float kFlattestSlant = 5.0F;
 
@@ -31,7 +29,7 @@ FreeView::Sight FreeView::Look(const Eigen::Vector3f& point_world) const {
   Sight sight;
   sight.point_camera = T_camera_world_ * point_world;
   const float depth_m = sight.point_camera.z();
-  if (!(depth_m > kMinDepthM && depth_m < max_depth_m_)) return sight;
+  if (!(depth_m > kMinJudgedDepthM && depth_m < max_depth_m_)) return sight;
   const float u = focal_x_ * sight.point_camera.x() / depth_m + center_x_;
   const float v = focal_y_ * sight.point_camera.y() / depth_m + center_y_;
   if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(columns_) &&

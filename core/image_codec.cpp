@@ -21,7 +21,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "raw pixels are copied as they lie");
 
 // Level 1 packs a depth image in about a millisecond; higher levels gain a few percent.
-constexpr int kZstdLevel = 1;
+constexpr int kImageZstdLevel = 1;
 
 constexpr std::size_t kOneByte = sizeof(std::uint8_t);
 constexpr std::size_t kTwoBytes = sizeof(std::uint16_t);
@@ -135,7 +135,7 @@ std::string_view WideBytes(const Image<std::uint16_t>& image) {
 std::string PackZstd(std::string_view bytes) {
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t packed_bytes =
-      ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kZstdLevel);
+      ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kImageZstdLevel);
   // With room for the worst case, only memory can be wanting.
   if (ZSTD_isError(packed_bytes) != 0) throw std::bad_alloc();
   packed.resize(packed_bytes);

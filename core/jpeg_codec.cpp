@@ -7,46 +7,39 @@
 #include <absl/strings/str_cat.h>
 #include <jpeglib.h>
 
+#include "core/error_jump.h"
+
 namespace steadymap {
 namespace {
 
 // A progressive file needs about ten; thousands of empty ones over a large image burn minutes.
 constexpr int kMaxScans = 50;
 
-// Where libjpeg's errors go. libjpeg leaves through `jump`, so the frames between `Guard` and the
-// callback must hold nothing that has a destructor: they are libjpeg's own and a lambda's.
-struct ErrorTrap {
+// Where libjpeg's errors go; calls into libjpeg stand inside `Guard`.
+struct JpegErrorTrap {
   jpeg_error_mgr manager;  // First: libjpeg hands back a pointer to it.
   std::jmp_buf jump;
   std::array<char, JMSG_LENGTH_MAX> message{};
 };
 
-[[noreturn]] void OnError(j_common_ptr decoder) {
-  auto* trap = reinterpret_cast<ErrorTrap*>(decoder->err);
+[[noreturn]] void OnJpegError(j_common_ptr decoder) {
+  auto* trap = reinterpret_cast<JpegErrorTrap*>(decoder->err);
   trap->manager.format_message(decoder, trap->message.data());
   std::longjmp(trap->jump, 1);
 }
 
 // Level -1 is what libjpeg calls a warning: data are missing or corrupt and were made up.
-void OnMessage(j_common_ptr decoder, int level) {
-  if (level < 0) OnError(decoder);
+void OnJpegMessage(j_common_ptr decoder, int level) {
+  if (level < 0) OnJpegError(decoder);
 }
 
-void OnOutput(j_common_ptr) {}
+void OnJpegOutput(j_common_ptr) {}
 
-void OnProgress(j_common_ptr decoder) {
+void OnJpegProgress(j_common_ptr decoder) {
   if (reinterpret_cast<j_decompress_ptr>(decoder)->input_scan_number <= kMaxScans) return;
-  auto* trap = reinterpret_cast<ErrorTrap*>(decoder->err);
+  auto* trap = reinterpret_cast<JpegErrorTrap*>(decoder->err);
   std::snprintf(trap->message.data(), trap->message.size(), "it has more than %d scans", kMaxScans);
   std::longjmp(trap->jump, 1);
-}
-
-// Runs calls into libjpeg; false if it found an error.
-template <typename Calls>
-bool Guard(ErrorTrap* trap, Calls calls) {
-  if (setjmp(trap->jump) != 0) return false;
-  calls();
-  return true;
 }
 
 // One pass over a JPEG file. Every method answers false after an error, which `error` explains.
@@ -54,10 +47,10 @@ class JpegReader {
  public:
   JpegReader() {
     decoder_.err = jpeg_std_error(&trap_.manager);
-    trap_.manager.error_exit = OnError;
-    trap_.manager.emit_message = OnMessage;
-    trap_.manager.output_message = OnOutput;
-    progress_.progress_monitor = OnProgress;
+    trap_.manager.error_exit = OnJpegError;
+    trap_.manager.emit_message = OnJpegMessage;
+    trap_.manager.output_message = OnJpegOutput;
+    progress_.progress_monitor = OnJpegProgress;
   }
 
   JpegReader(const JpegReader&) = delete;
@@ -114,7 +107,7 @@ class JpegReader {
   const char* error() const { return trap_.message.data(); }
 
  private:
-  ErrorTrap trap_{};
+  JpegErrorTrap trap_{};
   jpeg_progress_mgr progress_{};
   jpeg_decompress_struct decoder_{};
 };

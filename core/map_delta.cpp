@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
-#include <memory>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/map_edits.h"
 #include "core/tsdf_codec.h"
 
 namespace steadymap {
@@ -87,53 +86,6 @@ std::vector<RobotChange> DiffRobots(const MapSnapshot& before, const MapSnapshot
   return robots;
 }
 
-/// Copies of the objects that a delta touches, to be written to and then to take their place.
-class ObjectEdits {
- public:
-  explicit ObjectEdits(MapSnapshot* snapshot) : snapshot_(snapshot) {}
-
-  void SetState(const ObjectState& state) {
-    MapObject* object = Edit(state.id);
-    if (object == nullptr) {
-      edits_[state.id] = {std::make_shared<MapObject>(), std::make_shared<TsdfGrid>()};
-      object = edits_[state.id].object.get();
-    }
-    static_cast<ObjectState&>(*object) = state;
-  }
-
-  /// Null if there is no such object.
-  TsdfGrid* MutableVolume(ObjectId id) {
-    if (Edit(id) == nullptr) return nullptr;
-    ObjectEdit& edit = edits_.at(id);
-    if (edit.volume == nullptr) edit.volume = edit.object->volume->Clone();
-    return edit.volume.get();
-  }
-
-  void Finish() {
-    for (auto& [id, edit] : edits_) {
-      if (edit.volume != nullptr) edit.object->volume = edit.volume;
-      snapshot_->objects.insert_or_assign(id, std::move(edit.object));
-    }
-  }
-
- private:
-  struct ObjectEdit {
-    std::shared_ptr<MapObject> object;
-    std::shared_ptr<TsdfGrid> volume;  ///< Null as long as it is not written to.
-  };
-
-  MapObject* Edit(ObjectId id) {
-    if (const auto edit = edits_.find(id); edit != edits_.end()) return edit->second.object.get();
-    const auto known = snapshot_->objects.find(id);
-    if (known == snapshot_->objects.end()) return nullptr;
-    edits_[id] = {std::make_shared<MapObject>(*known->second), nullptr};
-    return edits_[id].object.get();
-  }
-
-  MapSnapshot* snapshot_;
-  std::map<ObjectId, ObjectEdit> edits_;
-};
-
 /// Appends what `first` and then `second` say, each sorted by `key`, to `merged`.
 template <typename Change, typename Key>
 std::vector<Change> MergeSorted(const std::vector<Change>& first,
@@ -175,28 +127,17 @@ absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
                                                       " does not apply to revision ",
                                                       snapshot->revision.value()));
   }
-  ObjectEdits edits(snapshot);
+  MapEdits edits(snapshot);
   for (const ObjectChange& change : delta.objects) {
     if (change.state.has_value()) {
       edits.SetState(*change.state);
     } else {
-      snapshot->objects.erase(change.id);
+      edits.RemoveObject(change.id);
     }
   }
-  LeafVoxels voxels;
   for (const LeafChange& change : delta.leaves) {
-    if (absl::Status status = UnpackLeaf(change.packed, snapshot->scale, &voxels); !status.ok()) {
+    if (absl::Status status = edits.StoreLeaf(change.key, change.packed); !status.ok()) {
       return status;
-    }
-    const ObjectId owner = change.key.object;
-    TsdfGrid* volume = owner == kBackgroundId ? &snapshot->background.MutableTile(change.key.origin)
-                                              : edits.MutableVolume(owner);
-    if (volume != nullptr) {
-      volume->StoreLeaf(change.key.origin, voxels);
-    } else if (!change.packed.empty()) {
-      return MakeError(absl::StatusCode::kDataLoss,
-                       reason::kChecksum,
-                       absl::StrCat("a leaf of object ", owner.value(), ", which is not there"));
     }
   }
   edits.Finish();

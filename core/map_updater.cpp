@@ -1,5 +1,6 @@
 #include "core/map_updater.h"
 
+#include "core/engine_parameters.h"
 #include "core/object_mapper.h"
 #include "core/paper_mapper.h"
 #include "core/submap_change.h"
@@ -25,7 +26,7 @@ class StaticUpdater final : public MapUpdater {
 
 }  // namespace
 
-std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config) {
+std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const MapperOptions& options) {
   switch (config.policy) {
     case UpdatePolicy::kStatic:
       return std::make_unique<StaticUpdater>(config);
@@ -38,7 +39,8 @@ std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config) {
     case UpdatePolicy::kPocdPaper:
       return std::make_unique<PaperMapper>(config, PaperParameters{});
     case UpdatePolicy::kPocd:
-      return std::make_unique<ObjectMapper>(config, ObjectMapperParameters{});
+      return std::make_unique<ObjectMapper>(
+          config, ParametersFor(config, options.switches), options.stages);
   }
   return nullptr;
 }

@@ -4,6 +4,7 @@
 
 #include "core/frame.h"
 #include "core/map_config.h"
+#include "core/mapper_options.h"
 #include "core/semantic_cloud.h"
 #include "core/working_map.h"
 
@@ -22,6 +23,6 @@ class MapUpdater {
 };
 
 /// The updater of the configuration's policy. The configuration must be valid.
-std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config);
+std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const MapperOptions& options);
 
 }  // namespace steadymap

@@ -10,7 +10,9 @@
 #include "core/map_config.h"
 #include "core/map_snapshot.h"
 #include "core/map_updater.h"
+#include "core/mapper_options.h"
 #include "core/semantic_cloud.h"
+#include "core/stage_observer.h"
 #include "core/working_map.h"
 
 namespace steadymap {
@@ -22,7 +24,8 @@ namespace steadymap {
 class Mapper {
  public:
   /// Errors: as `ValidateMapConfig`.
-  static absl::StatusOr<std::unique_ptr<Mapper>> Create(const MapConfig& config);
+  static absl::StatusOr<std::unique_ptr<Mapper>> Create(const MapConfig& config,
+                                                        const MapperOptions& options = {});
 
   /// Continues from a stored map instead of an empty one. Call before the first `Integrate`.
   /// `snapshot.scale` must be the configuration's (asserted).
@@ -42,9 +45,10 @@ class Mapper {
   MapCommit Commit();
 
  private:
-  explicit Mapper(const MapConfig& config);
+  Mapper(const MapConfig& config, const MapperOptions& options);
 
   MapConfig config_;
+  StageTeller stages_;
   SemanticCloud cloud_;  ///< Of the frame at hand.
   std::unique_ptr<MapUpdater> updater_;
   WorkingMap map_;  ///< Ahead of the last commit.

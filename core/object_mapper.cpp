@@ -40,46 +40,68 @@ double SurfaceArea(const TrackedObject& object, const VoxelScale& scale) {
 
 }  // namespace
 
-ObjectMapper::ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters)
-    : config_(config), parameters_(parameters), guard_(parameters.guard), integrator_(config) {}
+ObjectMapper::ObjectMapper(const MapConfig& config,
+                           const ObjectMapperParameters& parameters,
+                           StageObserver* stages)
+    : config_(config),
+      parameters_(parameters),
+      stages_(stages),
+      guard_(parameters.guard),
+      clusters_(config, parameters.clusters),
+      integrator_(config) {}
 
 void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
   cloud_ = cloud;
+  stages_.Enter(MapperStage::kGuard);
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
   if (!guard_.Admit(frame, {*cloud, samples_, tiles_}, map)) return;
   FindOwners();
   JudgeObjects();
+  stages_.Enter(MapperStage::kObservations);
   observations_ = FindObservations(samples_, association_);
   PlaceObservations();
   CountViews();
   GiveCellsToOwners(samples_, association_, cloud_);
+  stages_.Enter(MapperStage::kIntegration);
   Integrate();
+  stages_.Enter(MapperStage::kObjects);
   MergeConnected();
   ConfirmAndForget();
   TakeBackParts();
-  FindMoves(in_view_, parameters_.recent_s, parameters_.moves, map_);
-  MarkFreeRays(samples_, cloud_->T_world_camera().translation(), map_);
+  if (parameters_.finds_moves) {
+    FindMoves(in_view_, parameters_.recent_s, parameters_.moves, map_);
+  }
+  stages_.Enter(MapperStage::kFreeSpace);
+  if (parameters_.remembers_free_space) {
+    MarkFreeRays(samples_, cloud_->T_world_camera().translation(), map_);
+  }
 }
 
 void ObjectMapper::FindOwners() {
+  stages_.Enter(MapperStage::kAssociation);
   const double max_range_m = parameters_.visibility.max_depth_m;
   in_view_ = FindObjectsInView(
       map_->ObjectsNear(ReachOfView(*cloud_, max_range_m)), *cloud_, samples_, max_range_m);
-  AssociateSamples(samples_, in_view_, map_->background(), map_->scale(), &association_);
   const double camera_height_m = cloud_->T_world_camera().translation().z();
+  clusters_.Compute(samples_, camera_height_m);
+  AssociateSamples(samples_, in_view_, map_->background(), map_->scale(), clusters_, &association_);
+  clusters_.MatchOneToOne(in_view_, &association_);
+  stages_.Enter(MapperStage::kGround);
   if (const std::optional<double> ground = FindGroundHeight(samples_, camera_height_m)) {
     AssignGround(samples_, *ground, &association_);
   }
 }
 
 void ObjectMapper::JudgeObjects() {
+  stages_.Enter(MapperStage::kVisibility);
   const VisibilityTest test(
       *cloud_, samples_, tiles_, in_view_, association_, parameters_.visibility);
   std::vector<ObjectVerdict> verdicts;
   verdicts.reserve(in_view_.size());
   for (const ObjectInView& view : in_view_) verdicts.push_back(test.Judge(*view.object));
+  stages_.Enter(MapperStage::kBelief);
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (verdicts[i].judged() == 0) continue;
     if (verdicts[i].turned > 0) ReleaseSamples(static_cast<std::uint32_t>(i + 1), &association_);
@@ -98,21 +120,26 @@ void ObjectMapper::DecideOn(const ObjectVerdict& verdict, TrackedObject* object)
   if (!UpdateBelief(prior, map_->now(), parameters_.judgement, &state)) return;
   if (state.belief.stationarity() < parameters_.min_stationarity) {
     Archive(object, ReasonOf(verdict), before);
-  } else {
+  } else if (parameters_.cuts_gone_parts) {
     RemoveGoneParts(object);
   }
 }
 
 void ObjectMapper::Archive(TrackedObject* object, EventReason reason, const Belief& before) {
-  ObjectState& state = object->state();
-  if (state.standing == ObjectStanding::kPresent) {
+  if (object->state().standing == ObjectStanding::kPresent) {
     ObjectEvent event = map_->MakeEvent(EventType::kRemoved, reason, *object);
     event.before = before;
     map_->Tell(event);
   }
-  state.standing = ObjectStanding::kArchived;
-  state.standing_since = map_->now();
+  BecomeHistory(object);
+}
+
+/// Takes an object out of the map.
+void ObjectMapper::BecomeHistory(TrackedObject* object) {
+  object->state().standing = ObjectStanding::kArchived;
+  object->state().standing_since = map_->now();
   map_->MarkChanged(object);
+  if (!parameters_.keeps_removed) map_->Forget(object);
 }
 
 /// Cuts off what frames have found gone again and again while the rest of the object stands. The
@@ -122,9 +149,7 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   // While more cells are on their way, the part is not known yet.
   if (gone < parameters_.min_gone_cells || 2 * doubted > 3 * gone) return;
   TrackedObject& part = map_->AddPart(*object);
-  part.state().standing = ObjectStanding::kArchived;
-  part.state().standing_since = map_->now();
-  map_->MarkChanged(&part);
+  BecomeHistory(&part);
   const std::vector<LeafOrigin> moved = MoveGoneVoxels(-parameters_.gone_score, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
@@ -292,6 +317,7 @@ std::vector<TrackedObject*> ObjectMapper::ObjectsAround(const TrackedObject& obj
 }
 
 TrackedObject* ObjectMapper::FindKnown(const TrackedObject& object) {
+  if (!parameters_.recognises_returned) return nullptr;
   return FindReturned(object,
                       map_->scale(),
                       PriorOf(config_, object.state().class_id),
@@ -340,7 +366,9 @@ void ObjectMapper::Return(TrackedObject* object, EventReason reason, const Belie
 /// Gives new objects of classes that stay what was once known of them: a wall is taken down and put
 /// up again as a whole, and seldom shown as one.
 void ObjectMapper::TakeBackParts() {
-  if (map_->revision().value() % kFramesPerComparison != 0) return;
+  if (!parameters_.recognises_returned || map_->revision().value() % kFramesPerComparison != 0) {
+    return;
+  }
   for (const ObjectInView& view : in_view_) {
     const ObjectState& state = view.object->state();
     if (state.standing != ObjectStanding::kPresent || !IsRecent(state) ||

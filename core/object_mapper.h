@@ -4,6 +4,7 @@
 
 #include "core/association.h"
 #include "core/frame.h"
+#include "core/frame_clusters.h"
 #include "core/judgement.h"
 #include "core/map_config.h"
 #include "core/map_updater.h"
@@ -13,6 +14,7 @@
 #include "core/robot_guard.h"
 #include "core/sample_grid.h"
 #include "core/semantic_cloud.h"
+#include "core/stage_observer.h"
 #include "core/tracked_object.h"
 #include "core/tsdf_integrator.h"
 #include "core/visibility.h"
@@ -24,6 +26,7 @@ namespace steadymap {
 /// found.
 struct ObjectMapperParameters {
   RobotGuardParameters guard;
+  ClusterParameters clusters;
   JudgementParameters judgement;
   VisibilityParameters visibility;
   RecognitionParameters recognition;
@@ -55,12 +58,25 @@ struct ObjectMapperParameters {
   std::size_t min_gone_cells = 8;
   /// Fewest cells whose loss is told as an event.
   std::size_t min_reported_cells = 25;
+  /// Whether that is done at all.
+  bool cuts_gone_parts = true;
+  /// Whether removed objects are kept as history; else they are forgotten.
+  bool keeps_removed = true;
+  /// Whether new objects are compared with what stood in their place.
+  bool recognises_returned = true;
+  /// Whether new objects are compared with what left another place.
+  bool finds_moves = true;
+  /// Whether what was looked through is remembered.
+  bool remembers_free_space = true;
 };
 
 /// Keeps the objects of a map true: the `pocd` policy.
 class ObjectMapper final : public MapUpdater {
  public:
-  ObjectMapper(const MapConfig& config, const ObjectMapperParameters& parameters);
+  /// `stages` outlives this; null: nobody watches.
+  ObjectMapper(const MapConfig& config,
+               const ObjectMapperParameters& parameters,
+               StageObserver* stages = nullptr);
 
   /// Gives each of the cloud's cells to its owner, and fuses objects and background; nothing of a
   /// frame whose robot is not where it says.
@@ -89,10 +105,13 @@ class ObjectMapper final : public MapUpdater {
   void Return(TrackedObject* object, EventReason reason, const Belief& belief);
   void TakeBackParts();
   void Archive(TrackedObject* object, EventReason reason, const Belief& before);
+  void BecomeHistory(TrackedObject* object);
 
   MapConfig config_;
   ObjectMapperParameters parameters_;
+  StageTeller stages_;
   RobotGuard guard_;
+  FrameClusters clusters_;
   TsdfIntegrator integrator_;
 
   // The frame at hand.

@@ -52,7 +52,7 @@ SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelSc
   return surface;
 }
 
-bool IsBefore(const SurfaceLeaf& leaf, LeafOrigin origin) { return leaf.origin < origin; }
+bool IsLeafBefore(const SurfaceLeaf& leaf, LeafOrigin origin) { return leaf.origin < origin; }
 
 }  // namespace
 
@@ -63,7 +63,7 @@ void ObjectSurface::Update(const TsdfGrid& volume,
     const LeafView view = volume.FindLeaf(origin);
     SurfaceLeaf surface{origin, {}};
     if (view) surface = ExtractPoints(origin, view, scale);
-    const auto place = std::lower_bound(leaves_.begin(), leaves_.end(), origin, IsBefore);
+    const auto place = std::lower_bound(leaves_.begin(), leaves_.end(), origin, IsLeafBefore);
     const bool is_known = place != leaves_.end() && place->origin == origin;
     if (surface.points.empty()) {
       if (is_known) leaves_.erase(place);

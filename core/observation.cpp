@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::array<std::array<int, 2>, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
-class ComponentSearch {
+class SampleComponentSearch {
  public:
-  ComponentSearch(const SampleGrid& samples, const Association& association)
+  SampleComponentSearch(const SampleGrid& samples, const Association& association)
       : samples_(samples), association_(association), is_done_(samples.size(), 0) {}
 
   std::vector<Observation> Run() {
@@ -81,7 +81,7 @@ class ComponentSearch {
 
 std::vector<Observation> FindObservations(const SampleGrid& samples,
                                           const Association& association) {
-  return ComponentSearch(samples, association).Run();
+  return SampleComponentSearch(samples, association).Run();
 }
 
 }  // namespace steadymap

@@ -8,7 +8,7 @@ namespace steadymap {
 namespace {
 
 /// Grown by this, boxes that touch keep touching whatever the rounding, metres.
-constexpr double kTouchM = 1e-9;
+constexpr double kRoundingM = 1e-9;
 
 }  // namespace
 
@@ -49,7 +49,7 @@ bool LeafTouches(const PlacedVolume& volume,
     return box_world.intersects(Box(low, low + Eigen::Vector3d::Constant(side_m)));
   }
   const Cuboid leaf{volume.T_world_volume * (low + Eigen::Vector3d::Constant(0.5 * side_m)),
-                    Eigen::Vector3d::Constant(side_m + 2.0 * kTouchM),
+                    Eigen::Vector3d::Constant(side_m + 2.0 * kRoundingM),
                     volume.object->T_world_object.yaw_rad};
   const Cuboid box{box_world.center(), box_world.sizes(), 0.0};
   return DistanceBetween(leaf, box) == 0.0;

@@ -1,13 +1,13 @@
 #include "core/png_codec.h"
 
-#include <array>
 #include <bit>
-#include <csetjmp>
 #include <cstring>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <png.h>
+
+#include "core/png_error.h"
 
 namespace steadymap {
 namespace {
@@ -22,29 +22,6 @@ constexpr std::size_t kSignatureBytes = 8;
 // Signature, length and name of the first chunk, then width and height.
 constexpr std::size_t kSizeEnd = kSignatureBytes + 4 + 4 + 4 + 4;
 constexpr std::string_view kStart("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
-
-// Where libpng's errors go. libpng leaves through `jump`, so the frames between `Guard` and the
-// callback must hold nothing that has a destructor: they are libpng's own and a lambda's.
-struct ErrorTrap {
-  std::jmp_buf jump;
-  std::array<char, 128> message{};
-};
-
-[[noreturn]] void OnError(png_structp png, png_const_charp message) {
-  auto* trap = static_cast<ErrorTrap*>(png_get_error_ptr(png));
-  std::strncpy(trap->message.data(), message, trap->message.size() - 1);
-  std::longjmp(trap->jump, 1);
-}
-
-void OnWarning(png_structp, png_const_charp) {}
-
-// Runs calls into libpng; false if it found an error.
-template <typename Calls>
-bool Guard(ErrorTrap* trap, Calls calls) {
-  if (setjmp(trap->jump) != 0) return false;
-  calls();
-  return true;
-}
 
 struct Source {
   std::string_view left;
@@ -61,7 +38,7 @@ void ReadFromSource(png_structp png, png_bytep destination, std::size_t count) {
 class PngReader {
  public:
   explicit PngReader(std::string_view data) : source_{data} {
-    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &trap_, OnError, OnWarning);
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &trap_, OnPngError, OnPngWarning);
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
   }
 
@@ -139,7 +116,7 @@ class PngReader {
 
  private:
   Source source_;
-  ErrorTrap trap_;
+  PngErrorTrap trap_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
 };

@@ -1,6 +1,5 @@
 #include <bit>
 #include <cassert>
-#include <csetjmp>
 #include <new>
 #include <vector>
 
@@ -8,6 +7,7 @@
 #include <zlib.h>
 
 #include "core/png_codec.h"
+#include "core/png_error.h"
 
 namespace steadymap {
 namespace {
@@ -21,18 +21,6 @@ static_assert(std::endian::native == std::endian::little,
 constexpr int kCompressionLevel = 1;
 constexpr int kCompressionStrategy = Z_RLE;
 constexpr int kFilter = PNG_FILTER_UP;
-
-// libpng leaves through `jump` on an error, so nothing between `EncodeRows` and the callback may
-// have a destructor.
-struct ErrorTrap {
-  std::jmp_buf jump;
-};
-
-[[noreturn]] void OnError(png_structp png, png_const_charp) {
-  std::longjmp(static_cast<ErrorTrap*>(png_get_error_ptr(png))->jump, 1);
-}
-
-void OnWarning(png_structp, png_const_charp) {}
 
 void AppendToString(png_structp png, png_bytep bytes, std::size_t count) {
   static_cast<std::string*>(png_get_io_ptr(png))
@@ -49,13 +37,7 @@ struct PngLayout {
   std::size_t row_bytes;
 };
 
-// libpng reports an error only if it runs out of memory: the layout is ours.
-bool EncodeRows(png_structp png,
-                png_infop info,
-                ErrorTrap* trap,
-                const PngLayout& layout,
-                png_const_bytep rows) {
-  if (setjmp(trap->jump) != 0) return false;
+void EncodeRows(png_structp png, png_infop info, const PngLayout& layout, png_const_bytep rows) {
   png_set_compression_level(png, kCompressionLevel);
   png_set_compression_strategy(png, kCompressionStrategy);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, kFilter);
@@ -74,22 +56,21 @@ bool EncodeRows(png_structp png,
     png_write_row(png, rows + static_cast<std::size_t>(v) * layout.row_bytes);
   }
   png_write_end(png, nullptr);
-  return true;
 }
 
 std::string EncodePng(const PngLayout& layout, const void* rows) {
   std::string file;
   if (layout.width_px == 0 || layout.height_px == 0) return file;
-  ErrorTrap trap;
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &trap, OnError, OnWarning);
+  PngErrorTrap trap;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &trap, OnPngError, OnPngWarning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
-  bool done = false;
-  if (info != nullptr) {
-    png_set_write_fn(png, &file, AppendToString, Flush);
-    done = EncodeRows(png, info, &trap, layout, static_cast<png_const_bytep>(rows));
-  }
+  const bool is_done = info != nullptr && Guard(&trap, [png, info, &layout, &file, rows] {
+                         png_set_write_fn(png, &file, AppendToString, Flush);
+                         EncodeRows(png, info, layout, static_cast<png_const_bytep>(rows));
+                       });
   png_destroy_write_struct(&png, &info);
-  if (!done) throw std::bad_alloc();
+  // libpng reports an error only if it runs out of memory: the layout is ours.
+  if (!is_done) throw std::bad_alloc();
   return file;
 }
 

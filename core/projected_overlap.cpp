@@ -7,7 +7,8 @@
 namespace steadymap {
 namespace {
 
-constexpr float kMinDepthM = 0.05F;
+// Nearer than this a point would cover the picture.
+constexpr float kMinDrawnDepthM = 0.05F;
 constexpr std::uint32_t kNoSegment = 0xFFFFFFFFU;
 
 // Surface points stand a voxel apart, so each is drawn as a square of a voxel's size and a little.
@@ -37,7 +38,7 @@ class SurfaceDrawing {
       for (const SurfaceVoxel& point : leaf.points) {
         const Eigen::Vector3f point_camera = T_camera_object * point.position_object;
         const Eigen::Vector3f normal_camera = T_camera_object.linear() * point.normal_object;
-        if (point_camera.z() > kMinDepthM && normal_camera.dot(point_camera) < 0.0F) {
+        if (point_camera.z() > kMinDrawnDepthM && normal_camera.dot(point_camera) < 0.0F) {
           DrawPoint(point_camera);
         }
       }

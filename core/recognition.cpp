@@ -9,7 +9,7 @@
 namespace steadymap {
 namespace {
 
-constexpr double kMinNormalCosine = 0.5;
+constexpr double kMinMatchingCosine = 0.5;
 
 // Pose error and noise of two looks at one surface, in voxels.
 constexpr double kFitVoxels = 1.5;
@@ -76,7 +76,7 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
       const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
       if (is_inner) {
         const Eigen::Vector3d gradient = sampler.Sample(position).gradient;
-        if (gradient.dot(normal) < kMinNormalCosine) continue;
+        if (gradient.dot(normal) < kMinMatchingCosine) continue;
         turn.Add(position - distance_m * gradient, gradient, distance_m);
       }
       ++fitting;

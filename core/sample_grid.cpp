@@ -13,7 +13,7 @@ constexpr float kMaxGapM = 0.08F;
 constexpr float kMaxGapPerMetre = 0.04F;
 
 // Surface seen flatter than this is no larger than its picture says.
-constexpr float kMinCosine = 0.2F;
+constexpr float kMinAreaCosine = 0.2F;
 
 /// The commonest class among a cell and its neighbours: a border that is off by a pixel moves
 /// nothing.
@@ -64,7 +64,7 @@ void SampleGrid::Compute(const SemanticCloud& cloud) {
       sample.position_world = camera_world + rotation * (ray * cell.depth_m);
       sample.normal_world = -(rotation * normal_camera);
       sample.depth_m = cell.depth_m;
-      sample.area_m2 = area_at_1m * cell.depth_m * cell.depth_m / std::max(cosine, kMinCosine);
+      sample.area_m2 = area_at_1m * cell.depth_m * cell.depth_m / std::max(cosine, kMinAreaCosine);
       sample.label = MajorityLabel(cloud, u, v);
       sample.instance = cloud.InstanceAt(u, v);
     }

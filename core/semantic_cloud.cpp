@@ -2,8 +2,9 @@
 
 namespace steadymap {
 
-SemanticCloud::SemanticCloud(const MapConfig& config)
+SemanticCloud::SemanticCloud(const MapConfig& config, bool drops_dynamic)
     : max_depth_m_(static_cast<float>(config.max_depth_m)), is_dynamic_(config.label_limit(), 0) {
+  if (!drops_dynamic) return;
   for (const SemanticClass& row : config.classes) {
     if (row.motion != ClassMotion::kDynamic) continue;
     is_dynamic_[row.id.value()] = 1;

@@ -19,10 +19,10 @@ namespace steadymap {
 /// Keeps its memory from frame to frame. One thread at a time.
 class SemanticCloud {
  public:
-  explicit SemanticCloud(const MapConfig& config);
+  /// `drops_dynamic`: whether cells of dynamic classes weigh nothing.
+  explicit SemanticCloud(const MapConfig& config, bool drops_dynamic = true);
 
-  /// Takes in a frame that passed `ValidateFrame`. Cells of dynamic classes weigh nothing; every
-  /// cell belongs to owner 0.
+  /// Takes in a frame that passed `ValidateFrame`. Every cell belongs to owner 0.
   void Compute(const Frame& frame);
 
   int cells_wide() const { return cells_wide_; }

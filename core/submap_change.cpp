@@ -11,11 +11,6 @@
 namespace steadymap {
 namespace {
 
-// What lies this far behind a surface was looked through despite noise and pose error; grows as the
-// sensor's noise does.
-constexpr float kThroughBaseM = 0.05F;
-constexpr float kThroughPerSquareMetre = 0.007F;
-
 /// A box with so much more on all sides; an empty one stays empty.
 Box Grow(const Box& box, double by_m) {
   if (box.isEmpty()) return box;
@@ -211,8 +206,7 @@ double SubmapMapper::CountLookedThrough(const TrackedObject& object, const FreeV
       const Eigen::Vector3f point_world = T_world_object * point.position_object;
       const Eigen::Vector3f normal_world = T_world_object.linear() * point.normal_object;
       if (normal_world.dot(point_world - view.camera_world()) > 0.0F) continue;
-      const float depth_m = view.DepthOf(point_world);
-      const float margin_m = kThroughBaseM + kThroughPerSquareMetre * depth_m * depth_m;
+      const float margin_m = SeenThroughMargin(view.DepthOf(point_world));
       if (view.LooksThrough(point_world, margin_m)) count += 1.0;
     }
   }

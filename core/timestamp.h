@@ -5,6 +5,8 @@
 
 namespace steadymap {
 
+inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
 /// A moment, nanoseconds since the Unix epoch. Core never reads a clock: times come with frames.
 class Timestamp {
  public:

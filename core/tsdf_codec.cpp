@@ -22,7 +22,7 @@ constexpr std::uint8_t kZstdFlag = 0x20;
 constexpr std::uint8_t kKnownFlags = kVersionMask | kColorFlag | kZstdFlag;
 
 // Level 1 gains nearly all that zstd can here: the residuals are mostly noise.
-constexpr int kZstdLevel = 1;
+constexpr int kVolumeZstdLevel = 1;
 
 constexpr std::size_t kMaskBytes = kLeafSide * sizeof(std::uint64_t);
 constexpr std::size_t kGeometryBytesPerVoxel = 4;
@@ -229,7 +229,7 @@ std::string PackLeaf(const LeafView& leaf, const VoxelScale& scale) {
                                                          compressed.size(),
                                                          body.data(),
                                                          body_bytes,
-                                                         kZstdLevel);
+                                                         kVolumeZstdLevel);
   const bool pays = ZSTD_isError(compressed_bytes) == 0 && compressed_bytes < body_bytes;
   std::uint8_t format = kVersion;
   if (has_color) format |= kColorFlag;

@@ -9,15 +9,8 @@
 namespace steadymap {
 namespace {
 
-constexpr float kMinDepthM = 0.3F;
-
 // Surface seen flatter than this is not judged: its depth changes too fast along the picture.
-constexpr float kMinCosine = 0.25F;
-
-// Measured depth must lie this far behind a surface to have seen through it: noise and pose error
-// stay below it, shifts of a decimetre do not.
-constexpr float kThroughBaseM = 0.05F;
-constexpr float kThroughPerSquareMetre = 0.007F;
+constexpr float kMinJudgedCosine = 0.25F;
 
 // Surface that was measured this close may be the one that should be there: pose error and half the
 // way between samples.
@@ -107,7 +100,7 @@ float VisibilityTest::DepthAlong(const Eigen::Vector3f& point_world,
                                  const SurfaceSample& sample) const {
   const Eigen::Vector3f ray_world = point_world - camera_world_;
   const float along_normal_m = -sample.normal_world.dot(ray_world);
-  if (along_normal_m < kMinCosine * ray_world.norm()) return 0.0F;
+  if (along_normal_m < kMinJudgedCosine * ray_world.norm()) return 0.0F;
   return depth_m * sample.normal_world.dot(camera_world_ - sample.position_world) / along_normal_m;
 }
 
@@ -156,6 +149,61 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
   return newer.standing_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
 }
 
+/// Where the grid of samples shows a point in front of the camera; none if it does not.
+std::optional<VisibilityTest::Place> VisibilityTest::FindPlace(
+    const Eigen::Vector3f& point_camera) const {
+  const PinholeCamera& camera = cloud_.camera();
+  const float u = static_cast<float>(camera.fx) * point_camera.x() / point_camera.z() +
+                  static_cast<float>(camera.cx) + 0.5F;
+  const float v = static_cast<float>(camera.fy) * point_camera.y() / point_camera.z() +
+                  static_cast<float>(camera.cy) + 0.5F;
+  if (u < 0.0F || v < 0.0F) return std::nullopt;
+  const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
+  const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
+  if (column >= samples_.width() || row >= samples_.height()) return std::nullopt;
+  return Place{column, row};
+}
+
+/// Whether any sample was found to be of the object.
+bool VisibilityTest::IsMatched(const TrackedObject& object) const {
+  return std::any_of(
+      association_.owner.begin(), association_.owner.end(), [&](std::uint32_t owner) {
+        return owner != Association::kNone && owner != kBackgroundOwner &&
+               objects_[owner - 1].object == &object;
+      });
+}
+
+/// The verdict on an object that nothing was matched with, as the paper has it: gone, if enough of
+/// its points lie in the frustum (pocd.md section 2, step 4, "Paper").
+ObjectVerdict VisibilityTest::JudgeByFrustum(const TrackedObject& object) const {
+  ObjectVerdict result;
+  std::size_t visible = 0;
+  const Eigen::Isometry3f T_camera_object =
+      T_camera_world_ * object.state().T_world_object.ToIsometry().cast<float>();
+  const std::vector<SurfaceLeaf>& leaves = object.surface().leaves();
+  for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
+    std::array<bool, kEvidenceCells> is_visible{};
+    for (const SurfaceVoxel& point : leaves[leaf].points) {
+      const Eigen::Vector3f point_camera = T_camera_object * point.position_object;
+      if (point_camera.z() < kMinJudgedDepthM ||
+          point_camera.z() > static_cast<float>(parameters_.max_depth_m) ||
+          !FindPlace(point_camera).has_value()) {
+        continue;
+      }
+      ++visible;
+      is_visible[point.cell] = true;
+    }
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if (!is_visible[cell]) continue;
+      result.cells.push_back({leaf, static_cast<std::uint8_t>(cell), Verdict::kSeenThrough});
+    }
+  }
+  const auto points = static_cast<double>(object.surface().point_count());
+  if (static_cast<double>(visible) < parameters_.min_visible_share * points) return {};
+  result.seen_through = result.cells.size();
+  return result;
+}
+
 /// The verdict on a point of the surface, none if it is hidden or out of view. Points that
 /// are present are added to `sums`.
 std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
@@ -165,20 +213,15 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
                                                   PresentSums* sums) const {
   const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
   const float depth_m = point_camera.z();
-  if (depth_m < kMinDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) {
+  if (depth_m < kMinJudgedDepthM || depth_m > static_cast<float>(parameters_.max_depth_m)) {
     return std::nullopt;
   }
   const Eigen::Vector3f normal_camera = T_camera_world_.linear() * normal_world;
-  if (-normal_camera.dot(point_camera) < kMinCosine * point_camera.norm()) return std::nullopt;
-  const PinholeCamera& camera = cloud_.camera();
-  const float u = static_cast<float>(camera.fx) * point_camera.x() / depth_m +
-                  static_cast<float>(camera.cx) + 0.5F;
-  const float v = static_cast<float>(camera.fy) * point_camera.y() / depth_m +
-                  static_cast<float>(camera.cy) + 0.5F;
-  if (u < 0.0F || v < 0.0F) return std::nullopt;
-  const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
-  const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
-  if (column >= samples_.width() || row >= samples_.height()) return std::nullopt;
+  if (-normal_camera.dot(point_camera) < kMinJudgedCosine * point_camera.norm())
+    return std::nullopt;
+  const std::optional<Place> place = FindPlace(point_camera);
+  if (!place.has_value()) return std::nullopt;
+  const auto [column, row] = *place;
   if (const SurfaceSample* sample = FindPresent(object, column, row, point_world, depth_m)) {
     sums->change.AddRay(static_cast<double>(depth_m),
                         static_cast<double>(DepthAlong(point_world, depth_m, *sample)));
@@ -187,8 +230,8 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
         point_world.cast<double>(), normal_world.cast<double>(), static_cast<double>(offset_m));
     return Verdict::kPresent;
   }
-  const float nearest_m = tiles_.NearestAround(column, row);
-  if (nearest_m > depth_m + kThroughBaseM + kThroughPerSquareMetre * depth_m * depth_m) {
+  const float nearest_m = parameters_.is_by_depth ? tiles_.NearestAround(column, row) : 0.0F;
+  if (nearest_m > depth_m + SeenThroughMargin(depth_m)) {
     return Verdict::kSeenThrough;
   }
   if (IsReplaced(object, leaf, samples_.Index(column, row), point_world, normal_world)) {
@@ -198,6 +241,7 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
 }
 
 ObjectVerdict VisibilityTest::Judge(const TrackedObject& object) const {
+  if (!parameters_.is_by_depth && !IsMatched(object)) return JudgeByFrustum(object);
   ObjectVerdict result;
   PresentSums sums(parameters_.change);
   const Eigen::Isometry3f T_world_object = object.state().T_world_object.ToIsometry().cast<float>();

@@ -13,6 +13,14 @@
 
 namespace steadymap {
 
+/// What a frame is asked about lies at this depth at least, metres.
+inline constexpr float kMinJudgedDepthM = 0.3F;
+
+/// How far behind a surface at `depth_m` the measured depth must lie to have seen through it,
+/// metres. Grows as the sensor's noise does: noise and pose error stay below it, shifts of a
+/// decimetre do not.
+inline float SeenThroughMargin(float depth_m) { return 0.05F + 0.007F * depth_m * depth_m; }
+
 /// Nearest raw depth by tiles of pixels, one tile a sample of the grid. Depth beyond what is fused
 /// counts too: one can look through a place from further away than one can map it.
 class DepthTiles {
@@ -68,6 +76,11 @@ struct ObjectVerdict {
 struct VisibilityParameters {
   /// Objects are judged up to this depth, metres.
   double max_depth_m = 5.0;
+  /// False: the paper, where an object that nothing was matched with is gone if enough of its
+  /// points lie in the frustum, hidden or not, ...
+  bool is_by_depth = true;
+  /// ... which is this share (theta_vis).
+  double min_visible_share = 0.20;
   /// Surface this far behind a newer surface of its class is taken as replaced, metres; 0: never.
   double replaced_within_m = 0.45;
   /// An object of which what was found present is turned stands otherwise than known.
@@ -85,7 +98,7 @@ struct PresentSums {
 };
 
 /// Judges the surface of each object in view against a frame (pocd.md section 2, step 4: by depth,
-/// not by frustum).
+/// not by frustum, unless told otherwise).
 class VisibilityTest {
  public:
   VisibilityTest(const SemanticCloud& cloud,
@@ -98,6 +111,15 @@ class VisibilityTest {
   ObjectVerdict Judge(const TrackedObject& object) const;
 
  private:
+  /// Where a point lies in the grid of samples.
+  struct Place {
+    int column = 0;
+    int row = 0;
+  };
+
+  ObjectVerdict JudgeByFrustum(const TrackedObject& object) const;
+  bool IsMatched(const TrackedObject& object) const;
+  std::optional<Place> FindPlace(const Eigen::Vector3f& point_camera) const;
   std::optional<Verdict> JudgePoint(const TrackedObject& object,
                                     LeafOrigin leaf,
                                     const Eigen::Vector3f& point_world,

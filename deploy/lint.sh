@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks form: layers and shell scripts all over, clang-format and clang-tidy on what changed.
+# Checks form: layers, shell scripts and Python all over, clang-format and clang-tidy on what changed.
 #
 #   deploy/lint.sh [--all | --since COMMIT]
 #
@@ -29,7 +29,7 @@ while (($#)); do
   shift
 done
 
-for tool in git cmake clang-format clang-tidy shellcheck; do
+for tool in git cmake clang-format clang-tidy shellcheck black pyflakes3; do
   command -v "$tool" >/dev/null || fail "needs $tool: run deploy/install_dependencies.sh --lint"
 done
 
@@ -78,6 +78,11 @@ cmake -D "ROOT=$PWD" -P tests/layering/check_layers.cmake || status=1
 echo "== lint.sh: shellcheck"
 mapfile -t scripts < <(git ls-files --cached --others --exclude-standard -- '*.sh' .ci/run)
 shellcheck "${scripts[@]}" || status=1
+
+echo "== lint.sh: Python"
+mapfile -t python < <(git ls-files --cached --others --exclude-standard -- '*.py')
+black --quiet --check --diff --config client/python/pyproject.toml "${python[@]}" || status=1
+pyflakes3 "${python[@]}" || status=1
 
 echo "== lint.sh: clang-format, ${#changed[@]} files"
 if ((${#changed[@]})); then clang-format --dry-run -Werror "${changed[@]}" || status=1; fi

@@ -2,10 +2,10 @@
 # Installs what is missing, builds, and runs the whole test suite. The last lines printed are
 # ctest's summary.
 #
-#   deploy/test.sh [PRESET]     PRESET: a configure preset with tests (default: dev)
+#   deploy/test.sh [PRESET]     PRESET: a configure preset with tests (default: ci)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-preset=${1:-dev}
+preset=${1:-ci}
 
 step="starting"
 begin() {

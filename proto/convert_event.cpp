@@ -49,7 +49,7 @@ absl::StatusOr<EventReason> ReadReason(v1::EventReason wire) {
       absl::StrCat("the reason must be one that is known, got ", static_cast<int>(wire)));
 }
 
-v1::EventReason ToProto(EventReason known) {
+v1::EventReason ReasonToProto(EventReason known) {
   for (const auto& [candidate, message] : kReasons) {
     if (candidate == known) return message;
   }
@@ -163,7 +163,7 @@ v1::ObjectEvent ToProto(EventNumber number, const ObjectEvent& event) {
   v1::ObjectEvent message;
   message.set_number(number.value());
   message.set_type(ToProto(event.type));
-  message.set_reason(ToProto(event.reason));
+  message.set_reason(ReasonToProto(event.reason));
   message.set_object_id(event.object.value());
   message.set_class_id(event.class_id.value());
   *message.mutable_capture_time() = ToProto(event.time);

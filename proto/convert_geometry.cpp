@@ -10,8 +10,6 @@
 namespace steadymap {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
 // One second short of the last whole one, so that any nanoseconds fit behind it.
 constexpr std::int64_t kMaxSeconds =
     std::numeric_limits<std::int64_t>::max() / kNanosecondsPerSecond - 1;

@@ -36,7 +36,7 @@ absl::StatusOr<ClassMotion> MotionOf(v1::ClassMotion motion) {
   }
 }
 
-v1::ClassMotion ToProto(ClassMotion motion) {
+v1::ClassMotion MotionToProto(ClassMotion motion) {
   switch (motion) {
     case ClassMotion::kStatic:
       return v1::CLASS_MOTION_STATIC;
@@ -48,7 +48,7 @@ v1::ClassMotion ToProto(ClassMotion motion) {
   return v1::CLASS_MOTION_UNSPECIFIED;
 }
 
-absl::StatusOr<SemanticClass> FromProto(const v1::SemanticClass& message) {
+absl::StatusOr<SemanticClass> ClassFromProto(const v1::SemanticClass& message) {
   if (message.id() > std::numeric_limits<std::uint16_t>::max()) {
     return InvalidField(reason::kBadValue,
                         "id",
@@ -72,7 +72,7 @@ absl::StatusOr<std::vector<SemanticClass>> ReadClasses(const v1::MapConfig& mess
   std::vector<SemanticClass> classes;
   classes.reserve(static_cast<std::size_t>(message.classes_size()));
   for (int i = 0; i < message.classes_size(); ++i) {
-    absl::StatusOr<SemanticClass> row = FromProto(message.classes(i));
+    absl::StatusOr<SemanticClass> row = ClassFromProto(message.classes(i));
     if (!row.ok()) return WithFieldPrefix(row.status(), absl::StrCat("classes[", i, "]"));
     classes.push_back(*std::move(row));
   }
@@ -110,7 +110,7 @@ v1::MapConfig ToProto(const MapConfig& config) {
     v1::SemanticClass* added = message.add_classes();
     added->set_id(row.id.value());
     added->set_name(row.name);
-    added->set_motion(ToProto(row.motion));
+    added->set_motion(MotionToProto(row.motion));
     added->set_in_background(row.in_background);
   }
   return message;

@@ -85,7 +85,7 @@ absl::StatusOr<ObjectStanding> ReadStanding(v1::ObjectStanding standing) {
   }
 }
 
-v1::ObjectStanding ToProto(ObjectStanding standing) {
+v1::ObjectStanding StandingToProto(ObjectStanding standing) {
   switch (standing) {
     case ObjectStanding::kTentative:
       return v1::OBJECT_STANDING_TENTATIVE;
@@ -237,7 +237,7 @@ absl::StatusOr<ObjectState> FromProto(const v1::Object& message) {
 v1::Object ToProto(const MapObject& object) {
   v1::Object message;
   message.set_id(object.id.value());
-  message.set_standing(ToProto(object.standing));
+  message.set_standing(StandingToProto(object.standing));
   message.set_class_id(object.class_id.value());
   message.set_class_confidence(ClassConfidence(object));
   for (const ClassVote& vote : object.votes) {

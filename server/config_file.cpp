@@ -16,14 +16,13 @@
 #include <absl/strings/str_split.h>
 #include <toml++/toml.h>
 
+#include "core/absl_text.h"
 #include "server/config_fields.h"
 
 namespace steadymap {
 namespace {
 
 constexpr std::size_t kLineWidth = 100;
-
-absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
 
 std::string JoinChoices(std::span<const std::string_view> choices) {
   return absl::StrJoin(choices, ", ", [](std::string* out, std::string_view choice) {

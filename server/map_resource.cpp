@@ -6,6 +6,7 @@
 #include <absl/random/random.h>
 #include <absl/strings/str_cat.h>
 #include <google/protobuf/util/field_mask_util.h>
+#include <google/protobuf/util/time_util.h>
 
 #include "core/error.h"
 #include "proto/convert_geometry.h"
@@ -20,10 +21,11 @@ using google::protobuf::util::FieldMaskUtil;
 
 constexpr std::size_t kMaxDisplayNameBytes = 128;
 constexpr std::size_t kMaxRequestIdBytes = 64;
-constexpr std::string_view kTenantsPrefix = "tenants/";
 
 // A century: more would overflow nanoseconds somewhere down the line.
 constexpr std::int64_t kMaxRetentionSeconds = std::int64_t{100} * 366 * 24 * 3600;
+
+constexpr std::int64_t kMaxCommitDelayMs = 60'000;
 
 absl::Status CheckLength(const char* field, const std::string& text, std::size_t max_bytes) {
   if (text.size() <= max_bytes) return absl::OkStatus();
@@ -48,6 +50,24 @@ absl::StatusOr<std::chrono::seconds> ReadLogAge(const v1::Retention& retention,
 
 std::uint64_t ReadLogBytes(const v1::Retention& retention, const RetentionOptions& defaults) {
   return retention.frame_log_bytes() > 0 ? retention.frame_log_bytes() : defaults.frame_log_bytes;
+}
+
+absl::StatusOr<std::chrono::milliseconds> ReadCommitDelay(const v1::Map& map) {
+  const google::protobuf::Duration& delay = map.max_commit_delay();
+  if (delay.seconds() == 0 && delay.nanos() == 0) return std::chrono::milliseconds(0);
+  const bool in_range = delay.seconds() >= 0 && delay.nanos() >= 0 && delay.seconds() <= 60;
+  const std::int64_t milliseconds =
+      in_range ? delay.seconds() * 1000 + delay.nanos() / 1'000'000 : 0;
+  if (milliseconds < 1 || milliseconds > kMaxCommitDelayMs) {
+    return InvalidField(reason::kBadValue,
+                        "map.max_commit_delay",
+                        absl::StrCat("max_commit_delay must lie in [1 ms, 60 s], got ",
+                                     delay.seconds(),
+                                     " s and ",
+                                     delay.nanos(),
+                                     " ns"));
+  }
+  return std::chrono::milliseconds(milliseconds);
 }
 
 std::string RandomToken() {
@@ -78,7 +98,8 @@ absl::Status NotChangeable(const std::string& path) {
   return InvalidField(reason::kBadValue,
                       "update_mask",
                       absl::StrCat("display_name, retention, retention.frame_log_age, "
-                                   "retention.frame_log_bytes and byte_budget can be changed, not ",
+                                   "retention.frame_log_bytes, byte_budget and max_commit_delay "
+                                   "can be changed, not ",
                                    path.substr(0, 100)));
 }
 
@@ -92,6 +113,12 @@ absl::Status ApplyPath(const std::string& path,
   }
   if (path == "byte_budget") {
     record->byte_budget = map.byte_budget();
+    return absl::OkStatus();
+  }
+  if (path == "max_commit_delay") {
+    const absl::StatusOr<std::chrono::milliseconds> delay = ReadCommitDelay(map);
+    if (!delay.ok()) return delay.status();
+    record->max_commit_delay = *delay;
     return absl::OkStatus();
   }
   const bool whole_retention = path == "retention";
@@ -112,6 +139,11 @@ absl::Status ApplyPath(const std::string& path,
 
 }  // namespace
 
+std::string TenantOf(const std::string& parent) {
+  constexpr std::string_view kPrefix = "tenants/";
+  return parent.starts_with(kPrefix) ? parent.substr(kPrefix.size()) : std::string();
+}
+
 v1::Map MakeMapResource(MapRuntime& map) {
   const MapRecord record = map.record();
   v1::Map resource;
@@ -123,6 +155,10 @@ v1::Map MakeMapResource(MapRuntime& map) {
   resource.mutable_retention()->mutable_frame_log_age()->set_seconds(record.frame_log_age.count());
   resource.mutable_retention()->set_frame_log_bytes(record.frame_log_bytes);
   resource.set_byte_budget(record.byte_budget);
+  if (record.max_commit_delay.count() > 0) {
+    *resource.mutable_max_commit_delay() =
+        google::protobuf::util::TimeUtil::MillisecondsToDuration(record.max_commit_delay.count());
+  }
   *resource.mutable_create_time() = ToProto(record.create_time);
   resource.set_incarnation(record.incarnation);
   FillState(map, resource.mutable_state());
@@ -147,7 +183,7 @@ absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
                                      const RetentionOptions& defaults) {
   MapRecord record;
   const std::string& parent = request.parent();
-  if (parent.starts_with(kTenantsPrefix)) record.name.tenant = parent.substr(kTenantsPrefix.size());
+  record.name.tenant = TenantOf(parent);
   if (!IsValidId(record.name.tenant)) {
     return InvalidField(reason::kBadName,
                         "parent",
@@ -169,7 +205,7 @@ absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
   absl::StatusOr<MapConfig> config = FromProto(request.map().config());
   if (!config.ok()) return WithFieldPrefix(config.status(), "map.config");
   record.config = *std::move(config);
-  for (const char* path : {"display_name", "retention", "byte_budget"}) {
+  for (const char* path : {"display_name", "retention", "byte_budget", "max_commit_delay"}) {
     if (status = ApplyPath(path, request.map(), defaults, &record); !status.ok()) return status;
   }
   record.create_time = Now();

@@ -13,6 +13,9 @@
 
 namespace steadymap {
 
+/// The id in `tenants/{tenant}`, as it stands; empty if `parent` reads otherwise.
+std::string TenantOf(const std::string& parent);
+
 /// The map as a resource, with what it holds now. A map in quarantine has a name and an etag only.
 v1::Map MakeMapResource(MapRuntime& map);
 

@@ -13,6 +13,13 @@ namespace {
 // What 64 streams of 64 frames may have under way; the log takes them in a few milliseconds.
 constexpr std::size_t kMaxQueuedFrames = 4096;
 
+/// How a map commits: as the server does, unless the map says otherwise.
+CommitOptions CommitOf(const MapRecord& record, const MapRuntime::Surroundings& surroundings) {
+  CommitOptions commit = surroundings.commit;
+  if (record.max_commit_delay.count() > 0) commit.max_delay = record.max_commit_delay;
+  return commit;
+}
+
 }  // namespace
 
 std::shared_ptr<MapRuntime> MapRuntime::Load(const MapRecord& record,
@@ -68,6 +75,7 @@ void MapRuntime::SetRecord(const MapRecord& record) {
   const absl::MutexLock lock(&mutex_);
   record_ = record;
   memory_bytes_ = memory_bytes;
+  if (mapping_ != nullptr) mapping_->SetMaxDelay(CommitOf(record, surroundings_).max_delay);
 }
 
 absl::Status MapRuntime::condition() const {
@@ -164,7 +172,7 @@ void MapRuntime::StartMapping() {
       MappingThread::Source{record_, *snapshot_, durable_head()},
       *std::move(mapper),
       surroundings_.store,
-      surroundings_.commit,
+      CommitOf(record_, surroundings_),
       MappingThread::Listener{
           [this](const std::shared_ptr<const MapSnapshot>& snapshot) { Publish(snapshot); },
           [this](const absl::Status& status) { Fail(status); }});

@@ -15,10 +15,10 @@
 namespace steadymap {
 namespace {
 
-constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 20;
+constexpr std::size_t kSectionMessageBytes = std::size_t{1} << 20;
 
 // What a packed leaf can take at most, and what surrounds it on the wire.
-constexpr std::size_t kMaxLeafBytes = 8192;
+constexpr std::size_t kSectionLeafBytes = 8192;
 
 // An object has some 300 bytes, more where it was seen as many classes.
 constexpr std::size_t kMaxObjectBytes = std::size_t{1} << 19;
@@ -78,7 +78,7 @@ class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
   /// Fills a message with leaves; false once there are no more.
   bool NextLeaves(v1::GetMapSectionResponse* message) {
     std::size_t bytes = 0;
-    while (part_ < parts_.size() && bytes + kMaxLeafBytes <= kMaxMessageBytes) {
+    while (part_ < parts_.size() && bytes + kSectionLeafBytes <= kSectionMessageBytes) {
       const SectionPart& part = parts_[part_];
       if (next_leaf_ == part.leaves.size()) {
         ++part_;

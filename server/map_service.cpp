@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::uint32_t kDefaultPageSize = 100;
 constexpr std::uint32_t kMaxPageSize = 1000;
-constexpr std::string_view kTenantsPrefix = "tenants/";
 
 }  // namespace
 
@@ -94,8 +93,7 @@ absl::Status MapService::Get(const v1::GetMapRequest& request, v1::Map* response
 
 absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response) {
   const std::string& parent = request.parent();
-  const std::string tenant =
-      parent.starts_with(kTenantsPrefix) ? parent.substr(kTenantsPrefix.size()) : std::string();
+  const std::string tenant = TenantOf(parent);
   if (!IsValidId(tenant)) {
     return InvalidField(
         reason::kBadName,

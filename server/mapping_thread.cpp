@@ -42,7 +42,8 @@ MappingThread::MappingThread(Source source,
       options_(options),
       listener_(std::move(listener)),
       integrated_(source_.snapshot.revision.value()),
-      committed_(source_.snapshot.revision.value()) {
+      committed_(source_.snapshot.revision.value()),
+      max_delay_ms_(options.max_delay.count()) {
   mapper_->Restore(source_.snapshot);
   thread_ = std::thread([this] { Run(); });
 }
@@ -147,7 +148,7 @@ absl::Status MappingThread::IntegrateInbox() {
 
 absl::Status MappingThread::IntegrateOne(MapSequence sequence, const Frame& frame) {
   if (mapper_->uncommitted_frames() == 0) {
-    commit_due_ = Heartbeat::Clock::now() + options_.max_delay;
+    commit_due_ = Heartbeat::Clock::now() + std::chrono::milliseconds(max_delay_ms_);
   }
   mapper_->Integrate(sequence, frame);
   heartbeat_.Beat();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <functional>
@@ -69,6 +70,9 @@ class MappingThread {
   /// Commits without delay once the frame `target` is integrated. Any thread.
   void RequestCommit(MapSequence target) ABSL_LOCKS_EXCLUDED(mutex_);
 
+  /// Changes `CommitOptions::max_delay` for revisions that begin from now on. Any thread.
+  void SetMaxDelay(std::chrono::milliseconds max_delay) { max_delay_ms_ = max_delay.count(); }
+
   /// Ends the thread after the frame at hand; what is integrated is committed if `commit`. Not from
   /// the thread itself.
   void Stop(bool commit) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -112,6 +116,7 @@ class MappingThread {
   MapSequence integrated_ ABSL_GUARDED_BY(mutex_);  ///< The mapper's head.
   MapSequence committed_ ABSL_GUARDED_BY(mutex_);
 
+  std::atomic<std::chrono::milliseconds::rep> max_delay_ms_;
   Heartbeat heartbeat_;
   std::atomic<bool> ended_ = false;
   std::thread thread_;  ///< Last: it uses everything above.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "server/impossible_record.h"
 
 #include "steadymap/storage/v1/records.pb.h"
 
@@ -21,10 +22,6 @@ constexpr std::int32_t kMaxLeafIndex = 1 << 27;
 constexpr int kEvidenceNumbers = 4;
 constexpr int kOldEvidenceNumbers = 3;
 
-absl::Status Impossible(std::string_view what) {
-  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
-}
-
 using Doubles = google::protobuf::RepeatedField<double>;
 
 void Add(const Eigen::Vector3d& vector, Doubles* numbers) {
@@ -35,14 +32,14 @@ Eigen::Vector3d VectorAt(const Doubles& numbers, int first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
 
-void ToProto(const Belief& belief, storage::v1::Belief* proto) {
+void BeliefToProto(const Belief& belief, storage::v1::Belief* proto) {
   proto->set_change_mean_m(belief.change_mean_m);
   proto->set_change_std_m(belief.change_std_m);
   proto->set_alpha(belief.alpha);
   proto->set_beta(belief.beta);
 }
 
-Belief FromProto(const storage::v1::Belief& proto) {
+Belief BeliefFromProto(const storage::v1::Belief& proto) {
   return {proto.change_mean_m(), proto.change_std_m(), proto.alpha(), proto.beta()};
 }
 
@@ -51,7 +48,7 @@ bool IsPossible(const Belief& belief) {
          belief.beta > 0.0;
 }
 
-void ToProto(const LeafEvidence& leaf, storage::v1::LeafEvidence* proto) {
+void LeafToProto(const LeafEvidence& leaf, storage::v1::LeafEvidence* proto) {
   proto->set_x(leaf.origin.x / kLeafSide);
   proto->set_y(leaf.origin.y / kLeafSide);
   proto->set_z(leaf.origin.z / kLeafSide);
@@ -64,7 +61,7 @@ void ToProto(const LeafEvidence& leaf, storage::v1::LeafEvidence* proto) {
   proto->set_confirmed_ns(leaf.confirmed.nanoseconds());
 }
 
-absl::StatusOr<LeafEvidence> FromProto(const storage::v1::LeafEvidence& proto) {
+absl::StatusOr<LeafEvidence> LeafFromProto(const storage::v1::LeafEvidence& proto) {
   LeafEvidence leaf;
   for (const std::int32_t index : {proto.x(), proto.y(), proto.z()}) {
     if (index < -kMaxLeafIndex || index >= kMaxLeafIndex) {
@@ -94,7 +91,7 @@ absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence*
   }
   evidence->leaves.reserve(static_cast<std::size_t>(proto.evidence_size()));
   for (const storage::v1::LeafEvidence& leaf : proto.evidence()) {
-    absl::StatusOr<LeafEvidence> read = FromProto(leaf);
+    absl::StatusOr<LeafEvidence> read = LeafFromProto(leaf);
     if (!read.ok()) return read.status();
     if (!evidence->leaves.empty() && !(evidence->leaves.back().origin < read->origin)) {
       return Impossible("the evidence of an object record is not in order");
@@ -121,12 +118,12 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   Add(state.cuboid.center_world, proto.mutable_cuboid());
   Add(state.cuboid.size_m, proto.mutable_cuboid());
   proto.add_cuboid(state.cuboid.yaw_rad);
-  ToProto(state.belief, proto.mutable_belief());
+  BeliefToProto(state.belief, proto.mutable_belief());
   proto.add_evidence_cells(state.evidence.present_cells);
   proto.add_evidence_cells(state.evidence.absent_cells);
   proto.add_evidence_cells(state.evidence.absent_streak_cells);
   proto.add_evidence_cells(state.evidence.change_sum_m);
-  for (const LeafEvidence& leaf : state.evidence.leaves) ToProto(leaf, proto.add_evidence());
+  for (const LeafEvidence& leaf : state.evidence.leaves) LeafToProto(leaf, proto.add_evidence());
   proto.set_first_seen_ns(state.first_seen.nanoseconds());
   proto.set_standing_since_ns(state.standing_since.nanoseconds());
   proto.set_last_seen_ns(state.last_seen.nanoseconds());
@@ -154,7 +151,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   }
   state.T_world_object = {VectorAt(proto.pose(), 0), proto.pose(3)};
   state.cuboid = {VectorAt(proto.cuboid(), 0), VectorAt(proto.cuboid(), 3), proto.cuboid(6)};
-  state.belief = FromProto(proto.belief());
+  state.belief = BeliefFromProto(proto.belief());
   if (!IsPossible(state.belief)) return Impossible("an object record holds an impossible belief");
   if (absl::Status status = ReadEvidence(proto, &state.evidence); !status.ok()) return status;
   state.first_seen = Timestamp::FromNanoseconds(proto.first_seen_ns());
@@ -176,8 +173,8 @@ storage::v1::EventRecord ToProto(const ObjectEvent& event) {
   Add(event.center_world, record.mutable_center());
   if (event.old_center_world) Add(*event.old_center_world, record.mutable_old_center());
   if (event.confidence) record.set_confidence(*event.confidence);
-  ToProto(event.before, record.mutable_before());
-  ToProto(event.after, record.mutable_after());
+  BeliefToProto(event.before, record.mutable_before());
+  BeliefToProto(event.after, record.mutable_after());
   record.set_related(event.related.value());
   record.set_views(event.views);
   record.set_absences(event.absences);
@@ -202,8 +199,8 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
   event.center_world = VectorAt(record.center(), 0);
   if (record.old_center_size() == 3) event.old_center_world = VectorAt(record.old_center(), 0);
   if (record.has_confidence()) event.confidence = record.confidence();
-  event.before = FromProto(record.before());
-  event.after = FromProto(record.after());
+  event.before = BeliefFromProto(record.before());
+  event.after = BeliefFromProto(record.after());
   event.related = ObjectId{record.related()};
   event.views = record.views();
   event.absences = record.absences();

@@ -6,6 +6,7 @@
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
+#include "core/absl_text.h"
 #include "core/crc32c.h"
 #include "core/error.h"
 
@@ -13,8 +14,6 @@ namespace steadymap {
 namespace {
 
 constexpr std::size_t kChecksumDigits = 8;
-
-absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
 
 std::string ChecksumOf(std::string_view scope, std::string_view position) {
   const std::uint32_t crc = ExtendCrc32c(ExtendCrc32c(0, scope), position);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "server/impossible_record.h"
 
 #include "steadymap/storage/v1/records.pb.h"
 
@@ -11,10 +12,6 @@ namespace {
 
 constexpr std::uint32_t kTrusts = static_cast<std::uint32_t>(Trust::kLost) + 1;
 constexpr int kMotionNumbers = 6;
-
-absl::Status Impossible(std::string_view what) {
-  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
-}
 
 using Floats = google::protobuf::RepeatedField<float>;
 
@@ -26,12 +23,12 @@ Eigen::Vector3f VectorAt(const Floats& numbers, int first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
 
-void ToProto(const CameraPlace& place, storage::v1::CameraPlace* proto) {
+void PlaceToProto(const CameraPlace& place, storage::v1::CameraPlace* proto) {
   for (const double number : place.position_world) proto->add_position(number);
   Add(place.rotation_world, proto->mutable_rotation());
 }
 
-absl::StatusOr<CameraPlace> FromProto(const storage::v1::CameraPlace& proto) {
+absl::StatusOr<CameraPlace> PlaceFromProto(const storage::v1::CameraPlace& proto) {
   if (proto.position_size() != 3 || proto.rotation_size() != 3) {
     return Impossible("a robot record holds no place");
   }
@@ -50,8 +47,8 @@ storage::v1::RobotRecord ToProto(const RobotState& state) {
   record.set_trust(static_cast<std::uint32_t>(state.trust) + 1);
   record.set_streak(state.streak);
   record.set_last_capture_time_ns(state.last_capture_time.nanoseconds());
-  ToProto(state.claimed, record.mutable_claimed());
-  if (state.likely != state.claimed) ToProto(state.likely, record.mutable_likely());
+  PlaceToProto(state.claimed, record.mutable_claimed());
+  if (state.likely != state.claimed) PlaceToProto(state.likely, record.mutable_likely());
   const Eigen::Vector3f still = Eigen::Vector3f::Zero();
   if (state.velocity_m_per_s != still || state.turn_rad_per_s != still) {
     Add(state.velocity_m_per_s, record.mutable_motion());
@@ -69,11 +66,11 @@ absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
   state.trust = static_cast<Trust>(record.trust() - 1);
   state.streak = record.streak();
   state.last_capture_time = Timestamp::FromNanoseconds(record.last_capture_time_ns());
-  const absl::StatusOr<CameraPlace> claimed = FromProto(record.claimed());
+  const absl::StatusOr<CameraPlace> claimed = PlaceFromProto(record.claimed());
   if (!claimed.ok()) return claimed.status();
   state.claimed = *claimed;
   const absl::StatusOr<CameraPlace> likely =
-      record.has_likely() ? FromProto(record.likely()) : claimed;
+      record.has_likely() ? PlaceFromProto(record.likely()) : claimed;
   if (!likely.ok()) return likely.status();
   state.likely = *likely;
   if (record.motion_size() == kMotionNumbers) {

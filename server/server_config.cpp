@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 
+#include "core/absl_text.h"
 #include "server/config_fields.h"
 
 namespace steadymap {
@@ -38,8 +39,6 @@ std::optional<Listener> ParseListener(std::string_view listen) {
   if (listener.host.find(':') != std::string_view::npos) return std::nullopt;
   return listener;
 }
-
-absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
 
 /// Collects the integers that are out of their range.
 class RangeChecker final : public FieldVisitor {

@@ -6,6 +6,7 @@
 
 #include "core/crc32c.h"
 #include "core/error.h"
+#include "server/impossible_record.h"
 #include "server/store_keys.h"
 
 #include "steadymap/storage/v1/records.pb.h"
@@ -55,11 +56,7 @@ std::uint32_t ToNumber(ClassMotion motion) {
   return 0;
 }
 
-absl::Status Impossible(const char* what) {
-  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
-}
-
-absl::StatusOr<MapConfig> FromProto(const storage::v1::MapConfig& config) {
+absl::StatusOr<MapConfig> ConfigFromProto(const storage::v1::MapConfig& config) {
   if (config.policy() < 1 || config.policy() > 6) {
     return Impossible("a map record holds an unknown update policy");
   }
@@ -160,6 +157,7 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
   proto.set_frame_log_age_s(record.frame_log_age.count());
   proto.set_frame_log_bytes(record.frame_log_bytes);
   proto.set_byte_budget(record.byte_budget);
+  proto.set_max_commit_delay_ms(record.max_commit_delay.count());
   proto.set_create_time_ns(record.create_time.nanoseconds());
   proto.set_incarnation(record.incarnation);
   proto.set_request_id(record.request_id);
@@ -168,7 +166,7 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
 }
 
 absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
-  absl::StatusOr<MapConfig> config = FromProto(record.config());
+  absl::StatusOr<MapConfig> config = ConfigFromProto(record.config());
   if (!config.ok()) return config.status();
   MapRecord result;
   result.key = MapKey{record.key()};
@@ -178,6 +176,7 @@ absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
   result.frame_log_age = std::chrono::seconds(record.frame_log_age_s());
   result.frame_log_bytes = record.frame_log_bytes();
   result.byte_budget = record.byte_budget();
+  result.max_commit_delay = std::chrono::milliseconds(record.max_commit_delay_ms());
   result.create_time = Timestamp::FromNanoseconds(record.create_time_ns());
   result.incarnation = record.incarnation();
   result.request_id = record.request_id();

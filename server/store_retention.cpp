@@ -13,8 +13,6 @@
 namespace steadymap {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
 // Reclaiming flushes and compacts: done when that much can be won.
 constexpr std::uint64_t kReclaimBytes = std::uint64_t{16} << 20;
 

@@ -112,7 +112,10 @@ WatchStep MakeDeltaStep(const MapFilter& filter,
   step.from = from;
   step.commits = changes.commits;
   step.snapshot = std::move(snapshot);
-  if (!filter.WantsObjects()) return step;
+  if (!filter.WantsObjects()) {
+    step.shown = ShownBy(filter, *step.snapshot);
+    return step;
+  }
   DeltaStepBuilder builder(filter, shown.get(), &step);
   builder.Add(changes);
   std::sort(step.leaves.begin(), step.leaves.end());

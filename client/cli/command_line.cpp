@@ -10,11 +10,13 @@
 #include "client/cli/events_command.h"
 #include "client/cli/export_command.h"
 #include "client/cli/map_commands.h"
+#include "client/cli/mirror_command.h"
 #include "client/cli/objects_command.h"
 #include "client/cli/query_command.h"
 #include "client/cli/render_command.h"
 #include "client/cli/simulate_command.h"
 #include "client/cli/upload_command.h"
+#include "client/cli/watch_command.h"
 #include "core/error.h"
 
 namespace steadymap {
@@ -26,7 +28,7 @@ constexpr int kMisused = 2;
 // Says nothing that the rest of gRPC's sentence does not.
 constexpr std::string_view kGrpcPreamble = "failed to connect to all addresses; last error: ";
 
-constexpr char kFooter[] =
+constexpr char kCommandLineFooter[] =
     "Maps are kept in metres in a right-handed frame with z up. A map's NAME is its id in the\n"
     "tenant `default`, or tenants/T/maps/M. `steadymap COMMAND --help` tells more of each "
     "command.\n"
@@ -93,7 +95,7 @@ std::string ErrorLine(const absl::Status& status, const std::string& server) {
 
 int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* context) {
   CLI::App app("Uploads frames to a steadymap server and reads its maps.", "steadymap");
-  app.footer(kFooter);
+  app.footer(kCommandLineFooter);
   app.require_subcommand(1);
   app.fallthrough();
   app.set_version_flag("--version", STEADYMAP_VERSION);
@@ -106,6 +108,8 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const SimulateCommand simulate(&app, context);
   const ObjectsCommand objects(&app, context);
   const EventsCommand events(&app, context);
+  const WatchCommand watch(&app, context);
+  const MirrorCommand mirror(&app, context);
   const ExportCommand exporting(&app, context);
   const QueryCommand query(&app, context);
   const RenderCommand render(&app, context);

@@ -13,12 +13,16 @@
 #include "client/evaluation/recording_evaluation.h"
 #include "client/evaluation/score_picture.h"
 #include "client/evaluation/score_table.h"
+#include "client/evaluation/stage_table.h"
 #include "core/image_codec.h"
 
 namespace steadymap {
 namespace {
 
-std::string Footer() {
+// Where their descriptions start in the list of switches.
+constexpr std::size_t kSwitchColumn = 14;
+
+std::string EvaluateFooter() {
   std::string footer =
       "Frames of a simulated route, or of recorded sequences, are built into maps in this "
       "process,\n"
@@ -31,6 +35,12 @@ std::string Footer() {
   for (const std::string& route : RouteNames()) footer += " " + route;
   footer += "\nPolicies:";
   for (const std::string& method : MethodNames()) footer += " " + method;
+  footer += "\nSwitches of pocd, and what it is like without:";
+  for (const EngineSwitch& row : AllEngineSwitches()) {
+    std::string name(row.name);
+    name.resize(kSwitchColumn, ' ');
+    footer.append("\n  ").append(name).append(row.off);
+  }
   return footer;
 }
 
@@ -48,10 +58,16 @@ absl::Status WritePicture(const std::filesystem::path& path, const Image<Rgb>& p
 EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command =
       app->add_subcommand("evaluate", "Build maps by several policies and score them");
-  command->footer(Footer());
+  command->footer(EvaluateFooter());
   AddSources(command);
   command->add_option("--policy", policies_, "Policies to compare; without it, all of them")
       ->check(CLI::IsMember(MethodNames()));
+  command
+      ->add_option("--switch-off",
+                   switched_off_,
+                   "Show pocd without these, too, each by itself; all: all of them")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(SwitchNames()));
   command->add_option("--stride", stride_, "Keep every N-th frame")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
@@ -63,6 +79,7 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
       ->type_name("METRES")
       ->check(CLI::Range(0.02, 1.0));
   command->add_flag("--ground", with_ground_, "Score the ground, too");
+  command->add_flag("--stages", with_stages_, "Show where the time of a frame goes");
   command->add_option("--pictures", pictures_folder_, "Draw each map's verdicts into this folder")
       ->type_name("DIR");
   command->add_flag("--json", as_json_, "Print the tables as JSON");
@@ -123,7 +140,9 @@ absl::StatusOr<std::vector<Evaluation>> EvaluateCommand::EvaluateAll() const {
   const auto take = [&](absl::StatusOr<Evaluation> evaluation) {
     if (!evaluation.ok()) return evaluation.status();
     if (!as_json_) {
-      context_->out << (evaluations.empty() ? "" : "\n") << ScoreTable(*evaluation) << std::flush;
+      context_->out << (evaluations.empty() ? "" : "\n") << ScoreTable(*evaluation);
+      if (with_stages_) context_->out << StageTable(*evaluation);
+      context_->out << std::flush;
     }
     evaluations.push_back(*std::move(evaluation));
     return absl::OkStatus();
@@ -142,7 +161,8 @@ absl::StatusOr<std::vector<Evaluation>> EvaluateCommand::EvaluateAll() const {
 absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string& name) const {
   absl::StatusOr<Route> route = MakeRoute(name);
   if (!route.ok()) return route.status();
-  absl::StatusOr<std::vector<Method>> methods = SelectMethods(policies_, MapConfigFor(name));
+  absl::StatusOr<std::vector<Method>> methods =
+      SelectMethods(policies_, MapConfigFor(name), switched_off_);
   if (!methods.ok()) return methods.status();
   absl::Status picture_status;
   RouteEvaluationOptions options;
@@ -177,7 +197,8 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
 }
 
 absl::StatusOr<Evaluation> EvaluateCommand::EvaluateSequences() const {
-  absl::StatusOr<std::vector<Method>> methods = SelectMethods(policies_, MapConfig());
+  absl::StatusOr<std::vector<Method>> methods =
+      SelectMethods(policies_, MapConfig(), switched_off_);
   if (!methods.ok()) return methods.status();
   absl::Status picture_status;
   RecordingEvaluationOptions options;
@@ -204,8 +225,9 @@ MapVisitor EvaluateCommand::PictureWriter(const std::string& title, absl::Status
     const ScorePictureText text = {
         title + ", " + method,
         "verdicts within half a voxel of " + LengthText(scorer.voxel_size_m()) + ", from above"};
-    const std::filesystem::path path =
-        std::filesystem::path(pictures_folder_) / (title + "-" + method + ".png");
+    std::string name = title + "-" + method + ".png";
+    std::erase(name, ' ');
+    const std::filesystem::path path = std::filesystem::path(pictures_folder_) / name;
     *status =
         WritePicture(path, DrawScorePicture(scorer.Judge(surface), scorer.voxel_size_m(), text));
   };

@@ -37,6 +37,7 @@ class EvaluateCommand {
   std::string label_map_file_;
   std::string T_world_dataset_file_;
   std::vector<std::string> policies_;
+  std::vector<std::string> switched_off_;  ///< Of pocd.
   std::vector<std::uint64_t> seeds_ = {1};
   std::size_t stride_ = 1;
   std::optional<double> wrong_labels_;
@@ -45,6 +46,7 @@ class EvaluateCommand {
   std::string pictures_folder_;
   bool is_ideal_ = false;
   bool with_ground_ = false;
+  bool with_stages_ = false;
   bool as_json_ = false;
 };
 

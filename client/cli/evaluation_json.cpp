@@ -1,5 +1,7 @@
 #include "client/cli/evaluation_json.h"
 
+#include <algorithm>
+
 #include "client/cli/json_writer.h"
 #include "client/evaluation/reported_scores.h"
 
@@ -58,6 +60,17 @@ void WriteEvents(const EventScore& score, JsonWriter* json) {
   json->EndObject();
 }
 
+// Times by name, words joined by underscores.
+void WriteStages(const StageTimes& stage_ms, JsonWriter* json) {
+  json->Key("stage_ms").BeginObject();
+  for (std::size_t stage = 0; stage < stage_ms.size(); ++stage) {
+    std::string name(kMapperStageNames[stage]);
+    std::replace(name.begin(), name.end(), ' ', '_');
+    json->Key(name).Number(stage_ms[stage]);
+  }
+  json->EndObject();
+}
+
 void WriteRow(const MethodScore& row, bool has_history, JsonWriter* json) {
   json->BeginObject();
   json->Key("policy").Text(row.name);
@@ -68,11 +81,13 @@ void WriteRow(const MethodScore& row, bool has_history, JsonWriter* json) {
     WriteShare("kept", row.map.kept, json);
     if (!row.last_sequence_only) WriteEvents(row.events, json);
   }
+  WriteShare("trail", row.map.trail, json);
   json->Key("brier").Number(row.brier);
   json->Key("memory_bytes").Integer(row.cost.memory_bytes);
   json->Key("bytes_per_object").Number(row.cost.bytes_per_object);
   json->Key("delta_bytes_per_frame").Number(row.cost.delta_bytes_per_frame);
   json->Key("median_frame_ms").Number(row.cost.median_frame_ms);
+  WriteStages(row.cost.stage_ms, json);
   json->EndObject();
 }
 

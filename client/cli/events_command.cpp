@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kEventsFooter[] =
     "JSON: {\"revision\", \"events\": [{\"number\", \"type\", \"reason\", \"object\", \"class\", "
     "\"class_name\",\n"
     "\"time\" (capture time), \"revision\", \"center\" [x, y, z]; for moves also \"old_center\",\n"
@@ -30,7 +30,7 @@ constexpr char kFooter[] =
 EventsCommand::EventsCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command =
       app->add_subcommand("events", "List what happened to the objects and robots of a map");
-  command->footer(kFooter);
+  command->footer(kEventsFooter);
   command->add_option("NAME", map_, "The map")->required();
   command
       ->add_option("--type",

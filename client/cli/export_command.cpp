@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kExportFooter[] =
     "  ply  triangles with normals, and colours where known; metres, map frame, z up\n"
     "  glb  the same as binary glTF 2.0, turned so that y is up, for viewers\n"
     "  vdb  OpenVDB volumes of signed distance and weight\n\n"
@@ -36,7 +36,7 @@ const std::map<std::string, v1::ExportFormat>& Formats() {
 
 ExportCommand::ExportCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command = app->add_subcommand("export", "Write a map to a file");
-  command->footer(kFooter);
+  command->footer(kExportFooter);
   command->add_option("NAME", map_, "The map")->required();
   command->add_option("--format", format_, "Format of the file")
       ->required()

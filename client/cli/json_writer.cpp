@@ -116,6 +116,10 @@ JsonWriter& JsonWriter::Number(double value) {
   return *this;
 }
 
+JsonWriter& JsonWriter::Vector(double x, double y, double z) {
+  return BeginArray().Number(x).Number(y).Number(z).EndArray();
+}
+
 JsonWriter& JsonWriter::Integer(std::uint64_t value) {
   BeginValue();
   text_ += std::to_string(value);
@@ -146,7 +150,7 @@ void JsonWriter::BeginValue() {
     return;
   }
   if (is_empty_.empty()) return;
-  if (!is_empty_.back()) text_ += ',';
+  if (!is_empty_.back()) text_ += layout_ == JsonLayout::kOneLine ? ", " : ",";
   is_empty_.back() = false;
   NewLine();
 }
@@ -166,6 +170,7 @@ void JsonWriter::End(char bracket) {
 }
 
 void JsonWriter::NewLine() {
+  if (layout_ == JsonLayout::kOneLine) return;
   text_ += '\n';
   text_.append(2 * is_empty_.size(), ' ');
 }

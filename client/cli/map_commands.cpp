@@ -71,6 +71,13 @@ void MapCommands::AddCreate(CLI::App* map) {
       ->add_option(
           "--max-depth", config_.max_depth_m, "Depth beyond this is not used, metres, 0.1 to 100")
       ->capture_default_str();
+  command
+      ->add_option("--max-commit-delay",
+                   max_commit_delay_ms_,
+                   "Show a frame so many milliseconds after it came at the latest, 1 to 60000; the "
+                   "server's own, 250 unless told, without it")
+      ->type_name("MS")
+      ->check(CLI::Range(1, 60'000));
   command->add_flag("--json", as_json_, "Print the map as JSON");
   command->callback([this] { context_->action = [this] { return Create(); }; });
 }
@@ -126,7 +133,8 @@ absl::Status MapCommands::Create() const {
   const absl::StatusOr<MapConfig> config = ConfigFromOptions();
   if (!config.ok()) return config.status();
   const absl::StatusOr<v1::Map> map =
-      MapClient(context_->Channel()).CreateMap(*name, ToProto(*config));
+      MapClient(context_->Channel())
+          .CreateMap(*name, ToProto(*config), std::chrono::milliseconds(max_commit_delay_ms_));
   if (!map.ok()) return map.status();
   if (as_json_) {
     JsonWriter json;

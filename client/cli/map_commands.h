@@ -33,6 +33,7 @@ class MapCommands {
   MapConfig config_;
   bool truncation_given_ = false;
   std::string policy_ = "static";
+  std::int64_t max_commit_delay_ms_ = 0;  ///< 0: the server's.
   std::string classes_file_;
 };
 

@@ -22,18 +22,13 @@ std::string PointText(const v1::Vector3& point, int decimals) {
                       ")");
 }
 
-double SecondsOf(const google::protobuf::Timestamp& moment) {
-  return static_cast<double>(moment.seconds()) + static_cast<double>(moment.nanos()) * 1e-9;
-}
-
 double StationarityOf(const v1::Belief& belief) {
   const double sum = belief.alpha() + belief.beta();
   return sum > 0.0 ? belief.alpha() / sum : 0.0;
 }
 
 void WriteVectorJson(const char* key, const v1::Vector3& vector, JsonWriter* json) {
-  json->Key(key).BeginArray();
-  json->Number(vector.x()).Number(vector.y()).Number(vector.z()).EndArray();
+  json->Key(key).Vector(vector.x(), vector.y(), vector.z());
 }
 
 // The members of a belief, within an object that is open.
@@ -137,6 +132,29 @@ void WriteObjectTable(const std::vector<v1::Object>& objects,
          << WordOf(v1::ObjectStanding_descriptor(), object.standing())
          << MomentText(object.last_seen()) << '\n';
   }
+}
+
+double SecondsOf(const google::protobuf::Timestamp& moment) {
+  return static_cast<double>(moment.seconds()) + static_cast<double>(moment.nanos()) * 1e-9;
+}
+
+std::string ObjectText(const v1::Object& object, const ClassNames& classes) {
+  return absl::StrCat("object ",
+                      object.id(),
+                      " (",
+                      classes.NameOf(object.class_id()),
+                      ") ",
+                      WordOf(v1::ObjectStanding_descriptor(), object.standing()),
+                      " at ",
+                      PointText(object.cuboid().center_m(), 2),
+                      ", size ",
+                      PointText(object.cuboid().size_m(), 2),
+                      ", E[v] ",
+                      FixedText(object.stationarity(), 2),
+                      ", ",
+                      CountText(object.views()),
+                      " views, revision ",
+                      object.revision());
 }
 
 void WriteObjectJson(const v1::Object& object, const ClassNames& classes, JsonWriter* json) {

@@ -13,6 +13,7 @@
 #include "client/map_client.h"
 #include "core/identifiers.h"
 
+#include "google/protobuf/timestamp.pb.h"
 #include "steadymap/v1/event.pb.h"
 #include "steadymap/v1/map.pb.h"
 #include "steadymap/v1/object.pb.h"
@@ -45,6 +46,12 @@ absl::StatusOr<v1::EventType> ParseEventType(std::string_view text);
 void WriteObjectTable(const std::vector<v1::Object>& objects,
                       const ClassNames& classes,
                       std::ostream* out);
+
+/// An object in one line, without a line feed.
+std::string ObjectText(const v1::Object& object, const ClassNames& classes);
+
+/// Seconds since 1970.
+double SecondsOf(const google::protobuf::Timestamp& moment);
 
 /// What a list call gave, as JSON: `{"revision", "<key>": [...]}`, each entry as `write_entry`
 /// does.

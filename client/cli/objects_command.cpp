@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kObjectsFooter[] =
     "An object's E[v] is how probably it stands where it stood; `alpha` and `beta` weigh what "
     "spoke\n"
     "for and against that. Maps of the static policy have no objects.\n\n"
@@ -30,7 +30,7 @@ constexpr char kFooter[] =
 
 ObjectsCommand::ObjectsCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command = app->add_subcommand("objects", "List the objects of a map");
-  command->footer(kFooter);
+  command->footer(kObjectsFooter);
   command->add_option("NAME", map_, "The map")->required();
   command->add_option("--class", classes_, "Only this class; may be given several times")
       ->allow_extra_args(false)

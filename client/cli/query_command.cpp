@@ -11,7 +11,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kQueryFooter[] =
     "For each point (world frame, metres) the signed distance to the nearest surface: positive in\n"
     "front of it, negative behind, together with the direction away from the surface, the object\n"
     "(0 is the background), its class, and the weight of the evidence (1 is one look from 1 m).\n"
@@ -21,10 +21,6 @@ constexpr char kFooter[] =
 std::string VectorText(double x, double y, double z, int decimals) {
   return "(" + FixedText(x, decimals) + ", " + FixedText(y, decimals) + ", " +
          FixedText(z, decimals) + ")";
-}
-
-void WriteVectorJson(double x, double y, double z, JsonWriter* json) {
-  json->BeginArray().Number(x).Number(y).Number(z).EndArray();
 }
 
 void WriteSampleText(const Eigen::Vector3d& point,
@@ -46,13 +42,12 @@ void WriteSampleJson(const Eigen::Vector3d& point,
                      const v1::DistanceSample& sample,
                      JsonWriter* json) {
   json->BeginObject();
-  json->Key("point_m");
-  WriteVectorJson(point.x(), point.y(), point.z(), json);
+  json->Key("point_m").Vector(point.x(), point.y(), point.z());
   json->Key("known").Boolean(sample.known());
   if (sample.known()) {
     json->Key("distance_m").Number(sample.distance_m());
-    json->Key("gradient");
-    WriteVectorJson(sample.gradient().x(), sample.gradient().y(), sample.gradient().z(), json);
+    const v1::Vector3& gradient = sample.gradient();
+    json->Key("gradient").Vector(gradient.x(), gradient.y(), gradient.z());
     json->Key("object_id").Integer(sample.object_id());
     json->Key("class_id").Integer(sample.class_id());
     json->Key("weight").Number(sample.weight());
@@ -65,7 +60,7 @@ void WriteSampleJson(const Eigen::Vector3d& point,
 QueryCommand::QueryCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command =
       app->add_subcommand("query", "Ask how far points are from the nearest surface");
-  command->footer(kFooter);
+  command->footer(kQueryFooter);
   command->add_option("NAME", map_, "The map")->required();
   command->add_option("--point", points_, "Point to ask for; may be given several times")
       ->required()

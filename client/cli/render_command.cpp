@@ -21,7 +21,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kRenderFooter[] =
     "A bird's-eye picture: the surface from straight above, lit and coloured by height (or by the\n"
     "colours that were recorded), the robots' paths and a scale bar. A ceiling is cut away.\n"
     "Objects are outlined in the colour of their E[v], how probably they stand where they stood;\n"
@@ -83,7 +83,7 @@ absl::StatusOr<std::vector<ObjectMark>> ReadMarks(MapClient* client,
 
 RenderCommand::RenderCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command = app->add_subcommand("render", "Draw a map from above");
-  command->footer(kFooter);
+  command->footer(kRenderFooter);
   command->add_option("NAME", map_, "The map")->required();
   command->add_option("--output", output_, "The PNG file")->required()->type_name("FILE");
   command->add_option("--size", picture_.longest_side_px, "Length of the longer side, pixels")

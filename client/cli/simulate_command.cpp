@@ -11,7 +11,7 @@
 namespace steadymap {
 namespace {
 
-std::string Footer() {
+std::string SimulateFooter() {
   std::string footer =
       "A simulated robot drives a route through a small warehouse whose boxes and fences have\n"
       "moved from one sequence to the next, and what its depth camera sees is uploaded, or "
@@ -27,7 +27,7 @@ SimulateCommand::SimulateCommand(CLI::App* app, CommandContext* context) : conte
   options_.robot = simulation_.robot;
   CLI::App* const command =
       app->add_subcommand("simulate", "Upload or write the frames of a simulated robot");
-  command->footer(Footer());
+  command->footer(SimulateFooter());
   CLI::Option* const name = command->add_option("NAME", options_.map, "The map to upload to");
   command->add_option("--write", directory_, "Write a recording to this folder instead")
       ->type_name("DIR")

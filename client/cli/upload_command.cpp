@@ -8,7 +8,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kFooter[] =
+constexpr char kUploadFooter[] =
     "A PATH is the folder of a sequence or one that holds several; sequences are played one after\n"
     "the other. Returns when every frame is part of the map, and fails if any was refused or "
     "could\n"
@@ -36,7 +36,7 @@ UploadCommand::UploadCommand(CLI::App* app, CommandContext* context) : context_(
   options_.robot = "robot";
   CLI::App* const command =
       app->add_subcommand("upload", "Upload a recording and wait until it is in the map");
-  command->footer(kFooter);
+  command->footer(kUploadFooter);
   command->add_option("NAME", options_.map, "The map")->required();
   command->add_option("PATH", paths_, "Folders of the recording")->required();
   command->add_option("--format", format_, "Layout of the recording")

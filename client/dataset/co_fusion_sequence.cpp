@@ -20,9 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The recordings carry no times: frames of a camera at 30 Hz, from an arbitrary fixed day on.
-constexpr std::int64_t kFramePeriodNs = 33'333'333;
-constexpr std::int64_t kFirstTimeNs = 1'483'228'800'000'000'000;
+// The recordings carry no times: Kinect frames, counted from an arbitrary fixed day.
+constexpr std::int64_t kFirstCoFusionNs = 1'483'228'800'000'000'000;
 constexpr std::int64_t kMaxFrameNumber = 100'000'000;
 
 // 12 of `Depth0012.exr`; none if the name has no number.
@@ -87,7 +86,7 @@ absl::StatusOr<PinholeCamera> ReadCamera(const fs::path& file, const fs::path& i
 using NumberedPoses = std::map<std::int64_t, absl::StatusOr<Eigen::Isometry3d>>;
 
 // Reads `gt-cam-0.txt`; poses that are not finite are left out.
-absl::StatusOr<NumberedPoses> ReadPoses(const fs::path& file) {
+absl::StatusOr<NumberedPoses> ReadNumberedPoses(const fs::path& file) {
   const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(file);
   if (!lines.ok()) return lines.status();
   NumberedPoses poses;
@@ -117,7 +116,7 @@ absl::StatusOr<RecordedSequence> IndexCoFusionSequence(const fs::path& folder) {
   const auto camera = ReadCamera(FindEntry(folder, "calibration.txt"),
                                  color.empty() ? fs::path() : color.begin()->second);
   if (!camera.ok()) return camera.status();
-  const auto poses = ReadPoses(folder / "trajectories" / "gt-cam-0.txt");
+  const auto poses = ReadNumberedPoses(folder / "trajectories" / "gt-cam-0.txt");
   if (!poses.ok()) return poses.status();
 
   RecordedSequence sequence;
@@ -130,7 +129,7 @@ absl::StatusOr<RecordedSequence> IndexCoFusionSequence(const fs::path& folder) {
       continue;
     }
     RecordedFrame frame;
-    frame.time = Timestamp::FromNanoseconds(kFirstTimeNs + kFramePeriodNs * number);
+    frame.time = Timestamp::FromNanoseconds(kFirstCoFusionNs + kKinectPeriodNs * number);
     frame.T_dataset_camera = pose->second;
     frame.depth = file;
     frame.labels = FileOf(masks, number);

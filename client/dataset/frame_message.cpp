@@ -1,20 +1,15 @@
 #include "client/dataset/frame_message.h"
 
 namespace steadymap {
-namespace {
-
-constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-
-}  // namespace
-
 void FillFrameMessage(Timestamp capture_time,
                       const PinholeCamera& camera,
                       const Eigen::Isometry3d& T_world_camera,
                       v1::Frame* message) {
   // Nanoseconds of a protobuf time count forward, before 1970 as well.
   const std::int64_t ns = capture_time.nanoseconds();
-  const std::int64_t nanos = ((ns % kNsPerSecond) + kNsPerSecond) % kNsPerSecond;
-  message->mutable_capture_time()->set_seconds((ns - nanos) / kNsPerSecond);
+  const std::int64_t nanos =
+      ((ns % kNanosecondsPerSecond) + kNanosecondsPerSecond) % kNanosecondsPerSecond;
+  message->mutable_capture_time()->set_seconds((ns - nanos) / kNanosecondsPerSecond);
   message->mutable_capture_time()->set_nanos(static_cast<std::int32_t>(nanos));
 
   v1::CameraIntrinsics* intrinsics = message->mutable_intrinsics();

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // What the flat was rendered with.
-constexpr PinholeCamera kPublishedCamera = {640, 480, 320.0, 320.0, 320.0, 240.0};
+constexpr PinholeCamera kFlatCamera = {640, 480, 320.0, 320.0, 320.0, 240.0};
 constexpr double kMaxNanoseconds = 9e18;
 
 struct Entry {
@@ -110,7 +110,7 @@ absl::StatusOr<RecordedSequence> IndexPanopticSequence(const fs::path& folder) {
     if (!status.ok()) return status;
   }
   RecordedSequence sequence;
-  sequence.camera = kPublishedCamera;
+  sequence.camera = kFlatCamera;
   sequence.metres_per_unit = kMetresPerUnitOfFloatDepth;
   for (const Entry& entry : *entries) {
     const fs::path pose_file = FileOf(folder, entry.id, "_pose.txt");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -13,6 +14,12 @@
 #include "core/timestamp.h"
 
 namespace steadymap {
+
+/// From one frame to the next of a Kinect, for recordings that carry no times.
+inline constexpr std::int64_t kKinectPeriodNs = 33'333'333;
+
+/// Latest time of a recording that says it in seconds: what a double holds to a microsecond.
+inline constexpr double kMaxRecordedSeconds = 9e9;
 
 /// One frame of a recording: where its images lie, and where the camera was.
 struct RecordedFrame {

@@ -15,11 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr PinholeCamera kPublishedCamera = {640, 480, 585.0, 585.0, 320.0, 240.0};
+constexpr PinholeCamera kSevenScenesCamera = {640, 480, 585.0, 585.0, 320.0, 240.0};
 
 // The recordings carry no times: Kinect frames, counted from an arbitrary fixed day.
-constexpr std::int64_t kFramePeriodNs = 33'333'333;
-constexpr std::int64_t kFirstTimeNs = 1'356'998'400'000'000'000;
+constexpr std::int64_t kFirstSevenScenesNs = 1'356'998'400'000'000'000;
 
 // `frame-000012.` of `frame-000012.depth.png`.
 std::string StemOf(const fs::path& depth) {
@@ -27,7 +26,7 @@ std::string StemOf(const fs::path& depth) {
   return name.substr(0, name.find('.') + 1);
 }
 
-std::int64_t NumberOf(const std::string& stem) {
+std::int64_t FrameNumberOf(const std::string& stem) {
   const std::size_t dash = stem.rfind('-');
   std::int64_t number = 0;
   const bool is_number =
@@ -57,7 +56,7 @@ fs::path ColorOf(const fs::path& folder, const std::string& stem) {
 
 absl::StatusOr<RecordedSequence> IndexSevenScenesSequence(const fs::path& folder) {
   const std::vector<fs::path> depth_files = ListFiles(folder, {".depth.png"});
-  const auto camera = CameraOfSequence(folder, depth_files.front(), kPublishedCamera);
+  const auto camera = CameraOfSequence(folder, depth_files.front(), kSevenScenesCamera);
   if (!camera.ok()) return camera.status();
   RecordedSequence sequence;
   sequence.camera = *camera;
@@ -75,7 +74,8 @@ absl::StatusOr<RecordedSequence> IndexSevenScenesSequence(const fs::path& folder
       ++sequence.skipped_count;
       continue;
     }
-    frame.time = Timestamp::FromNanoseconds(kFirstTimeNs + kFramePeriodNs * NumberOf(stem));
+    frame.time =
+        Timestamp::FromNanoseconds(kFirstSevenScenesNs + kKinectPeriodNs * FrameNumberOf(stem));
     frame.depth = depth;
     frame.color = ColorOf(folder, stem);
     sequence.frames.push_back(std::move(frame));

@@ -10,6 +10,7 @@
 #include <absl/strings/str_split.h>
 #include <absl/strings/strip.h>
 
+#include "core/absl_text.h"
 #include "core/geometry.h"
 
 namespace steadymap {
@@ -18,8 +19,6 @@ namespace {
 constexpr std::size_t kMaxTextBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxQuotedLength = 100;
 constexpr double kRotationTolerance = 1e-2;
-
-absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
 
 }  // namespace
 

@@ -14,8 +14,6 @@
 namespace steadymap {
 namespace {
 
-constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-
 // Enough digits that a double reads back as it was.
 std::string Exact(double value) {
   std::array<char, 40> text{};
@@ -122,9 +120,9 @@ std::string FormatTorwicCalibration(const TorwicCalibration& calibration) {
 std::string FormatTorwicPose(std::size_t id, Timestamp time, const Eigen::Isometry3d& T_map_base) {
   return absl::StrCat(id,
                       " ",
-                      time.nanoseconds() / kNsPerSecond,
+                      time.nanoseconds() / kNanosecondsPerSecond,
                       " ",
-                      time.nanoseconds() % kNsPerSecond,
+                      time.nanoseconds() % kNanosecondsPerSecond,
                       " ",
                       FormatPose(T_map_base));
 }

@@ -15,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMaxSeconds = 9e9;
-
 // A line of `poses.txt`.
 struct PoseLine {
   Timestamp time;
@@ -29,7 +27,7 @@ PoseLine ParsePoseLine(const fs::path& file, const TextLine& line) {
   PoseLine pose;
   pose.is_finite = true;
   const std::optional<std::vector<double>> n = ParseNumbers(line.text);
-  if (!n || n->size() != 10 || !((*n)[1] >= 0 && (*n)[1] <= kMaxSeconds) ||
+  if (!n || n->size() != 10 || !((*n)[1] >= 0 && (*n)[1] <= kMaxRecordedSeconds) ||
       !((*n)[2] >= 0 && (*n)[2] < 1e9)) {
     pose.T_map_base = MalformedLine(file, line, kExpected);
     return pose;

@@ -20,15 +20,12 @@ namespace {
 namespace fs = std::filesystem;
 
 // The calibration that the recordings are published with for all their cameras.
-constexpr PinholeCamera kPublishedCamera = {640, 480, 525.0, 525.0, 319.5, 239.5};
+constexpr PinholeCamera kTumCamera = {640, 480, 525.0, 525.0, 319.5, 239.5};
 constexpr double kMetresPerUnit = 1.0 / 5000.0;
 constexpr std::int64_t kMaxTimeGapNs = 20'000'000;
 
-// Of recordings, and within what a double holds to a microsecond.
-constexpr double kMaxSeconds = 9e9;
-
 std::optional<Timestamp> TimeOf(double seconds) {
-  if (!(seconds >= 0 && seconds <= kMaxSeconds)) return std::nullopt;
+  if (!(seconds >= 0 && seconds <= kMaxRecordedSeconds)) return std::nullopt;
   return Timestamp::FromNanoseconds(std::llround(seconds * 1e6) * 1000);
 }
 
@@ -86,7 +83,7 @@ absl::StatusOr<std::vector<Timed<fs::path>>> ReadImageList(const fs::path& list)
 using TimedPoses = std::vector<Timed<absl::StatusOr<Eigen::Isometry3d>>>;
 
 // Reads `groundtruth.txt`; poses that are not finite are left out.
-absl::StatusOr<TimedPoses> ReadPoses(const fs::path& file) {
+absl::StatusOr<TimedPoses> ReadTimedPoses(const fs::path& file) {
   const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(file);
   if (!lines.ok()) return lines.status();
   TimedPoses poses;
@@ -112,14 +109,14 @@ absl::StatusOr<RecordedSequence> IndexTumSequence(const fs::path& folder) {
     if (!images.ok()) return images.status();
     color_images = *std::move(images);
   }
-  const absl::StatusOr<TimedPoses> poses = ReadPoses(folder / "groundtruth.txt");
+  const absl::StatusOr<TimedPoses> poses = ReadTimedPoses(folder / "groundtruth.txt");
   if (!poses.ok()) return poses.status();
 
   RecordedSequence sequence;
   sequence.metres_per_unit = kMetresPerUnit;
-  sequence.camera = kPublishedCamera;
+  sequence.camera = kTumCamera;
   if (!depth_images->empty()) {
-    const auto camera = CameraOfSequence(folder, depth_images->front().value, kPublishedCamera);
+    const auto camera = CameraOfSequence(folder, depth_images->front().value, kTumCamera);
     if (!camera.ok()) return camera.status();
     sequence.camera = *camera;
   }

@@ -103,6 +103,7 @@ MapScore& MapScore::operator+=(const MapScore& other) {
   near += other.near;
   ghosts += other.ghosts;
   kept += other.kept;
+  trail += other.trail;
   return *this;
 }
 
@@ -115,6 +116,7 @@ struct MapScorer::State {
         ground(VoxelsOf(reference.ground, voxel_size_m)),
         vanished(SortIntoVoxels(reference.vanished, voxel_size_m)),
         remembered(SortIntoVoxels(reference.remembered, voxel_size_m)),
+        swept(SortIntoVoxels(reference.swept, voxel_size_m)),
         truth(IndexOf(reference.seen, voxel_size_m)),
         ground_points(kGroundNoiseM) {
     truth.Add(reference.unseen);
@@ -148,6 +150,7 @@ struct MapScorer::State {
   VoxelSet ground;
   VoxelPoints vanished;
   VoxelPoints remembered;
+  VoxelPoints swept;
   PointIndex truth;  // All that is true, seen or not.
   PointIndex ground_points;
 };
@@ -199,6 +202,7 @@ MapScore MapScorer::Score(const std::vector<SurfacePoint>& map) const {
       });
   score.ghosts = ShareNear(state_->vanished, state_->ground, map_index);
   score.kept = ShareNear(state_->remembered, state_->ground, map_index);
+  score.trail = ShareNear(state_->swept, state_->ground, map_index);
   return score;
 }
 

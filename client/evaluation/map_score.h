@@ -44,6 +44,7 @@ struct MapScore {
   SurfaceScore near;   ///< A voxel matches if the other side's surface comes within half a voxel.
   Share ghosts;  ///< Of the voxels of vanished surface, those where the map still has surface.
   Share kept;    ///< Of the voxels of surface only remembered, those where the map has surface.
+  Share trail;   ///< Of the voxels that moving things were seen in, those where it has surface.
 
   MapScore& operator+=(const MapScore& other);
 };
@@ -60,14 +61,16 @@ struct Reference {
   std::vector<SurfacePoint> vanished{};
   /// True surface that only earlier runs saw.
   std::vector<SurfacePoint> remembered{};
+  /// Surface of things that move, wherever a run saw it.
+  std::vector<SurfacePoint> swept{};
   /// Not scored: the voxels it runs through, and what of a map lies within 0.12 m of it and faces
   /// up. There is so much ground that it would drown what the score is about.
   std::vector<SurfacePoint> ground{};
 };
 
 /// Sorts a route's surface into what the score asks for. The survey's observed space is moved out.
-/// What lies within a voxel of true surface is not `vanished`, and what lies within a voxel of seen
-/// surface is not `remembered`: a map's surface there may stand for either.
+/// What lies within a voxel of true surface is neither `vanished` nor `swept`, and what lies within
+/// a voxel of seen surface is not `remembered`: a map's surface there may stand for either.
 Reference MakeReference(RouteSurvey* survey, bool with_ground);
 
 /// What a voxel of the row `near` turned out to be.

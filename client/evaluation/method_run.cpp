@@ -45,13 +45,19 @@ double BytesPerObject(const MapSnapshot& map) {
 }  // namespace
 
 absl::StatusOr<MethodRun> MethodRun::Start(const Method& method) {
-  absl::StatusOr<std::unique_ptr<Mapper>> mapper = Mapper::Create(method.config);
+  auto clock = std::make_unique<StageClock>();
+  absl::StatusOr<std::unique_ptr<Mapper>> mapper =
+      Mapper::Create(method.config, {.switches = method.switches, .stages = clock.get()});
   if (!mapper.ok()) return mapper.status();
-  return MethodRun(method, *std::move(mapper));
+  return MethodRun(method, std::move(clock), *std::move(mapper));
 }
 
-MethodRun::MethodRun(const Method& method, std::unique_ptr<Mapper> mapper)
-    : last_sequence_only_(method.last_sequence_only), mapper_(std::move(mapper)) {}
+MethodRun::MethodRun(const Method& method,
+                     std::unique_ptr<StageClock> clock,
+                     std::unique_ptr<Mapper> mapper)
+    : last_sequence_only_(method.last_sequence_only),
+      clock_(std::move(clock)),
+      mapper_(std::move(mapper)) {}
 
 void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
   if (last_sequence_only_ && !is_last_sequence) return;
@@ -73,13 +79,16 @@ void MethodRun::Commit() {
 MethodOutcome MethodRun::Finish(double spacing_m) {
   Commit();
   const double frames = std::max(1.0, static_cast<double>(frame_ms_.size()));
+  StageTimes stage_ms = clock_->total_ms();
+  for (double& time_ms : stage_ms) time_ms /= frames;
   return {.map = snapshot_,
           .surface = SampleMap(*snapshot_, spacing_m),
           .events = std::move(events_),
           .cost = {.memory_bytes = VolumeBytes(*snapshot_),
                    .bytes_per_object = BytesPerObject(*snapshot_),
                    .delta_bytes_per_frame = static_cast<double>(delta_bytes_) / frames,
-                   .median_frame_ms = Median(std::move(frame_ms_))}};
+                   .median_frame_ms = Median(std::move(frame_ms_)),
+                   .stage_ms = stage_ms}};
 }
 
 }  // namespace steadymap

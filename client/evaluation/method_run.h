@@ -9,6 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/evaluation/method.h"
+#include "client/evaluation/stage_clock.h"
 #include "client/evaluation/surface_points.h"
 #include "core/frame.h"
 #include "core/mapper.h"
@@ -23,7 +24,8 @@ struct MapCost {
   double bytes_per_object = std::numeric_limits<double>::quiet_NaN();
   /// What the deltas tell of packed leaves, states and events, by frame; 0 without frames.
   double delta_bytes_per_frame = 0.0;
-  double median_frame_ms = 0.0;  ///< Wall time of a frame; 0 without frames.
+  double median_frame_ms = 0.0;  ///< Wall time of a frame without commits; 0 without frames.
+  StageTimes stage_ms{};         ///< Mean by frame, commits included; zeros without frames.
 };
 
 /// What a method made of a route.
@@ -47,11 +49,14 @@ class MethodRun {
   MethodOutcome Finish(double spacing_m);
 
  private:
-  MethodRun(const Method& method, std::unique_ptr<Mapper> mapper);
+  MethodRun(const Method& method,
+            std::unique_ptr<StageClock> clock,
+            std::unique_ptr<Mapper> mapper);
 
   void Commit();
 
   bool last_sequence_only_ = false;
+  std::unique_ptr<StageClock> clock_;  ///< Watches the mapper.
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> snapshot_;
   std::vector<ObjectEvent> events_;

@@ -54,12 +54,19 @@ class Sorter {
     }
   }
 
+  // Once all surface that stands is sorted.
+  void SortSwept(const std::vector<SurfacePoint>& points) {
+    for (const SurfacePoint& point : points) {
+      if (!truth_.HasNear(point.position_world)) reference_->swept.push_back(point);
+    }
+  }
+
  private:
   std::uint32_t last_bit_;
   std::uint32_t earlier_bits_;
   // A map's surface may be off by half a voxel from what it stands for. So that the same surface
-  // never counts for two things, what has vanished lies a voxel from what is true, and what is
-  // remembered a voxel from what is seen.
+  // never counts for two things, what has vanished or was swept lies a voxel from what is true, and
+  // what is remembered a voxel from what is seen.
   PointIndex truth_;
   PointIndex seen_;
   Reference* reference_;
@@ -89,6 +96,7 @@ Reference MakeReference(RouteSurvey* survey, bool with_ground) {
       sorter.SortVanished(place);
     }
   }
+  sorter.SortSwept(survey->swept);
   reference.observed = std::move(survey->last_observed);
   return reference;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <unordered_set>
 #include <utility>
 
+#include "client/evaluation/voxel_index.h"
 #include "client/simulator/renderer.h"
 
 namespace steadymap {
@@ -106,6 +108,46 @@ void LookAtPlace(const Viewer& viewer,
   }
 }
 
+/// The surface of the things that move during one sequence.
+class Movers {
+ public:
+  Movers(const Scene& scene, const SurveyOptions& options) : spacing_m_(options.spacing_m) {
+    for (const SceneObject& object : scene.objects()) {
+      if (!object.moves()) continue;
+      movers_.push_back(
+          {&object,
+           SampleFacets(FacetsOf(object.shape, Eigen::Isometry3d::Identity()), spacing_m_)});
+    }
+  }
+
+  // Adds what a view shows of them at `time_s` to `swept`, unless a point close to it was `met`.
+  void Look(const Viewer& viewer,
+            double time_s,
+            std::unordered_set<VoxelIndex>* met,
+            std::vector<SurfacePoint>* swept) const {
+    for (const auto& [object, points] : movers_) {
+      const Eigen::Isometry3f T_world_object = object->PoseAt(time_s).cast<float>();
+      for (const SurfacePoint& known : points) {
+        const SurfacePoint point = {T_world_object * known.position_world,
+                                    T_world_object.linear() * known.normal_world};
+        if (viewer.Look(point) == Sight::kSeen &&
+            met->insert(VoxelAt(point.position_world, spacing_m_)).second) {
+          swept->push_back(point);
+        }
+      }
+    }
+  }
+
+ private:
+  struct Mover {
+    const SceneObject* object;
+    std::vector<SurfacePoint> points_object;
+  };
+
+  double spacing_m_;
+  std::vector<Mover> movers_;
+};
+
 // Where a ray meets nothing, its depth is infinite.
 void FillDepth(const SurfaceImage& surfaces, Image<float>* depth_m) {
   const float* inverse_depth = surfaces.pixels.inverse_depth_per_m.data();
@@ -185,12 +227,14 @@ RouteSurvey SurveyRoute(const Simulation& simulation, const SurveyOptions& optio
                      .point_area_m2 = options.spacing_m * options.spacing_m,
                      .places = ListPlaces(simulation, options),
                      .last_observed = {options.voxel_size_m, options.max_depth_m}};
+  std::unordered_set<VoxelIndex> swept_cells;
   DepthView view;
   view.camera = route.camera;
   view.depth_m = Image<float>(route.camera.width_px, route.camera.height_px);
   for (std::size_t sequence = 0; sequence < survey.sequence_count; ++sequence) {
     const RouteSequence& drive = route.sequences[sequence];
     Renderer renderer(&drive.scene, route.camera, SensorModel::Ideal());
+    const Movers movers(drive.scene, options);
     const std::size_t first = survey.first_frames[sequence];
     for (std::size_t frame = first; frame < survey.first_frames[sequence + 1]; ++frame) {
       const auto step = static_cast<double>((frame - first) * simulation.options().stride);
@@ -199,6 +243,7 @@ RouteSurvey SurveyRoute(const Simulation& simulation, const SurveyOptions& optio
       FillDepth(renderer.RenderSurfaces(view.T_world_camera, time_s), &view.depth_m);
       if (sequence == survey.last_sequence()) survey.last_observed.AddView(view);
       const Viewer viewer(view, options);
+      movers.Look(viewer, time_s, &swept_cells, &survey.swept);
       for (SurveyedPlace& place : survey.places) {
         if (!MayBeInView(place, view, options.max_depth_m)) continue;
         LookAtPlace(viewer, sequence, frame, survey.point_area_m2, &place);

@@ -41,6 +41,8 @@ struct RouteSurvey {
   std::vector<std::size_t> first_frames;  ///< Of each sequence, then the number of frames.
   double point_area_m2 = 0.0;             ///< Surface that one point stands for.
   std::vector<SurveyedPlace> places;      ///< Of all things that stand still during sequences.
+  /// Surface of the things that move, wherever it was seen; one point a cell of the spacing.
+  std::vector<SurfacePoint> swept{};
   /// What the rays of the last sequence met or passed through, those without a return included:
   /// they met nothing.
   ObservedSpace last_observed;

@@ -9,15 +9,10 @@
 
 #include "client/birds_eye_legend.h"
 #include "client/canvas.h"
+#include "client/picture_style.h"
 
 namespace steadymap {
 namespace {
-
-constexpr Rgb kPage = {247, 247, 245};
-constexpr Rgb kWhite = {255, 255, 255};
-constexpr Rgb kInk = {45, 48, 54};
-constexpr Rgb kFaintInk = {105, 110, 118};
-constexpr Rgb kFrame = {150, 154, 160};
 
 struct VerdictStyle {
   const char* name;
@@ -28,15 +23,9 @@ struct VerdictStyle {
 constexpr std::array<VerdictStyle, 3> kStyles = {
     {{"true", {70, 125, 105}}, {"wrong", {213, 80, 0}}, {"missed", {60, 130, 235}}}};
 
-// Margins around the map and sizes within them, pixels.
-constexpr int kLeftPx = 28;
-constexpr int kTopPx = 84;
-constexpr int kRightPx = 172;
-constexpr int kBottomPx = 78;
+// Sizes within the picture, pixels.
 constexpr int kMapSidePx = 900;
 constexpr int kMinMapSidePx = 320;
-constexpr double kTitlePx = 19.0;
-constexpr double kTextPx = 11.0;
 constexpr double kRowPx = 24.0;
 
 // This many voxels on top of each other get the full colour.
@@ -102,13 +91,13 @@ void DrawLegend(const std::vector<JudgedVoxel>& voxels,
                 Canvas* canvas) {
   Counts counts{};
   for (const JudgedVoxel& judged : voxels) ++counts[static_cast<std::size_t>(judged.verdict)];
-  canvas->Write("voxels", {origin_px.x(), origin_px.y() + kTextPx}, kTextPx, kInk);
+  canvas->Write("voxels", {origin_px.x(), origin_px.y() + kSmallTextPx}, kSmallTextPx, kInk);
   Eigen::Vector2d row_px = origin_px + Eigen::Vector2d(0.0, kRowPx);
   for (std::size_t i = 0; i < kStyles.size(); ++i) {
     canvas->FillBox(row_px, row_px + Eigen::Vector2d(16.0, 16.0), kStyles[i].color);
     canvas->Write(std::string(kStyles[i].name) + " " + std::to_string(counts[i]),
                   row_px + Eigen::Vector2d(26.0, 13.0),
-                  kTextPx,
+                  kSmallTextPx,
                   kInk);
     row_px.y() += kRowPx;
   }
@@ -130,9 +119,9 @@ Image<Rgb> DrawScorePicture(const std::vector<JudgedVoxel>& voxels,
   }
   const double width_px = picture.width_px() - 2.0 * kLeftPx;
   picture.Write(Fit(text.title, kTitlePx, width_px), {kLeftPx, 24.0 + kTitlePx}, kTitlePx, kInk);
-  picture.Write(Fit(text.subtitle, kTextPx, width_px),
-                {kLeftPx, 36.0 + kTitlePx + kTextPx},
-                kTextPx,
+  picture.Write(Fit(text.subtitle, kSmallTextPx, width_px),
+                {kLeftPx, 36.0 + kTitlePx + kSmallTextPx},
+                kSmallTextPx,
                 kFaintInk);
   DrawLegend(voxels, Eigen::Vector2d(kLeftPx + view.width_px + 20.0, kTopPx), &picture);
   const double bottom_px = kTopPx + view.height_px;

@@ -12,8 +12,8 @@ namespace {
 
 // clang-format off
 constexpr char kMapHeading[] =
-    "                     | voxel               | near                |ghosts   kept   kept/ |     MB   kB/ delta kB   ms/\n"
-    "map                  | prec. recall    FPR | prec. recall    FPR |               static |          obj   /frame frame\n";
+    "                     | voxel               | near                |ghosts   kept  kept/  trail |   MB  kB/ delta kB   ms/\n"
+    "map                  | prec. recall    FPR | prec. recall    FPR |              static        |       obj   /frame frame\n";
 constexpr char kEventHeading[] =
     "                     | created, lenient    | removed, lenient    | moved, lenient      | all, one to one     |frames  false  Brier\n"
     "events               | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | prec. recall     F1 | until /1000f  score\n";
@@ -51,13 +51,14 @@ double KeptOfStatic(const MethodScore& row, const Evaluation& evaluation) {
 }
 
 std::string MethodLine(const MethodScore& row, const Evaluation& evaluation) {
-  return absl::StrFormat("%-21s|%s |%s |%6s %6s %7s |%7.1f %5s %8s %5s\n",
+  return absl::StrFormat("%-21s|%s |%s |%6s %6s %6s %6s |%5.1f %4s %8s %5s\n",
                          row.name,
                          SurfaceCells(row.map.voxel),
                          SurfaceCells(row.map.near),
                          Percent(row.map.ghosts.value(), 1),
                          Percent(row.map.kept.value(), 1),
                          Percent(KeptOfStatic(row, evaluation), 1),
+                         Percent(row.map.trail.value(), 1),
                          static_cast<double>(row.cost.memory_bytes) / 1e6,
                          Decimal(row.cost.bytes_per_object / 1e3, 0),
                          Decimal(row.cost.delta_bytes_per_frame / 1e3, 1),

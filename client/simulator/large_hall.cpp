@@ -20,10 +20,9 @@ constexpr double kRackDepthM = 1.0;
 constexpr double kBayM = 2.7;
 constexpr double kRackHeightM = 4.2;
 constexpr std::array<double, 3> kShelfHeightsM = {0.15, 1.55, 2.95};
-constexpr double kPitchM = kAisleWidthM + 2 * kRackDepthM;
+constexpr double kAislePitchM = kAisleWidthM + 2 * kRackDepthM;
 constexpr double kHeadroomM = 3.0;  // Between the racks' ends and the walls.
 constexpr double kSpeedMPerS = 1.4;
-constexpr double kBaseHeightM = 0.49;
 
 SceneObject& AddRackPart(Scene* scene,
                          const std::string& rack,
@@ -101,7 +100,7 @@ void AddOuterWalls(Scene* scene, const Eigen::Vector2d& size_m) {
 }
 
 double AisleX(const LargeHallOptions& options, int aisle) {
-  return (aisle - (options.aisles - 1) / 2.0) * kPitchM;
+  return (aisle - (options.aisles - 1) / 2.0) * kAislePitchM;
 }
 
 // Up one aisle, down the next.
@@ -140,7 +139,7 @@ absl::Status Check(const LargeHallOptions& options) {
 absl::StatusOr<Route> MakeLargeHallRoute(const LargeHallOptions& options) {
   if (const absl::Status status = Check(options); !status.ok()) return status;
   Scene scene;
-  const Eigen::Vector2d size_m(options.aisles * kPitchM + 1.0,
+  const Eigen::Vector2d size_m(options.aisles * kAislePitchM + 1.0,
                                options.aisle_length_m + 2 * kHeadroomM);
   AddFloor(&scene, size_m);
   AddOuterWalls(&scene, size_m);
@@ -154,7 +153,7 @@ absl::StatusOr<Route> MakeLargeHallRoute(const LargeHallOptions& options) {
   route.name = "hall";
   route.camera = DefaultTorwicCalibration().camera;
   route.sequences.push_back(
-      {"hall", std::move(scene), DriveAlong(Serpentine(options), kSpeedMPerS, kBaseHeightM)});
+      {"hall", std::move(scene), DriveAlong(Serpentine(options), kSpeedMPerS, kTorwicBaseHeightM)});
   return route;
 }
 

@@ -9,7 +9,7 @@ namespace steadymap {
 namespace {
 
 constexpr double kTableHeightM = 0.72;
-constexpr double kDurationS = 30.0;
+constexpr double kCircleDurationS = 30.0;
 
 void AddBlock(Scene* scene,
               std::string_view name,
@@ -53,9 +53,9 @@ void AddCar(Scene* scene, std::string_view name, const Rgb& color, std::vector<M
 // Round the table once, rising and sinking a little.
 Trajectory CircleTable() {
   Trajectory trajectory;
-  trajectory.duration_s = kDurationS;
+  trajectory.duration_s = kCircleDurationS;
   trajectory.T_world_camera = [](double time_s) {
-    const double angle_rad = 2 * M_PI * time_s / kDurationS;
+    const double angle_rad = 2 * M_PI * time_s / kCircleDurationS;
     const Eigen::Vector3d eye(1.45 * std::cos(angle_rad),
                               1.25 * std::sin(angle_rad),
                               kTableHeightM + 0.62 + 0.08 * std::sin(3 * angle_rad));
@@ -78,8 +78,9 @@ Route MakeTableTopRoute() {
   AddCar(&scene,
          "car-orange",
          {230, 130, 40},
-         MoveAlong(oval,
-                   {.speed_m_per_s = 0.12, .duration_s = kDurationS, .height_m = kTableHeightM}));
+         MoveAlong(
+             oval,
+             {.speed_m_per_s = 0.12, .duration_s = kCircleDurationS, .height_m = kTableHeightM}));
   const GroundPath straight({{-0.6, -0.48}, {0.6, -0.42}}, 0.1, false);
   AddCar(
       &scene,

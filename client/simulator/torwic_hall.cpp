@@ -14,11 +14,10 @@ namespace {
 constexpr double kLoopSideM = 5.0;
 constexpr double kCornerRadiusM = 0.8;
 constexpr double kDriveSpeedMPerS = 0.5;
-constexpr double kBaseHeightM = 0.49;
 
 // Two stacks side by side are 0.94 m long, so each is 0.47 m along its row and 0.5 m deep.
 const Eigen::Vector3d kStackSizeM(0.47, 0.5, 2.0);
-constexpr double kPitchM = 0.47;
+constexpr double kStackPitchM = 0.47;
 constexpr double kOuterRowM = 3.5;
 constexpr double kInnerRowM = 1.63;
 constexpr double kPilePlaceM = 1.4;
@@ -62,15 +61,15 @@ void AddOuterRow(Scene* scene, std::size_t side) {
     const double x_m = place * kPilePlaceM;
     AddGroup(scene,
              std::string("outer-") + kSides[side] + "-" + std::to_string(place + 2),
-             {{x_m - kPitchM / 2, kOuterRowM, 0}, {x_m + kPitchM / 2, kOuterRowM, 0}},
+             {{x_m - kStackPitchM / 2, kOuterRowM, 0}, {x_m + kStackPitchM / 2, kOuterRowM, 0}},
              side);
   }
 }
 
 // Three stacks in an L whose corner stack stands in the two rows at `row_m`.
 std::vector<Eigen::Vector3d> CornerStacks(double row_m) {
-  const double beside_m = row_m - (kStackSizeM.y() + kPitchM) / 2;
-  return {{row_m, row_m, 0}, {row_m - kPitchM, row_m, 0}, {row_m, beside_m, M_PI / 2}};
+  const double beside_m = row_m - (kStackSizeM.y() + kStackPitchM) / 2;
+  return {{row_m, row_m, 0}, {row_m - kStackPitchM, row_m, 0}, {row_m, beside_m, M_PI / 2}};
 }
 
 void AddWall(Scene* scene,
@@ -137,7 +136,7 @@ Scene MakeHallWithExtras() {
   for (std::size_t side = 0; side < kSides.size(); ++side) {
     AddGroup(&scene,
              std::string("inner-") + kSides[side],
-             {{-kPitchM / 2, kInnerRowM, 0}, {kPitchM / 2, kInnerRowM, 0}},
+             {{-kStackPitchM / 2, kInnerRowM, 0}, {kStackPitchM / 2, kInnerRowM, 0}},
              side);
   }
   for (std::size_t corner = 0; corner < kCorners.size(); ++corner) {
@@ -182,6 +181,8 @@ GroundPath TorwicLoop() {
                     true);
 }
 
-Trajectory DriveTorwicLoop() { return DriveAlong(TorwicLoop(), kDriveSpeedMPerS, kBaseHeightM); }
+Trajectory DriveTorwicLoop() {
+  return DriveAlong(TorwicLoop(), kDriveSpeedMPerS, kTorwicBaseHeightM);
+}
 
 }  // namespace steadymap

@@ -46,6 +46,9 @@ class GroundPath {
   bool is_closed_ = false;
 };
 
+/// Of the base frame of the robot that took the TorWIC recordings above the ground.
+inline constexpr double kTorwicBaseHeightM = 0.49;
+
 /// A robot that carries the TorWIC camera along `path` at constant speed, from end to end, or once
 /// round a closed path. Its base frame is `base_height_m` above the ground.
 Trajectory DriveAlong(const GroundPath& path, double speed_m_per_s, double base_height_m);

@@ -7,14 +7,14 @@
 namespace steadymap {
 namespace {
 
-constexpr double kDurationS = 12.0;
+constexpr double kSwayDurationS = 12.0;
 
 // From one side to the other and back, both boxes in view.
 Trajectory SwayBefore() {
   Trajectory trajectory;
-  trajectory.duration_s = kDurationS;
+  trajectory.duration_s = kSwayDurationS;
   trajectory.T_world_camera = [](double time_s) {
-    const double sideways_m = 1.2 * std::sin(2 * M_PI * time_s / kDurationS);
+    const double sideways_m = 1.2 * std::sin(2 * M_PI * time_s / kSwayDurationS);
     return LookAt({sideways_m, -2.6, 1.1}, {0.3 * sideways_m, 0, 0.5});
   };
   return trajectory;

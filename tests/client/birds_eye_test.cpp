@@ -8,11 +8,11 @@
 
 #include "client/birds_eye_objects.h"
 #include "client/height_ramp.h"
+#include "client/picture_style.h"
 
 namespace steadymap {
 namespace {
 
-constexpr Rgb kWhite = {255, 255, 255};
 constexpr Rgb kInk = {45, 48, 54};
 
 // Adds the parallelogram `corner`, `corner + a`, `corner + b`, which faces along a x b.

@@ -6,12 +6,12 @@
 
 #include "client/birds_eye_legend.h"
 #include "client/height_ramp.h"
+#include "client/picture_style.h"
 #include "client/stroke_font.h"
 
 namespace steadymap {
 namespace {
 
-constexpr Rgb kWhite = {255, 255, 255};
 constexpr Rgb kBlack = {0, 0, 0};
 
 TEST(Canvas, CoversPixelsByTheirShareOfABox) {

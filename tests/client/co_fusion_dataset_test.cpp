@@ -11,12 +11,12 @@ namespace steadymap {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr char kPoses[] = "1 1 2 3 0 0 0 1\n2 4 5 6 0 0 0 1\n";
 
 // Two frames of 64 x 48 pixels; masks have the ids 0 and 2.
-void WriteRecording(const TemporaryFolder& folder) {
+void WriteCoFusionRecording(const TemporaryFolder& folder) {
   for (const std::string number : {"0001", "0002"}) {
     Image<std::uint16_t> mask(64, 48);
     mask.At(5, 6) = 2;
@@ -44,7 +44,7 @@ Image<std::uint16_t> PixelsOf(const v1::LabelImage& image) {
 
 TEST(CoFusionDataset, FramesHoldWhatTheFilesSay) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteCoFusionRecording(folder);
   const std::vector<v1::Frame> frames = ReadAll("co-fusion", {folder.path()}, {});
   ASSERT_EQ(frames.size(), 2U);
   const v1::Frame& frame = frames[1];
@@ -65,7 +65,7 @@ TEST(CoFusionDataset, FramesHoldWhatTheFilesSay) {
 
 TEST(CoFusionDataset, LabelMapGivesMasksTheirClassAndLeavesInstances) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteCoFusionRecording(folder);
   DatasetOptions options;
   options.label_map_file = folder.Write("map.txt", "2 14\n");
   const v1::Frame frame = ReadAll("co-fusion", {folder.path()}, options).at(0);
@@ -75,7 +75,7 @@ TEST(CoFusionDataset, LabelMapGivesMasksTheirClassAndLeavesInstances) {
 
 TEST(CoFusionDataset, NoisyDepthLoadsWhereThereIsNoOther) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteCoFusionRecording(folder);
   WriteExr(folder.path() / "depth_noise/Depth0001.exr", Image<float>(64, 48, 2.0F));
   EXPECT_EQ(ReadAll("co-fusion", {folder.path()}, {}).size(), 2U);
   fs::remove_all(folder.path() / "depth_original");
@@ -88,7 +88,7 @@ TEST(CoFusionDataset, NoisyDepthLoadsWhereThereIsNoOther) {
 
 TEST(CoFusionDataset, SizeComesFromTheImagesIfTheCalibrationLacksIt) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteCoFusionRecording(folder);
   folder.Write("calibration.txt", "60 61 32 24\n");
   const v1::Frame frame = ReadAll("co-fusion", {folder.path()}, {}).at(0);
   EXPECT_EQ(frame.intrinsics().height_px(), 48U);
@@ -99,7 +99,7 @@ TEST(CoFusionDataset, SizeComesFromTheImagesIfTheCalibrationLacksIt) {
 
 TEST(CoFusionDataset, LoadsWithoutMasksAndColour) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteCoFusionRecording(folder);
   fs::remove_all(folder.path() / "colour");
   fs::remove_all(folder.path() / "mask_id");
   const v1::Frame frame = ReadAll("co-fusion", {folder.path()}, {}).at(0);
@@ -108,7 +108,7 @@ TEST(CoFusionDataset, LoadsWithoutMasksAndColour) {
 
 TEST(CoFusionDataset, FramesWithoutAPoseAreSkipped) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteCoFusionRecording(folder);
   folder.Write("trajectories/gt-cam-0.txt", "1 nan 2 3 0 0 0 1\n2 4 5 6 0 0 0 1\n");
   const auto source = OpenDataset("co-fusion", {folder.path()}, {});
   ASSERT_TRUE(source.ok()) << source.status();
@@ -134,7 +134,7 @@ TEST(CoFusionDataset, RefusesTextThatIsMissingOrMalformed) {
                         Case{"calibration.txt", "60 61 32 24 1e9 1e9\n"},
                         Case{"calibration.txt", "-60 61 32 24 64 48\n"}}) {
     const TemporaryFolder folder;
-    WriteRecording(folder);
+    WriteCoFusionRecording(folder);
     const bool is_pose = std::string(c.file) == "gt-cam-0.txt";
     const std::string name = is_pose ? std::string("trajectories/") + c.file : c.file;
     if (c.text != nullptr) {
@@ -150,7 +150,7 @@ TEST(CoFusionDataset, RefusesTextThatIsMissingOrMalformed) {
 
 TEST(CoFusionDataset, BrokenImagesAndRotationsAreErrorsOfTheirFrame) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteCoFusionRecording(folder);
   folder.Write("depth_original/Depth0001.exr", "no image");
   folder.Write("trajectories/gt-cam-0.txt", "1 1 2 3 0 0 0 1\n2 4 5 6 0 0 0 7\n");
   auto source = OpenDataset("co-fusion", {folder.path()}, {});

@@ -13,7 +13,7 @@ namespace steadymap {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(OpenDataset, RefusesWhatItCannotOpenAndSaysWhy) {
   const TemporaryFolder folder;

@@ -14,8 +14,8 @@
 namespace steadymap {
 namespace {
 
-using testing::AnyOf;
-using testing::HasSubstr;
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
 
 constexpr PinholeCamera kCamera = {40, 30, 35.0, 35.0, 20.0, 15.0};
 

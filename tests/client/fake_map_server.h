@@ -16,6 +16,8 @@
 
 namespace steadymap {
 
+inline const MapName kKitchen{"default", "kitchen"};
+
 inline grpc::Status NoSuchMap(const std::string& name) {
   return ToGrpcStatus(
       MakeError(absl::StatusCode::kNotFound, reason::kNotFound, "there is no map " + name, "name"));

@@ -41,7 +41,7 @@ TEST(ListFiles, FindsByEndingInNaturalOrder) {
   }
   std::vector<std::string> names;
   for (const auto& file : ListFiles(folder.path(), {".png"})) names.push_back(file.filename());
-  EXPECT_THAT(names, testing::ElementsAre("9.PNG", "10.png"));
+  EXPECT_THAT(names, ::testing::ElementsAre("9.PNG", "10.png"));
   EXPECT_TRUE(ListFiles(folder.path() / "gone", {".png"}).empty());
   ASSERT_EQ(ListFolders(folder.path()).size(), 1U);
   EXPECT_EQ(ListFolders(folder.path())[0].filename(), "1.png");

@@ -44,6 +44,16 @@ TEST(JsonWriter, NestsObjectsAndArrays) {
             "}\n");
 }
 
+TEST(JsonWriter, AStreamHasADocumentALine) {
+  JsonWriter json(JsonLayout::kOneLine);
+  json.BeginObject();
+  json.Key("point").BeginArray().Number(1.5).Integer(2).EndArray();
+  json.Key("nothing").BeginObject().EndObject();
+  json.Key("text").Text("a\nb");
+  json.EndObject();
+  EXPECT_EQ(json.Finish(), "{\"point\": [1.5, 2], \"nothing\": {}, \"text\": \"a\\nb\"}\n");
+}
+
 TEST(JsonWriter, TextIsEscaped) {
   EXPECT_EQ(Quoted("a\"b\\c/d"), R"("a\"b\\c/d")");
   EXPECT_EQ(Quoted("\n\t\r"), R"("\n\t\r")");

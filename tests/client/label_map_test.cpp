@@ -39,10 +39,10 @@ TEST(LabelMap, NamesTheLineThatIsWrong) {
   for (const char* line : {"3", "3 4 5", "a b", "-1 4", "3 65536", "3.5 4", "nan 1", "3 1e99"}) {
     const auto map = LabelMap::Load(folder.Write("m.txt", std::string("1 2\n") + line + "\n"));
     EXPECT_EQ(map.status().code(), absl::StatusCode::kInvalidArgument) << line;
-    EXPECT_THAT(std::string(map.status().message()), testing::HasSubstr("m.txt:2")) << line;
+    EXPECT_THAT(std::string(map.status().message()), ::testing::HasSubstr("m.txt:2")) << line;
   }
   const auto twice = LabelMap::Load(folder.Write("m.txt", "1 2\n1 3\n"));
-  EXPECT_THAT(std::string(twice.status().message()), testing::HasSubstr("m.txt:2"));
+  EXPECT_THAT(std::string(twice.status().message()), ::testing::HasSubstr("m.txt:2"));
 }
 
 TEST(LabelMap, MissingFileIsNotFound) {

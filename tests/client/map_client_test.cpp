@@ -14,8 +14,6 @@
 namespace steadymap {
 namespace {
 
-const MapName kKitchen{"default", "kitchen"};
-
 class MapClientTest : public ::testing::Test {
  protected:
   FakeMapService maps_;

@@ -13,7 +13,7 @@ namespace steadymap {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr int kWidth = 640;
 constexpr int kHeight = 480;
@@ -27,7 +27,7 @@ std::string SegmentPng(std::uint16_t segment) {
 }
 
 // Two frames, listed against the order of time: segment 7 of class 3, predicted as 1 of class 5.
-void WriteRecording(const TemporaryFolder& folder, const std::string& run) {
+void WritePanopticRecording(const TemporaryFolder& folder, const std::string& run) {
   for (int i = 0; i < 2; ++i) {
     const std::string stem = run + "/00000" + std::to_string(i);
     WriteTiff(folder.path() / (stem + "_depth.tiff"), Image<float>(kWidth, kHeight, 1.5F));
@@ -52,7 +52,7 @@ int PixelOf(const v1::LabelImage& image) {
 
 TEST(PanopticDataset, FramesComeInTheOrderOfTime) {
   const TemporaryFolder folder;
-  WriteRecording(folder, "run1");
+  WritePanopticRecording(folder, "run1");
   const std::vector<v1::Frame> frames = ReadAll("panoptic", {folder.path()}, {});
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(TimeOf(frames[0]), 2'000'000'000);
@@ -70,7 +70,7 @@ TEST(PanopticDataset, FramesComeInTheOrderOfTime) {
 
 TEST(PanopticDataset, TrueSegmentsAreInstancesAndTheTableGivesTheirClass) {
   const TemporaryFolder folder;
-  WriteRecording(folder, "run1");
+  WritePanopticRecording(folder, "run1");
   const v1::Frame frame = ReadAll("panoptic", {folder.path() / "run1/"}, {}).at(0);
   EXPECT_EQ(PixelOf(frame.instances()), 7);
   EXPECT_EQ(PixelOf(frame.labels()), 3);
@@ -81,7 +81,7 @@ TEST(PanopticDataset, TrueSegmentsAreInstancesAndTheTableGivesTheirClass) {
 
 TEST(PanopticDataset, PredictionStandsInForWhatIsMissingOfTheTruth) {
   const TemporaryFolder folder;
-  WriteRecording(folder, "run1");
+  WritePanopticRecording(folder, "run1");
   fs::remove(folder.path() / "groundtruth_labels.csv");
   const v1::Frame without_table = ReadAll("panoptic", {folder.path()}, {}).at(0);
   EXPECT_EQ(PixelOf(without_table.instances()), 7);
@@ -96,8 +96,8 @@ TEST(PanopticDataset, PredictionStandsInForWhatIsMissingOfTheTruth) {
 
 TEST(PanopticDataset, PlaysBothRuns) {
   const TemporaryFolder folder;
-  WriteRecording(folder, "run2");
-  WriteRecording(folder, "run1");
+  WritePanopticRecording(folder, "run2");
+  WritePanopticRecording(folder, "run1");
   const std::vector<v1::Frame> frames = ReadAll("panoptic", {folder.path()}, {.stride = 1});
   ASSERT_EQ(frames.size(), 4U);
   for (std::size_t i = 1; i < 4; ++i) EXPECT_GT(TimeOf(frames[i]), TimeOf(frames[i - 1]));
@@ -105,7 +105,7 @@ TEST(PanopticDataset, PlaysBothRuns) {
 
 TEST(PanopticDataset, FramesWithoutAPoseAreSkippedAndBrokenOnesAreErrors) {
   const TemporaryFolder folder;
-  WriteRecording(folder, "run1");
+  WritePanopticRecording(folder, "run1");
   fs::remove(folder.path() / "run1/000000_pose.txt");
   folder.Write("run1/000001_pose.txt", "1 0 0\n");
   auto source = OpenDataset("panoptic", {folder.path()}, {});
@@ -116,7 +116,7 @@ TEST(PanopticDataset, FramesWithoutAPoseAreSkippedAndBrokenOnesAreErrors) {
 
 TEST(PanopticDataset, MissingOrBrokenImagesAreErrorsOfTheirFrame) {
   const TemporaryFolder folder;
-  WriteRecording(folder, "run1");
+  WritePanopticRecording(folder, "run1");
   fs::remove(folder.path() / "groundtruth_labels.csv");
   fs::remove(folder.path() / "run1/000000_depth.tiff");
   folder.Write("run1/000001_labels.json", "[{]");
@@ -142,7 +142,7 @@ TEST(PanopticDataset, RefusesMalformedTables) {
         Case{"run1/timestamps.csv", "ImageID,TimeStamp\n", "run1"},
         Case{"groundtruth_labels.csv", "Name\nbed\n", "groundtruth_labels.csv:1"}}) {
     const TemporaryFolder folder;
-    WriteRecording(folder, "run1");
+    WritePanopticRecording(folder, "run1");
     folder.Write(c.file, c.text);
     const auto source = OpenDataset("panoptic", {folder.path()}, {});
     ASSERT_FALSE(source.ok()) << c.text;

@@ -11,7 +11,7 @@
 namespace steadymap {
 namespace {
 
-constexpr PinholeCamera kCamera = {160, 90, 115.0, 116.0, 81.3, 44.4};
+constexpr PinholeCamera kSmallCamera = {160, 90, 115.0, 116.0, 81.3, 44.4};
 
 // Inverse depth is linear along a row and rounded to float a few times.
 constexpr double kRelativeTolerance = 3e-6;
@@ -66,10 +66,10 @@ TEST(Renderer, PlaneFacingTheCameraHasOneDepth) {
   Scene scene;
   const Eigen::Isometry3d T_world_plane(Eigen::Translation3d(0, 0, 2.5));
   scene.Add(Thing(RectangleShape{{10, 10}}, T_world_plane, SceneClass::kWall));
-  Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+  Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
   const SurfaceImage& image = renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
-  for (int v = 0; v < kCamera.height_px; ++v) {
-    for (int u = 0; u < kCamera.width_px; ++u) {
+  for (int v = 0; v < kSmallCamera.height_px; ++v) {
+    for (int u = 0; u < kSmallCamera.width_px; ++u) {
       EXPECT_FLOAT_EQ(image.pixels.inverse_depth_per_m.At(u, v), 0.4F);
     }
   }
@@ -80,13 +80,13 @@ TEST(Renderer, FloorThatRunsBehindTheCameraHasTheDepthOfItsPlane) {
   AddFloor(&scene, {200, 200});
   SensorModel sensor = SensorModel::Ideal();
   sensor.visible_range_m = 15;
-  Renderer renderer(&scene, kCamera, sensor);
+  Renderer renderer(&scene, kSmallCamera, sensor);
   const Eigen::Isometry3d T_world_camera = LookAt({0.3, -0.2, 1.1}, {2.0, 0.7, 0.6});
   const SurfaceImage& image = renderer.RenderSurfaces(T_world_camera, 0);
   int hit_count = 0;
-  for (int v = 0; v < kCamera.height_px; ++v) {
-    for (int u = 0; u < kCamera.width_px; ++u) {
-      const Eigen::Vector3d ray_world = T_world_camera.linear() * kCamera.Ray(u, v);
+  for (int v = 0; v < kSmallCamera.height_px; ++v) {
+    for (int u = 0; u < kSmallCamera.width_px; ++u) {
+      const Eigen::Vector3d ray_world = T_world_camera.linear() * kSmallCamera.Ray(u, v);
       const double depth_m = -1.1 / ray_world.z();
       const bool is_visible = ray_world.z() < 0 && depth_m < 15;
       ASSERT_EQ(DepthAt(image, u, v) > 0, is_visible) << u << " " << v;
@@ -95,7 +95,7 @@ TEST(Renderer, FloorThatRunsBehindTheCameraHasTheDepthOfItsPlane) {
       ++hit_count;
     }
   }
-  EXPECT_GT(hit_count, kCamera.width_px * kCamera.height_px / 3);
+  EXPECT_GT(hit_count, kSmallCamera.width_px * kSmallCamera.height_px / 3);
 }
 
 TEST(Renderer, BoxMeetsEveryRayWhereTheSlabTestDoes) {
@@ -108,11 +108,11 @@ TEST(Renderer, BoxMeetsEveryRayWhereTheSlabTestDoes) {
     T_world_box.rotate(Eigen::AngleAxisd(3 * unit(random), Eigen::Vector3d(1, 2, 3).normalized()));
     Scene scene;
     scene.Add(Thing(BoxShape{size_m}, T_world_box, SceneClass::kGoods));
-    Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+    Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
     const SurfaceImage& image = renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
-    for (int v = 0; v < kCamera.height_px; ++v) {
-      for (int u = 0; u < kCamera.width_px; ++u) {
-        const double depth_m = RayBoxDepth(size_m, T_world_box.inverse(), kCamera.Ray(u, v));
+    for (int v = 0; v < kSmallCamera.height_px; ++v) {
+      for (int u = 0; u < kSmallCamera.width_px; ++u) {
+        const double depth_m = RayBoxDepth(size_m, T_world_box.inverse(), kSmallCamera.Ray(u, v));
         ASSERT_NEAR(DepthAt(image, u, v), depth_m, kRelativeTolerance * (depth_m + 1))
             << trial << ": " << u << " " << v;
       }
@@ -125,17 +125,17 @@ TEST(Renderer, SphereMeshMeetsEveryRayWhereItsTrianglesDo) {
   const Eigen::Isometry3d T_world_sphere(Eigen::Translation3d(0.2, -0.1, 2.0));
   Scene scene;
   scene.Add(Thing(MeshShape{mesh}, T_world_sphere, SceneClass::kGoods));
-  Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+  Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
   const SurfaceImage& image = renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
   int hit_count = 0;
-  for (int v = 0; v < kCamera.height_px; v += 3) {
-    for (int u = 0; u < kCamera.width_px; u += 3) {
+  for (int v = 0; v < kSmallCamera.height_px; v += 3) {
+    for (int u = 0; u < kSmallCamera.width_px; u += 3) {
       double nearest_m = 0.0;
       for (const auto& [a, b, c] : mesh->triangles) {
         const double depth_m = RayTriangleDepth({T_world_sphere * mesh->vertices_object[a],
                                                  T_world_sphere * mesh->vertices_object[b],
                                                  T_world_sphere * mesh->vertices_object[c]},
-                                                kCamera.Ray(u, v));
+                                                kSmallCamera.Ray(u, v));
         if (depth_m > 0 && (nearest_m == 0 || depth_m < nearest_m)) nearest_m = depth_m;
       }
       ASSERT_NEAR(DepthAt(image, u, v), nearest_m, 2e-5) << u << " " << v;
@@ -154,15 +154,15 @@ TEST(Renderer, SphereMeshLiesWithinItsChordsOfTheSphere) {
       Thing(MeshShape{std::make_shared<const TriangleMesh>(MakeSphereMesh(kRadiusM, kSegments))},
             Eigen::Isometry3d(Eigen::Translation3d(center)),
             SceneClass::kGoods));
-  Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+  Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
   const SurfaceImage& image = renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
   // A facet's middle lies under the sphere by at most the two sagittas of its sides.
   const double sagitta_m = 2 * kRadiusM * (1 - std::cos(M_PI / kSegments));
-  for (int v = 0; v < kCamera.height_px; ++v) {
-    for (int u = 0; u < kCamera.width_px; ++u) {
+  for (int v = 0; v < kSmallCamera.height_px; ++v) {
+    for (int u = 0; u < kSmallCamera.width_px; ++u) {
       const double depth_m = DepthAt(image, u, v);
       if (depth_m == 0) continue;
-      const double distance_m = (depth_m * kCamera.Ray(u, v) - center).norm();
+      const double distance_m = (depth_m * kSmallCamera.Ray(u, v) - center).norm();
       ASSERT_LE(distance_m, kRadiusM + 1e-5);
       ASSERT_GE(distance_m, kRadiusM - sagitta_m);
     }
@@ -184,12 +184,12 @@ TEST(Renderer, MeshOfABoxLooksLikeTheBoxWithoutGaps) {
     Scene meshes;
     meshes.Add(Thing(
         MeshShape{std::make_shared<const TriangleMesh>(mesh)}, T_world_box, SceneClass::kGoods));
-    Renderer box_renderer(&boxes, kCamera, SensorModel::Ideal());
-    Renderer mesh_renderer(&meshes, kCamera, SensorModel::Ideal());
+    Renderer box_renderer(&boxes, kSmallCamera, SensorModel::Ideal());
+    Renderer mesh_renderer(&meshes, kSmallCamera, SensorModel::Ideal());
     const SurfaceImage& box = box_renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
     const SurfaceImage& triangles = mesh_renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
-    for (int v = 0; v < kCamera.height_px; ++v) {
-      for (int u = 0; u < kCamera.width_px; ++u) {
+    for (int v = 0; v < kSmallCamera.height_px; ++v) {
+      for (int u = 0; u < kSmallCamera.width_px; ++u) {
         ASSERT_NEAR(DepthAt(box, u, v), DepthAt(triangles, u, v), 1e-5) << u << " " << v;
       }
     }
@@ -204,7 +204,7 @@ TEST(Renderer, NearerThingHidesTheFartherInWhateverOrderTheyStand) {
                       Eigen::Isometry3d(Eigen::Translation3d(0, 0, depth_m)),
                       depth_m < 2 ? SceneClass::kGoods : SceneClass::kWall));
     }
-    Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+    Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
     const SurfaceImage& image = renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
     EXPECT_EQ(ObjectAt(image, 80, 45)->semantic_class, SceneClass::kGoods);
     EXPECT_NEAR(DepthAt(image, 80, 45), 1.0, 1e-6);
@@ -218,17 +218,17 @@ TEST(Renderer, ThingsBehindTheCameraOrOutOfSightAreNotDrawn) {
                     Eigen::Isometry3d(Eigen::Translation3d(0, 0, z_m)),
                     SceneClass::kGoods));
   }
-  Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+  Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
   const Frame frame = renderer.Render({}, {});
-  EXPECT_EQ(frame.depth.units, Image<std::uint16_t>(kCamera.width_px, kCamera.height_px));
-  EXPECT_EQ(frame.labels, Image<std::uint16_t>(kCamera.width_px, kCamera.height_px));
+  EXPECT_EQ(frame.depth.units, Image<std::uint16_t>(kSmallCamera.width_px, kSmallCamera.height_px));
+  EXPECT_EQ(frame.labels, Image<std::uint16_t>(kSmallCamera.width_px, kSmallCamera.height_px));
 }
 
 TEST(Renderer, EmptySceneGivesAnEmptyFrame) {
   const Scene scene;
-  Renderer renderer(&scene, kCamera, SensorModel::Full());
+  Renderer renderer(&scene, kSmallCamera, SensorModel::Full());
   const Frame frame = renderer.Render({}, {.include_instances = true, .include_color = true});
-  EXPECT_EQ(frame.depth.units, Image<std::uint16_t>(kCamera.width_px, kCamera.height_px));
+  EXPECT_EQ(frame.depth.units, Image<std::uint16_t>(kSmallCamera.width_px, kSmallCamera.height_px));
   EXPECT_EQ(frame.color.At(5, 5), Rgb{});
 }
 
@@ -240,9 +240,9 @@ TEST(Renderer, FrameHoldsMillimetresLabelsInstancesAndShadedColour) {
   wall.color = {200, 100, 50};
   wall.instance = 77;
   scene.Add(wall);
-  Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+  Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
   const Frame frame = renderer.Render({}, {.include_instances = true, .include_color = true});
-  EXPECT_EQ(frame.camera, kCamera);
+  EXPECT_EQ(frame.camera, kSmallCamera);
   EXPECT_EQ(frame.depth.metres_per_unit, 0.001);
   EXPECT_NEAR(frame.depth.units.At(81, 44), 1234.5, 0.51);
   EXPECT_EQ(frame.labels.At(81, 44), 6);
@@ -262,7 +262,7 @@ TEST(Renderer, DepthOutsideTheSensorsRangeIsMissingButLabelled) {
     scene.Add(Thing(RectangleShape{{50, 50}},
                     Eigen::Isometry3d(Eigen::Translation3d(0, 0, depth_m)),
                     SceneClass::kWall));
-    Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+    Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
     const Frame frame = renderer.Render({}, {});
     EXPECT_EQ(frame.depth.units.At(80, 45), kNoDepth);
     EXPECT_EQ(frame.labels.At(80, 45), 4);
@@ -275,7 +275,7 @@ TEST(Renderer, MovingThingIsWhereItsMotionPutsIt) {
   box.motion = {{1.0, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 2))},
                 {3.0, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 4))}};
   scene.Add(box);
-  Renderer renderer(&scene, kCamera, SensorModel::Ideal());
+  Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
 
   struct Case {
     double time_s;

@@ -10,7 +10,7 @@
 namespace steadymap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(SegmentClasses, ReadsTheColumnsItNeedsOfACsvTable) {
   const TemporaryFolder folder;

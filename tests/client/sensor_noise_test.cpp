@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-constexpr PinholeCamera kCamera = {320, 180, 230.0, 230.0, 159.5, 89.5};
+constexpr PinholeCamera kNoisyCamera = {320, 180, 230.0, 230.0, 159.5, 89.5};
 constexpr int kPixelCount = 320 * 180;
 
 SensorModel Only(const std::function<void(SensorModel*)>& enable) {
@@ -31,7 +31,7 @@ SceneObject& AddWallAt(Scene* scene, double depth_m, const Eigen::Vector2d& size
 }
 
 Frame RenderFrom(const Scene& scene, const SensorModel& sensor, const View& view) {
-  Renderer renderer(&scene, kCamera, sensor);
+  Renderer renderer(&scene, kNoisyCamera, sensor);
   return renderer.Render(view, {});
 }
 
@@ -102,9 +102,9 @@ TEST(DisparitySteps, EveryDepthIsAWholeNumberOfSteps) {
   view.T_world_camera = LookAt({0, 0, 1.5}, {1.5, 0, 0});
   const Frame frame = RenderFrom(scene, sensor, view);
   const Frame ideal = RenderFrom(scene, SensorModel::Ideal(), view);
-  const double step_metres = kCamera.fx * sensor.stereo_baseline_m / sensor.disparity_step_px;
-  for (int v = 0; v < kCamera.height_px; ++v) {
-    for (int u = 0; u < kCamera.width_px; ++u) {
+  const double step_metres = kNoisyCamera.fx * sensor.stereo_baseline_m / sensor.disparity_step_px;
+  for (int v = 0; v < kNoisyCamera.height_px; ++v) {
+    for (int u = 0; u < kNoisyCamera.width_px; ++u) {
       const double depth_m = frame.depth.units.At(u, v) * 0.001;
       if (depth_m == 0) continue;
       const double steps = std::round(step_metres / depth_m);
@@ -129,8 +129,8 @@ TEST(FlyingPixels, FloatBetweenTheSurfacesAtEdgesOnly) {
       RenderFrom(scene, SensorModel::Ideal(), WithKey(3)).depth.units;
   int edge_count = 0;
   int flying_count = 0;
-  for (int v = 1; v + 1 < kCamera.height_px; ++v) {
-    for (int u = 1; u + 1 < kCamera.width_px; ++u) {
+  for (int v = 1; v + 1 < kNoisyCamera.height_px; ++v) {
+    for (int u = 1; u + 1 < kNoisyCamera.width_px; ++u) {
       const std::uint16_t own = ideal.At(u, v);
       const bool is_edge = ideal.At(u - 1, v) != own || ideal.At(u + 1, v) != own ||
                            ideal.At(u, v - 1) != own || ideal.At(u, v + 1) != own;
@@ -157,10 +157,11 @@ TEST(GrazingDropout, LossGrowsFromTheLimitToFlat) {
   int kept_count = 0;
   double expected_count = 0.0;
   int grazing_count = 0;
-  for (int v = 0; v < kCamera.height_px; ++v) {
-    for (int u = 0; u < kCamera.width_px; ++u) {
+  for (int v = 0; v < kNoisyCamera.height_px; ++v) {
+    for (int u = 0; u < kNoisyCamera.width_px; ++u) {
       if (ideal.depth.units.At(u, v) == 0) continue;
-      const Eigen::Vector3d ray = view.T_world_camera.linear() * kCamera.Ray(u, v).normalized();
+      const Eigen::Vector3d ray =
+          view.T_world_camera.linear() * kNoisyCamera.Ray(u, v).normalized();
       const bool is_kept = frame.depth.units.At(u, v) != 0;
       if (-ray.z() >= sensor.grazing_cosine) {
         ASSERT_TRUE(is_kept);
@@ -200,8 +201,8 @@ TEST(LabelBoundaryNoise, FivePercentOfTheBandBesideABorderSwap) {
   int swapped_count = 0;
   for (std::uint64_t key = 0; key < 20; ++key) {
     const Image<std::uint16_t> labels = RenderFrom(scene, sensor, WithKey(key)).labels;
-    for (int v = 0; v < kCamera.height_px; ++v) {
-      for (int u = 2; u + 2 < kCamera.width_px; ++u) {
+    for (int v = 0; v < kNoisyCamera.height_px; ++v) {
+      for (int u = 2; u + 2 < kNoisyCamera.width_px; ++u) {
         const std::uint16_t own = truth.At(u, v);
         const bool in_band = truth.At(u - 2, v) != own || truth.At(u + 2, v) != own;
         band_count += in_band ? 1 : 0;

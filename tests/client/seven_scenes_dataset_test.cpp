@@ -12,7 +12,7 @@ namespace steadymap {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr char kPose[] = "1 0 0 1\n0 1 0 2\n0 0 1 3\n0 0 0 1\n";
 

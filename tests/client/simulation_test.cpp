@@ -42,12 +42,13 @@ void ExpectSame(const Frame& a, const Frame& b) {
 }
 
 TEST(MakeRoute, KnowsItsRoutesAndTheirSequences) {
-  EXPECT_THAT(SequenceNames("baseline"), testing::ElementsAre("baseline"));
-  EXPECT_THAT(SequenceNames("1-5"), testing::ElementsAre("baseline", "1-5"));
-  EXPECT_THAT(SequenceNames("2-4-4"), testing::ElementsAre("2-2", "2-4", "4-1"));
-  EXPECT_THAT(SequenceNames("9-2"), testing::ElementsAre("1-9", "2-1"));
-  EXPECT_THAT(SequenceNames("unchanged"), testing::ElementsAre("baseline", "baseline"));
-  EXPECT_THAT(RouteNames(), testing::IsSupersetOf({"4-1", "table-top", "twin", "people", "hall"}));
+  EXPECT_THAT(SequenceNames("baseline"), ::testing::ElementsAre("baseline"));
+  EXPECT_THAT(SequenceNames("1-5"), ::testing::ElementsAre("baseline", "1-5"));
+  EXPECT_THAT(SequenceNames("2-4-4"), ::testing::ElementsAre("2-2", "2-4", "4-1"));
+  EXPECT_THAT(SequenceNames("9-2"), ::testing::ElementsAre("1-9", "2-1"));
+  EXPECT_THAT(SequenceNames("unchanged"), ::testing::ElementsAre("baseline", "baseline"));
+  EXPECT_THAT(RouteNames(),
+              ::testing::IsSupersetOf({"4-1", "table-top", "twin", "people", "hall"}));
   for (const std::string& name : RouteNames()) {
     EXPECT_EQ(RouteOf(name).name, name);
     EXPECT_TRUE(ValidateCamera(RouteOf(name).camera).ok());
@@ -58,7 +59,7 @@ TEST(MakeRoute, RefusesAnUnknownNameAndListsTheKnown) {
   for (const char* name : {"", "nowhere", "5-1", "1-5-1", "baseline "}) {
     const absl::Status status = MakeRoute(name).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << name;
-    EXPECT_THAT(std::string(status.message()), testing::HasSubstr("2-4-4")) << name;
+    EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("2-4-4")) << name;
   }
 }
 

@@ -11,7 +11,7 @@ namespace steadymap {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(TorwicDataset, CameraSitsWhereTheCalibrationPutsIt) {
   const TemporaryFolder folder;

@@ -83,7 +83,7 @@ TEST(WriteTorwicFolder, WritesTheDocumentedLayout) {
     EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / name)) << name;
   }
   EXPECT_THAT(ContentOf(folder.path() / "01-baseline/poses.txt"),
-              testing::StartsWith("0 1650000000 0 "));
+              ::testing::StartsWith("0 1650000000 0 "));
 }
 
 TEST(WriteTorwicFolder, NamesTheFolderThatCannotBeCreated) {
@@ -91,7 +91,7 @@ TEST(WriteTorwicFolder, NamesTheFolderThatCannotBeCreated) {
   const std::filesystem::path file = folder.Write("taken", "a file, not a folder");
   const absl::Status status = WriteTorwicFolder(*MakeRoute("baseline"), file, Options());
   EXPECT_FALSE(status.ok());
-  EXPECT_THAT(std::string(status.message()), testing::HasSubstr(file.string()));
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr(file.string()));
 }
 
 }  // namespace

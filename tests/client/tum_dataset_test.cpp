@@ -10,10 +10,10 @@ namespace steadymap {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // Three depth images; colour and poses are off by what the names say.
-void WriteRecording(const TemporaryFolder& folder) {
+void WriteTumRecording(const TemporaryFolder& folder) {
   for (const char* name : {"a", "b", "c"}) {
     folder.Write(std::string("depth/") + name + ".png", DepthPng(640, 480, 5000));
     folder.Write(std::string("rgb/") + name + ".png", EncodeColorPng(Image<Rgb>(640, 480)));
@@ -29,7 +29,7 @@ void WriteRecording(const TemporaryFolder& folder) {
 
 TEST(TumDataset, AssociatesWithinTwentyMilliseconds) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteTumRecording(folder);
   auto source = OpenDataset("tum", {folder.path()}, {});
   ASSERT_TRUE(source.ok()) << source.status();
   EXPECT_EQ((*source)->skipped_count(), 1U);  // c: the nearest pose is 30 ms away.
@@ -47,14 +47,14 @@ TEST(TumDataset, AssociatesWithinTwentyMilliseconds) {
 
 TEST(TumDataset, LoadsWithoutColour) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteTumRecording(folder);
   fs::remove(folder.path() / "rgb.txt");
   EXPECT_FALSE(ReadAll("tum", {folder.path()}, {}).at(0).has_color());
 }
 
 TEST(TumDataset, PosesThatAreNotFiniteAreLeftOut) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteTumRecording(folder);
   folder.Write("groundtruth.txt",
                "1305031102.160000 nan 2 3 0 0 0 1\n1305031102.200000 4 5 6 0 0 0 1\n");
   auto source = OpenDataset("tum", {folder.path()}, {});
@@ -78,7 +78,7 @@ TEST(TumDataset, RefusesListsThatAreMissingOrMalformed) {
                         Case{"depth.txt", "nan depth/a.png\n"},
                         Case{"rgb.txt", "x y z\n"}}) {
     const TemporaryFolder folder;
-    WriteRecording(folder);
+    WriteTumRecording(folder);
     if (c.text != nullptr) {
       folder.Write(c.file, c.text);
     } else {
@@ -92,7 +92,7 @@ TEST(TumDataset, RefusesListsThatAreMissingOrMalformed) {
 
 TEST(TumDataset, EmptyListsAndMissingImagesAreErrors) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteTumRecording(folder);
   fs::remove(folder.path() / "depth/a.png");
   auto source = OpenDataset("tum", {folder.path()}, {});
   ASSERT_TRUE(source.ok()) << source.status();
@@ -104,7 +104,7 @@ TEST(TumDataset, EmptyListsAndMissingImagesAreErrors) {
 
 TEST(TumDataset, BrokenRotationIsAnErrorOfItsFrame) {
   const TemporaryFolder folder;
-  WriteRecording(folder);
+  WriteTumRecording(folder);
   folder.Write("groundtruth.txt", "1305031102.160000 1 2 3 0 0 0 5\n");
   auto source = OpenDataset("tum", {folder.path()}, {});
   ASSERT_TRUE(source.ok()) << source.status();

@@ -15,8 +15,6 @@
 
 namespace steadymap {
 
-inline const MapName kKitchen{"default", "kitchen"};
-
 /// A frame with so large a depth image.
 inline v1::Frame FrameOfBytes(std::size_t depth_bytes) {
   v1::Frame frame;

@@ -12,7 +12,7 @@ namespace {
 
 using absl::StatusCode;
 
-class MapServiceTest : public testing::TestWithParam<Transport> {
+class MapServiceTest : public ::testing::TestWithParam<Transport> {
  protected:
   absl::Status Create(const v1::CreateMapRequest& request, v1::Map* map = nullptr) {
     v1::Map ignored;
@@ -47,7 +47,7 @@ class MapServiceTest : public testing::TestWithParam<Transport> {
 
 INSTANTIATE_TEST_SUITE_P(Transports,
                          MapServiceTest,
-                         testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         ::testing::Values(Transport::kInProcess, Transport::kLoopback),
                          TransportName);
 
 TEST_P(MapServiceTest, NewMapHasTheDefaultsAndIsEmpty) {
@@ -208,7 +208,16 @@ TEST_P(MapServiceTest, UpdateChangesWhatTheMaskNamesAndTheEtag) {
   ASSERT_TRUE(Update(map, {"byte_budget", "retention.frame_log_age"}, &updated).ok());
   EXPECT_EQ(updated.byte_budget(), 1000U);
   EXPECT_EQ(updated.retention().frame_log_age().seconds(), 7);
+  map.mutable_max_commit_delay()->set_nanos(20'000'000);
+  ASSERT_TRUE(Update(map, {"max_commit_delay"}, &updated).ok());
+  EXPECT_EQ(updated.max_commit_delay().nanos(), 20'000'000);
+  for (const int nanos : {1, -1'000'000}) {
+    map.mutable_max_commit_delay()->set_nanos(nanos);
+    EXPECT_THAT(Update(map, {"max_commit_delay"}, &updated),
+                IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.max_commit_delay"));
+  }
   service_.Restart();
+  EXPECT_EQ(service_.GetMap(map.name())->max_commit_delay().nanos(), 20'000'000);
   EXPECT_EQ(service_.GetMap(map.name())->display_name(), "The hall");
 }
 

@@ -11,13 +11,14 @@
 #include "proto/convert_object.h"
 #include "tests/contract/object_map.h"
 #include "tests/contract/test_service.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
 
-using absl::StatusCode;
+using ::steadymap::testing::kNan;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using absl::StatusCode;
 
 class ObjectServiceTest : public ::testing::TestWithParam<Transport> {
  protected:

@@ -8,16 +8,17 @@
 #include "proto/convert_geometry.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
 
+using ::steadymap::testing::kNan;
+
 using absl::StatusCode;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 /// A map of a wall at x = 2 m, seen eight times.
-class QueryServiceTest : public testing::TestWithParam<Transport> {
+class QueryServiceTest : public ::testing::TestWithParam<Transport> {
  protected:
   QueryServiceTest() {
     const absl::Status status = UploadAndClose(&service_, {map_}, MakeBatch(1, 8));
@@ -55,7 +56,7 @@ class QueryServiceTest : public testing::TestWithParam<Transport> {
 
 INSTANTIATE_TEST_SUITE_P(Transports,
                          QueryServiceTest,
-                         testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         ::testing::Values(Transport::kInProcess, Transport::kLoopback),
                          TransportName);
 
 TEST_P(QueryServiceTest, DistanceOfPointsBeforeAndBehindTheWall) {

@@ -1,5 +1,4 @@
 #include <functional>
-#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -7,9 +6,12 @@
 #include "proto/convert_status.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
+
+using ::steadymap::testing::kNan;
 
 /// A way to spoil a frame, and what the service says to it.
 struct BrokenFrame {
@@ -20,8 +22,6 @@ struct BrokenFrame {
 };
 
 void PrintTo(const BrokenFrame& broken, std::ostream* stream) { *stream << broken.name; }
-
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<BrokenFrame> BrokenFrames() {
   return {
@@ -133,7 +133,7 @@ std::vector<BrokenFrame> BrokenFrames() {
   };
 }
 
-class RefusedFrameTest : public testing::TestWithParam<BrokenFrame> {
+class RefusedFrameTest : public ::testing::TestWithParam<BrokenFrame> {
  protected:
   TestService service_{Transport::kLoopback};
   const UploadSession session_{service_.CreateMap("hall")};
@@ -141,8 +141,8 @@ class RefusedFrameTest : public testing::TestWithParam<BrokenFrame> {
 
 INSTANTIATE_TEST_SUITE_P(Ways,
                          RefusedFrameTest,
-                         testing::ValuesIn(BrokenFrames()),
-                         [](const testing::TestParamInfo<BrokenFrame>& way) {
+                         ::testing::ValuesIn(BrokenFrames()),
+                         [](const ::testing::TestParamInfo<BrokenFrame>& way) {
                            return way.param.name;
                          });
 

@@ -11,7 +11,7 @@ namespace {
 
 using absl::StatusCode;
 
-class StoreFaultContract : public testing::Test {
+class StoreFaultContract : public ::testing::Test {
  protected:
   TestService service_{Transport::kLoopback};
   const std::string map_ = service_.CreateMap("hall");

@@ -13,7 +13,7 @@ constexpr std::chrono::seconds kHang{60};
 
 }  // namespace
 
-std::string TransportName(const testing::TestParamInfo<Transport>& info) {
+std::string TransportName(const ::testing::TestParamInfo<Transport>& info) {
   return info.param == Transport::kInProcess ? "InProcess" : "Loopback";
 }
 

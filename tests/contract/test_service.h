@@ -25,7 +25,7 @@ namespace steadymap {
 enum class Transport { kInProcess, kLoopback };
 
 /// Names the parameter of a suite in the test output.
-std::string TransportName(const testing::TestParamInfo<Transport>& info);
+std::string TransportName(const ::testing::TestParamInfo<Transport>& info);
 
 /// A server of its own with a client's stubs. By default over a memory store, which the test can
 /// make fail.

@@ -11,7 +11,7 @@ namespace {
 
 using absl::StatusCode;
 
-class UploadCallTest : public testing::TestWithParam<Transport> {
+class UploadCallTest : public ::testing::TestWithParam<Transport> {
  protected:
   absl::StatusOr<v1::UploadAck> Upload(std::uint64_t first_client_seq,
                                        int count,
@@ -26,7 +26,7 @@ class UploadCallTest : public testing::TestWithParam<Transport> {
 
 INSTANTIATE_TEST_SUITE_P(Transports,
                          UploadCallTest,
-                         testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         ::testing::Values(Transport::kInProcess, Transport::kLoopback),
                          TransportName);
 
 TEST_P(UploadCallTest, AnswersAtTheLevelThatWasAskedFor) {

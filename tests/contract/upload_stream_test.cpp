@@ -12,7 +12,7 @@ namespace {
 
 using absl::StatusCode;
 
-class UploadStreamTest : public testing::TestWithParam<Transport> {
+class UploadStreamTest : public ::testing::TestWithParam<Transport> {
  protected:
   TestService service_{GetParam()};
   const std::string map_ = service_.CreateMap("hall");
@@ -21,7 +21,7 @@ class UploadStreamTest : public testing::TestWithParam<Transport> {
 
 INSTANTIATE_TEST_SUITE_P(Transports,
                          UploadStreamTest,
-                         testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         ::testing::Values(Transport::kInProcess, Transport::kLoopback),
                          TransportName);
 
 TEST_P(UploadStreamTest, OpeningAnswersResumePointCreditAndLimits) {

@@ -4,19 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/special_numbers.h"
+
 namespace steadymap {
 namespace {
 
-using Columns = std::vector<std::optional<std::size_t>>;
+using ::steadymap::testing::kInfinity;
+using ::steadymap::testing::kNan;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using Columns = std::vector<std::optional<std::size_t>>;
 
 struct Problem {
   std::size_t row_count = 0;

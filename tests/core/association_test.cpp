@@ -7,18 +7,20 @@
 #include <gtest/gtest.h>
 
 #include "core/cell_ownership.h"
+#include "core/frame_clusters.h"
 #include "core/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
+using ::steadymap::testing::kScale;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::WallVolume;
 
-constexpr VoxelScale kScale;
 constexpr double kMaxRangeM = 5.0;
 
 /// Gives a wall of one square metre that faces the camera at the world's origin from `depth_m` away
@@ -34,7 +36,7 @@ struct Look {
     cloud.Compute(RenderScene({Body(4, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0})}, {}));
     samples.Compute(cloud);
     in_view = FindObjectsInView(objects, cloud, samples, kMaxRangeM);
-    AssociateSamples(samples, in_view, Background(), kScale, &association);
+    AssociateSamples(samples, in_view, Background(), kScale, FrameClusters({}, {}), &association);
   }
 
   std::size_t CountOwned(std::uint32_t owner) const {

@@ -32,7 +32,7 @@ class BaselinePolicies : public ::testing::TestWithParam<UpdatePolicy> {};
 class PoliciesThatSeeDepth : public BaselinePolicies {};
 
 /// Two visits to a box that comes, is moved and goes.
-std::vector<Frame> EventfulFrames() {
+std::vector<Frame> EventfulVisits() {
   std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 6);
   const auto append = [&](const Scene& scene, int count, int visit) {
     for (Frame& frame : LookAtScene(scene, static_cast<int>(frames.size()), count, visit)) {
@@ -47,7 +47,7 @@ std::vector<Frame> EventfulFrames() {
 }
 
 TEST_P(BaselinePolicies, GiveTheSameMapWhateverTheCommitRhythm) {
-  const std::vector<Frame> frames = EventfulFrames();
+  const std::vector<Frame> frames = EventfulVisits();
   MapStory reference(ConfigOf(GetParam()));
   reference.Tell(frames, 1);
   EXPECT_FALSE(reference.events().empty());
@@ -61,7 +61,7 @@ TEST_P(BaselinePolicies, GiveTheSameMapWhateverTheCommitRhythm) {
 }
 
 TEST_P(BaselinePolicies, GoOnAfterARestartAsIfThereWereNone) {
-  const std::vector<Frame> frames = EventfulFrames();
+  const std::vector<Frame> frames = EventfulVisits();
   MapStory reference(ConfigOf(GetParam()));
   reference.Tell(frames, 1);
   MapStory story(ConfigOf(GetParam()));

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/default_scale.h"
+
 namespace steadymap {
 namespace {
 
-constexpr VoxelScale kScale;
+using ::steadymap::testing::kScale;
 
 /// Distance and weight of a voxel of the changed volume, by index; anything not finite in weight
 /// is not observed.
@@ -17,7 +19,7 @@ struct Voxel {
 };
 
 /// A volume of two leaves side by side along x.
-TsdfGrid MakeVolume(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
+TsdfGrid VolumeOf(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
   TsdfGrid grid;
   for (const int first : {0, kLeafSide}) {
     LeafVoxels voxels;
@@ -38,8 +40,8 @@ TsdfGrid MakeVolume(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
 std::vector<VoxelChange> FreeBlock(const Eigen::Vector3i& low,
                                    const Eigen::Vector3i& high,
                                    float weight = 1.0F) {
-  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
-  const TsdfGrid after = MakeVolume([&](int x, int y, int z) {
+  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid after = VolumeOf([&](int x, int y, int z) {
     const Eigen::Vector3i voxel(x, y, z);
     const bool inside =
         (voxel.array() >= low.array()).all() && (voxel.array() < high.array()).all();
@@ -74,8 +76,8 @@ TEST(FindChanges, ComparesOnlyWhatWeighsEnough) {
 }
 
 TEST(FindChanges, TellsWhatWasTakenFromWhatWasFreed) {
-  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.1F, 1.0F}; });
-  const TsdfGrid after = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.1F, 1.0F}; });
+  const TsdfGrid after = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
   const std::vector<VoxelChange> changes = FindChanges(before, after, {{0, 0, 0}}, kScale, {});
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_EQ(changes[0].taken, 512U);
@@ -83,14 +85,14 @@ TEST(FindChanges, TellsWhatWasTakenFromWhatWasFreed) {
 }
 
 TEST(FindChanges, TakesDifferencesBelowHalfTheTruncationForNoise) {
-  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.07F, 1.0F}; });
-  const TsdfGrid after = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.07F, 1.0F}; });
+  const TsdfGrid after = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
   EXPECT_TRUE(FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {}).empty());
 }
 
 TEST(FindChanges, ConnectsVoxelsThatShareNoMoreThanACorner) {
-  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
-  const TsdfGrid after = MakeVolume([](int x, int y, int z) {
+  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid after = VolumeOf([](int x, int y, int z) {
     const bool low = x < 3 && y < 3 && z < 3;
     const bool high = x >= 3 && x < 6 && y >= 3 && y < 6 && z >= 3 && z < 6;
     return Voxel{low || high ? 0.15F : 0.0F, 1.0F};
@@ -101,7 +103,7 @@ TEST(FindChanges, ConnectsVoxelsThatShareNoMoreThanACorner) {
 }
 
 TEST(FindChanges, KnowsNoChangeWhereOneVolumeHasNoLeaf) {
-  const TsdfGrid before = MakeVolume([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
   const TsdfGrid after;
   EXPECT_TRUE(FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {}).empty());
   EXPECT_TRUE(FindChanges(after, before, {}, kScale, {}).empty());

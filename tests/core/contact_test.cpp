@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_config.h"
+#include "tests/support/analytic_samples.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {
@@ -12,17 +12,8 @@ namespace {
 
 using ::steadymap::testing::Body;
 using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::SamplesOf;
 using ::steadymap::testing::Scene;
-
-SampleGrid SamplesOf(const Frame& frame) {
-  SemanticCloud cloud{MapConfig()};
-  cloud.Compute(frame);
-  SampleGrid samples;
-  samples.Compute(cloud);
-  return samples;
-}
-
-SampleGrid SamplesOf(const Scene& scene) { return SamplesOf(RenderScene(scene, {})); }
 
 /// What stands left of the picture's middle belongs to `left`, the rest to `right`.
 Association Halves(const SampleGrid& samples, std::uint32_t left, std::uint32_t right) {
@@ -39,7 +30,7 @@ Association Halves(const SampleGrid& samples, std::uint32_t left, std::uint32_t 
 Scene OneWall() { return {Body(4, {2.0, -4.0, -4.0}, {2.3, 4.0, 4.0})}; }
 
 TEST(FindContacts, CountsThePairsAlongACommonBorder) {
-  const SampleGrid samples = SamplesOf(OneWall());
+  const SampleGrid samples = SamplesOf(OneWall(), {});
   const std::vector<Contact> contacts = FindContacts(samples, Halves(samples, 7, 2));
   ASSERT_EQ(contacts.size(), 1U);
   EXPECT_EQ(contacts[0].first, 2U);
@@ -52,7 +43,7 @@ TEST(FindContacts, CountsThePairsAlongACommonBorder) {
 TEST(FindContacts, FindsNoneAcrossADepthEdge) {
   const Scene step = {Body(4, {1.5, 0.0, -4.0}, {1.8, 4.0, 4.0}),
                       Body(4, {2.5, -4.0, -4.0}, {2.8, 4.0, 4.0})};
-  const SampleGrid samples = SamplesOf(step);
+  const SampleGrid samples = SamplesOf(step, {});
   EXPECT_TRUE(FindContacts(samples, Halves(samples, 1, 2)).empty());
 }
 
@@ -70,7 +61,7 @@ TEST(FindContacts, FindsNoneBetweenWhatInstanceIdsTellApart) {
 }
 
 TEST(FindContacts, LeavesOutBackgroundAndWhatNobodyOwns) {
-  const SampleGrid samples = SamplesOf(OneWall());
+  const SampleGrid samples = SamplesOf(OneWall(), {});
   EXPECT_TRUE(FindContacts(samples, Halves(samples, kBackgroundOwner, 1)).empty());
   EXPECT_TRUE(FindContacts(samples, Halves(samples, Association::kNone, 1)).empty());
   EXPECT_TRUE(FindContacts(samples, Halves(samples, 1, 1)).empty());

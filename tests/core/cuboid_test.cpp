@@ -179,7 +179,7 @@ TEST(FitCuboid, NoPointsAndOnePoint) {
 
 /// Random points of the box and its corners. Each comes with its mirror images, which leave the
 /// major axis of the points where that of the box is.
-std::vector<Eigen::Vector3d> PointsOf(const Cuboid& cuboid, std::mt19937* random) {
+std::vector<Eigen::Vector3d> PointsWithin(const Cuboid& cuboid, std::mt19937* random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::vector<Eigen::Vector3d> places{{1, 1, 1}, {1, 1, -1}};
   for (int i = 0; i < 500; ++i) places.emplace_back(unit(*random), unit(*random), unit(*random));
@@ -196,7 +196,7 @@ TEST(FitCuboid, RecoversTheBoxThatPointsWereDrawnFrom) {
   std::mt19937 random(3);
   for (const double yaw_rad : {-1.5, -0.7, 0.0, 0.3, 1.2, kPi / 2}) {
     const Cuboid box{{4000.0, -7000.0, 1.0}, {2.0, 0.5, 3.0}, yaw_rad};
-    const Cuboid fit = FitCuboid(PointsOf(box, &random));
+    const Cuboid fit = FitCuboid(PointsWithin(box, &random));
     EXPECT_NEAR(std::remainder(fit.yaw_rad - yaw_rad, kPi), 0.0, 1e-9);
     EXPECT_NEAR((fit.center_world - box.center_world).norm(), 0.0, 1e-9);
     EXPECT_NEAR((fit.size_m - box.size_m).norm(), 0.0, 1e-9);

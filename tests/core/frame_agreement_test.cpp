@@ -12,17 +12,15 @@ namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
-using ::steadymap::testing::ConfigOf;
 using ::steadymap::testing::Drive;
 using ::steadymap::testing::kPersonClass;
 using ::steadymap::testing::LookOf;
 using ::steadymap::testing::MapStory;
 using ::steadymap::testing::Mislead;
+using ::steadymap::testing::PocdConfig;
 using ::steadymap::testing::Room;
 using ::steadymap::testing::RoomWithout;
 using ::steadymap::testing::Scene;
-
-MapConfig PocdConfig() { return ConfigOf(UpdatePolicy::kPocd); }
 
 /// Frames against a map of the room.
 class FrameAgreementTest : public ::testing::Test {

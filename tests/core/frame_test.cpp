@@ -2,16 +2,17 @@
 
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using ::steadymap::testing::kNan;
+
 constexpr std::size_t kClassCount = 16;
 
 Frame ValidFrame() {

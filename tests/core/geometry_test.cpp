@@ -1,16 +1,16 @@
 #include "core/geometry.h"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using ::steadymap::testing::kNan;
 
 PinholeCamera TorwicCamera() { return {640, 360, 461.0956, 460.9182, 325.4782, 177.5766}; }
 

@@ -2,35 +2,26 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_config.h"
+#include "tests/support/analytic_samples.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
-using ::steadymap::testing::RenderScene;
-using ::steadymap::testing::Scene;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::SamplesOf;
 using ::steadymap::testing::SceneLook;
 
 constexpr std::uint16_t kGroundClass = 1;
-constexpr std::uint16_t kGoodsClass = 7;
 constexpr double kGroundM = 0.13;
-
-SampleGrid SamplesOf(const Scene& scene, const SceneLook& look) {
-  SemanticCloud cloud{MapConfig()};
-  cloud.Compute(RenderScene(scene, look));
-  SampleGrid samples;
-  samples.Compute(cloud);
-  return samples;
-}
 
 testing::SceneBody Ground() {
   return Body(kGroundClass, {-5.0, -5.0, kGroundM - 0.5}, {9.0, 5.0, kGroundM});
 }
 
 /// A crate on the ground, one metre wide and half a metre high.
-testing::SceneBody Crate() {
+testing::SceneBody CrateOnGround() {
   return Body(kGoodsClass, {1.5, -0.5, kGroundM}, {2.2, 0.5, kGroundM + 0.5});
 }
 
@@ -39,7 +30,7 @@ SceneLook FromAbove() {
 }
 
 TEST(FindGroundHeight, FindsTheFloorBelowThings) {
-  const SampleGrid samples = SamplesOf({Ground(), Crate()}, FromAbove());
+  const SampleGrid samples = SamplesOf({Ground(), CrateOnGround()}, FromAbove());
   const std::optional<double> height_m = FindGroundHeight(samples, kGroundM + 1.2);
   ASSERT_TRUE(height_m.has_value());
   EXPECT_NEAR(*height_m, kGroundM, 0.03);
@@ -60,7 +51,7 @@ TEST(FindGroundHeight, FindsNoneWithoutSamples) {
 }
 
 TEST(AssignGround, GivesTheFloorAndNothingElseToTheBackground) {
-  const SampleGrid samples = SamplesOf({Ground(), Crate()}, FromAbove());
+  const SampleGrid samples = SamplesOf({Ground(), CrateOnGround()}, FromAbove());
   Association association;
   association.owner.assign(samples.size(), Association::kNone);
   association.distance_m.assign(samples.size(), 0.0F);

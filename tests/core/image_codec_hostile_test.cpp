@@ -23,8 +23,8 @@ struct Subject {
   bool checksummed;
 };
 
-constexpr int kWidthPx = 9;
-constexpr int kHeightPx = 7;
+constexpr int kImageWidthPx = 9;
+constexpr int kImageHeightPx = 7;
 
 // The status of a decoding; an image of a wrong size fails the test.
 template <typename Pixel>
@@ -57,11 +57,11 @@ Subject ColorSubject(const char* name, ColorEncoding encoding, std::string file,
 
 std::vector<Subject> Subjects() {
   std::mt19937 random(4);
-  const Image<std::uint16_t> narrow = RandomPixels(kWidthPx, kHeightPx, 255, &random);
-  const Image<std::uint16_t> wide = RandomPixels(kWidthPx, kHeightPx, 65535, &random);
-  const Image<Rgb> colors = RandomColors(kWidthPx, kHeightPx, &random);
-  const JpegKind jpeg{kWidthPx, kHeightPx, 3, {10, 90, 200}, false};
-  const JpegKind progressive{kWidthPx, kHeightPx, 3, {10, 90, 200}, true};
+  const Image<std::uint16_t> narrow = RandomPixels(kImageWidthPx, kImageHeightPx, 255, &random);
+  const Image<std::uint16_t> wide = RandomPixels(kImageWidthPx, kImageHeightPx, 65535, &random);
+  const Image<Rgb> colors = RandomColors(kImageWidthPx, kImageHeightPx, &random);
+  const JpegKind jpeg{kImageWidthPx, kImageHeightPx, 3, {10, 90, 200}, false};
+  const JpegKind progressive{kImageWidthPx, kImageHeightPx, 3, {10, 90, 200}, true};
   std::vector<Subject> subjects;
   for (const auto& [name, encoding] : {std::pair{"raw8", PixelEncoding::kRawUint8},
                                        std::pair{"zstd8", PixelEncoding::kZstdUint8}}) {
@@ -75,10 +75,11 @@ std::vector<Subject> Subjects() {
     subjects.push_back(
         PixelSubject(name, PixelEncoding::kPng, EncodePixels(*image, PixelEncoding::kPng), true));
   }
-  subjects.push_back(PixelSubject("png palette",
-                                  PixelEncoding::kPng,
-                                  MakePng(kWidthPx, kHeightPx, {.color_type = kPngPalette}, {1}),
-                                  true));
+  subjects.push_back(
+      PixelSubject("png palette",
+                   PixelEncoding::kPng,
+                   MakePng(kImageWidthPx, kImageHeightPx, {.color_type = kPngPalette}, {1}),
+                   true));
   subjects.push_back(ColorSubject("png rgb", ColorEncoding::kPng, EncodeColorPng(colors), true));
   subjects.push_back(ColorSubject("jpeg", ColorEncoding::kJpeg, MakeJpeg(jpeg), false));
   subjects.push_back(
@@ -96,7 +97,7 @@ void ExpectImageRefusal(const absl::Status& status) {
 
 TEST(ImageDecoders, AcceptTheUndamagedFile) {
   for (const Subject& subject : Subjects()) {
-    EXPECT_TRUE(subject.decode(subject.file, kWidthPx, kHeightPx).ok()) << subject.name;
+    EXPECT_TRUE(subject.decode(subject.file, kImageWidthPx, kImageHeightPx).ok()) << subject.name;
   }
 }
 
@@ -108,7 +109,7 @@ TEST(ImageDecoders, RefuseAFileCutAtAnyByte) {
       // A copy of its own, so that a sanitizer sees a read beyond the cut.
       const std::vector<char> cut(subject.file.begin(),
                                   subject.file.begin() + static_cast<std::ptrdiff_t>(length));
-      ExpectImageRefusal(subject.decode({cut.data(), cut.size()}, kWidthPx, kHeightPx));
+      ExpectImageRefusal(subject.decode({cut.data(), cut.size()}, kImageWidthPx, kImageHeightPx));
     }
   }
 }
@@ -117,7 +118,7 @@ TEST(ImageDecoders, RefuseBytesAfterTheImage) {
   for (const Subject& subject : Subjects()) {
     SCOPED_TRACE(subject.name);
     for (const std::string& tail : {std::string(1, '\0'), std::string("garbage"), subject.file}) {
-      ExpectImageRefusal(subject.decode(subject.file + tail, kWidthPx, kHeightPx));
+      ExpectImageRefusal(subject.decode(subject.file + tail, kImageWidthPx, kImageHeightPx));
     }
   }
 }
@@ -128,7 +129,7 @@ TEST(ImageDecoders, SurviveEveryFlippedBitAndFindItWhereTheFormatCan) {
     for (std::size_t i = 0; i < subject.file.size() * 8; ++i) {
       std::string damaged = subject.file;
       damaged[i / 8] = static_cast<char>(damaged[i / 8] ^ (1 << (i % 8)));
-      const absl::Status status = subject.decode(damaged, kWidthPx, kHeightPx);
+      const absl::Status status = subject.decode(damaged, kImageWidthPx, kImageHeightPx);
       if (!status.ok()) ExpectImageRefusal(status);
       EXPECT_FALSE(status.ok() && subject.checksummed) << "bit " << i;
     }
@@ -138,8 +139,8 @@ TEST(ImageDecoders, SurviveEveryFlippedBitAndFindItWhereTheFormatCan) {
 TEST(ImageDecoders, RefuseAnImageOfAnotherSize) {
   for (const Subject& subject : Subjects()) {
     SCOPED_TRACE(subject.name);
-    for (const auto& [width_px, height_px] : {std::pair{kWidthPx + 1, kHeightPx},
-                                              std::pair{kWidthPx, kHeightPx - 1},
+    for (const auto& [width_px, height_px] : {std::pair{kImageWidthPx + 1, kImageHeightPx},
+                                              std::pair{kImageWidthPx, kImageHeightPx - 1},
                                               std::pair{kMaxImageSidePx, kMaxImageSidePx}}) {
       const absl::Status status = subject.decode(subject.file, width_px, height_px);
       ExpectImageRefusal(status);

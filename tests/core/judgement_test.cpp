@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
-constexpr VoxelScale kScale;
+using ::steadymap::testing::kScale;
+
 constexpr Timestamp kNow = Timestamp::FromNanoseconds(100'000'000'000);
 constexpr std::uint8_t kCell = 17;
 

@@ -10,18 +10,12 @@
 namespace steadymap {
 namespace {
 
-using testing::AddObject;
-using testing::BoxObject;
-using testing::FloorMap;
-
-const Eigen::Vector3d kSizeM(0.6, 0.4, 0.5);
-const UprightPose kPlace{{0.5, -0.3, 0.6}, 0.4};
-
-MapSnapshot BoxOverFloor() {
-  MapSnapshot map = FloorMap();
-  AddObject(BoxObject(ObjectId(3), kSizeM, kPlace), &map);
-  return map;
-}
+using ::steadymap::testing::AddObject;
+using ::steadymap::testing::BoxObject;
+using ::steadymap::testing::BoxOverFloor;
+using ::steadymap::testing::FloorMap;
+using ::steadymap::testing::kBoxPlace;
+using ::steadymap::testing::kBoxSizeM;
 
 /// Triangles refer to vertices that are there, and every vertex has a normal.
 void ExpectWhole(const Mesh& mesh) {
@@ -38,16 +32,16 @@ TEST(ExtractMapMesh, ObjectsStandInTheWorldBesideTheBackground) {
   const Mesh mesh = ExtractMapMesh(ShownVolumes(map), map.scale, nullptr);
   ExpectWhole(mesh);
   ASSERT_GT(mesh.triangles.size(), floor.triangles.size());
-  const Eigen::Isometry3d T_object_world = kPlace.ToIsometry().inverse();
-  const Box body(-0.5 * kSizeM, 0.5 * kSizeM);
+  const Eigen::Isometry3d T_object_world = kBoxPlace.ToIsometry().inverse();
+  const Box body(-0.5 * kBoxSizeM, 0.5 * kBoxSizeM);
   for (std::size_t i = floor.vertices_world.size(); i < mesh.vertices_world.size(); ++i) {
     const Eigen::Vector3d vertex = T_object_world * mesh.vertices_world[i].cast<double>();
     // Half a voxel: edges are rounded off.
     ASSERT_NEAR(testing::DistanceFrom({body}, vertex), 0.0, 0.0251);
     // Outward: away from the middle of the box.
-    EXPECT_GT(
-        mesh.normals_world[i].dot((mesh.vertices_world[i] - kPlace.position_world.cast<float>())),
-        0.0F);
+    EXPECT_GT(mesh.normals_world[i].dot(
+                  (mesh.vertices_world[i] - kBoxPlace.position_world.cast<float>())),
+              0.0F);
   }
 }
 
@@ -69,7 +63,7 @@ TEST(ExtractMapMesh, KeepsToTheBoxInTheWorld) {
 
 TEST(ExtractMapMesh, VolumesWithoutColoursAreGreyBesideColouredOnes) {
   MapSnapshot map = FloorMap();
-  const MapObject plain = BoxObject(ObjectId(1), kSizeM, kPlace);
+  const MapObject plain = BoxObject(ObjectId(1), kBoxSizeM, kBoxPlace);
   MapObject red = plain;
   red.id = ObjectId(2);
   auto volume = std::make_shared<TsdfGrid>();
@@ -100,7 +94,7 @@ TEST(LeafTouches, TurnedLeavesAreTestedWhereTheyStand) {
   const VoxelScale scale;
   // A leaf of 0.35 m between voxel centres, its lowest corner at the object's origin.
   const MapObject object =
-      BoxObject(ObjectId(1), kSizeM, {.position_world = {1.0, 1.0, 0.0}, .yaw_rad = M_PI / 4});
+      BoxObject(ObjectId(1), kBoxSizeM, {.position_world = {1.0, 1.0, 0.0}, .yaw_rad = M_PI / 4});
   const PlacedVolume volume = VolumeOf(object);
   const auto touches = [&](const Eigen::Vector3d& point) {
     return LeafTouches(volume, {0, 0, 0}, scale, Box(point, point));

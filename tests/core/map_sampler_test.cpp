@@ -14,25 +14,18 @@
 namespace steadymap {
 namespace {
 
-using testing::AddObject;
-using testing::BoxObject;
-using testing::FloorMap;
-
-constexpr double kYawRad = 0.4;
-const Eigen::Vector3d kSizeM(0.6, 0.4, 0.5);
-const UprightPose kPlace{{0.5, -0.3, 0.6}, kYawRad};
-
-/// A box that hangs over a floor, turned, its faces clear of the floor's band.
-MapSnapshot BoxOverFloor() {
-  MapSnapshot map = FloorMap();
-  AddObject(BoxObject(ObjectId(3), kSizeM, kPlace), &map);
-  return map;
-}
+using ::steadymap::testing::AddObject;
+using ::steadymap::testing::BoxObject;
+using ::steadymap::testing::BoxOverFloor;
+using ::steadymap::testing::FloorMap;
+using ::steadymap::testing::kBoxPlace;
+using ::steadymap::testing::kBoxSizeM;
+using ::steadymap::testing::kBoxYawRad;
 
 TEST(MapSampler, TheNearestSurfaceAnswersForAPoint) {
   const MapSnapshot map = BoxOverFloor();
   MapSampler sampler(map);
-  const Eigen::Isometry3d T_world_object = kPlace.ToIsometry();
+  const Eigen::Isometry3d T_world_object = kBoxPlace.ToIsometry();
   const MapDistance above_floor = sampler.Sample({-1.0, -1.0, 0.07});
   EXPECT_TRUE(above_floor.sample.known);
   EXPECT_NEAR(above_floor.sample.distance_m, 0.07, 1e-4);
@@ -44,11 +37,11 @@ TEST(MapSampler, TheNearestSurfaceAnswersForAPoint) {
   EXPECT_NEAR(before_box.sample.distance_m, 0.07, 1e-4);
   EXPECT_EQ(before_box.object, ObjectId(3));
   EXPECT_EQ(before_box.class_id, ClassId(103));
-  EXPECT_NEAR(
-      (before_box.sample.gradient - Eigen::Vector3d(std::cos(kYawRad), std::sin(kYawRad), 0.0))
-          .norm(),
-      0.0,
-      1e-3);
+  EXPECT_NEAR((before_box.sample.gradient -
+               Eigen::Vector3d(std::cos(kBoxYawRad), std::sin(kBoxYawRad), 0.0))
+                  .norm(),
+              0.0,
+              1e-3);
 
   const MapDistance inside_box = sampler.Sample(T_world_object * Eigen::Vector3d(0.25, 0.0, 0.0));
   EXPECT_NEAR(inside_box.sample.distance_m, -0.05, 1e-4);
@@ -58,8 +51,8 @@ TEST(MapSampler, TheNearestSurfaceAnswersForAPoint) {
 TEST(MapSampler, DistancesAreThoseOfTheUnionWhereverTheyAreKnown) {
   const MapSnapshot map = BoxOverFloor();
   MapSampler sampler(map);
-  const Eigen::Isometry3d T_object_world = kPlace.ToIsometry().inverse();
-  const Box body(-0.5 * kSizeM, 0.5 * kSizeM);
+  const Eigen::Isometry3d T_object_world = kBoxPlace.ToIsometry().inverse();
+  const Box body(-0.5 * kBoxSizeM, 0.5 * kBoxSizeM);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> coordinate(-1.2, 1.4);
   std::size_t by_object = 0;
@@ -109,15 +102,15 @@ TEST(MapSampler, RaysFromBetweenObjectAndFloorMeetTheFloorAlone) {
 TEST(MapSampler, TheNormalTurnsWithTheObject) {
   const MapSnapshot map = BoxOverFloor();
   MapSampler sampler(map);
-  const Eigen::Vector3d side(std::cos(kYawRad), std::sin(kYawRad), 0.0);
-  const MapRayHit hit = sampler.CastRay(kPlace.position_world + 2.0 * side, -side, 10.0);
+  const Eigen::Vector3d side(std::cos(kBoxYawRad), std::sin(kBoxYawRad), 0.0);
+  const MapRayHit hit = sampler.CastRay(kBoxPlace.position_world + 2.0 * side, -side, 10.0);
   EXPECT_NEAR(hit.hit.range_m, 2.0 - 0.3, 1e-3);
   EXPECT_NEAR((hit.hit.normal - side).norm(), 0.0, 1e-3);
 }
 
 TEST(MapSampler, OnlyPresentObjectsAreShown) {
   MapSnapshot map = FloorMap();
-  MapObject object = BoxObject(ObjectId(3), kSizeM, kPlace);
+  MapObject object = BoxObject(ObjectId(3), kBoxSizeM, kBoxPlace);
   for (const ObjectStanding standing : {ObjectStanding::kTentative, ObjectStanding::kArchived}) {
     object.standing = standing;
     AddObject(object, &map);
@@ -131,7 +124,7 @@ TEST(MapSampler, OnlyPresentObjectsAreShown) {
 TEST(MapSampler, OfEquallyNearObjectsTheLowerIdAnswers) {
   MapSnapshot map = FloorMap();
   for (const std::uint64_t id : {9U, 2U, 5U}) {
-    AddObject(BoxObject(ObjectId(id), kSizeM, kPlace), &map);
+    AddObject(BoxObject(ObjectId(id), kBoxSizeM, kBoxPlace), &map);
   }
   MapSampler sampler(map);
   EXPECT_EQ(sampler.Sample({0.5, -0.3, 0.9}).object, ObjectId(2));
@@ -151,7 +144,7 @@ TEST(CountMap, BackgroundAndObjectsAreCounted) {
   const MapCounts floor = CountMap(map);
   EXPECT_EQ(floor.leaves, map.background.leaf_count());
   EXPECT_EQ(floor.present_objects, 0U);
-  MapObject object = BoxObject(ObjectId(1), kSizeM, kPlace);
+  MapObject object = BoxObject(ObjectId(1), kBoxSizeM, kBoxPlace);
   AddObject(object, &map);
   const MapCounts present = CountMap(map);
   EXPECT_EQ(present.present_objects, 1U);

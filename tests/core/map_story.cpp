@@ -11,7 +11,7 @@
 namespace steadymap::testing {
 namespace {
 
-constexpr double kSecondsPerFrame = 0.5;
+constexpr double kStorySecondsPerFrame = 0.5;
 constexpr double kSecondsBetweenVisits = 60.0;
 
 }  // namespace
@@ -32,6 +32,8 @@ MapConfig ConfigOf(UpdatePolicy policy) {
   return config;
 }
 
+MapConfig PocdConfig() { return ConfigOf(UpdatePolicy::kPocd); }
+
 std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int visit) {
   std::vector<Frame> frames;
   for (int i = first; i < first + count; ++i) {
@@ -39,7 +41,7 @@ std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int vis
         scene,
         {.eye_world = {0.0, 0.4 * std::sin(0.7 * i), 0.1},
          .target_world = {2.0, 0.1, 0.0},
-         .capture_time_s = 100.0 + kSecondsPerFrame * i + kSecondsBetweenVisits * visit}));
+         .capture_time_s = 100.0 + kStorySecondsPerFrame * i + kSecondsBetweenVisits * visit}));
   }
   return frames;
 }
@@ -54,9 +56,10 @@ Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_tim
   return frame;
 }
 
-MapStory::MapStory(const MapConfig& config)
+MapStory::MapStory(const MapConfig& config, const MapperOptions& options)
     : config_(config),
-      mapper_(Mapper::Create(config).value()),
+      options_(options),
+      mapper_(Mapper::Create(config, options).value()),
       told_(VoxelScale{config.voxel_size_m, config.truncation_m}) {}
 
 void MapStory::Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
@@ -72,7 +75,7 @@ void MapStory::Look(const Scene& scene, int count, int visit) {
 }
 
 void MapStory::Restart() {
-  mapper_ = Mapper::Create(config_).value();
+  mapper_ = Mapper::Create(config_, options_).value();
   mapper_->Restore(told_);
 }
 

@@ -13,10 +13,6 @@
 /// Maps under observation: scenes with a known answer, run through a policy frame by frame.
 namespace steadymap::testing {
 
-inline constexpr std::uint16_t kWallClass = 4;
-inline constexpr std::uint16_t kGoodsClass = 7;
-inline constexpr std::uint16_t kPersonClass = 13;
-
 /// A wall that closes the view at 2.6 m.
 SceneBody FarWall();
 
@@ -29,6 +25,9 @@ Box Around(const SceneBody& body, double margin_m);
 /// A map's configuration with nothing but the policy set.
 MapConfig ConfigOf(UpdatePolicy policy);
 
+/// The one of the policy that this map is made for.
+MapConfig PocdConfig();
+
 /// Frames of a scene from a camera that swings to and fro, going on from frame `first`; half a
 /// second apart, and another minute before each visit but the first.
 std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int visit = 0);
@@ -39,7 +38,7 @@ Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_tim
 /// A map from its first frame on.
 class MapStory {
  public:
-  explicit MapStory(const MapConfig& config);
+  explicit MapStory(const MapConfig& config, const MapperOptions& options = {});
 
   /// Takes in frames, with a commit after every `frames_per_commit` and at the end.
   void Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1);
@@ -69,6 +68,7 @@ class MapStory {
   void Commit();
 
   MapConfig config_;
+  MapperOptions options_;
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> map_;
   MapSnapshot told_;

@@ -1,17 +1,18 @@
 #include "core/object_index.h"
 
-#include <limits>
 #include <map>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/special_numbers.h"
+
 namespace steadymap {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using ::steadymap::testing::kInfinity;
+using ::steadymap::testing::kNan;
 
 Box BoxAround(const Eigen::Vector3d& center_world, const Eigen::Vector3d& size_m) {
   return {center_world - 0.5 * size_m, center_world + 0.5 * size_m};

@@ -11,7 +11,7 @@
 namespace steadymap {
 namespace {
 
-using Objects = std::map<ObjectId, std::shared_ptr<const MapObject>>;
+using ObjectMap = std::map<ObjectId, std::shared_ptr<const MapObject>>;
 
 std::shared_ptr<const MapObject> MakeObject(ObjectId id, std::uint64_t views) {
   auto object = std::make_shared<MapObject>();
@@ -21,14 +21,14 @@ std::shared_ptr<const MapObject> MakeObject(ObjectId id, std::uint64_t views) {
 }
 
 /// Everything that can be asked of a library, held against what a map says.
-void ExpectHolds(const ObjectLibrary& library, const Objects& truth, ObjectId last) {
+void ExpectHolds(const ObjectLibrary& library, const ObjectMap& truth, ObjectId last) {
   ASSERT_EQ(library.size(), truth.size());
   ASSERT_EQ(library.empty(), truth.empty());
   ASSERT_TRUE(std::equal(library.begin(),
                          library.end(),
                          truth.begin(),
                          truth.end(),
-                         [](const ObjectLibrary::Entry& entry, const Objects::value_type& other) {
+                         [](const ObjectLibrary::Entry& entry, const ObjectMap::value_type& other) {
                            return entry.first == other.first && entry.second == other.second;
                          }));
   for (ObjectId id; id <= last; id = id.Next()) {
@@ -53,7 +53,7 @@ class RandomLibrary {
   explicit RandomLibrary(unsigned seed) : random_(seed) {}
 
   /// Writes or removes one object in both.
-  void Step(ObjectLibrary* library, Objects* truth) {
+  void Step(ObjectLibrary* library, ObjectMap* truth) {
     const ObjectId id(std::uniform_int_distribution<std::uint64_t>(0, kLast.value())(random_));
     if (std::uniform_int_distribution(0, 99)(random_) < removed_percent_) {
       library->erase(id);
@@ -79,9 +79,9 @@ TEST(ObjectLibrary, IsAMapAfterAnyWritesAndSoAreItsCopies) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     RandomLibrary source(seed);
     ObjectLibrary library;
-    Objects truth;
+    ObjectMap truth;
     ObjectLibrary copy;
-    Objects truth_of_copy;
+    ObjectMap truth_of_copy;
     for (int step = 0; step < 1000; ++step) {
       if (step % 37 == 0) {
         ASSERT_NO_FATAL_FAILURE(ExpectHolds(copy, truth_of_copy, RandomLibrary::kLast));
@@ -98,10 +98,10 @@ TEST(ObjectLibrary, ForEachDifferenceTellsAllThatTwoMapsDoNotShare) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     RandomLibrary source(seed);
     ObjectLibrary before;
-    Objects truth_before;
+    ObjectMap truth_before;
     for (int step = 0; step < 60; ++step) source.Step(&before, &truth_before);
     ObjectLibrary after = before;
-    Objects truth_after = truth_before;
+    ObjectMap truth_after = truth_before;
     for (unsigned step = 0; step < seed; ++step) source.Step(&after, &truth_after);
     std::vector<ObjectId> told;
     ObjectLibrary::ForEachDifference(

@@ -22,7 +22,6 @@ namespace {
 
 using ::steadymap::testing::Around;
 using ::steadymap::testing::Body;
-using ::steadymap::testing::ConfigOf;
 using ::steadymap::testing::ExpectSameMap;
 using ::steadymap::testing::FarWall;
 using ::steadymap::testing::Goods;
@@ -31,13 +30,12 @@ using ::steadymap::testing::kPersonClass;
 using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::LookAtScene;
 using ::steadymap::testing::MapStory;
+using ::steadymap::testing::PocdConfig;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneBody;
 using ::steadymap::testing::SmallFrame;
 
 constexpr std::uint16_t kRackClass = 6;
-
-MapConfig PocdConfig() { return ConfigOf(UpdatePolicy::kPocd); }
 
 /// Observed voxels of present objects and the background within a box, world frame.
 std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {

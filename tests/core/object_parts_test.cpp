@@ -6,11 +6,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
-constexpr VoxelScale kScale;
+using ::steadymap::testing::kScale;
 
 /// Multiples of the canonical steps, so that every voxel of a test volume is exact.
 LeafVoxels LeafWith(float weight, int distance_steps) {

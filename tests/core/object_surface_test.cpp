@@ -10,13 +10,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
+using ::steadymap::testing::kScale;
 using ::steadymap::testing::MakeVolume;
-
-constexpr VoxelScale kScale;
 
 // Two leaves a side along y and z, as many along x as the planes below need.
 Box SmallBounds() { return {Eigen::Vector3d(-0.4, 0.0, 0.0), Eigen::Vector3d(0.39, 0.79, 0.79)}; }

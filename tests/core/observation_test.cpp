@@ -5,26 +5,18 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_config.h"
+#include "tests/support/analytic_samples.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::SamplesOf;
 using ::steadymap::testing::Scene;
-
-constexpr std::uint16_t kWallClass = 4;
-constexpr std::uint16_t kGoodsClass = 7;
-
-SampleGrid SamplesOf(const Frame& frame) {
-  SemanticCloud cloud{MapConfig()};
-  cloud.Compute(frame);
-  SampleGrid samples;
-  samples.Compute(cloud);
-  return samples;
-}
 
 /// Nothing is known yet.
 Association NoOwners(const SampleGrid& samples) {

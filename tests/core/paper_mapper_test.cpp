@@ -19,10 +19,10 @@ using ::steadymap::testing::MapStory;
 
 constexpr std::uint16_t kCartClass = 9;
 
-MapStory NewStory() { return MapStory(ConfigOf(UpdatePolicy::kPocdPaper)); }
+MapStory PaperStory() { return MapStory(ConfigOf(UpdatePolicy::kPocdPaper)); }
 
 TEST(PaperMapper, BelievesANewObjectAtOnce) {
-  MapStory story = NewStory();
+  MapStory story = PaperStory();
   story.Look({FarWall(), Goods(0.0)}, 1);
   EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
@@ -30,7 +30,7 @@ TEST(PaperMapper, BelievesANewObjectAtOnce) {
 }
 
 TEST(PaperMapper, GrowsSureOfABoxThatStays) {
-  MapStory story = NewStory();
+  MapStory story = PaperStory();
   story.Look({FarWall(), Goods(0.0)}, 20);
   ASSERT_FALSE(story.Present(kGoodsClass).empty());
   const MapObject& box = *story.Present(kGoodsClass).front();
@@ -40,7 +40,7 @@ TEST(PaperMapper, GrowsSureOfABoxThatStays) {
 }
 
 TEST(PaperMapper, RemovesABoxThatDisappeared) {
-  MapStory story = NewStory();
+  MapStory story = PaperStory();
   story.Look({FarWall(), Goods(0.0)}, 20);
   story.Look({FarWall()}, 30);
   EXPECT_FALSE(story.EventsOf(EventType::kRemoved, kGoodsClass, Revision(20)).empty());
@@ -49,7 +49,7 @@ TEST(PaperMapper, RemovesABoxThatDisappeared) {
 
 // The failure that judging by depth instead of by frustum removes.
 TEST(PaperMapper, DoubtsABoxThatIsOnlyHidden) {
-  MapStory story = NewStory();
+  MapStory story = PaperStory();
   story.Look({FarWall(), Goods(0.0)}, 20);
   ASSERT_FALSE(story.Present(kGoodsClass).empty());
   const double before = story.Present(kGoodsClass).front()->belief.stationarity();

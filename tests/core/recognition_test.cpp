@@ -7,11 +7,13 @@
 
 #include "core/object_parts.h"
 #include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
-constexpr VoxelScale kScale;
+using ::steadymap::testing::kScale;
+
 constexpr ClassId kClass{7};
 
 /// The front of a box that faces -x, `width_m` wide along y from `y_m` on, one metre high.

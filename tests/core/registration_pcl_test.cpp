@@ -10,11 +10,13 @@
 
 #include "core/registration.h"
 #include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::DistanceFrom;
+using ::steadymap::testing::kScale;
 using ::steadymap::testing::LooksAround;
 using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::RandomMotionAbout;
@@ -25,7 +27,6 @@ using ::steadymap::testing::WithNoise;
 
 using Cloud = pcl::PointCloud<pcl::PointNormal>;
 
-constexpr VoxelScale kScale{0.05, 0.15};
 constexpr double kSpacingRad = 0.02;
 
 /// Largest distance of corresponding points at which two registrations agree, on average: the error

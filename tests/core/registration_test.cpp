@@ -10,6 +10,7 @@
 
 #include "core/mapper.h"
 #include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 using ::steadymap::testing::AnalyticCamera;
 using ::steadymap::testing::Crate;
 using ::steadymap::testing::DistanceFrom;
+using ::steadymap::testing::kScale;
 using ::steadymap::testing::LookAt;
 using ::steadymap::testing::LookAtSurface;
 using ::steadymap::testing::LooksAround;
@@ -32,7 +34,6 @@ using ::steadymap::testing::ThingsToLookAt;
 using ::steadymap::testing::UprightMotionAbout;
 using ::steadymap::testing::WithNoise;
 
-constexpr VoxelScale kScale{0.05, 0.15};
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMaxYawRad = 8.0 * kDegree;
 constexpr double kRecoveredM = 0.01;
@@ -174,7 +175,7 @@ std::vector<Eigen::Vector3d> WallPoints(double left_m, double right_m, std::mt19
   return points;
 }
 
-TsdfGrid WallVolume(double left_m, double right_m) {
+TsdfGrid LongWall(double left_m, double right_m) {
   return MakeVolume(
       [](const Eigen::Vector3d& point) { return point.y() - 0.2; },
       Box(Eigen::Vector3d(left_m, 0.0, 0.0), Eigen::Vector3d(right_m, 0.4, 2.0)),
@@ -185,7 +186,7 @@ TsdfGrid WallVolume(double left_m, double right_m) {
 TEST(RegisterPoints, DoesNotSlideAlongAWall) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> yaw(-kMaxYawRad, kMaxYawRad);
-  const TsdfGrid volume = WallVolume(-2.0, 2.0);
+  const TsdfGrid volume = LongWall(-2.0, 2.0);
   for (int i = 0; i < 200; ++i) {
     // From well within the wall to halfway beyond its mapped end.
     const double left_m = 0.01 * i - 0.5;
@@ -205,7 +206,7 @@ TEST(RegisterPoints, DoesNotSlideAlongAWall) {
 
 TEST(RegisterPoints, SurfaceNotMappedYetIsNoOutlierUnlessAskedFor) {
   std::mt19937_64 random(5);
-  const TsdfGrid volume = WallVolume(-2.0, 0.0);
+  const TsdfGrid volume = LongWall(-2.0, 0.0);
   const std::vector<Eigen::Vector3d> points = WallPoints(-1.0, 1.0, &random);
   RegistrationParameters parameters;
   const Registration ours = RegisterPoints(points, volume, kScale, UprightPose(), parameters);

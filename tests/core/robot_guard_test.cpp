@@ -20,7 +20,6 @@ namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
-using ::steadymap::testing::ConfigOf;
 using ::steadymap::testing::Drive;
 using ::steadymap::testing::ExpectSameMap;
 using ::steadymap::testing::From;
@@ -28,6 +27,7 @@ using ::steadymap::testing::kGoodsClass;
 using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::MapStory;
 using ::steadymap::testing::Mislead;
+using ::steadymap::testing::PocdConfig;
 using ::steadymap::testing::Room;
 using ::steadymap::testing::RoomWithout;
 using ::steadymap::testing::Scene;
@@ -38,8 +38,6 @@ constexpr int kMappingFrames = 70;
 constexpr double kShiftM = 1.0;
 constexpr double kTurnRad = 0.52;
 constexpr double kPauseS = 3600.0;
-
-MapConfig PocdConfig() { return ConfigOf(UpdatePolicy::kPocd); }
 
 std::vector<ObjectEvent> EventsOf(const MapStory& story, EventType type) {
   std::vector<ObjectEvent> found;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint16_t kFloorClass = 1;
 constexpr std::size_t kFirstBox = 3;
-constexpr double kSecondsPerFrame = 0.1;
+constexpr double kDriveSecondsPerFrame = 0.1;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ SceneLook LookOf(int index) {
   const Eigen::Vector3d eye_world(0.2 * std::sin(0.1 * index), 0.1 * std::cos(0.07 * index), 0.7);
   return {.eye_world = eye_world,
           .target_world = eye_world + Eigen::Vector3d(std::cos(yaw_rad), std::sin(yaw_rad), -0.15),
-          .capture_time_s = 100.0 + kSecondsPerFrame * index};
+          .capture_time_s = 100.0 + kDriveSecondsPerFrame * index};
 }
 
 std::vector<Frame> Drive(const Scene& scene, int first, int count, double pause_s) {

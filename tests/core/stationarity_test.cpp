@@ -11,10 +11,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/special_numbers.h"
+
 namespace steadymap {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using ::steadymap::testing::kInfinity;
 
 StationarityParameters PaperParameters() {
   StationarityParameters parameters;
@@ -174,7 +176,7 @@ TEST(UpdateStationarity, KeepsTheMomentsOfTheExactPosterior) {
     parameters.max_change_m = uniform(1.0, 4.0);
     parameters.class_weight = uniform(0.0, 4.0);
     const double change_m = uniform(-parameters.max_change_m, parameters.max_change_m);
-    SCOPED_TRACE(testing::Message() << "round " << round);
+    SCOPED_TRACE(::testing::Message() << "round " << round);
     for (const StationarityPrior class_prior :
          {StationarityPrior::kMoves, StationarityPrior::kStays}) {
       const StationarityUpdate update =

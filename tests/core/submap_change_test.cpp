@@ -19,11 +19,11 @@ using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::MapStory;
 using ::steadymap::testing::Scene;
 
-MapStory NewStory() { return MapStory(ConfigOf(UpdatePolicy::kSubmapChange)); }
+MapStory SubmapStory() { return MapStory(ConfigOf(UpdatePolicy::kSubmapChange)); }
 
 TEST(SubmapChange, KeepsASubmapAfterFiveDetections) {
   const Scene scene = {FarWall(), Goods(0.0)};
-  MapStory story = NewStory();
+  MapStory story = SubmapStory();
   story.Look(scene, 4);
   EXPECT_TRUE(story.events().empty());
   EXPECT_TRUE(story.Present(kGoodsClass).empty());
@@ -36,7 +36,7 @@ TEST(SubmapChange, KeepsASubmapAfterFiveDetections) {
 }
 
 TEST(SubmapChange, ForgetsASubmapThatWasDetectedTooSeldom) {
-  MapStory story = NewStory();
+  MapStory story = SubmapStory();
   story.Look({FarWall()}, 6);
   story.Look({FarWall(), Goods(0.0)}, 4);
   story.Look({FarWall()}, 5);
@@ -48,7 +48,7 @@ TEST(SubmapChange, ForgetsASubmapThatWasDetectedTooSeldom) {
 
 TEST(SubmapChange, ReportsNoChangeOfASceneThatStaysTheSame) {
   const Scene scene = {FarWall(), Goods(-0.5), Goods(0.4)};
-  MapStory story = NewStory();
+  MapStory story = SubmapStory();
   for (int visit = 0; visit < 3; ++visit) {
     story.Look(scene, 20, visit);
     // Away for long enough to make everything inactive.
@@ -60,7 +60,7 @@ TEST(SubmapChange, ReportsNoChangeOfASceneThatStaysTheSame) {
 }
 
 TEST(SubmapChange, RemovesABoxThatDisappeared) {
-  MapStory story = NewStory();
+  MapStory story = SubmapStory();
   story.Look({FarWall(), Goods(0.0)}, 20);
   story.Look({FarWall()}, 10);
   const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
@@ -72,7 +72,7 @@ TEST(SubmapChange, RemovesABoxThatDisappeared) {
 }
 
 TEST(SubmapChange, FindsAShiftedBoxAtItsNewPlaceOnly) {
-  MapStory story = NewStory();
+  MapStory story = SubmapStory();
   story.Look({FarWall(), Goods(-0.35)}, 20);
   story.Look({FarWall(), Goods(0.35)}, 20, /*visit=*/1);
   EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass, Revision(20)).size(), 1U);
@@ -82,7 +82,7 @@ TEST(SubmapChange, FindsAShiftedBoxAtItsNewPlaceOnly) {
 }
 
 TEST(SubmapChange, BringsBackABoxThatStandsAgainWhereItStood) {
-  MapStory story = NewStory();
+  MapStory story = SubmapStory();
   story.Look({FarWall(), Goods(0.0)}, 20);
   const ObjectId box = story.Present(kGoodsClass).at(0)->id;
   story.Look({FarWall()}, 15, /*visit=*/1);

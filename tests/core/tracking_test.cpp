@@ -34,10 +34,10 @@ std::vector<Frame> LookAtCorner(const Scene& scene, int first, int count) {
   return frames;
 }
 
-MapStory NewStory() { return MapStory(ConfigOf(UpdatePolicy::kTracking)); }
+MapStory TrackingStory() { return MapStory(ConfigOf(UpdatePolicy::kTracking)); }
 
 TEST(Tracking, ReportsNoChangeOfASceneThatStaysTheSame) {
-  MapStory story = NewStory();
+  MapStory story = TrackingStory();
   story.Look({FarWall(), Goods(-0.5), Goods(0.4)}, 40);
   EXPECT_EQ(story.Present(kGoodsClass).size(), 2U);
   EXPECT_EQ(story.events().size(), 3U);
@@ -45,7 +45,7 @@ TEST(Tracking, ReportsNoChangeOfASceneThatStaysTheSame) {
 }
 
 TEST(Tracking, FollowsABoxThatIsCarriedADecimetreAFrame) {
-  MapStory story = NewStory();
+  MapStory story = TrackingStory();
   double y = -0.5;
   story.Tell(LookAtCorner({FarWall(), Goods(y)}, 0, 10));
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
@@ -73,7 +73,7 @@ TEST(Tracking, FollowsABoxThatIsCarriedADecimetreAFrame) {
 }
 
 TEST(Tracking, TellsASlowMoveOnceItHasComeFar) {
-  MapStory story = NewStory();
+  MapStory story = TrackingStory();
   story.Tell(LookAtCorner({FarWall(), Goods(-0.2)}, 0, 10));
   for (int step = 1; step <= 9; ++step) {
     story.Tell(LookAtCorner({FarWall(), Goods(-0.2 + 0.03 * step)}, 9 + step, 1));
@@ -84,7 +84,7 @@ TEST(Tracking, TellsASlowMoveOnceItHasComeFar) {
 }
 
 TEST(Tracking, DropsABoxThatJumpsAndTakesItForAnother) {
-  MapStory story = NewStory();
+  MapStory story = TrackingStory();
   story.Tell(LookAtCorner({FarWall(), Goods(0.0)}, 0, 12));
   const ObjectId box = story.Present(kGoodsClass).at(0)->id;
   story.Tell(LookAtCorner({FarWall(), Goods(0.24)}, 12, 8));
@@ -97,7 +97,7 @@ TEST(Tracking, DropsABoxThatJumpsAndTakesItForAnother) {
 
 TEST(Tracking, KeepsWhatIsSimplyGone) {
   // The failure that the other policies are there to mend.
-  MapStory story = NewStory();
+  MapStory story = TrackingStory();
   story.Look({FarWall(), Goods(0.0)}, 12);
   story.Look({FarWall()}, 40);
   EXPECT_TRUE(story.EventsOf(EventType::kRemoved, kGoodsClass).empty());

@@ -5,11 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
-constexpr VoxelScale kScale{0.05, 0.15};
+using ::steadymap::testing::kScale;
 
 /// Random canonical voxels: each observed with `probability`, smooth or wild.
 LeafVoxels RandomLeaf(std::mt19937* random, double probability, bool smooth, bool color) {

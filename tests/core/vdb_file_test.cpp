@@ -13,9 +13,8 @@
 namespace steadymap {
 namespace {
 
-using testing::AddObject;
-using testing::BoxObject;
-using testing::FloorMap;
+using ::steadymap::testing::BoxOverFloor;
+using ::steadymap::testing::kBoxPlace;
 
 using Grids = std::map<std::string, openvdb::GridBase::Ptr>;
 
@@ -26,17 +25,6 @@ Grids Read(const std::string& file) {
   Grids grids;
   for (const openvdb::GridBase::Ptr& grid : *stream.getGrids()) grids[grid->getName()] = grid;
   return grids;
-}
-
-const Eigen::Vector3d kSizeM(0.6, 0.4, 0.5);
-const UprightPose kPlace{{0.5, -0.3, 0.6}, 0.4};
-
-MapSnapshot BoxOverFloor() {
-  MapSnapshot map = FloorMap();
-  MapObject object = BoxObject(ObjectId(3), kSizeM, kPlace);
-  object.belief.alpha = 3.0;
-  AddObject(object, &map);
-  return map;
 }
 
 TEST(WriteVdb, EveryVolumeHasItsGridsWithMetadata) {
@@ -57,7 +45,7 @@ TEST(WriteVdb, EveryVolumeHasItsGridsWithMetadata) {
 TEST(WriteVdb, TheTransformTakesAnObjectsVoxelsToTheWorld) {
   const MapSnapshot map = BoxOverFloor();
   const Grids grids = Read(*WriteVdb(map, nullptr));
-  const Eigen::Isometry3d T_world_object = kPlace.ToIsometry();
+  const Eigen::Isometry3d T_world_object = kBoxPlace.ToIsometry();
   for (const Eigen::Vector3d& voxel :
        {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(10, 0, 0), Eigen::Vector3d(-3, 7, 5)}) {
     const Eigen::Vector3d truth = T_world_object * (voxel * map.scale.voxel_size_m);

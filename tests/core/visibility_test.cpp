@@ -12,23 +12,24 @@
 #include <gtest/gtest.h>
 
 #include "core/background.h"
+#include "core/frame_clusters.h"
 #include "core/judgement.h"
 #include "core/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
+#include "tests/support/default_scale.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::Body;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kScale;
+using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneLook;
 using ::steadymap::testing::WallVolume;
-
-constexpr VoxelScale kScale;
-constexpr std::uint16_t kWallClass = 4;
-constexpr std::uint16_t kGoodsClass = 7;
 
 /// A known wall of one square metre that faces the camera at the world's origin from `depth_m`
 /// away along x.
@@ -58,7 +59,7 @@ ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects, const Frame
   const std::vector<ObjectInView> in_view =
       FindObjectsInView(objects, cloud, samples, parameters.max_depth_m);
   Association association;
-  AssociateSamples(samples, in_view, Background(), kScale, &association);
+  AssociateSamples(samples, in_view, Background(), kScale, FrameClusters({}, {}), &association);
   const VisibilityTest test(cloud, samples, tiles, in_view, association, parameters);
   return test.Judge(*objects.front());
 }

@@ -21,7 +21,7 @@ using ::steadymap::testing::MapStory;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneBody;
 
-MapStory NewStory() { return MapStory(ConfigOf(UpdatePolicy::kVoxelChange)); }
+MapStory VoxelChangeStory() { return MapStory(ConfigOf(UpdatePolicy::kVoxelChange)); }
 
 /// The reasons of all events in a box.
 std::vector<EventReason> ReasonsIn(const MapStory& story, const Box& box_world) {
@@ -36,14 +36,14 @@ std::vector<EventReason> ReasonsIn(const MapStory& story, const Box& box_world) 
 
 TEST(VoxelChange, ReportsNothingOfASceneThatStaysTheSame) {
   const Scene scene = {FarWall(), Goods(-0.5), Goods(0.4)};
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   for (int visit = 0; visit < 3; ++visit) story.Look(scene, 20, visit);
   EXPECT_TRUE(story.events().empty());
   EXPECT_GT(CountSurfaceIn(story.map(), Around(Goods(0.4), 0.05)), 100U);
 }
 
 TEST(VoxelChange, RemovesABoxThatDisappeared) {
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   story.Look({FarWall(), Goods(0.0)}, 30);
   const std::size_t wall = CountSurfaceIn(story.map(), Around(FarWall(), 0.1));
   story.Look({FarWall()}, 15, /*visit=*/1);
@@ -55,7 +55,7 @@ TEST(VoxelChange, RemovesABoxThatDisappeared) {
 }
 
 TEST(VoxelChange, AddsABoxWhereNothingWasKnown) {
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   story.Look({FarWall()}, 20);
   story.Look({FarWall(), Goods(0.0)}, 10, /*visit=*/1);
   EXPECT_GT(CountSurfaceIn(story.map(), Around(Goods(0.0), 0.05)), 100U);
@@ -63,7 +63,7 @@ TEST(VoxelChange, AddsABoxWhereNothingWasKnown) {
 
 TEST(VoxelChange, ReplacesSurfaceByWhatWasPutBeforeIt) {
   const SceneBody panel = Body(kGoodsClass, {2.5, -0.4, -0.4}, {2.7, 0.4, 0.4});
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   story.Look({FarWall()}, 20);
   story.Look({FarWall(), panel}, 15, /*visit=*/1);
   const std::vector<EventReason> reasons = ReasonsIn(story, Around(panel, 0.1));
@@ -76,7 +76,7 @@ TEST(VoxelChange, ReplacesSurfaceByWhatWasPutBeforeIt) {
 }
 
 TEST(VoxelChange, FindsAShiftedBoxAtItsNewPlaceOnly) {
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   story.Look({FarWall(), Goods(-0.4)}, 30);
   story.Look({FarWall(), Goods(0.4)}, 20, /*visit=*/1);
   EXPECT_EQ(CountSurfaceIn(story.map(), Around(Goods(-0.4), 0.04)), 0U);
@@ -85,7 +85,7 @@ TEST(VoxelChange, FindsAShiftedBoxAtItsNewPlaceOnly) {
 
 TEST(VoxelChange, ClearsByRaysThatEndOnAPerson) {
   const SceneBody person = Body(kPersonClass, {2.2, -0.6, -0.7}, {2.4, 0.6, 0.7});
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   story.Look({FarWall(), Goods(0.0, 1.2)}, 30);
   story.Look({FarWall(), person}, 15, /*visit=*/1);
   const Box front(Eigen::Vector3d(1.15, -0.2, -0.2), Eigen::Vector3d(1.25, 0.2, 0.2));
@@ -93,14 +93,14 @@ TEST(VoxelChange, ClearsByRaysThatEndOnAPerson) {
 }
 
 TEST(VoxelChange, FollowsAChangeWithinOneVisitByItsMean) {
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   story.Look({FarWall(), Goods(0.0)}, 10);
   story.Look({FarWall()}, 60);
   EXPECT_EQ(CountSurfaceIn(story.map(), Around(Goods(0.0), 0.1)), 0U);
 }
 
 TEST(VoxelChange, ForgetsTheFreshLayerWhenAVisitEnds) {
-  MapStory story = NewStory();
+  MapStory story = VoxelChangeStory();
   story.Look({FarWall()}, 12);
   EXPECT_FALSE(story.map().objects.empty());
   for (const auto& [id, tile] : story.map().objects) {

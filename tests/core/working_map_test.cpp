@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-using Objects = std::vector<TrackedObject*>;
+using ObjectList = std::vector<TrackedObject*>;
 
 /// Writes a cube with sides of 20 cm into the object, somewhere around the origin of its frame, and
 /// returns the leaves.
@@ -34,10 +34,10 @@ std::vector<LeafOrigin> WriteCube(const Eigen::Vector3d& center_object, TrackedO
 }
 
 /// What `ObjectsNear` should give.
-Objects WalkNear(const Box& box_world, WorkingMap* map) {
+ObjectList WalkNear(const Box& box_world, WorkingMap* map) {
   constexpr double kTouchM = 1e-3;
   const Box touching(box_world.min().array() - kTouchM, box_world.max().array() + kTouchM);
-  Objects near;
+  ObjectList near;
   for (auto& [id, object] : map->mutable_objects()) {
     const Box bounds_world = object.BoundsInWorld();
     if (!bounds_world.isEmpty() && bounds_world.intersects(touching)) near.push_back(&object);
@@ -45,8 +45,8 @@ Objects WalkNear(const Box& box_world, WorkingMap* map) {
   return near;
 }
 
-Objects WalkStanding(ObjectStanding standing, WorkingMap* map) {
-  Objects objects;
+ObjectList WalkStanding(ObjectStanding standing, WorkingMap* map) {
+  ObjectList objects;
   for (auto& [id, object] : map->mutable_objects()) {
     if (object.state().standing == standing) objects.push_back(&object);
   }
@@ -166,7 +166,7 @@ TEST(WorkingMap, FindsNothingInAnEmptyBoxNorAnObjectWithoutSurface) {
   TrackedObject& object = map.AddObject(Eigen::Vector3d::Zero());
   EXPECT_TRUE(map.ObjectsNear(around).empty());
   map.MarkLeaves(&object, WriteCube(Eigen::Vector3d::Zero(), &object));
-  EXPECT_EQ(map.ObjectsNear(around), Objects{&object});
+  EXPECT_EQ(map.ObjectsNear(around), ObjectList{&object});
   EXPECT_TRUE(map.ObjectsNear(Box()).empty());
 }
 

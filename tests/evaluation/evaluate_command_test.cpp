@@ -63,10 +63,46 @@ TEST(EvaluateCommand, ALostRobotSpoilsAMapThatFusesEverything) {
   EXPECT_NE(first_row(Evaluate(misled)), first_row(Evaluate(sound)));
 }
 
+TEST(EvaluateCommand, ShowsPocdWithoutASwitchAndItsStages) {
+  const TemporaryFolder folder;
+  const Outcome outcome = Evaluate({"--route",
+                                    "twin",
+                                    "--stride",
+                                    "40",
+                                    "--ideal",
+                                    "--policy",
+                                    "pocd",
+                                    "--switch-off",
+                                    "moves",
+                                    "tentative",
+                                    "--stages",
+                                    "--pictures",
+                                    folder.path().string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("\npocd -moves "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\npocd -tentative "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\nms/frame "), std::string::npos) << outcome.out;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "twin-pocd-moves.png"));
+}
+
+TEST(EvaluateCommand, HelpListsTheSwitches) {
+  const Outcome outcome = Evaluate({"--help"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const EngineSwitch& row : AllEngineSwitches()) {
+    EXPECT_NE(outcome.out.find("\n  " + std::string(row.name) + " "), std::string::npos)
+        << row.name;
+    EXPECT_NE(outcome.out.find(row.off), std::string::npos) << row.name;
+  }
+}
+
 TEST(EvaluateCommand, MisuseIsAnErrorThatSaysWhy) {
   EXPECT_EQ(Evaluate({}).exit_code, 1);
   EXPECT_EQ(Evaluate({"--route", "nowhere"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--route", "twin", "--policy", "best"}).exit_code, 2);
+  EXPECT_EQ(Evaluate({"--route", "twin", "--switch-off", "gears"}).exit_code, 2);
+  EXPECT_EQ(Evaluate({"--route", "twin", "--switch-off"}).exit_code, 2);
+  EXPECT_EQ(Evaluate({"--route", "twin", "--policy", "static", "--switch-off", "moves"}).exit_code,
+            1);
   EXPECT_EQ(Evaluate({"--sequence", "/nowhere"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--route", "twin", "--lost", "5"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--format", "tum", "--lost", "5", "3"}).exit_code, 2);

@@ -87,6 +87,31 @@ TEST(EvaluateRoute, PocdForgetsWhatMovedAndKeepsWhatIsOutOfView) {
   }
 }
 
+TEST(EvaluateRoute, PeopleLeaveNoTrailUnlessTheyAreFused) {
+  RouteEvaluationOptions options = Options(SensorModel::Full(), 3);
+  options.methods = SelectMethods({"pocd"}, MapConfig(), {"dynamic-mask"}).value();
+  const auto evaluation = EvaluateRoute(MakeRoute("people").value(), options);
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  const Share& trail = Row(*evaluation, "pocd").map.trail;
+  EXPECT_GT(trail.whole, 500U);
+  EXPECT_LE(trail.value(), 0.01);
+  EXPECT_GT(Row(*evaluation, "pocd -dynamic-mask").map.trail.value(), trail.value());
+}
+
+TEST(EvaluateRoute, TellsWhereTheTimeOfAFrameGoes) {
+  RouteEvaluationOptions options = Options(SensorModel::Ideal(), 40);
+  options.methods = SelectMethods({"pocd"}, MapConfig()).value();
+  const auto evaluation = EvaluateRoute(MakeRoute("twin").value(), options);
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  const auto spent_ms = [&](const std::string& name, MapperStage stage) {
+    return Row(*evaluation, name).cost.stage_ms[static_cast<std::size_t>(stage)];
+  };
+  EXPECT_GT(spent_ms("pocd", MapperStage::kAssociation), 0.0);
+  EXPECT_GT(spent_ms("pocd", MapperStage::kCommit), 0.0);
+  EXPECT_GT(spent_ms("static", MapperStage::kPolicy), 0.0);
+  EXPECT_EQ(spent_ms("static", MapperStage::kAssociation), 0.0);
+}
+
 TEST(EvaluateRoute, EveryBaselineLeavesFewerGhostsThanStatic) {
   const auto evaluation = EvaluateRoute(MakeRoute("1-5").value(), Options(SensorModel::Full(), 3));
   ASSERT_TRUE(evaluation.ok()) << evaluation.status();

@@ -113,6 +113,15 @@ TEST(MapScorer, TrueSurfaceThatNobodySawIsNeitherWrongNorMissed) {
   EXPECT_EQ(with.near.wrong, 0U);
 }
 
+TEST(MapScorer, CountsTheTrailOfWhatMovedThrough) {
+  Reference reference = WallReference();
+  reference.swept = Wall(0.4, 4);
+  const MapScorer scorer(std::move(reference));
+  EXPECT_EQ(scorer.Score(Wall(1.0, 5)).trail.value(), 0.0);
+  EXPECT_EQ(scorer.Score(Wall(0.45, 2)).trail.part, 9U) << "2 x 2 voxels and what touches them";
+  EXPECT_TRUE(std::isnan(MapScorer(WallReference()).Score(Wall(1.0, 5)).trail.value()));
+}
+
 TEST(MapScorer, CountsGhostsThatAreStillThere) {
   Reference reference = WallReference();
   reference.vanished = Wall(0.4, 4);

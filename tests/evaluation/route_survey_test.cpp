@@ -64,6 +64,35 @@ TEST(SurveyRoute, KnowsEachPlaceAndWhoSawIt) {
   EXPECT_NEAR(taken.box_world.center().y(), 1.0, 0.02);
 }
 
+// A box that slides 1 m to the left within 1 s, before a wall.
+Route BoxSlides() {
+  Scene scene;
+  AddStandingBox(&scene, "wall", {0.1, 4.0, 3.0}, {0.8, 0, 0}).semantic_class = SceneClass::kWall;
+  SceneObject& box = AddStandingBox(&scene, "box", {0.5, 0.5, 2.0}, {0, -0.5, 0});
+  box.semantic_class = SceneClass::kDynamicFeature;
+  const Eigen::Isometry3d start = box.T_world_object;
+  box.motion = {{0.0, start}, {1.0, Eigen::Translation3d(0, 1, 0) * start}};
+  Route route;
+  route.name = "box-slides";
+  route.camera = {160, 120, 115.0, 115.0, 79.5, 59.5};
+  route.sequences.push_back({"slides", scene, Stand(1.0)});
+  return route;
+}
+
+TEST(SurveyRoute, KnowsWhereMovingThingsWereSeen) {
+  RouteSurvey survey = Survey(BoxSlides());
+  ASSERT_EQ(survey.places.size(), 1U) << "the wall: what moves has no place";
+  ASSERT_FALSE(survey.swept.empty());
+  Eigen::AlignedBox3f swept;
+  for (const SurfacePoint& point : survey.swept) swept.extend(point.position_world);
+  EXPECT_NEAR(swept.min().x(), -0.25F, 0.02F) << "its front";
+  EXPECT_NEAR(swept.min().y(), -0.75F, 0.1F);
+  EXPECT_NEAR(swept.max().y(), 0.75F, 0.1F);
+  const Reference reference = MakeReference(&survey, false);
+  EXPECT_EQ(reference.swept.size(), survey.swept.size()) << "far from all that is true";
+  EXPECT_TRUE(Survey(BoxGoes(true)).swept.empty());
+}
+
 TEST(SurveyRoute, SeesFrontsAndLooksThroughWhatIsGone) {
   const RouteSurvey survey = Survey(BoxGoes(false));
   const SurveyedPlace& box = survey.places[1];

@@ -8,6 +8,8 @@
 #include "client/cli/evaluation_json.h"
 #include "client/evaluation/method.h"
 #include "client/evaluation/score_picture.h"
+#include "client/evaluation/stage_clock.h"
+#include "client/evaluation/stage_table.h"
 
 namespace steadymap {
 namespace {
@@ -23,6 +25,7 @@ Evaluation Example() {
   row.map.voxel = {600, 400, 750, 250, 5000};
   row.map.ghosts = {79, 100};
   row.map.kept = {45, 50};
+  row.map.trail = {4, 10};
   row.cost.memory_bytes = 6'600'000;
   row.cost.delta_bytes_per_frame = 12'345.0;
   row.cost.median_frame_ms = 0.74;
@@ -48,10 +51,10 @@ TEST(ScoreTable, ShowsEveryMethodAndWhatOthersReported) {
             "50 remembered");
   EXPECT_EQ(
       lines[3],
-      "static               |  60.0   75.0   7.41 |  78.0   99.1   4.21 |  79.0   90.0   100.0 "
-      "|    6.6     -     12.3   0.7");
+      "static               |  60.0   75.0   7.41 |  78.0   99.1   4.21 |  79.0   90.0  100.0 "
+      "  40.0 |  6.6    -     12.3   0.7");
   EXPECT_TRUE(lines[4].starts_with("fresh ")) << lines[4];
-  EXPECT_NE(lines[4].find(" 18.0    20.0 |"), std::string::npos) << lines[4];
+  EXPECT_NE(lines[4].find(" 18.0   20.0 "), std::string::npos) << lines[4];
   EXPECT_TRUE(lines[9].starts_with("POCD                 |  80.2   78.7    3.0 |")) << lines[9];
   EXPECT_TRUE(lines[12].starts_with("static ")) << "fresh has no events: " << lines[12];
 }
@@ -75,6 +78,8 @@ TEST(EvaluationJson, HoldsTheCounts) {
   EXPECT_NE(json.find("\"wrong_voxels\": 220"), std::string::npos);
   EXPECT_NE(json.find("\"method\": \"POCD\""), std::string::npos);
   EXPECT_NE(json.find("\"brier\": null"), std::string::npos);
+  EXPECT_NE(json.find("\"trail\": {\n"), std::string::npos);
+  EXPECT_NE(json.find("\"free_space\": 0"), std::string::npos);
 }
 
 TEST(SelectMethods, TheYardsticksAreAlwaysThere) {
@@ -87,6 +92,59 @@ TEST(SelectMethods, TheYardsticksAreAlwaysThere) {
   EXPECT_EQ(SelectMethods({"fresh"}, MapConfig())->size(), 2U);
   EXPECT_EQ(SelectMethods({"best"}, MapConfig()).status().code(),
             absl::StatusCode::kInvalidArgument);
+}
+
+TEST(SelectMethods, SwitchesMakeRowsBesidePocd) {
+  const auto methods = SelectMethods({"pocd"}, MapConfig(), {"merging", "moves", "merging"});
+  ASSERT_TRUE(methods.ok()) << methods.status();
+  ASSERT_EQ(methods->size(), 5U);
+  EXPECT_EQ((*methods)[2].name, "pocd");
+  EXPECT_TRUE((*methods)[2].switches == EngineSwitches());
+  EXPECT_EQ((*methods)[3].name, "pocd -merging");
+  EXPECT_EQ((*methods)[3].config.policy, UpdatePolicy::kPocd);
+  EXPECT_TRUE((*methods)[3].switches == AllOnBut("merging").value());
+  EXPECT_EQ((*methods)[4].name, "pocd -moves");
+  EXPECT_EQ(SelectMethods({"pocd"}, MapConfig(), {"all", "moves"})->size(),
+            3U + AllEngineSwitches().size());
+  EXPECT_EQ(SwitchNames().size(), AllEngineSwitches().size() + 1);
+}
+
+TEST(SelectMethods, SwitchesAreOfPocdAndHaveNames) {
+  EXPECT_EQ(SelectMethods({"static"}, MapConfig(), {"moves"}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  const absl::Status unknown = SelectMethods({"pocd"}, MapConfig(), {"gears"}).status();
+  EXPECT_EQ(unknown.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(unknown.message().find("gears"), absl::string_view::npos) << unknown;
+}
+
+TEST(StageTable, ShowsEveryStageOfEveryMethod) {
+  Evaluation evaluation = Example();
+  StageTimes& times = evaluation.rows[0].cost.stage_ms;
+  times[static_cast<std::size_t>(MapperStage::kCloud)] = 0.25;
+  times[static_cast<std::size_t>(MapperStage::kCommit)] = 1.5;
+  const std::vector<std::string> lines = LinesOf(StageTable(evaluation));
+  ASSERT_EQ(lines.size(), 3U);
+  for (const std::string_view name : kMapperStageNames) {
+    EXPECT_NE(lines[0].find(name), std::string::npos) << name;
+  }
+  EXPECT_TRUE(lines[1].starts_with("static               |  0.250 ")) << lines[1];
+  EXPECT_TRUE(lines[1].ends_with(" 1.500 |   1.75")) << lines[1];
+  EXPECT_EQ(lines[0].size(), lines[1].size());
+  EXPECT_EQ(lines[1].size(), lines[2].size());
+}
+
+TEST(StageClock, CountsWhatLiesBetweenEnterAndLeave) {
+  StageClock clock;
+  clock.Leave();
+  EXPECT_TRUE(clock.total_ms() == StageTimes{});
+  clock.Enter(MapperStage::kGround);
+  clock.Enter(MapperStage::kCommit);
+  clock.Leave();
+  const StageTimes once = clock.total_ms();
+  clock.Leave();
+  EXPECT_TRUE(clock.total_ms() == once) << "nobody was in";
+  EXPECT_GE(once[static_cast<std::size_t>(MapperStage::kGround)], 0.0);
+  EXPECT_EQ(once[static_cast<std::size_t>(MapperStage::kCloud)], 0.0);
 }
 
 bool HasColor(const Image<Rgb>& picture, const Rgb& color) {

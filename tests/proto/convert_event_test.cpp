@@ -1,17 +1,18 @@
 #include "proto/convert_event.h"
 
 #include <functional>
-#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using ::steadymap::testing::kNan;
+
 constexpr int kTypeCount = 9;
 constexpr int kReasonCount = 9;
 

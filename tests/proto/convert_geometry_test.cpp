@@ -6,12 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using ::steadymap::testing::kInfinity;
+using ::steadymap::testing::kNan;
 
 // What rounding leaves after a rotation became a quaternion and back.
 constexpr double kRotationTolerance = 1e-12;

@@ -1,19 +1,19 @@
 #include "proto/convert_object.h"
 
 #include <functional>
-#include <limits>
 #include <random>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using ::steadymap::testing::kInfinity;
+using ::steadymap::testing::kNan;
 
 Eigen::Vector3d RandomVector(std::mt19937* random, double low, double high) {
   std::uniform_real_distribution<double> number(low, high);

@@ -15,8 +15,6 @@
 namespace steadymap {
 namespace {
 
-constexpr Timestamp kNow = Timestamp::FromSeconds(1000.0);
-
 class StoreFault : public ::testing::Test {
  protected:
   void SetUp() override {

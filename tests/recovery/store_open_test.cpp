@@ -23,8 +23,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr Timestamp kNow = Timestamp::FromSeconds(1000.0);
-
 absl::Status OpenStatus(const std::filesystem::path& folder) {
   return Store::Open(folder, StoreOptions()).status();
 }

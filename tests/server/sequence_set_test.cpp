@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kLargestSequence = std::numeric_limits<std::uint64_t>::max();
 
 /// The same set kept the obvious way.
 class PlainSet {
@@ -108,13 +108,13 @@ TEST(SequenceSet, RefusesOneGapTooManyAndIsUnchanged) {
 
 TEST(SequenceSet, HoldsTheLargestSequenceWithoutOverflow) {
   SequenceSet set;
-  ASSERT_TRUE(set.Insert(ClientSequence{kLargest}).ok());
-  ASSERT_TRUE(set.Insert(ClientSequence{kLargest - 1}).ok());
+  ASSERT_TRUE(set.Insert(ClientSequence{kLargestSequence}).ok());
+  ASSERT_TRUE(set.Insert(ClientSequence{kLargestSequence - 1}).ok());
   EXPECT_EQ(set.interval_count(), 1U);
-  EXPECT_EQ(set.max().value(), kLargest);
+  EXPECT_EQ(set.max().value(), kLargestSequence);
   EXPECT_EQ(SequenceSet::Unpack(set.Pack()).value(), set);
-  set.InsertThrough(ClientSequence{kLargest});
-  EXPECT_EQ(set.contiguous_end().value(), kLargest);
+  set.InsertThrough(ClientSequence{kLargestSequence});
+  EXPECT_EQ(set.contiguous_end().value(), kLargestSequence);
 }
 
 TEST(SequenceSet, InsertThroughZeroChangesNothing) {

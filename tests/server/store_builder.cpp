@@ -29,6 +29,7 @@ MapRecord MakeMapRecord(const std::string& tenant, const std::string& map) {
   record.frame_log_age = std::chrono::seconds(3600);
   record.frame_log_bytes = 1 << 30;
   record.byte_budget = 123'456'789;
+  record.max_commit_delay = std::chrono::milliseconds(40);
   record.create_time = Timestamp::FromNanoseconds(1'700'000'000'123'456'789);
   record.incarnation = "incarnation-1";
   record.request_id = "request-1";

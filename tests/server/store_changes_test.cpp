@@ -60,7 +60,7 @@ class StoreChanges : public StoreContract {
 INSTANTIATE_TEST_SUITE_P(Stores,
                          StoreChanges,
                          ::testing::Values(StoreKind::kRocks, StoreKind::kMemory),
-                         StoreName);
+                         NameOfStore);
 
 TEST_P(StoreChanges, AreTheUnionOfTheCommitsBetween) {
   const ObjectState object = MakeObject(3, 1);

@@ -17,7 +17,6 @@ namespace steadymap {
 /// Which store a case runs against.
 enum class StoreKind { kRocks, kMemory };
 
-inline constexpr Timestamp kNow = Timestamp::FromSeconds(1000.0);
 inline constexpr Timestamp kForgetNone = Timestamp::FromNanoseconds(0);
 
 /// A store with small bounds that can be reopened, as after a restart.

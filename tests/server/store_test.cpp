@@ -20,8 +20,6 @@
 namespace steadymap {
 namespace {
 
-constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
-
 INSTANTIATE_TEST_SUITE_P(Stores,
                          StoreContract,
                          ::testing::Values(StoreKind::kRocks, StoreKind::kMemory),
@@ -41,6 +39,7 @@ TEST_P(StoreContract, MapRecordSurvivesARestartFieldByField) {
   EXPECT_EQ(map.frame_log_age, expected.frame_log_age);
   EXPECT_EQ(map.frame_log_bytes, expected.frame_log_bytes);
   EXPECT_EQ(map.byte_budget, expected.byte_budget);
+  EXPECT_EQ(map.max_commit_delay, expected.max_commit_delay);
   EXPECT_EQ(map.create_time, expected.create_time);
   EXPECT_EQ(map.incarnation, expected.incarnation);
   EXPECT_EQ(map.request_id, expected.request_id);
@@ -186,7 +185,7 @@ TEST_P(StoreContract, ReadPosesKeepsToItsLimit) {
   const auto count = [&](std::uint64_t first, std::uint64_t last, std::size_t limit) {
     return store_->ReadPoses(map.key, MapSequence{first}, MapSequence{last}, limit)->size();
   };
-  EXPECT_EQ(count(1, kLargest, 4), 4U);
+  EXPECT_EQ(count(1, std::numeric_limits<std::uint64_t>::max(), 4), 4U);
   EXPECT_EQ(count(1, 3, 100), 3U);
   EXPECT_EQ(count(1, 3, 0), 0U);
   EXPECT_EQ(count(5, 4, 100), 0U);

@@ -82,7 +82,11 @@ class RestlessMap {
     delta.to = Revision(map_.revision.value() + 1 + Draw(3));
     std::map<ObjectId, std::optional<ObjectState>> objects;
     std::map<LeafKey, std::string> leaves;
-    for (std::uint32_t i = Draw(4); i > 0; --i) ChangeObject(&objects, &leaves);
+    std::set<ObjectId> touched;
+    for (std::uint32_t i = Draw(4); i > 0; --i) {
+      const ObjectId id(1 + Draw(9));
+      if (touched.insert(id).second) ChangeObject(id, &objects, &leaves);
+    }
     for (std::uint32_t i = Draw(4); i > 0; --i) ChangeLeaf(kBackgroundId, &leaves);
     for (auto& [id, state] : objects) delta.objects.push_back({id, std::move(state)});
     for (auto& [key, packed] : leaves) delta.leaves.push_back({key, std::move(packed)});
@@ -96,12 +100,11 @@ class RestlessMap {
   std::uint32_t Draw(std::uint32_t below) { return static_cast<std::uint32_t>(random_() % below); }
 
  private:
-  void ChangeObject(std::map<ObjectId, std::optional<ObjectState>>* objects,
+  void ChangeObject(ObjectId id,
+                    std::map<ObjectId, std::optional<ObjectState>>* objects,
                     std::map<LeafKey, std::string>* leaves) {
-    const ObjectId id(1 + Draw(9));
     const auto known = map_.objects.find(id);
     const bool is_known = known != map_.objects.end();
-    if (objects->contains(id)) return;
     if (is_known && Draw(8) == 0) {
       (*objects)[id] = std::nullopt;
       known->second->volume->ForEachLeaf([&, id](LeafOrigin origin, const LeafView&) {

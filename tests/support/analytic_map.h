@@ -83,4 +83,19 @@ inline void AddObject(const MapObject& object, MapSnapshot* map) {
   map->objects.insert_or_assign(object.id, std::make_shared<const MapObject>(object));
 }
 
+/// The box of `BoxOverFloor`: its size, and its frame in the world, turned.
+inline const Eigen::Vector3d kBoxSizeM(0.6, 0.4, 0.5);
+inline constexpr double kBoxYawRad = 0.4;
+inline const UprightPose kBoxPlace{{0.5, -0.3, 0.6}, kBoxYawRad};
+
+/// A box, object 3, that hangs over the floor, its faces clear of the floor's band, and that stays
+/// with probability 0.75.
+inline MapSnapshot BoxOverFloor() {
+  MapSnapshot map = FloorMap();
+  MapObject box = BoxObject(ObjectId(3), kBoxSizeM, kBoxPlace);
+  box.belief.alpha = 3.0;
+  AddObject(box, &map);
+  return map;
+}
+
 }  // namespace steadymap::testing

@@ -9,6 +9,10 @@
 
 namespace steadymap::testing {
 
+inline constexpr std::uint16_t kWallClass = 4;
+inline constexpr std::uint16_t kGoodsClass = 7;
+inline constexpr std::uint16_t kPersonClass = 13;
+
 /// A box of one class.
 struct SceneBody {
   Box box_world;

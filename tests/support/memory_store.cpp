@@ -15,23 +15,40 @@
 namespace steadymap {
 namespace {
 
-/// A frame's pose and what retention asks about it.
-struct StoredPose {
-  FramePose pose;
-  Timestamp append_time;
-  std::uint64_t packed_bytes = 0;
-};
+absl::Status NotThere() {
+  return MakeError(absl::StatusCode::kNotFound, reason::kNotFound, "no such map");
+}
 
-/// What a commit changed, and what retention asks about it.
-struct StoredCommit {
-  Revision from;
-  Revision to;
-  Timestamp time;
-  std::vector<ObjectId> objects;
-  std::vector<LeafKey> leaves;
-};
+absl::Status Compacted() {
+  return MakeError(
+      absl::StatusCode::kOutOfRange, reason::kRevisionCompacted, "what changed is forgotten");
+}
 
-struct StoredMap {
+}  // namespace
+
+/// One map, as the disk would hold it.
+struct MemoryStore::StoredMap {
+  /// A frame's pose and what retention asks about it.
+  struct StoredPose {
+    FramePose pose;
+    Timestamp append_time;
+    std::uint64_t packed_bytes = 0;
+  };
+
+  /// What a commit changed, and what retention asks about it.
+  struct StoredCommit {
+    Revision from;
+    Revision to;
+    Timestamp time;
+    std::vector<ObjectId> objects;
+    std::vector<LeafKey> leaves;
+  };
+
+  absl::Status Check(const LogAppend& append) const;
+  void Append(const LogAppend& append);
+  void TrimLog(MapSequence last, Timestamp now, const MapRecord& retention);
+  void TrimCommits(const StoreOptions& options, const TrimBounds& bounds);
+
   MapRecord record;
   bool damaged = false;
   MapSequence head;
@@ -45,15 +62,11 @@ struct StoredMap {
   std::map<SessionName, SessionRecord> sessions;
 };
 
-absl::Status NotThere() {
-  return MakeError(absl::StatusCode::kNotFound, reason::kNotFound, "no such map");
-}
-
-absl::Status CheckAppend(const LogAppend& append, const StoredMap& map) {
-  MapSequence head = map.head;
+absl::Status MemoryStore::StoredMap::Check(const LogAppend& append) const {
+  MapSequence last = head;
   for (const LogFrame& frame : append.frames) {
-    if (frame.sequence != head.Next()) return absl::FailedPreconditionError("a gap in the log");
-    head = frame.sequence;
+    if (frame.sequence != last.Next()) return absl::FailedPreconditionError("a gap in the log");
+    last = frame.sequence;
   }
   for (const SessionRecord& session : append.sessions) {
     if (!IsValidId(session.name.robot) || !IsValidId(session.name.session)) {
@@ -63,58 +76,49 @@ absl::Status CheckAppend(const LogAppend& append, const StoredMap& map) {
   return absl::OkStatus();
 }
 
-void ApplyAppend(const LogAppend& append, StoredMap* map) {
-  if (!append.frames.empty()) map->newest_append = std::max(map->newest_append, append.append_time);
+void MemoryStore::StoredMap::Append(const LogAppend& append) {
+  if (!append.frames.empty()) newest_append = std::max(newest_append, append.append_time);
   for (const LogFrame& frame : append.frames) {
-    map->head = frame.sequence;
-    map->log[frame.sequence] = frame.packed_frame;
-    map->poses[frame.sequence] = {
+    head = frame.sequence;
+    log[frame.sequence] = frame.packed_frame;
+    poses[frame.sequence] = {
         {frame.sequence, frame.robot, frame.capture_time, frame.T_world_camera},
-        map->newest_append,
+        newest_append,
         frame.packed_frame.size()};
   }
-  for (const SessionRecord& session : append.sessions) map->sessions[session.name] = session;
+  for (const SessionRecord& session : append.sessions) sessions[session.name] = session;
 }
 
-void TrimLog(MapSequence last, Timestamp now, const MapRecord& retention, StoredMap* map) {
+void MemoryStore::StoredMap::TrimLog(MapSequence last, Timestamp now, const MapRecord& retention) {
   std::uint64_t bytes = 0;
   bool wanted = true;
-  for (auto frame = map->log.rbegin(); frame != map->log.rend();) {
-    const StoredPose& pose = map->poses.at(frame->first);
+  for (auto frame = log.rbegin(); frame != log.rend();) {
+    const StoredPose& pose = poses.at(frame->first);
     bytes += pose.packed_bytes;
     const std::chrono::nanoseconds age(now.nanoseconds() - pose.append_time.nanoseconds());
     wanted = wanted && bytes <= retention.frame_log_bytes && age < retention.frame_log_age;
     if (wanted || frame->first > last) {
       ++frame;
     } else {
-      frame = std::make_reverse_iterator(map->log.erase(std::next(frame).base()));
+      frame = std::make_reverse_iterator(log.erase(std::next(frame).base()));
     }
   }
 }
 
-void TrimCommits(const StoreOptions& options,
-                 const TrimBounds& bounds,
-                 std::deque<StoredCommit>* commits) {
+void MemoryStore::StoredMap::TrimCommits(const StoreOptions& options, const TrimBounds& bounds) {
   const auto is_older = [&](const StoredCommit& commit, std::chrono::seconds age) {
     return std::chrono::nanoseconds(bounds.now.nanoseconds() - commit.time.nanoseconds()) >= age;
   };
-  while (!commits->empty()) {
-    const StoredCommit& oldest = commits->front();
+  while (!commits.empty()) {
+    const StoredCommit& oldest = commits.front();
     const bool wanted =
-        commits->size() <= options.kept_change_lists && !is_older(oldest, options.change_list_age);
+        commits.size() <= options.kept_change_lists && !is_older(oldest, options.change_list_age);
     const bool watched = bounds.oldest_watched && oldest.to > *bounds.oldest_watched &&
                          !is_older(oldest, options.change_list_age + options.change_list_grace);
     if (wanted || watched) return;
-    commits->pop_front();
+    commits.pop_front();
   }
 }
-
-absl::Status Compacted() {
-  return MakeError(
-      absl::StatusCode::kOutOfRange, reason::kRevisionCompacted, "what changed is forgotten");
-}
-
-}  // namespace
 
 struct MemoryStore::Content {
   StoreOptions options;
@@ -281,12 +285,12 @@ absl::Status MemoryStore::AppendFrames(const std::vector<LogAppend>& appends) {
     if (!seen.insert(append.map).second) return absl::FailedPreconditionError("a map twice");
     const auto map = content_->maps.find(append.map);
     if (map == content_->maps.end()) return NotThere();
-    if (absl::Status status = CheckAppend(append, map->second); !status.ok()) return status;
+    if (absl::Status status = map->second.Check(append); !status.ok()) return status;
   }
   if (absl::Status status = content_->CheckWrite(&content_->fail_append); !status.ok()) {
     return status;
   }
-  for (const LogAppend& append : appends) ApplyAppend(append, &content_->maps.at(append.map));
+  for (const LogAppend& append : appends) content_->maps.at(append.map).Append(append);
   return absl::OkStatus();
 }
 
@@ -310,8 +314,8 @@ absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Time
     number = number.Next();
     stored.events.push_back({number, event});
   }
-  StoredCommit& commit =
-      stored.commits.emplace_back(StoredCommit{delta.from, delta.to, now, {}, {}});
+  StoredMap::StoredCommit& commit =
+      stored.commits.emplace_back(StoredMap::StoredCommit{delta.from, delta.to, now, {}, {}});
   for (const ObjectChange& object : delta.objects) commit.objects.push_back(object.id);
   for (const LeafChange& leaf : delta.leaves) commit.leaves.push_back(leaf.key);
   return Apply(delta, &stored.snapshot);
@@ -376,7 +380,7 @@ absl::StatusOr<ChangeList> MemoryStore::ReadChanges(MapKey map, Revision from, R
   std::set<ObjectId> objects;
   std::set<LeafKey> leaves;
   Revision reached = from;
-  for (const StoredCommit& commit : found->second.commits) {
+  for (const StoredMap::StoredCommit& commit : found->second.commits) {
     if (commit.from != reached || reached == to) continue;
     reached = commit.to;
     ++changes.commits;
@@ -396,8 +400,8 @@ absl::Status MemoryStore::Trim(const MapRecord& map, const TrimBounds& bounds) {
   if (!content_->health.ok()) return content_->health;
   StoredMap& stored = found->second;
   const MapSequence integrated{std::min(bounds.last.value(), stored.snapshot.revision.value())};
-  TrimLog(integrated, bounds.now, map, &stored);
-  TrimCommits(content_->options, bounds, &stored.commits);
+  stored.TrimLog(integrated, bounds.now, map);
+  stored.TrimCommits(content_->options, bounds);
   const std::uint64_t head = stored.head.value();
   const MapSequence first_in_log =
       stored.log.empty() ? stored.head.Next() : stored.log.begin()->first;

@@ -69,6 +69,7 @@ class MemoryStore final : public Store {
 
  private:
   struct Content;
+  struct StoredMap;
 
   explicit MemoryStore(std::shared_ptr<Content> content);
 

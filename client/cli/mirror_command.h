@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <absl/status/status.h>
+
+#include "client/cli/command_context.h"
+#include "client/cli/watch_filter_options.h"
+#include "client/map_mirror.h"
+#include "core/identifiers.h"
+#include "core/map_filter.h"
+
+namespace steadymap {
+
+class StopSignal;
+
+/// `steadymap mirror`. Lives as long as the parsed command line.
+class MirrorCommand {
+ public:
+  MirrorCommand(CLI::App* app, CommandContext* context);
+
+ private:
+  absl::Status Run() const;
+  absl::Status Follow(const MapName& name, const MapFilter& filter) const;
+  absl::Status WriteFiles(const MapName& name,
+                          const MapFilter& filter,
+                          const MapSnapshot& map,
+                          const std::string& resume_token) const;
+
+  CommandContext* context_;
+  std::string map_;
+  std::string output_;
+  WatchFilterOptions filter_;
+  double interval_s_ = 1.0;
+  double retry_for_s_ = 60.0;
+  bool once_ = false;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,81 @@
+"""Object-level maps of places that do not stand still: a client of steadymapd, numpy in and out.
+
+    import steadymap
+
+    with steadymap.connect("localhost:7443") as client:
+        client.create_map("hall", steadymap.MapOptions(policy="pocd"))
+        client.upload("hall", frames)
+        for thing in client.objects("hall"):
+            print(thing.id, thing.cuboid.center_m, thing.stationarity)
+
+Frames: `world` (z up, right-handed, metres) and `camera` (optical: x right, y down, z forward).
+Times are integers, nanoseconds since 1970. Arrays in answers are read-only.
+"""
+
+from steadymap import errors
+from steadymap.answers import DistanceSamples, Listing, RayHits
+from steadymap.backoff import BackoffOptions
+from steadymap.client import Client, connect
+from steadymap.exports import ExportFormat, ExportSummary
+from steadymap.frame import Frame, Intrinsics
+from steadymap.geometry import Pose
+from steadymap.images import PixelEncoding
+from steadymap.maps import ClassMotion, Map, MapOptions, SemanticClass, UpdatePolicy
+from steadymap.mesh import Mesh
+from steadymap.objects import Belief, Cuboid, Event, EventReason, EventType, Object, ObjectStanding
+from steadymap.upload import Uploader
+from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
+from steadymap.upload_queue import RefusedFrame, UploadProgress
+from steadymap.volumes import Leaf, LeafVoxels, Section, unpack_leaves
+from steadymap.watch import Watch, WatchKind, WatchOptions, WatchStart
+from steadymap.watch_items import Created, Delta, Events, Progress, Resync, Snapshot, WatchItem
+
+__all__ = [
+    "AckLevel",
+    "BackoffOptions",
+    "Belief",
+    "ClassMotion",
+    "Client",
+    "Created",
+    "Cuboid",
+    "Delta",
+    "DistanceSamples",
+    "Event",
+    "EventReason",
+    "EventType",
+    "Events",
+    "ExportFormat",
+    "ExportSummary",
+    "Frame",
+    "Intrinsics",
+    "Leaf",
+    "LeafVoxels",
+    "Listing",
+    "Map",
+    "MapOptions",
+    "Mesh",
+    "Object",
+    "ObjectStanding",
+    "PixelEncoding",
+    "Pose",
+    "Progress",
+    "RayHits",
+    "RefusedFrame",
+    "Resync",
+    "Section",
+    "SemanticClass",
+    "Snapshot",
+    "UpdatePolicy",
+    "UploadOptions",
+    "UploadProgress",
+    "UploadSummary",
+    "Uploader",
+    "Watch",
+    "WatchItem",
+    "WatchKind",
+    "WatchOptions",
+    "WatchStart",
+    "connect",
+    "errors",
+    "unpack_leaves",
+]

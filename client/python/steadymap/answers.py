@@ -1,0 +1,161 @@
+"""Answers to queries about a map's surface. Every answer names the revision it was read at."""
+
+import dataclasses
+from typing import Any, Callable, Generic, Iterator, List, Tuple, TypeVar
+
+import numpy as np
+
+from steadymap._generated.v1 import query_service_pb2
+from steadymap.geometry import as_points, read_only
+
+_Entry = TypeVar("_Entry")
+
+
+class Listing(Generic[_Entry], Iterator[_Entry]):
+    """The entries of a list, fetched page by page as they are iterated over.
+
+    Attributes:
+        revision: at which the page of the last entry was read; 0 before the first.
+    """
+
+    def __init__(self, fetch: Callable[[str], Tuple[int, List[_Entry], str]]) -> None:
+        """`fetch` takes a page token and gives revision, entries and the next page's token."""
+        self.revision = 0
+        self._entries = self._iterate(fetch)
+
+    def __next__(self) -> _Entry:
+        return next(self._entries)
+
+    def _iterate(self, fetch: Callable[[str], Tuple[int, List[_Entry], str]]) -> Iterator[_Entry]:
+        token = ""
+        while True:
+            self.revision, entries, token = fetch(token)
+            yield from entries
+            if not token:
+                return
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class DistanceSamples:
+    """What a map shows at N points.
+
+    Attributes:
+        revision: at which the map was read.
+        known: bool (N,); False: nobody has looked there, or the point is further than the
+            truncation from any surface that was seen.
+        distance_m: float64 (N,), metres; positive in front of the surface, negative behind it; NaN
+            where unknown.
+        gradient: float64 (N, 3), world frame, unit length, away from the surface; zero where a
+            neighbour is unknown, NaN where the point itself is.
+        object_id: uint64 (N,), whose volume answered; 0 is the background.
+        class_id: uint32 (N,), class of that object; 0 for the background.
+        weight: float64 (N,), evidence: 1 is one look from 1 m; 0 where unknown.
+    """
+
+    revision: int
+    known: np.ndarray
+    distance_m: np.ndarray
+    gradient: np.ndarray
+    object_id: np.ndarray
+    class_id: np.ndarray
+    weight: np.ndarray
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RayHits:
+    """Where N rays met the first surface from its front.
+
+    Attributes:
+        revision: at which the map was read.
+        hit: bool (N,); False: no surface within the range.
+        range_m: float64 (N,), distance from the ray's origin, metres; NaN without a hit.
+        point_m: float64 (N, 3), world frame, metres; NaN without a hit.
+        normal: float64 (N, 3), unit normal, towards the side it was seen from; NaN without a hit.
+        object_id: uint64 (N,), whose surface it is; 0 is the background.
+        class_id: uint32 (N,), class of that object; 0 for the background.
+    """
+
+    revision: int
+    hit: np.ndarray
+    range_m: np.ndarray
+    point_m: np.ndarray
+    normal: np.ndarray
+    object_id: np.ndarray
+    class_id: np.ndarray
+
+
+def sample_request(map_name: str, points_m: Any) -> query_service_pb2.SampleDistanceRequest:
+    """The request for points of shape (N, 3)."""
+    request = query_service_pb2.SampleDistanceRequest(map=map_name)
+    for x, y, z in as_points(points_m, "points_m").tolist():
+        request.points_m.add(x=x, y=y, z=z)
+    return request
+
+
+def ray_request(
+    map_name: str, origins_m: Any, directions: Any, max_range_m: float
+) -> query_service_pb2.CastRaysRequest:
+    """The request for origins and directions of shape (N, 3); a single origin serves all."""
+    rays_directions = as_points(directions, "directions")
+    rays_origins = as_points(origins_m, "origins_m")
+    if len(rays_origins) == 1:
+        rays_origins = np.broadcast_to(rays_origins, rays_directions.shape)
+    if rays_origins.shape != rays_directions.shape:
+        raise ValueError(
+            "origins_m, directions: expected the same number of both, "
+            f"got {len(rays_origins)} and {len(rays_directions)}"
+        )
+    request = query_service_pb2.CastRaysRequest(map=map_name, max_range_m=max_range_m)
+    for origin, direction in zip(rays_origins.tolist(), rays_directions.tolist()):
+        ray = request.rays.add()
+        ray.origin_m.x, ray.origin_m.y, ray.origin_m.z = origin
+        ray.direction.x, ray.direction.y, ray.direction.z = direction
+    return request
+
+
+def samples_from_proto(message: query_service_pb2.SampleDistanceResponse) -> DistanceSamples:
+    """The answer as arrays."""
+    samples = message.samples
+    known = _column(samples, bool, lambda sample: sample.known)
+    gradient = _vectors(samples, lambda sample: sample.gradient)
+    distance_m = _column(samples, np.float64, lambda sample: sample.distance_m)
+    distance_m[~known] = np.nan
+    gradient[~known] = np.nan
+    return DistanceSamples(
+        revision=message.revision,
+        known=read_only(known),
+        distance_m=read_only(distance_m),
+        gradient=read_only(gradient),
+        object_id=read_only(_column(samples, np.uint64, lambda sample: sample.object_id)),
+        class_id=read_only(_column(samples, np.uint32, lambda sample: sample.class_id)),
+        weight=read_only(_column(samples, np.float64, lambda sample: sample.weight)),
+    )
+
+
+def hits_from_proto(message: query_service_pb2.CastRaysResponse) -> RayHits:
+    """The answer as arrays."""
+    hits = message.hits
+    hit = _column(hits, bool, lambda entry: entry.hit)
+    range_m = _column(hits, np.float64, lambda entry: entry.range_m)
+    point_m = _vectors(hits, lambda entry: entry.point_m)
+    normal = _vectors(hits, lambda entry: entry.normal)
+    for array in (range_m, point_m, normal):
+        array[~hit] = np.nan
+    return RayHits(
+        revision=message.revision,
+        hit=read_only(hit),
+        range_m=read_only(range_m),
+        point_m=read_only(point_m),
+        normal=read_only(normal),
+        object_id=read_only(_column(hits, np.uint64, lambda entry: entry.object_id)),
+        class_id=read_only(_column(hits, np.uint32, lambda entry: entry.class_id)),
+    )
+
+
+def _column(entries: Any, dtype: Any, value_of: Callable[[Any], Any]) -> np.ndarray:
+    return np.fromiter(map(value_of, entries), dtype, count=len(entries))
+
+
+def _vectors(entries: Any, vector_of: Callable[[Any], Any]) -> np.ndarray:
+    vectors = [(v.x, v.y, v.z) for v in map(vector_of, entries)]
+    return np.array(vectors, np.float64).reshape(-1, 3)

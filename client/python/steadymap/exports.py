@@ -1,0 +1,81 @@
+"""A map as a file."""
+
+import dataclasses
+import enum
+import os
+from pathlib import Path
+from typing import Any, Callable, Optional, Sequence, Union
+
+from steadymap._generated.v1 import query_service_pb2
+from steadymap.errors import DataLossError
+from steadymap.geometry import box_to_proto
+
+
+class ExportFormat(str, enum.Enum):
+    """File formats: PLY and GLB hold the surface, VDB the volumes."""
+
+    PLY = "ply"
+    VDB = "vdb"
+    GLB = "glb"
+
+
+@dataclasses.dataclass(frozen=True)
+class ExportSummary:
+    """What was exported.
+
+    Attributes:
+        revision: at which the map was read.
+        file_bytes: length of the file.
+        triangles: of the surface; 0 for volumes.
+    """
+
+    revision: int
+    file_bytes: int
+    triangles: int
+
+
+def export_request(
+    map_name: str, file_format: ExportFormat, box: Any, object_ids: Sequence[int]
+) -> query_service_pb2.ExportMapRequest:
+    """The request for a part of a map as a file."""
+    return query_service_pb2.ExportMapRequest(
+        map=map_name,
+        format=query_service_pb2.ExportFormat.Value(f"EXPORT_FORMAT_{file_format.name}"),
+        box=box_to_proto(box),
+        object_ids=object_ids,
+    )
+
+
+def choose_format(path: Path, file_format: Optional[Union[ExportFormat, str]]) -> ExportFormat:
+    """The format asked for, or that of the path's ending. ValueError for one that is unknown."""
+    return ExportFormat(file_format if file_format is not None else path.suffix.lstrip(".").lower())
+
+
+def take_export(messages: Any, take_chunk: Callable[[bytes], Any]) -> ExportSummary:
+    """Reads an export to its end. DataLossError if it is not as long as announced."""
+    summary, received_bytes = ExportSummary(0, 0, 0), 0
+    for message in messages:
+        if message.HasField("header"):
+            header = message.header
+            summary = ExportSummary(header.revision, header.file_bytes, header.triangles)
+        else:
+            take_chunk(message.chunk)
+            received_bytes += len(message.chunk)
+    if received_bytes != summary.file_bytes:
+        raise DataLossError(
+            f"the server announced a file of {summary.file_bytes} bytes and sent {received_bytes}",
+            reason="CHECKSUM",
+        )
+    return summary
+
+
+def write_export(messages: Any, path: Path) -> ExportSummary:
+    """Writes an export to a file, which appears when it is whole."""
+    partial = path.with_name(path.name + ".partial")
+    try:
+        with open(partial, "wb") as file:
+            summary = take_export(messages, file.write)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return summary

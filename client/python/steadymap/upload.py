@@ -1,0 +1,318 @@
+"""Uploads frames of one robot to one map, through whatever may heal on the way."""
+
+import secrets
+import threading
+from typing import Iterator, Optional
+
+import grpc
+
+from steadymap._generated.v1 import ingest_service_pb2, ingest_service_pb2_grpc
+from steadymap.backoff import Backoff
+from steadymap.errors import (
+    CancelledError,
+    DeadlineExceededError,
+    FailedPreconditionError,
+    SteadymapError,
+    UnavailableError,
+    error_from_rpc,
+    is_worth_retrying,
+)
+from steadymap.frame import Frame, frame_to_proto
+from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
+from steadymap.upload_queue import UploadProgress, UploadQueue
+
+_CONFIRMATION_TIMEOUT_S = 30.0
+
+
+_LEVELS = {
+    AckLevel.RECEIVED: ingest_service_pb2.ACK_LEVEL_RECEIVED,
+    AckLevel.DURABLE: ingest_service_pb2.ACK_LEVEL_DURABLE,
+    AckLevel.INTEGRATED: ingest_service_pb2.ACK_LEVEL_INTEGRATED,
+}
+
+
+class _Stream:
+    """One UploadFrames call; guarded by the uploader's condition."""
+
+    def __init__(self) -> None:
+        self.call: Optional[grpc.Call] = None
+        self.opened = False
+        self.ended = False
+        self.reached_goal = False
+        self.error: Optional[SteadymapError] = None  # Of ours; goes before the call's own status.
+
+    def fail(self, error: SteadymapError) -> None:
+        """Ends the stream with an error of ours."""
+        self.error = self.error or error
+        if self.call is not None:
+            self.call.cancel()
+
+
+class Uploader:
+    """An upload session; made by `Client.uploader`.
+
+    Frames get the indices 0, 1, ... in the order they are pushed. What fails and may heal (a lost
+    connection, a restarted or draining server, a full disk) is retried with backoff; only frames
+    that are not durable are sent again, and the server counts each once. What will not heal ends
+    the upload, and the next `push` or `finish` raises it.
+
+    As a context manager it finishes at the end of the block, or gives up where the block raises.
+    One thread of its own, and one of gRPC's, do the work. Thread-safe.
+    """
+
+    def __init__(
+        self, stub: ingest_service_pb2_grpc.IngestServiceStub, map_name: str, options: UploadOptions
+    ) -> None:
+        self._stub = stub
+        self._map_name = map_name
+        self._options = options
+        self._session = options.session or f"upload-{secrets.token_hex(8)}"
+        self._changed = threading.Condition()
+        self._queue = UploadQueue(options.max_batch_bytes, options.max_batch_frames)
+        self._stream = _Stream()
+        self._reconnections = 0
+        self._finishing = False
+        self._cancelled = False
+        self._done = False
+        self._error: Optional[BaseException] = None
+        self._thread = threading.Thread(target=self._run, name="steadymap-upload", daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> "Uploader":
+        return self
+
+    def __exit__(self, kind: object, value: object, traceback: object) -> None:
+        try:
+            if kind is None:
+                self.finish()
+        finally:
+            self.close()
+
+    @property
+    def session(self) -> str:
+        """Id of the upload session."""
+        return self._session
+
+    @property
+    def progress(self) -> UploadProgress:
+        """Where the upload stands."""
+        with self._changed:
+            return self._queue.progress(self._reconnections)
+
+    def push(self, frame: Frame) -> None:
+        """Takes a frame, whose arrays may change afterwards; waits while the buffer is full.
+
+        Raises what ended the upload; FailedPreconditionError after `finish`; ValueError for images
+        that cannot be packed.
+        """
+        message = frame_to_proto(frame, self._options.encoding)
+        with self._changed:
+            self._changed.wait_for(self._has_room)
+            if self._error is not None:
+                raise self._error
+            if self._finishing or self._done:
+                raise FailedPreconditionError("the upload is finished already")
+            self._queue.push(message)
+            self._changed.notify_all()
+
+    def finish(self) -> UploadSummary:
+        """Waits until every frame has reached `wait_for` or was refused, and ends the upload.
+
+        A refused frame is no error of the upload. Raises what ended it before that.
+        """
+        with self._changed:
+            self._finishing = True
+            self._end_where_reached(self._stream)
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: self._done)
+            if self._error is not None:
+                raise self._error
+            refused = sorted(self._queue.refused, key=lambda frame: frame.index)
+            return UploadSummary(self._queue.progress(self._reconnections), refused)
+
+    def close(self) -> None:
+        """Ends the upload at once. Frames that are not durable by then may be lost."""
+        with self._changed:
+            self._cancelled = True
+            if self._stream.call is not None:
+                self._stream.call.cancel()
+            self._changed.notify_all()
+        self._thread.join()
+
+    def _run(self) -> None:
+        error: Optional[BaseException] = None
+        try:
+            error = self._run_streams()
+        except Exception as unexpected:  # A callback's, say; `finish` raises it.
+            error = unexpected
+        with self._changed:
+            self._error = error
+            self._done = True
+            self._changed.notify_all()
+
+    def _run_streams(self) -> Optional[SteadymapError]:
+        backoff = Backoff(self._options.backoff, self._options.seed)
+        while True:
+            advance_before = self._advance()
+            error = self._run_stream()
+            if self._advance() > advance_before:
+                backoff.reset()
+            if error is None or not is_worth_retrying(error):
+                return error
+            if not self._wait_before_retry(error, backoff):
+                return error
+
+    def _advance(self) -> int:
+        progress = self.progress
+        return progress.durable + progress.integrated + progress.refused
+
+    def _wait_before_retry(self, error: SteadymapError, backoff: Backoff) -> bool:
+        delay_s = backoff.next_delay_s(error.retry_delay_s or 0.0)
+        if delay_s is None:
+            return False
+        if self._options.on_retry is not None:
+            self._options.on_retry(error, delay_s)
+        with self._changed:
+            self._changed.wait_for(lambda: self._cancelled, delay_s)
+            self._reconnections += 1
+            return not self._cancelled
+
+    def _run_stream(self) -> Optional[SteadymapError]:
+        """One stream from opening to end; returns what ended it, or None when all is done."""
+        stream = _Stream()
+        call = self._stub.UploadFrames(self._requests(stream))
+        with self._changed:
+            stream.call = call
+            self._stream = stream
+            if self._cancelled:
+                call.cancel()
+        error: Optional[SteadymapError] = None
+        try:
+            for response in call:
+                self._take(stream, response)
+        except grpc.RpcError as rpc_error:
+            error = error_from_rpc(rpc_error)
+        finally:
+            with self._changed:
+                stream.ended = True
+                call.cancel()  # Of no effect but where a callback of the user's raised.
+                self._changed.notify_all()
+        if self._cancelled:
+            return CancelledError("the upload was given up")
+        if stream.reached_goal:
+            return None
+        if stream.error is not None or error is not None:
+            return stream.error or error
+        return self._confirm()
+
+    def _requests(self, stream: _Stream) -> Iterator[ingest_service_pb2.UploadFramesRequest]:
+        """What the stream sends; runs in a thread of gRPC."""
+        yield self._open_message()
+        with self._changed:
+            if not self._changed.wait_for(
+                lambda: stream.opened or self._is_over(stream), self._options.open_timeout_s
+            ):
+                message = (
+                    "the server did not answer the opening of the upload within "
+                    f"{self._options.open_timeout_s} s"
+                )
+                stream.fail(DeadlineExceededError(message))
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._is_over(stream) or self._writer_has_work())
+                if self._is_over(stream):
+                    return
+                try:
+                    request = self._queue.take_batch()
+                except SteadymapError as error:
+                    stream.fail(error)
+                    return
+            if request is None:
+                return  # Everything is sent, and there will be no more.
+            yield request
+
+    def _open_message(self) -> ingest_service_pb2.UploadFramesRequest:
+        request = ingest_service_pb2.UploadFramesRequest()
+        request.open.map = self._map_name
+        request.open.robot = self._options.robot
+        request.open.session = self._session
+        # The first level is the one that reports refused frames.
+        levels = [AckLevel.DURABLE, AckLevel.INTEGRATED]
+        if self._options.wait_for is AckLevel.RECEIVED:
+            levels.insert(0, AckLevel.RECEIVED)
+        request.open.ack_levels.extend(_LEVELS[level] for level in levels)
+        with self._changed:
+            request.open.last_durable_client_seq = self._queue.durable
+        return request
+
+    def _take(self, stream: _Stream, response: ingest_service_pb2.UploadFramesResponse) -> None:
+        kind = response.WhichOneof("kind")
+        with self._changed:
+            try:
+                if kind == "opened":
+                    self._queue.open(response.opened)
+                    stream.opened = True
+                elif kind == "ack":
+                    self._queue.acknowledge(response.ack)
+                elif kind == "credit":
+                    self._queue.grant(response.credit)
+            except SteadymapError as error:
+                stream.fail(error)
+            self._end_where_reached(stream)
+            progress = self._queue.progress(self._reconnections)
+            self._changed.notify_all()
+        if kind == "ack" and self._options.on_progress is not None:
+            self._options.on_progress(progress)
+
+    def _end_where_reached(self, stream: _Stream) -> None:
+        if not (stream.opened and self._finishing and self._has_reached_goal()):
+            return
+        stream.reached_goal = True
+        if self._options.wait_for is not AckLevel.INTEGRATED:
+            stream.call.cancel()  # Else the server would integrate before it ends the stream.
+
+    def _confirm(self) -> Optional[SteadymapError]:
+        """After a stream that ended with OK: asks where the session stands.
+
+        The acknowledgement of frames that an earlier, broken stream brought may have been lost.
+        """
+        with self._changed:
+            if not self._finishing or not self._queue.all_sent:
+                return UnavailableError("the server ended the upload before everything was sent")
+        request = ingest_service_pb2.GetUploadStateRequest(
+            map=self._map_name, robot=self._options.robot, session=self._session
+        )
+        try:
+            state = self._stub.GetUploadState(request, timeout=_CONFIRMATION_TIMEOUT_S)
+        except grpc.RpcError as rpc_error:
+            return error_from_rpc(rpc_error)
+        ack = ingest_service_pb2.UploadAck(
+            level=_LEVELS[AckLevel.INTEGRATED], client_seq=state.integrated_client_seq
+        )
+        with self._changed:
+            try:
+                self._queue.acknowledge(ack)
+            except SteadymapError as error:
+                return error
+            if self._has_reached_goal():
+                return None
+        return UnavailableError("the server ended the upload before everything was integrated")
+
+    def _has_reached_goal(self) -> bool:
+        """Whether every pushed frame has the level asked for, or was refused."""
+        reached = {
+            AckLevel.RECEIVED: max(self._queue.received, self._queue.durable),
+            AckLevel.DURABLE: self._queue.durable,
+            AckLevel.INTEGRATED: self._queue.integrated,
+        }
+        return reached[self._options.wait_for] >= self._queue.last_pushed
+
+    def _has_room(self) -> bool:
+        has_room = self._queue.buffered_bytes < self._options.max_buffered_bytes
+        return self._done or self._finishing or has_room
+
+    def _writer_has_work(self) -> bool:
+        return self._queue.can_take_batch() or (self._finishing and self._queue.all_sent)
+
+    def _is_over(self, stream: _Stream) -> bool:
+        return stream.ended or self._cancelled or stream.error is not None

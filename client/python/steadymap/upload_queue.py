@@ -1,0 +1,258 @@
+"""The memory of an upload session: what is under way, and what the service has acknowledged.
+
+Pure state: no threads, clock or network. The same rules as client/upload_queue.h of the C++ client.
+"""
+
+import collections
+import dataclasses
+from typing import Deque, List, Optional, Set, Tuple
+
+from steadymap._generated.v1 import frame_pb2, ingest_service_pb2
+from steadymap.checksum import extend_crc32c
+from steadymap.errors import (
+    DataLossError,
+    InternalError,
+    ResourceExhaustedError,
+    SteadymapError,
+    error_from_status,
+)
+
+# Enough to see what goes wrong; a robot that sends nothing but broken frames must not fill the
+# memory with reports.
+_MAX_KEPT_REFUSALS = 1000
+
+# Most that tags, lengths, the sequence and the checksum add to a message and to each frame in it.
+_ENVELOPE_BYTES = 32
+_FRAME_ENVELOPE_BYTES = 6
+
+_UNLIMITED_BYTES = 1 << 62  # For a server that names no limit.
+
+
+@dataclasses.dataclass(frozen=True)
+class RefusedFrame:
+    """A frame that the service refused.
+
+    Attributes:
+        index: its place among the frames of the upload, from 0.
+        error: why, with reason and field path.
+    """
+
+    index: int
+    error: SteadymapError
+
+
+@dataclasses.dataclass(frozen=True)
+class UploadProgress:
+    """Where an upload stands: counts of frames since its start.
+
+    A refused frame counts as `refused` and nowhere behind `pushed` and `sent`.
+
+    Attributes:
+        pushed: given to the uploader.
+        sent: sent at least once.
+        received: validated and held in the server's memory; known only where `wait_for` is
+            RECEIVED, else as `durable`.
+        durable: would survive the server's death.
+        integrated: part of a committed revision.
+        refused: refused by the service.
+        sent_again: sendings beyond the first, after reconnections.
+        reconnections: streams opened after the first.
+        bytes_sent: of serialized batches.
+        revision: newest revision that an acknowledgement named.
+    """
+
+    pushed: int = 0
+    sent: int = 0
+    received: int = 0
+    durable: int = 0
+    integrated: int = 0
+    refused: int = 0
+    sent_again: int = 0
+    reconnections: int = 0
+    bytes_sent: int = 0
+    revision: int = 0
+
+
+class UploadQueue:
+    """Frames by client sequence, credit, and batches. Bounded by its user, who pushes only while
+    `buffered_bytes` allows it."""
+
+    def __init__(self, max_batch_bytes: int, max_batch_frames: int) -> None:
+        self._max_batch_bytes = max_batch_bytes
+        self._max_batch_frames = max_batch_frames
+        self._max_message_bytes = _UNLIMITED_BYTES
+        # Client sequences `durable + 1` to `last_pushed`, with their serialized bytes.
+        self._pending: Deque[Tuple[frame_pb2.Frame, int]] = collections.deque()
+        self.buffered_bytes = 0
+        self.last_pushed = 0
+        self._next_to_send = 1
+        self._highest_sent = 0
+        self.received = 0
+        self.durable = 0  # All up to it are durable or refused; the others likewise.
+        self.integrated = 0
+        self._credit_bytes = 0
+        self._credit_frames = 0
+        self._refused_ahead: Set[int] = set()  # Refused sequences above `integrated`.
+        self._refused_behind = 0  # How many there were up to it.
+        self.refused: List[RefusedFrame] = []
+        self._sent_again = 0
+        self._bytes_sent = 0
+        self._revision = 0
+
+    @property
+    def all_sent(self) -> bool:
+        """Whether everything pushed is sent on this stream or was durable before it."""
+        return self._next_to_send > self.last_pushed
+
+    def push(self, frame: frame_pb2.Frame) -> None:
+        """Appends a frame and gives it the next client sequence."""
+        self.last_pushed += 1
+        if self.last_pushed <= self.durable:
+            return  # An earlier run of this session brought it here.
+        frame_bytes = frame.ByteSize()
+        self._pending.append((frame, frame_bytes))
+        self.buffered_bytes += frame_bytes
+
+    def open(self, opened: ingest_service_pb2.UploadOpened) -> None:
+        """Starts over at the server's resume point. DataLossError if it forgot durable frames."""
+        if opened.resume_client_seq < self.durable:
+            raise DataLossError(
+                f"the server acknowledged frames up to {self.durable} of this session as durable, "
+                f"but now knows only {opened.resume_client_seq}"
+            )
+        self._settle(opened.resume_client_seq)
+        self._next_to_send = self.durable + 1
+        self._credit_bytes = opened.credit.bytes
+        self._credit_frames = opened.credit.frames
+        self._max_message_bytes = opened.max_message_bytes or _UNLIMITED_BYTES
+
+    def grant(self, credit: ingest_service_pb2.UploadCredit) -> None:
+        """Adds credit."""
+        self._credit_bytes += credit.bytes
+        self._credit_frames += credit.frames
+
+    def acknowledge(self, ack: ingest_service_pb2.UploadAck) -> None:
+        """Notes an acknowledgement. InternalError if it names a frame that was never sent."""
+        if ack.client_seq >= self._next_to_send:
+            raise InternalError(
+                f"the server acknowledged frame {ack.client_seq}, "
+                f"but only {self._next_to_send - 1} were sent",
+                reason="INTERNAL",
+            )
+        for refused in ack.refused:
+            self._note_refused(refused)
+        if ack.level >= ingest_service_pb2.ACK_LEVEL_RECEIVED:
+            self.received = max(self.received, ack.client_seq)
+        if ack.level >= ingest_service_pb2.ACK_LEVEL_DURABLE:
+            self._settle(ack.client_seq)
+        if ack.level >= ingest_service_pb2.ACK_LEVEL_INTEGRATED:
+            self._note_integrated(ack.client_seq)
+        self._revision = max(self._revision, ack.revision)
+
+    def can_take_batch(self) -> bool:
+        """Whether `take_batch` would give a batch or an error."""
+        if self.all_sent:
+            return False
+        frame_bytes = self._bytes_at(self._next_to_send)
+        has_credit = self._credit_frames > 0 and frame_bytes <= self._credit_bytes
+        return has_credit or frame_bytes > self._max_message_bytes
+
+    def take_batch(self) -> Optional[ingest_service_pb2.UploadFramesRequest]:
+        """The next message, as large as limits and credit allow, or None.
+
+        ResourceExhaustedError / MESSAGE_TOO_LARGE for a frame that no message can hold.
+        """
+        if not self.can_take_batch():
+            return None
+        count = self._choose_frame_count()
+        if count == 0:
+            raise ResourceExhaustedError(
+                f"frame {self._next_to_send - 1} takes {self._bytes_at(self._next_to_send)} bytes, "
+                f"but the server takes messages of at most {self._max_message_bytes} bytes",
+                reason="MESSAGE_TOO_LARGE",
+            )
+        first = self._next_to_send - self.durable - 1
+        frames = [self._pending[first + i][0] for i in range(count)]
+        request = ingest_service_pb2.UploadFramesRequest()
+        request.batch.first_client_seq = self._next_to_send
+        request.batch.frames.extend(frames)
+        request.batch.images_crc32c = _images_crc32c(frames)
+        batch_bytes = request.batch.ByteSize()
+        self._credit_bytes -= batch_bytes
+        self._credit_frames -= count
+        self._bytes_sent += batch_bytes
+        self._next_to_send += count
+        sent_first = max(0, self._next_to_send - 1 - self._highest_sent)
+        self._sent_again += count - sent_first
+        self._highest_sent += sent_first
+        return request
+
+    def progress(self, reconnections: int) -> UploadProgress:
+        """Where the upload stands."""
+        return UploadProgress(
+            pushed=self.last_pushed,
+            sent=self._highest_sent,
+            received=self._without_refused(max(self.received, self.durable)),
+            durable=self._without_refused(self.durable),
+            integrated=self._without_refused(self.integrated),
+            refused=self._refused_behind + len(self._refused_ahead),
+            sent_again=self._sent_again,
+            reconnections=reconnections,
+            bytes_sent=self._bytes_sent,
+            revision=self._revision,
+        )
+
+    def _settle(self, client_seq: int) -> None:
+        while self.durable < client_seq:
+            self.durable += 1
+            if self._pending:
+                self.buffered_bytes -= self._pending.popleft()[1]
+
+    def _note_integrated(self, client_seq: int) -> None:
+        self.integrated = max(self.integrated, client_seq)
+        behind = {sequence for sequence in self._refused_ahead if sequence <= self.integrated}
+        self._refused_ahead -= behind
+        self._refused_behind += len(behind)
+
+    def _note_refused(self, refused: ingest_service_pb2.RefusedFrame) -> None:
+        client_seq = refused.client_seq
+        # Reported again after a reconnection, or a number that we never gave.
+        if client_seq in self._refused_ahead:
+            return
+        if not self.integrated < client_seq < self._next_to_send:
+            return
+        self._refused_ahead.add(client_seq)
+        if len(self.refused) < _MAX_KEPT_REFUSALS:
+            self.refused.append(RefusedFrame(client_seq - 1, error_from_status(refused.status)))
+
+    def _without_refused(self, client_seq: int) -> int:
+        ahead = sum(1 for sequence in self._refused_ahead if sequence <= client_seq)
+        return min(client_seq, self.last_pushed) - self._refused_behind - ahead
+
+    def _bytes_at(self, client_seq: int) -> int:
+        """Bytes of a message with this frame alone, at most."""
+        frame_bytes = self._pending[client_seq - self.durable - 1][1]
+        return frame_bytes + _FRAME_ENVELOPE_BYTES + _ENVELOPE_BYTES
+
+    def _choose_frame_count(self) -> int:
+        available = self.last_pushed + 1 - self._next_to_send
+        most_frames = min(available, self._credit_frames, self._max_batch_frames)
+        batch_bytes = _ENVELOPE_BYTES
+        count = 0
+        while count == 0 or count < most_frames:
+            grown = batch_bytes + self._bytes_at(self._next_to_send + count) - _ENVELOPE_BYTES
+            if grown > self._max_message_bytes:
+                break
+            if count > 0 and (grown > self._max_batch_bytes or grown > self._credit_bytes):
+                break
+            batch_bytes = grown
+            count += 1
+        return count
+
+
+def _images_crc32c(frames: List[frame_pb2.Frame]) -> int:
+    crc = 0
+    for frame in frames:
+        for image in (frame.depth, frame.labels, frame.instances, frame.color):
+            crc = extend_crc32c(crc, image.data)
+    return crc

@@ -1,0 +1,235 @@
+"""Follows a map as it changes, through whatever cuts the stream."""
+
+import asyncio
+import dataclasses
+import enum
+import threading
+from typing import Any, AsyncIterator, Callable, Iterator, List, Optional, Sequence, Union
+
+import grpc
+
+from steadymap._generated.v1 import watch_service_pb2, watch_service_pb2_grpc
+from steadymap.backoff import Backoff, BackoffOptions
+from steadymap.errors import SteadymapError, UnavailableError, error_from_rpc, is_worth_retrying
+from steadymap.geometry import box_to_proto
+from steadymap.watch_items import Created, Progress, Resync, Snapshot, WatchItem, item_from_proto
+
+
+class WatchStart(str, enum.Enum):
+    """Where a watch without a token begins: NOW, with what happens from now on; SNAPSHOT, with all
+    that the filter shows of the present, then what happens."""
+
+    NOW = "now"
+    SNAPSHOT = "snapshot"
+
+
+class WatchKind(str, enum.Enum):
+    """What a watcher wants to hear of: EVENTS, what happened; OBJECTS, the states of objects;
+    VOLUMES, the leaves of background and objects, and with them the states of the objects.
+    """
+
+    EVENTS = "events"
+    OBJECTS = "objects"
+    VOLUMES = "volumes"
+
+
+@dataclasses.dataclass(frozen=True)
+class WatchOptions:
+    """Where a watch begins, and what of the map it sees: what passes every filter that is set.
+
+    Attributes:
+        start: where to begin without a token.
+        resume_token: of a Progress: the watch goes on behind it, with the same filter. None: see
+            `start`.
+        kinds: what to hear of.
+        boxes: what touches one of these boxes, shape (2, 3) each: lowest and highest corner, world
+            frame, metres. Empty: wherever it is.
+        class_ids: objects and events of one of these classes; empty: of any.
+        object_ids: these objects, and events that concern one of them; empty: any.
+        include_archived: objects that are gone pass, too.
+        resync_if_compacted: where the history behind the token is gone, go on with a Resync and a
+            snapshot; else the watch ends with OutOfRangeError.
+        max_message_bytes: messages are not larger, in [65536, 4194304]; 0: the server's default.
+        backoff: waits between reconnections.
+        seed: of the jitter. None: from the system.
+        on_retry: called before each wait for a reconnection, with what went wrong and the seconds
+            to wait.
+    """
+
+    start: Union[WatchStart, str] = WatchStart.SNAPSHOT
+    resume_token: Optional[bytes] = None
+    kinds: Sequence[Union[WatchKind, str]] = (WatchKind.EVENTS, WatchKind.OBJECTS)
+    boxes: Sequence[Any] = ()
+    class_ids: Sequence[int] = ()
+    object_ids: Sequence[int] = ()
+    include_archived: bool = False
+    resync_if_compacted: bool = True
+    max_message_bytes: int = 0
+    backoff: BackoffOptions = BackoffOptions()
+    seed: Optional[int] = None
+    on_retry: Optional[Callable[[SteadymapError, float], None]] = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "start", WatchStart(self.start))
+        object.__setattr__(self, "kinds", tuple(WatchKind(kind) for kind in self.kinds))
+        if not self.kinds:
+            raise ValueError("kinds: expected at least one of events, objects and volumes")
+
+
+_STARTS = {
+    WatchStart.NOW: watch_service_pb2.WATCH_START_NOW,
+    WatchStart.SNAPSHOT: watch_service_pb2.WATCH_START_SNAPSHOT_THEN_FOLLOW,
+}
+
+
+class _WatchState:
+    """What a watch remembers from stream to stream; knows no network and no clock."""
+
+    def __init__(self, map_name: str, options: WatchOptions) -> None:
+        self.token = options.resume_token
+        self._map_name = map_name
+        self._options = options
+        self._backoff = Backoff(options.backoff, options.seed)
+        self._step: List[WatchItem] = []
+        self._goodbye_delay_s = 0.0
+
+    def request(self) -> watch_service_pb2.WatchMapRequest:
+        """Opens the next stream, behind the last token where there is one."""
+        options = self._options
+        self._step = []  # What an earlier stream did not complete comes again.
+        request = watch_service_pb2.WatchMapRequest(
+            map=self._map_name,
+            max_message_bytes=options.max_message_bytes,
+            resync_if_compacted=options.resync_if_compacted,
+        )
+        if self.token is None:
+            request.start = _STARTS[options.start]
+        else:
+            request.resume_token = self.token
+        for kind in options.kinds:
+            kind_name = f"WATCH_KIND_{kind.name}"
+            request.filter.kinds.append(watch_service_pb2.WatchKind.Value(kind_name))
+        request.filter.boxes.extend(box_to_proto(box) for box in options.boxes)
+        request.filter.class_ids.extend(options.class_ids)
+        request.filter.object_ids.extend(options.object_ids)
+        request.filter.include_archived = options.include_archived
+        return request
+
+    def take(self, response: watch_service_pb2.WatchMapResponse) -> List[WatchItem]:
+        """The items that may be handed out after this message.
+
+        A step is held back until its Progress: were it handed out in parts and the stream cut in
+        between, its events would come twice. Snapshots may be large and are handed out as they
+        come: if one is cut, the next one begins with Created or Resync again.
+        """
+        if response.HasField("goodbye"):
+            delay = response.goodbye.reconnect_after
+            self._goodbye_delay_s = delay.seconds + delay.nanos * 1e-9
+            return []
+        item = item_from_proto(response)
+        if isinstance(item, Created):
+            self._backoff.reset()
+        if item is None or (isinstance(item, Created) and self.token is not None):
+            return []
+        if isinstance(item, (Created, Snapshot, Resync)):
+            return [item]
+        self._step.append(item)
+        if not isinstance(item, Progress):
+            return []
+        self.token = item.resume_token
+        whole, self._step = self._step, []
+        return whole
+
+    def delay_after(self, error: SteadymapError) -> float:
+        """Seconds to wait before the next stream; raises what waiting does not heal."""
+        at_least_s = max(self._goodbye_delay_s, error.retry_delay_s or 0.0)
+        self._goodbye_delay_s = 0.0
+        delay_s = self._backoff.next_delay_s(at_least_s) if is_worth_retrying(error) else None
+        if delay_s is None:
+            raise error
+        if self._options.on_retry is not None:
+            self._options.on_retry(error, delay_s)
+        return delay_s
+
+
+def _ended() -> UnavailableError:
+    return UnavailableError("the server ended the watch")
+
+
+class Watch(Iterator[WatchItem]):
+    """An iterator over what happens to a map; made by `Client.watch`. Begins with the first `next`,
+    and ends when it is closed.
+
+    Yields Created, then Snapshot chunks where they were asked for, then steps: Delta and Events
+    items, closed by a Progress. A cut stream is opened anew behind the last Progress, and nothing
+    is yielded twice or left out; where that cannot be, Created or Resync tells to start over. What
+    retrying does not heal is raised. A context manager; `close` may be called from any thread.
+    """
+
+    def __init__(self, channel: grpc.Channel, map_name: str, options: WatchOptions) -> None:
+        self._stub = watch_service_pb2_grpc.WatchServiceStub(channel)
+        self._state = _WatchState(map_name, options)
+        self._closed = threading.Event()
+        self._lock = threading.Lock()
+        self._call: Optional[grpc.Call] = None  # Guarded by the lock.
+        self._items = self._iterate()
+
+    def __enter__(self) -> "Watch":
+        return self
+
+    def __exit__(self, kind: object, value: object, traceback: object) -> None:
+        self.close()
+
+    def __next__(self) -> WatchItem:
+        return next(self._items)
+
+    @property
+    def resume_token(self) -> Optional[bytes]:
+        """The token of the last whole step; None before the first."""
+        return self._state.token
+
+    def close(self) -> None:
+        """Ends the watch; a `next` that waits ends with StopIteration."""
+        self._closed.set()
+        with self._lock:
+            if self._call is not None:
+                self._call.cancel()
+
+    def _iterate(self) -> Iterator[WatchItem]:
+        while not self._closed.is_set():
+            call = self._stub.WatchMap(self._state.request())
+            with self._lock:
+                self._call = call
+            error: SteadymapError = _ended()
+            try:
+                if not self._closed.is_set():
+                    for response in call:
+                        yield from self._state.take(response)
+            except grpc.RpcError as rpc_error:
+                error = error_from_rpc(rpc_error)
+            finally:
+                call.cancel()
+            if not self._closed.is_set():
+                self._closed.wait(self._state.delay_after(error))
+
+
+async def watch_asynchronously(
+    open_channel: Callable[[], grpc.aio.Channel], map_name: str, options: WatchOptions
+) -> AsyncIterator[WatchItem]:
+    """The same for asyncio: yields what `Watch` does. Closing or cancelling the iteration ends
+    it."""
+    state = _WatchState(map_name, options)
+    async with open_channel() as channel:
+        stub = watch_service_pb2_grpc.WatchServiceStub(channel)
+        while True:
+            call = stub.WatchMap(state.request())
+            error: SteadymapError = _ended()
+            try:
+                async for response in call:
+                    for item in state.take(response):
+                        yield item
+            except grpc.RpcError as rpc_error:
+                error = error_from_rpc(rpc_error)
+            finally:
+                call.cancel()
+            await asyncio.sleep(state.delay_after(error))

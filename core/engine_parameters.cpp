@@ -1,0 +1,65 @@
+#include "core/engine_parameters.h"
+
+#include "core/paper_mapper.h"
+
+namespace steadymap {
+namespace {
+
+void FollowPaperInAssociation(const EngineSwitches& switches,
+                              const PaperParameters& paper,
+                              ClusterParameters* clusters) {
+  if (!switches.cuboid_gate) clusters->center_distance_m = paper.association_distance_m;
+  if (!switches.many_to_one) {
+    clusters->is_one_to_one = true;
+    clusters->max_dissimilarity = paper.max_dissimilarity;
+  }
+}
+
+void FollowPaperInVisibility(const EngineSwitches& switches,
+                             const PaperParameters& paper,
+                             const MapConfig& config,
+                             VisibilityParameters* visibility) {
+  if (!switches.visibility_by_depth) {
+    visibility->is_by_depth = false;
+    visibility->min_visible_share = paper.min_visible_share;
+    visibility->max_depth_m = config.max_depth_m;
+  }
+  if (!switches.replacing) visibility->replaced_within_m = 0.0;
+  if (!switches.turning) visibility->turn.turned_rad = 0.0;
+  if (!switches.clean_change) {
+    visibility->change.truncation_m = config.truncation_m;
+    visibility->change.subtracts_noise = paper.change.subtracts_noise;
+  }
+}
+
+void FollowPaperInJudgement(const EngineSwitches& switches,
+                            const PaperParameters& paper,
+                            JudgementParameters* judgement) {
+  if (!switches.gathering) judgement->cells_per_update = 1.0;
+  if (!switches.evidence_cap) {
+    judgement->stationarity.max_evidence = paper.stationarity.max_evidence;
+    judgement->revisit_evidence = paper.stationarity.max_evidence;
+  }
+}
+
+}  // namespace
+
+ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitches& switches) {
+  const PaperParameters paper;
+  ObjectMapperParameters parameters;
+  parameters.guard.is_on = switches.robot_guard;
+  FollowPaperInAssociation(switches, paper, &parameters.clusters);
+  FollowPaperInVisibility(switches, paper, config, &parameters.visibility);
+  FollowPaperInJudgement(switches, paper, &parameters.judgement);
+  if (!switches.turning) parameters.recognition.turn.turned_rad = 0.0;
+  if (!switches.merging) parameters.merging_contacts = 0;
+  if (!switches.tentative) parameters.confirming_views = 1;
+  parameters.cuts_gone_parts = switches.splitting;
+  parameters.keeps_removed = switches.archive;
+  parameters.recognises_returned = switches.returning;
+  parameters.finds_moves = switches.moves;
+  parameters.remembers_free_space = switches.free_space;
+  return parameters;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string_view>
+
+#include <absl/status/status.h>
+
+#include "core/error.h"
+
+namespace steadymap {
+
+/// The error of a record whose envelope is whole and whose content nobody can have written:
+/// `DataLoss` with reason `CHECKSUM`; `what` says what it holds.
+inline absl::Status Impossible(std::string_view what) {
+  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
+}
+
+}  // namespace steadymap

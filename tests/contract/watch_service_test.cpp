@@ -1,0 +1,442 @@
+// What a watch tells, message by message, in process and over loopback.
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/map_delta.h"
+#include "tests/contract/object_map.h"
+#include "tests/contract/test_service.h"
+#include "tests/contract/upload_client.h"
+#include "tests/contract/watch_client.h"
+
+namespace steadymap {
+namespace {
+
+using ::absl::StatusCode;
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::Ge;
+using ::testing::IsEmpty;
+using ::testing::Le;
+using ::testing::Property;
+using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
+
+constexpr std::size_t kMaxWatches = 30;
+
+class WatchServiceTest : public ::testing::TestWithParam<Transport> {
+ protected:
+  WatchServiceTest()
+      : service_(GetParam(), [](ServerConfig* config) {
+          config->commit.max_delay = std::chrono::milliseconds(5);
+          config->watch.max_watches = kMaxWatches;
+        }) {}
+
+  v1::WatchMapRequest Request(v1::WatchStart start = v1::WATCH_START_SNAPSHOT_THEN_FOLLOW) const {
+    v1::WatchMapRequest request;
+    request.set_map(map_);
+    request.set_start(start);
+    return request;
+  }
+
+  v1::WatchMapRequest ResumeBehind(const v1::WatchProgress& progress) const {
+    v1::WatchMapRequest request = Request(v1::WATCH_START_UNSPECIFIED);
+    request.set_resume_token(progress.resume_token());
+    return request;
+  }
+
+  std::unique_ptr<WatchClient> Watch(const v1::WatchMapRequest& request) {
+    stub_ = v1::WatchService::NewStub(service_.channel());
+    return std::make_unique<WatchClient>(stub_.get(), request);
+  }
+
+  absl::Status ErrorOf(const v1::WatchMapRequest& request) { return Watch(request)->End(); }
+
+  /// Uploads a few more frames; returns the revision that shows them.
+  std::uint64_t Upload(int frames = 4) {
+    const auto ack =
+        UploadByCall(&service_, {map_}, MakeBatch(uploaded_ + 1, frames), v1::ACK_LEVEL_INTEGRATED);
+    EXPECT_TRUE(ack.ok()) << ack.status();
+    uploaded_ += static_cast<std::uint64_t>(frames);
+    return uploaded_;
+  }
+
+  /// The leaves of the whole map by a query.
+  std::vector<std::string> LeavesByQuery() {
+    v1::GetMapSectionRequest request;
+    request.set_map(map_);
+    grpc::ClientContext context;
+    SetDeadline(&context);
+    const auto reader = service_.queries().GetMapSection(&context, request);
+    std::vector<std::string> leaves;
+    v1::GetMapSectionResponse response;
+    while (reader->Read(&response)) {
+      for (const v1::PackedLeaf& leaf : response.leaves().leaves()) {
+        leaves.push_back(leaf.SerializeAsString());
+      }
+    }
+    EXPECT_TRUE(reader->Finish().ok());
+    std::sort(leaves.begin(), leaves.end());
+    return leaves;
+  }
+
+  TestService service_;
+  std::string map_ = service_.CreateMap("hall");
+  std::unique_ptr<v1::WatchService::Stub> stub_;
+  std::uint64_t uploaded_ = 0;
+};
+
+INSTANTIATE_TEST_SUITE_P(Transports,
+                         WatchServiceTest,
+                         ::testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         TransportName);
+
+/// Puts the leaves of steps together; sorted as `LeavesByQuery` does.
+class LeafView {
+ public:
+  void Take(const ToldStep& step) {
+    for (const v1::PackedLeaf& leaf : step.Leaves()) {
+      v1::PackedLeaf key = leaf;
+      key.clear_packed();
+      if (leaf.packed().empty()) {
+        leaves_.erase(key.SerializeAsString());
+      } else {
+        leaves_[key.SerializeAsString()] = leaf.SerializeAsString();
+      }
+    }
+  }
+
+  std::vector<std::string> All() const {
+    std::vector<std::string> all;
+    for (const auto& [key, leaf] : leaves_) all.push_back(leaf);
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+ private:
+  std::map<std::string, std::string> leaves_;
+};
+
+std::vector<std::uint64_t> IdsOf(const std::vector<v1::Object>& objects) {
+  std::vector<std::uint64_t> ids;
+  for (const v1::Object& object : objects) ids.push_back(object.id());
+  return ids;
+}
+
+std::vector<std::uint64_t> NumbersOf(const std::vector<v1::ObjectEvent>& events) {
+  std::vector<std::uint64_t> numbers;
+  for (const v1::ObjectEvent& event : events) numbers.push_back(event.number());
+  return numbers;
+}
+
+TEST_P(WatchServiceTest, OfAnEmptyMapSaysSoAndGoesOnWithWhatHappens) {
+  const auto watch = Watch(Request());
+  const auto begin = watch->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  ASSERT_TRUE(begin->created.has_value());
+  EXPECT_EQ(begin->created->revision(), 0U);
+  EXPECT_EQ(begin->created->voxel_size_m(), 0.05);
+  EXPECT_EQ(begin->created->truncation_m(), 0.15);
+  EXPECT_FALSE(begin->created->incarnation().empty());
+  EXPECT_EQ(begin->progress.revision(), 0U);
+  EXPECT_THAT(begin->Leaves(), IsEmpty());
+  const auto step = watch->ReadUntil(Upload());
+  ASSERT_TRUE(step.has_value());
+  LeafView view;
+  view.Take(*step);
+  EXPECT_THAT(view.All(), SizeIs(Ge(1U)));
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchServiceTest, SnapshotAndStepsAreTheMapBitForBit) {
+  Upload();
+  const auto watch = Watch(Request());
+  LeafView view;
+  auto step = watch->ReadStep();
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(step.has_value());
+    view.Take(*step);
+    EXPECT_EQ(view.All(), LeavesByQuery());
+    step = watch->ReadUntil(Upload(3));
+  }
+}
+
+TEST_P(WatchServiceTest, FromNowTellsNothingOfBefore) {
+  const std::uint64_t before = Upload();
+  const auto watch = Watch(Request(v1::WATCH_START_NOW));
+  const auto created = watch->Read();
+  ASSERT_TRUE(created.has_value());
+  EXPECT_EQ(created->created().revision(), before);
+  const auto step = watch->ReadUntil(Upload());
+  ASSERT_TRUE(step.has_value());
+  EXPECT_THAT(step->snapshot, IsEmpty());
+  ASSERT_THAT(step->delta, SizeIs(Ge(1U)));
+  EXPECT_EQ(step->delta[0].previous_revision(), before);
+}
+
+TEST_P(WatchServiceTest, StepsNameTheRevisionsTheyLeadBetween) {
+  const auto watch = Watch(Request());
+  std::uint64_t reached = watch->ReadStep()->progress.revision();
+  for (int i = 0; i < 5; ++i) {
+    const std::uint64_t target = Upload(2);
+    while (reached < target) {
+      const auto step = watch->ReadStep();
+      ASSERT_TRUE(step.has_value());
+      ASSERT_THAT(step->delta, SizeIs(1));
+      EXPECT_EQ(step->delta[0].previous_revision(), reached);
+      EXPECT_EQ(step->delta[0].fragment(), 1U);
+      EXPECT_EQ(step->delta[0].fragments(), 1U);
+      EXPECT_GE(step->delta[0].commits(), 1U);
+      EXPECT_GT(step->progress.revision(), reached);
+      EXPECT_EQ(step->delta[0].revision(), step->progress.revision());
+      EXPECT_TRUE(step->delta[0].has_last_capture_time());
+      reached = step->progress.revision();
+    }
+  }
+}
+
+TEST_P(WatchServiceTest, ResumedBehindATokenMissesNothingAfterARestart) {
+  Upload();
+  LeafView view;
+  v1::WatchProgress progress;
+  {
+    const auto watch = Watch(Request());
+    const auto begin = watch->ReadStep();
+    ASSERT_TRUE(begin.has_value());
+    view.Take(*begin);
+    progress = begin->progress;
+  }
+  Upload();
+  service_.Restart();
+  const std::uint64_t target = Upload();
+  const auto watch = Watch(ResumeBehind(progress));
+  const auto step = watch->ReadUntil(target);
+  ASSERT_TRUE(step.has_value());
+  EXPECT_EQ(step->created->revision(), progress.revision());
+  EXPECT_THAT(step->snapshot, IsEmpty());
+  EXPECT_EQ(step->delta[0].previous_revision(), progress.revision());
+  view.Take(*step);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchServiceTest, ShowsPresentObjectsAndTheEventsThatCome) {
+  StoreObjectMap(&service_);
+  const auto watch = Watch(Request());
+  const auto begin = watch->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  EXPECT_THAT(IdsOf(begin->Objects()), ElementsAre(1U, 3U));
+  // History is for ListEvents.
+  EXPECT_THAT(begin->events, IsEmpty());
+  LeafView view;
+  view.Take(*begin);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchServiceTest, FiltersByClassBoxObjectAndKind) {
+  StoreObjectMap(&service_);
+  const auto shown = [&](const v1::WatchFilter& filter) {
+    v1::WatchMapRequest request = Request();
+    *request.mutable_filter() = filter;
+    const auto step = Watch(request)->ReadStep();
+    EXPECT_TRUE(step.has_value());
+    return step.value_or(ToldStep());
+  };
+  v1::WatchFilter filter;
+  filter.add_class_ids(103);
+  EXPECT_THAT(IdsOf(shown(filter).Objects()), ElementsAre(3U));
+  EXPECT_THAT(shown(filter).Leaves(),
+              AllOf(SizeIs(Ge(1U)), Each(Property(&v1::PackedLeaf::object_id, 3U))));
+  filter.set_include_archived(true);
+  filter.add_class_ids(102);
+  EXPECT_THAT(IdsOf(shown(filter).Objects()), ElementsAre(2U, 3U));
+  filter.add_object_ids(2);
+  EXPECT_THAT(IdsOf(shown(filter).Objects()), ElementsAre(2U));
+  filter.Clear();
+  v1::Box* box = filter.add_boxes();
+  box->mutable_min_m()->set_x(-0.6);
+  box->mutable_min_m()->set_y(0.4);
+  box->mutable_min_m()->set_z(0.7);
+  box->mutable_max_m()->set_x(-0.4);
+  box->mutable_max_m()->set_y(0.6);
+  box->mutable_max_m()->set_z(0.9);
+  EXPECT_THAT(IdsOf(shown(filter).Objects()), ElementsAre(1U));
+  EXPECT_THAT(shown(filter).Leaves(), Each(Property(&v1::PackedLeaf::object_id, 1U)));
+  filter.Clear();
+  filter.add_kinds(v1::WATCH_KIND_OBJECTS);
+  EXPECT_THAT(IdsOf(shown(filter).Objects()), ElementsAre(1U, 3U));
+  EXPECT_THAT(shown(filter).Leaves(), IsEmpty());
+  filter.Clear();
+  filter.add_kinds(v1::WATCH_KIND_EVENTS);
+  EXPECT_THAT(shown(filter).Objects(), IsEmpty());
+}
+
+TEST_P(WatchServiceTest, TellsEventsAndTombstonesOfWhatAStoppedServerMissed) {
+  StoreObjectMap(&service_);
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  // While nobody serves: box 1 is archived, box 2 present again, box 3 forgotten.
+  const MapKey key = service_.store().ListMaps()->front().key;
+  MapSnapshot before = MakeObjectMap();
+  MapSnapshot after = before;
+  MapObject first = *before.objects.at(ObjectId(1));
+  first.standing = ObjectStanding::kArchived;
+  MapObject second = *before.objects.at(ObjectId(2));
+  second.standing = ObjectStanding::kPresent;
+  after.objects.insert_or_assign(first.id, std::make_shared<const MapObject>(first));
+  after.objects.insert_or_assign(second.id, std::make_shared<const MapObject>(second));
+  after.objects.erase(ObjectId(3));
+  after.revision = Revision(kObjectMapRevision + 1);
+  MapDelta delta = Diff(before, after);
+  ObjectEvent event = MakeObjectHistory(before).back();
+  event.revision = after.revision;
+  event.object = ObjectId(1);
+  delta.events = {event};
+  LogAppend append{key, Timestamp::FromSeconds(2.0), {}, {}};
+  append.frames.emplace_back().sequence = MapSequence(kObjectMapRevision + 1);
+  ASSERT_TRUE(service_.store().AppendFrames({append}).ok());
+  ASSERT_TRUE(service_.store().CommitRevision(key, delta, Timestamp::FromSeconds(2.0)).ok());
+  service_.Restart();
+  const auto step = Watch(ResumeBehind(begin->progress))->ReadStep();
+  ASSERT_TRUE(step.has_value());
+  EXPECT_EQ(step->progress.revision(), kObjectMapRevision + 1);
+  EXPECT_THAT(step->Removed(), UnorderedElementsAre(1U, 2U, 3U));
+  EXPECT_THAT(IdsOf(step->Objects()), ElementsAre(2U));
+  EXPECT_THAT(
+      step->Leaves(),
+      AllOf(SizeIs(second.volume->leaf_count()), Each(Property(&v1::PackedLeaf::object_id, 2U))));
+  EXPECT_THAT(NumbersOf(step->events), ElementsAre(6U));
+}
+
+TEST_P(WatchServiceTest, MessagesKeepToTheirLimitAndFragmentsAreCounted) {
+  StoreObjectMap(&service_);
+  v1::WatchMapRequest request = Request();
+  request.set_max_message_bytes(65'536);
+  const auto begin = Watch(request)->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  EXPECT_THAT(begin->snapshot,
+              AllOf(SizeIs(Ge(3U)), Each(Property(&v1::SnapshotChunk::ByteSizeLong, Le(65'536U)))));
+  LeafView view;
+  view.Take(*begin);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchServiceTest, WrongRequestsAreNamed) {
+  const auto kInvalid = StatusCode::kInvalidArgument;
+  v1::WatchMapRequest request = Request();
+  request.set_map("tenants/test/maps/nobody");
+  EXPECT_THAT(ErrorOf(request), IsError(StatusCode::kNotFound, "NOT_FOUND", "map"));
+  request.set_map("hall");
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_NAME", "map"));
+  EXPECT_THAT(ErrorOf(Request(v1::WATCH_START_UNSPECIFIED)),
+              IsError(kInvalid, "BAD_VALUE", "start"));
+  request = Request();
+  request.set_resume_token("x");
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "start"));
+  request.set_start(v1::WATCH_START_UNSPECIFIED);
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_RESUME_TOKEN", "resume_token"));
+  request = Request();
+  request.set_max_message_bytes(1000);
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "max_message_bytes"));
+  request = Request();
+  request.mutable_filter()->add_class_ids(70'000);
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "filter.class_ids[0]"));
+  request = Request();
+  request.mutable_filter()->add_kinds(v1::WATCH_KIND_UNSPECIFIED);
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "filter.kinds[0]"));
+  request = Request();
+  request.mutable_filter()->add_boxes();
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "filter.boxes[0].min_m"));
+}
+
+TEST_P(WatchServiceTest, TokensAreGoodForTheirFilterAlone) {
+  Upload();
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  v1::WatchMapRequest request = ResumeBehind(begin->progress);
+  request.mutable_filter()->set_include_archived(true);
+  EXPECT_THAT(ErrorOf(request),
+              IsError(StatusCode::kInvalidArgument, "BAD_RESUME_TOKEN", "filter"));
+}
+
+TEST_P(WatchServiceTest, BehindCompactionIsOutOfRangeOrASnapshotWhereAskedFor) {
+  Upload();
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  const std::uint64_t target = Upload();
+  const MapRecord record = service_.store().ListMaps()->front();
+  ASSERT_TRUE(
+      service_.store()
+          .Trim(record,
+                {MapSequence(target), Timestamp::FromSeconds(4e9), Timestamp::FromNanoseconds(0)})
+          .ok());
+  v1::WatchMapRequest request = ResumeBehind(begin->progress);
+  EXPECT_THAT(ErrorOf(request), IsError(StatusCode::kOutOfRange, "REVISION_COMPACTED", ""));
+  request.set_resync_if_compacted(true);
+  const auto step = Watch(request)->ReadUntil(target);
+  ASSERT_TRUE(step.has_value());
+  ASSERT_TRUE(step->resync.has_value());
+  EXPECT_EQ(step->resync->reason(), "REVISION_COMPACTED");
+  EXPECT_EQ(step->resync->revision(), target);
+  LeafView view;
+  view.Take(*step);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchServiceTest, TokenOfAMapThatWasMadeAnewIsOutOfRange) {
+  Upload();
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  ASSERT_TRUE(service_.DeleteMap(map_).ok());
+  EXPECT_EQ(service_.CreateMap("hall"), map_);
+  v1::WatchMapRequest request = ResumeBehind(begin->progress);
+  EXPECT_THAT(ErrorOf(request),
+              IsError(StatusCode::kOutOfRange, "REVISION_COMPACTED", "resume_token"));
+  request.set_resync_if_compacted(true);
+  const auto step = Watch(request)->ReadStep();
+  ASSERT_TRUE(step.has_value());
+  EXPECT_TRUE(step->resync.has_value());
+  EXPECT_EQ(step->progress.revision(), 0U);
+}
+
+TEST_P(WatchServiceTest, ADrainingServerSendsEverythingThenSaysGoodbye) {
+  const auto watch = Watch(Request());
+  ASSERT_TRUE(watch->ReadStep().has_value());
+  const std::uint64_t target = Upload();
+  std::thread stopping([this] { service_.server().Shutdown(std::chrono::seconds(20)); });
+  EXPECT_TRUE(watch->ReadUntil(target).has_value());
+  EXPECT_THAT(watch->End(), IsError(StatusCode::kUnavailable, "DRAINING", ""));
+  EXPECT_TRUE(watch->was_told_goodbye());
+  stopping.join();
+}
+
+TEST_P(WatchServiceTest, EndsWhenItsMapIsDeleted) {
+  const auto watch = Watch(Request());
+  ASSERT_TRUE(watch->ReadStep().has_value());
+  ASSERT_TRUE(service_.DeleteMap(map_).ok());
+  EXPECT_EQ(watch->End().code(), StatusCode::kNotFound);
+}
+
+TEST_P(WatchServiceTest, NoMoreAreTakenThanAllowedUntilOneEnds) {
+  std::vector<std::unique_ptr<WatchClient>> watches;
+  for (std::size_t i = 0; i < kMaxWatches; ++i) {
+    watches.push_back(Watch(Request()));
+    ASSERT_TRUE(watches.back()->ReadStep().has_value());
+  }
+  EXPECT_THAT(ErrorOf(Request()), IsError(StatusCode::kResourceExhausted, "QUEUE_FULL", ""));
+  watches.pop_back();
+  // The server hears of the end a moment later.
+  std::optional<ToldStep> begin;
+  while (!begin) begin = Watch(Request())->ReadStep();
+  EXPECT_TRUE(begin->created.has_value());
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,130 @@
+#include "core/map_edits.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/tsdf_codec.h"
+#include "tests/support/analytic_map.h"
+
+namespace steadymap {
+namespace {
+
+constexpr LeafOrigin kOrigin{8, 0, -16};
+constexpr LeafOrigin kOtherOrigin{16, 0, -16};
+
+/// A leaf with one voxel.
+std::string OneVoxelLeaf(const VoxelScale& scale, int weight) {
+  LeafVoxels voxels;
+  voxels.observed[3] = 1;
+  voxels.weight[std::size_t{3} * 64] = static_cast<float>(weight) * kWeightUnit;
+  TsdfGrid grid;
+  grid.StoreLeaf(kOrigin, voxels);
+  return PackLeaf(grid.FindLeaf(kOrigin), scale);
+}
+
+ObjectState StateOf(std::uint64_t id, std::uint64_t views) {
+  ObjectState state;
+  state.id = ObjectId(id);
+  state.views = views;
+  return state;
+}
+
+class MapEditsTest : public ::testing::Test {
+ protected:
+  std::string LeafOf(const MapSnapshot& map, std::uint64_t object, LeafOrigin origin) const {
+    return PackLeaf(FindLeaf(map, {ObjectId(object), origin}), map.scale);
+  }
+
+  MapSnapshot map_;
+  const std::string light_ = OneVoxelLeaf(map_.scale, 1);
+  const std::string heavy_ = OneVoxelLeaf(map_.scale, 9);
+};
+
+TEST_F(MapEditsTest, AStateAloneKeepsTheVolume) {
+  MapEdits first(&map_);
+  first.SetState(StateOf(5, 1));
+  ASSERT_TRUE(first.StoreLeaf({ObjectId(5), kOrigin}, light_).ok());
+  first.Finish();
+  const MapSnapshot before = map_;
+
+  MapEdits second(&map_);
+  second.SetState(StateOf(5, 2));
+  second.Finish();
+  EXPECT_EQ(map_.objects.at(ObjectId(5))->views, 2U);
+  EXPECT_EQ(map_.objects.at(ObjectId(5))->volume, before.objects.at(ObjectId(5))->volume)
+      << "shared, since nobody wrote to it";
+  EXPECT_EQ(before.objects.at(ObjectId(5))->views, 1U);
+}
+
+TEST_F(MapEditsTest, AnObjectThatIsRemovedAndSetIsReplacedWhole) {
+  MapEdits first(&map_);
+  first.SetState(StateOf(5, 1));
+  ASSERT_TRUE(first.StoreLeaf({ObjectId(5), kOrigin}, light_).ok());
+  first.Finish();
+
+  MapEdits second(&map_);
+  second.RemoveObject(ObjectId(5));
+  second.SetState(StateOf(5, 7));
+  ASSERT_TRUE(second.StoreLeaf({ObjectId(5), kOtherOrigin}, heavy_).ok());
+  second.Finish();
+  EXPECT_EQ(map_.objects.at(ObjectId(5))->views, 7U);
+  EXPECT_EQ(LeafOf(map_, 5, kOrigin), "");
+  EXPECT_EQ(LeafOf(map_, 5, kOtherOrigin), heavy_);
+}
+
+TEST_F(MapEditsTest, WhatIsSetAndThenRemovedIsGone) {
+  MapEdits edits(&map_);
+  edits.SetState(StateOf(5, 1));
+  ASSERT_TRUE(edits.StoreLeaf({ObjectId(5), kOrigin}, light_).ok());
+  edits.RemoveObject(ObjectId(5));
+  edits.RemoveObject(ObjectId(6));
+  edits.Finish();
+  EXPECT_TRUE(map_.objects.empty());
+}
+
+TEST_F(MapEditsTest, ObjectsWithoutLeavesShareNothingThatIsWritten) {
+  MapEdits edits(&map_);
+  edits.SetState(StateOf(1, 1));
+  edits.SetState(StateOf(2, 1));
+  ASSERT_TRUE(edits.StoreLeaf({ObjectId(1), kOrigin}, light_).ok());
+  edits.Finish();
+  EXPECT_EQ(LeafOf(map_, 1, kOrigin), light_);
+  EXPECT_EQ(LeafOf(map_, 2, kOrigin), "");
+  EXPECT_EQ(map_.objects.at(ObjectId(2))->volume->leaf_count(), 0U);
+}
+
+TEST_F(MapEditsTest, ACopyOfTheMapNeverChanges) {
+  map_ = testing::FloorMap();
+  const LeafOrigin floor{0, 0, 0};
+  const std::string leaf = LeafOf(map_, 0, floor);
+  ASSERT_NE(leaf, "");
+  const MapSnapshot before = map_;
+  MapEdits edits(&map_);
+  ASSERT_TRUE(edits.StoreLeaf({kBackgroundId, floor}, heavy_).ok());
+  edits.Finish();
+  EXPECT_EQ(LeafOf(map_, 0, floor), heavy_);
+  EXPECT_EQ(LeafOf(before, 0, floor), leaf);
+}
+
+TEST_F(MapEditsTest, ALeafThatIsGoneMakesNoTile) {
+  MapEdits edits(&map_);
+  EXPECT_TRUE(edits.StoreLeaf({kBackgroundId, kOrigin}, "").ok());
+  EXPECT_TRUE(edits.StoreLeaf({ObjectId(9), kOrigin}, "").ok());
+  edits.Finish();
+  EXPECT_EQ(map_.background.tile_count(), 0U);
+  EXPECT_TRUE(map_.objects.empty());
+}
+
+TEST_F(MapEditsTest, DamagedLeavesAndThoseOfNoObjectAreRefused) {
+  MapEdits edits(&map_);
+  EXPECT_EQ(edits.StoreLeaf({kBackgroundId, kOrigin}, "garbage").code(),
+            absl::StatusCode::kDataLoss);
+  const absl::Status status = edits.StoreLeaf({ObjectId(9), kOrigin}, light_);
+  EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(status.message(), "a leaf of object 9, which is not there");
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,119 @@
+"""The steadymapd of this build as a child process, as tests/support/daemon_process.h has it."""
+
+import os
+import select
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+from typing import Optional
+
+import steadymap
+
+# Far more than any start takes; only a daemon that hangs makes a test wait so long.
+_START_LIMIT_S = 30.0
+
+
+def program(variable: str) -> str:
+    """The program that CMake names in an environment variable."""
+    path = os.environ.get(variable)
+    if not path:
+        raise RuntimeError(f"{variable} must name a program of this build: run the tests by ctest")
+    return path
+
+
+class DaemonProcess:
+    """steadymapd on loopback, on a free port, with its store in a folder of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._process: Optional[subprocess.Popen] = None
+        self._start("127.0.0.1:0")
+        self.address = "127.0.0.1:" + (folder / "port").read_text(encoding="ascii").strip()
+
+    def kill(self) -> None:
+        """kill -9; returns when the process is gone."""
+        if self._process is not None:
+            self._process.send_signal(signal.SIGKILL)
+            self._process.wait()
+            self._process = None
+
+    def terminate(self) -> int:
+        """SIGTERM; returns the exit code."""
+        self._process.terminate()
+        code = self._process.wait()
+        self._process = None
+        return code
+
+    def send_signal(self, number: int) -> None:
+        """Sends a signal to it."""
+        if self._process is not None:
+            self._process.send_signal(number)
+
+    def restart(self) -> None:
+        """Starts it again, over the same store and on the same port."""
+        self._start(self.address)
+
+    def _start(self, listen: str) -> None:
+        (self._folder / "port").unlink(missing_ok=True)
+        # The daemon tells its service manager when it is ready, and holds the write end of the life
+        # line while it lives: waiting for either needs no polling.
+        life_line, inherited = os.pipe()
+        with tempfile.TemporaryDirectory() as scratch, socket.socket(
+            socket.AF_UNIX, socket.SOCK_DGRAM
+        ) as notify:
+            notify.bind(f"{scratch}/notify")
+            with open(self._folder / "steadymapd.log", "ab") as log:
+                self._process = subprocess.Popen(
+                    [
+                        program("STEADYMAPD"),
+                        *("--listen", listen),
+                        *("--data-dir", str(self._folder / "data")),
+                        *("--port-file", str(self._folder / "port")),
+                    ],
+                    stderr=log,
+                    pass_fds=(inherited,),
+                    env={**os.environ, "NOTIFY_SOCKET": f"{scratch}/notify"},
+                )
+            os.close(inherited)
+            try:
+                self._await_ready(notify, life_line)
+            finally:
+                os.close(life_line)
+
+    def _await_ready(self, notify: socket.socket, life_line: int) -> None:
+        deadline = time.monotonic() + _START_LIMIT_S
+        while True:
+            left_s = max(0.0, deadline - time.monotonic())
+            readable, _, _ = select.select([notify, life_line], [], [], left_s)
+            if notify in readable and b"READY=1" in notify.recv(4096):
+                return
+            if life_line in readable or not readable:
+                log = (self._folder / "steadymapd.log").read_text(errors="replace")
+                self.kill()
+                raise RuntimeError(f"steadymapd did not start: {log}")
+
+
+class DaemonTest(unittest.TestCase):
+    """Tests with one daemon and one client for the class; each test takes a map of its own."""
+
+    daemon: DaemonProcess
+    client: steadymap.Client
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.daemon = DaemonProcess(Path(folder.name))
+        cls.addClassCleanup(cls.daemon.kill)
+        cls.client = steadymap.connect(cls.daemon.address)
+        cls.addClassCleanup(cls.client.close)
+
+    def new_map(self, options: steadymap.MapOptions = steadymap.MapOptions()) -> str:
+        """A map named after the test."""
+        name = self._testMethodName.replace("_", "-")[:60]
+        self.client.create_map(name, options)
+        return name

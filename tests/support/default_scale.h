@@ -1,0 +1,10 @@
+#pragma once
+
+#include "core/voxel_leaf.h"
+
+namespace steadymap::testing {
+
+/// The scale of a map that does not say otherwise.
+inline constexpr VoxelScale kScale;
+
+}  // namespace steadymap::testing

@@ -1,0 +1,164 @@
+#include "tests/watch/fleet_watcher.h"
+
+#include <utility>
+
+#include "core/error.h"
+#include "proto/convert_watch.h"
+#include "proto/grpc_status.h"
+
+#include "steadymap/v1/watch_service.grpc.pb.h"
+
+namespace steadymap {
+namespace {
+
+/// Everything, half of the view, goods alone, the background alone, or events alone.
+MapFilter DrawFilter(std::mt19937* random) {
+  MapFilter filter;
+  switch ((*random)() % 6) {
+    case 0:
+      filter.boxes_world = {Box(Eigen::Vector3d(0.0, -3.0, -2.0), Eigen::Vector3d(3.0, 0.0, 2.0))};
+      break;
+    case 1:
+      filter.classes = {ClassId(7)};
+      filter.archived = true;
+      break;
+    case 2:
+      filter.objects = {kBackgroundId, ObjectId(1), ObjectId(3)};
+      break;
+    case 3:
+      filter.states = filter.volumes = false;
+      break;
+    case 4:
+      filter.events = filter.volumes = false;
+      break;
+    default:
+      break;
+  }
+  return filter;
+}
+
+}  // namespace
+
+FleetWatcher::FleetWatcher(const FleetServer* server, std::uint32_t seed)
+    : server_(server), random_(seed) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    NewMind();
+  }
+  thread_ = std::thread([this] { Run(); });
+}
+
+FleetWatcher::~FleetWatcher() {
+  if (thread_.joinable()) Stop();
+}
+
+void FleetWatcher::NewMind() {
+  filter_ = DrawFilter(&random_);
+  // What a watch from now on has not seen cannot be compared.
+  from_now_ = !filter_.WantsObjects() && random_() % 2 == 0;
+  resyncs_ = random_() % 2 == 0;
+  changed_mind_ = true;
+}
+
+void FleetWatcher::Cut() {
+  const absl::MutexLock lock(&mutex_);
+  if (context_ != nullptr) context_->TryCancel();
+}
+
+void FleetWatcher::Stall() {
+  const absl::MutexLock lock(&mutex_);
+  stalled_ = true;
+}
+
+void FleetWatcher::Resume() {
+  const absl::MutexLock lock(&mutex_);
+  stalled_ = false;
+}
+
+void FleetWatcher::ChangeMind() {
+  const absl::MutexLock lock(&mutex_);
+  NewMind();
+  if (context_ != nullptr) context_->TryCancel();
+}
+
+WatchLife FleetWatcher::Stop() {
+  {
+    const absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+    if (context_ != nullptr) context_->TryCancel();
+  }
+  thread_.join();
+  return life_;
+}
+
+void FleetWatcher::Run() {
+  while (true) {
+    {
+      const absl::MutexLock lock(&mutex_);
+      if (stopping_) break;
+    }
+    RunStream();
+  }
+  if (promises_ != nullptr) Conclude();
+}
+
+/// One stream, from its request to its end.
+void FleetWatcher::RunStream() {
+  v1::WatchMapRequest request;
+  grpc::ClientContext context;
+  request.set_map(server_->map());
+  bool begins_anew = false;
+  {
+    const absl::MutexLock lock(&mutex_);
+    begins_anew = std::exchange(changed_mind_, false);
+    if (begins_anew) {
+      if (promises_ != nullptr) Conclude();
+      promises_ = std::make_unique<WatchPromises>(filter_, &server_->history(), server_->scale());
+      revision_ = 0;
+    }
+    *request.mutable_filter() = ToProto(filter_);
+    request.set_resync_if_compacted(resyncs_);
+    if (promises_->progress()) {
+      request.set_resume_token(promises_->progress()->resume_token());
+      begin_ = WatchPromises::Begin::kResumed;
+    } else {
+      request.set_start(from_now_ ? v1::WATCH_START_NOW : v1::WATCH_START_SNAPSHOT_THEN_FOLLOW);
+      begin_ = from_now_ ? WatchPromises::Begin::kNow : WatchPromises::Begin::kSnapshot;
+    }
+    context_ = &context;
+  }
+  ++life_.streams;
+  life_.resumed += begin_ == WatchPromises::Begin::kResumed ? 1 : 0;
+  promises_->BeginStream(begin_);
+  const auto stream = v1::WatchService::NewStub(server_->Connect())->WatchMap(&context, request);
+  v1::WatchMapResponse message;
+  while (stream->Read(&message)) {
+    promises_->Take(message);
+    if (message.has_progress()) revision_ = message.progress().revision();
+    const absl::MutexLock lock(&mutex_);
+    mutex_.Await(absl::Condition(this, &FleetWatcher::MayRead));
+  }
+  const absl::Status status = FromGrpcStatus(stream->Finish());
+  const absl::MutexLock lock(&mutex_);
+  context_ = nullptr;
+  if (changed_mind_ || stopping_) return;
+  if (ReasonOf(status) == reason::kRevisionCompacted || ReasonOf(status) == reason::kSlowConsumer) {
+    // Told, never silent: begins anew.
+    ++life_.gaps_told;
+    changed_mind_ = true;
+    if (resyncs_) life_.broken.push_back("Resumable: no resync where one was asked for");
+  } else if (!absl::IsUnavailable(status) && !absl::IsCancelled(status)) {
+    life_.broken.push_back("a stream ended with " + status.ToString());
+  }
+}
+
+/// Adds what the promises say to the watcher's life.
+void FleetWatcher::Conclude() {
+  life_.steps += promises_->steps();
+  life_.jumps += promises_->jumps();
+  life_.events += promises_->events();
+  life_.resyncs += promises_->resyncs();
+  life_.broken.insert(life_.broken.end(), promises_->broken().begin(), promises_->broken().end());
+}
+
+}  // namespace steadymap

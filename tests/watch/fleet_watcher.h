@@ -1,0 +1,88 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/synchronization/mutex.h>
+#include <grpcpp/client_context.h>
+
+#include "core/map_filter.h"
+#include "tests/watch/fleet_server.h"
+#include "tests/watch/watch_promises.h"
+
+namespace steadymap {
+
+/// What a watcher saw in its life.
+struct WatchLife {
+  std::vector<std::string> broken;  ///< Promises, and errors that no watcher should see.
+  std::size_t streams = 0;
+  std::size_t resumed = 0;
+  std::size_t steps = 0;
+  std::size_t jumps = 0;
+  std::size_t events = 0;
+  std::size_t resyncs = 0;
+  std::size_t gaps_told = 0;  ///< Streams that ended since the history they needed was gone.
+};
+
+/// A watcher with a thread of its own that reads and checks, comes back when it is cut off, and can
+/// be made to misbehave. The other calls are for one thread.
+class FleetWatcher {
+ public:
+  /// `server` outlives the watcher.
+  FleetWatcher(const FleetServer* server, std::uint32_t seed);
+
+  /// Stops at once.
+  ~FleetWatcher();
+
+  /// Breaks the connection; the watcher resumes.
+  void Cut();
+
+  /// Reads nothing until `Resume`.
+  void Stall();
+  void Resume();
+
+  /// Begins anew with another filter, from a snapshot or from now.
+  void ChangeMind();
+
+  /// What has been settled by a progress.
+  Revision revision() const { return Revision(revision_.load()); }
+
+  /// Ends the watch; the watcher is of no use any more.
+  WatchLife Stop();
+
+ private:
+  void Run();
+  void RunStream();
+  void Conclude();
+  void NewMind() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  bool MayRead() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !stalled_ || stopping_; }
+
+  const FleetServer* const server_;
+  std::mt19937 random_;  ///< Of whoever holds `mutex_`.
+  std::atomic<std::uint64_t> revision_ = 0;
+
+  // Of the thread.
+  std::unique_ptr<WatchPromises> promises_;
+  WatchPromises::Begin begin_ = WatchPromises::Begin::kSnapshot;
+  WatchLife life_;
+
+  mutable absl::Mutex mutex_;
+  MapFilter filter_ ABSL_GUARDED_BY(mutex_);
+  bool from_now_ ABSL_GUARDED_BY(mutex_) = false;
+  bool resyncs_ ABSL_GUARDED_BY(mutex_) = false;
+  bool changed_mind_ ABSL_GUARDED_BY(mutex_) = true;
+  bool stalled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  grpc::ClientContext* context_ ABSL_GUARDED_BY(mutex_) = nullptr;  ///< Of the stream under way.
+
+  std::thread thread_;  ///< Last: it uses everything above.
+};
+
+}  // namespace steadymap

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "server/store.h"
+#include "tests/watch/map_history.h"
+
+namespace steadymap {
+
+/// A store that notes every commit of its only map in a history, and that can be killed: from then
+/// on nothing is written, as if the process had ended there. Thread-safe.
+class RecordingStore final : public Store {
+ public:
+  /// `history` and `killed` outlive the store.
+  RecordingStore(std::unique_ptr<Store> store, MapHistory* history, const std::atomic<bool>* killed)
+      : store_(std::move(store)), history_(history), killed_(killed) {}
+
+  absl::StatusOr<MapRecord> CreateMap(const MapRecord& record) override {
+    return store_->CreateMap(record);
+  }
+
+  absl::Status UpdateMap(const MapRecord& record) override { return store_->UpdateMap(record); }
+
+  absl::Status DeleteMap(MapKey map) override { return store_->DeleteMap(map); }
+
+  absl::StatusOr<std::vector<MapRecord>> ListMaps() override { return store_->ListMaps(); }
+
+  absl::StatusOr<StoredState> LoadMap(const MapRecord& record) override {
+    return store_->LoadMap(record);
+  }
+
+  absl::Status AppendFrames(const std::vector<LogAppend>& appends) override {
+    return *killed_ ? KilledError() : store_->AppendFrames(appends);
+  }
+
+  absl::Status CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) override {
+    if (*killed_) return KilledError();
+    absl::Status status = store_->CommitRevision(map, delta, now);
+    if (status.ok() && delta.to > delta.from) history_->Add(delta);
+    return status;
+  }
+
+  absl::Status ReadLog(MapKey map,
+                       MapSequence first,
+                       const std::function<absl::Status(LogFrame)>& visit) override {
+    return store_->ReadLog(map, first, visit);
+  }
+
+  absl::StatusOr<std::vector<FramePose>> ReadPoses(MapKey map,
+                                                   MapSequence first,
+                                                   MapSequence last,
+                                                   std::size_t limit) override {
+    return store_->ReadPoses(map, first, last, limit);
+  }
+
+  absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
+                                                      EventNumber first,
+                                                      std::size_t limit) override {
+    return store_->ReadEvents(map, first, limit);
+  }
+
+  absl::StatusOr<ChangeList> ReadChanges(MapKey map, Revision from, Revision to) override {
+    return store_->ReadChanges(map, from, to);
+  }
+
+  absl::Status Trim(const MapRecord& map, const TrimBounds& bounds) override {
+    return *killed_ ? KilledError() : store_->Trim(map, bounds);
+  }
+
+  absl::Status health() const override { return store_->health(); }
+
+ private:
+  static absl::Status KilledError() { return absl::UnavailableError("killed as the test asked"); }
+
+  const std::unique_ptr<Store> store_;
+  MapHistory* const history_;
+  const std::atomic<bool>* const killed_;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "steadymap/v1/frame.pb.h"
+
+namespace steadymap {
+
+/// Small frames of a place where boxes come, go and are pushed about: a few scenes, each seen from
+/// a few places, rendered once. For one thread.
+class RestlessHall {
+ public:
+  RestlessHall();
+
+  /// Another scene from now on, drawn from `random`.
+  void Rearrange(std::mt19937* random);
+
+  /// The next `count` frames of the scene, half a second apart in capture time.
+  std::vector<v1::Frame> Look(int count);
+
+ private:
+  std::vector<std::vector<v1::Frame>> scenes_;
+  std::size_t scene_ = 0;
+  std::uint64_t frames_ = 0;
+};
+
+}  // namespace steadymap

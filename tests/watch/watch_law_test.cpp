@@ -1,0 +1,141 @@
+// The law of watches (service.md section 4) over random histories: robots that upload, watchers
+// that are cut, stall, filter and resume, servers that are killed, change lists that are compacted.
+//
+// STEADYMAP_LAW_SEEDS (default 2) and STEADYMAP_LAW_OPERATIONS (default 250) make it longer.
+
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/watch/fleet_server.h"
+#include "tests/watch/fleet_watcher.h"
+#include "tests/watch/restless_hall.h"
+
+namespace steadymap {
+namespace {
+
+using ::testing::IsEmpty;
+
+constexpr int kWatchers = 6;
+constexpr std::chrono::seconds kCatchUpTime{60};
+
+int NumberFromEnvironment(const char* name, int standard) {
+  // Nothing of this process changes its environment.
+  const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return text == nullptr ? standard : std::atoi(text);
+}
+
+/// One random history.
+class FleetHistory {
+ public:
+  explicit FleetHistory(std::uint32_t seed) : random_(seed) {
+    for (int i = 0; i < kWatchers; ++i) {
+      watchers_.push_back(
+          std::make_unique<FleetWatcher>(&server_, seed * 100U + static_cast<std::uint32_t>(i)));
+    }
+  }
+
+  void Run(int operations) {
+    for (int i = 0; i < operations; ++i) Operate();
+    for (const auto& watcher : watchers_) watcher->Resume();
+    server_.AwaitIntegrated();
+  }
+
+  /// Whether every watcher comes to the newest revision in time.
+  bool AwaitWatchers() {
+    const auto deadline = std::chrono::steady_clock::now() + kCatchUpTime;
+    for (const auto& watcher : watchers_) {
+      while (watcher->revision() < server_.history().head()) {
+        if (std::chrono::steady_clock::now() > deadline) return false;
+        std::this_thread::yield();
+      }
+    }
+    return true;
+  }
+
+  WatchLife Conclude() {
+    WatchLife all;
+    for (const auto& watcher : watchers_) {
+      const WatchLife life = watcher->Stop();
+      all.broken.insert(all.broken.end(), life.broken.begin(), life.broken.end());
+      all.streams += life.streams;
+      all.resumed += life.resumed;
+      all.steps += life.steps;
+      all.jumps += life.jumps;
+      all.events += life.events;
+      all.resyncs += life.resyncs;
+      all.gaps_told += life.gaps_told;
+    }
+    return all;
+  }
+
+  const MapHistory& history() const { return server_.history(); }
+
+ private:
+  void Operate() {
+    FleetWatcher& watcher = *watchers_[random_() % watchers_.size()];
+    const std::uint64_t draw = random_() % 100;
+    if (draw < 50) {
+      server_.Upload("robot-" + std::to_string(1 + random_() % 3),
+                     hall_.Look(1 + static_cast<int>(random_() % 3)));
+    } else if (draw < 58) {
+      hall_.Rearrange(&random_);
+    } else if (draw < 68) {
+      watcher.Cut();
+    } else if (draw < 78) {
+      watcher.Stall();
+    } else if (draw < 86) {
+      watcher.Resume();
+    } else if (draw < 91) {
+      watcher.ChangeMind();
+    } else if (draw < 98) {
+      server_.Compact();
+    } else {
+      server_.Kill();
+    }
+  }
+
+  std::mt19937 random_;
+  RestlessHall hall_;
+  FleetServer server_;
+  std::vector<std::unique_ptr<FleetWatcher>> watchers_;
+};
+
+TEST(WatchLaw, HoldsOverRandomHistories) {
+  const int seeds = NumberFromEnvironment("STEADYMAP_LAW_SEEDS", 2);
+  const int operations = NumberFromEnvironment("STEADYMAP_LAW_OPERATIONS", 250);
+  WatchLife all;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    FleetHistory fleet(static_cast<std::uint32_t>(seed));
+    fleet.Run(operations);
+    ASSERT_TRUE(fleet.AwaitWatchers());
+    const WatchLife life = fleet.Conclude();
+    EXPECT_THAT(life.broken, IsEmpty());
+    EXPECT_EQ(fleet.history().gaps(), 0U);
+    std::cout << "seed " << seed << ": " << operations << " operations, revision "
+              << fleet.history().head().value() << ", " << life.streams << " streams, "
+              << life.resumed << " resumed, " << life.steps << " steps, " << life.jumps
+              << " over several commits, " << life.events << " events, " << life.resyncs
+              << " resyncs, " << life.gaps_told << " gaps told\n";
+    all.steps += life.steps;
+    all.jumps += life.jumps;
+    all.events += life.events;
+    all.resumed += life.resumed;
+  }
+  // A history in which nothing happens proves nothing.
+  EXPECT_GT(all.steps, 100U);
+  EXPECT_GT(all.jumps, 0U);
+  EXPECT_GT(all.events, 0U);
+  EXPECT_GT(all.resumed, 0U);
+}
+
+}  // namespace
+}  // namespace steadymap
