@@ -19,6 +19,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/descriptor.h"
+
 namespace steadymap {
 namespace {
 
@@ -28,29 +30,6 @@ constexpr std::chrono::seconds kStartLimit{30};
 std::runtime_error SystemError(const char* what) {
   return std::runtime_error(std::string(what) + ": " + std::generic_category().message(errno));
 }
-
-/// A file descriptor that is closed at the end.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {
-    if (number_ < 0) throw SystemError("file descriptor");
-  }
-
-  ~Descriptor() { Close(); }
-
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  int number() const { return number_; }
-
-  void Close() {
-    if (number_ >= 0) close(number_);
-    number_ = -1;
-  }
-
- private:
-  int number_;
-};
 
 std::string ContentOfFile(const std::filesystem::path& file) {
   std::ostringstream text;

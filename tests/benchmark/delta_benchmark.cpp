@@ -1,0 +1,169 @@
+// What a watcher of everything gets while a robot drives through the same place again and again,
+// beside what the robot uploads, and what those deltas are made of:
+//
+//   build/release/tests/benchmark/delta_benchmark
+//   build/release/tests/benchmark/delta_benchmark --drives 4 --rate 10 --sensor steady
+//
+// The first drive maps the place, the second knows it, later ones find nothing new. Sensors: full
+// (all noise and pose drift), steady (no drift), ideal. Voxels are told apart by what changed in
+// them since the leaf was sent last; calm leaves are those in which at most 5 % did.
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "client/channel.h"
+#include "client/map_client.h"
+#include "tests/benchmark/delta_account.h"
+#include "tests/benchmark/frame_feed.h"
+#include "tests/benchmark/watch_crowd.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/temporary_folder.h"
+
+namespace steadymap::benchmarks {
+namespace {
+
+constexpr std::chrono::seconds kCatchUpLimit{60};
+
+struct Options {
+  std::string place = "baseline";
+  std::string sensor = "full";
+  std::size_t drives = 4;
+  int policy = v1::UPDATE_POLICY_POCD;
+  double rate_hz = 30.0;
+};
+
+SensorModel MakeSensor(const std::string& name) {
+  if (name == "full") return SensorModel::Full();
+  if (name == "steady") return SensorModel();
+  if (name == "ideal") return SensorModel::Ideal();
+  throw std::runtime_error("there is no sensor \"" + name + "\"");
+}
+
+/// The route's last sequence, that many times; the noise is another each time.
+PackedDrive PackDrives(const Options& options) {
+  auto route = MakeRoute(options.place);
+  if (!route.ok()) throw std::runtime_error(route.status().ToString());
+  const RouteSequence sequence = route->sequences.back();
+  route->sequences.assign(options.drives, sequence);
+  SimulationOptions simulation;
+  simulation.sensor = MakeSensor(options.sensor);
+  return PackDrive(*std::move(route), simulation, 0);
+}
+
+/// Of each drive, what the steps brought whose last frame belongs to it.
+std::vector<DeltaAccount> AccountByDrive(const PackedDrive& drive,
+                                         const std::vector<v1::WatchMapResponse>& messages) {
+  std::vector<DeltaAccount> accounts(drive.sequence_of.back() + 1);
+  DeltaBookkeeper bookkeeper(VoxelScale{});
+  for (const v1::WatchMapResponse& message : messages) {
+    const std::uint64_t revision = message.has_delta()    ? message.delta().revision()
+                                   : message.has_events() ? message.events().revision()
+                                                          : message.progress().revision();
+    bookkeeper.Book(message, &accounts.at(drive.sequence_of.at(revision - 1)));
+  }
+  return accounts;
+}
+
+void PrintDrive(std::size_t number,
+                const DeltaAccount& account,
+                double frames,
+                double uploaded_bytes) {
+  const auto percent = [](double part, double whole) {
+    return whole > 0.0 ? 100.0 * part / whole : 0.0;
+  };
+  const double moved = account.moved_voxels;
+  std::printf(
+      "%5zu %9.1f %9.2f %7.2f | %6.1f %6.1f %6.1f %6.1f | %7.1f %6.1f %6.1f %6.1f %6.1f %7.1f "
+      "%6.2f %7.1f\n",
+      number,
+      1e-3 * uploaded_bytes / frames,
+      1e-3 * account.bytes() / frames,
+      percent(account.bytes(), uploaded_bytes),
+      percent(account.background_bytes, account.bytes()),
+      percent(account.object_leaf_bytes, account.bytes()),
+      percent(account.object_state_bytes, account.bytes()),
+      percent(account.event_bytes + account.other_bytes, account.bytes()),
+      account.leaves / frames,
+      percent(account.calm_leaves, account.leaves),
+      percent(account.new_voxels, account.voxels),
+      percent(account.weighed_voxels, account.voxels),
+      percent(moved, account.voxels),
+      percent(account.settled_voxels, moved),
+      moved > 0.0 ? 1e3 * account.moved_m / moved : 0.0,
+      account.moved_objects / frames);
+}
+
+void Run(const Options& options) {
+  const PackedDrive drive = PackDrives(options);
+  const TemporaryFolder folder;
+  DaemonProcess daemon(folder.path());
+  daemon.AwaitServing();
+  const auto channel = OpenChannel(daemon.address());
+  const MapName map{"default", "hall"};
+  v1::MapConfig config;
+  config.set_policy(static_cast<v1::UpdatePolicy>(options.policy));
+  if (const auto made = MapClient(channel).CreateMap(map, config); !made.ok()) {
+    throw std::runtime_error(made.status().ToString());
+  }
+  WatcherPlan plan;
+  plan.keeps = true;
+  plan.request.set_map(map.ToString());
+  plan.request.set_start(v1::WATCH_START_NOW);
+  WatchCrowd crowd(daemon.address(), 1, {plan});
+  const FeedRecord feed = FeedFrames(channel, map, drive.frames, options.rate_hz);
+  if (!crowd.AwaitRevision(drive.frames.size(), kCatchUpLimit)) {
+    throw std::runtime_error("the watcher did not catch up");
+  }
+  const std::vector<WatcherRecord> records = crowd.Finish();
+  const std::vector<DeltaAccount> accounts = AccountByDrive(drive, records[0].messages);
+  std::printf("%s, sensor %s, policy %d, %.1f frames/s, %zu steps\n",
+              options.place.c_str(),
+              options.sensor.c_str(),
+              options.policy,
+              feed.frames_per_second(),
+              records[0].steps.size());
+  std::printf(
+      "         kB a frame       delta | %% of the delta's bytes     | leaves        %% of "
+      "their voxels          moved   objects\n");
+  std::printf(
+      "drive    upload     delta   %%    | ground object states  other | a frame   calm    "
+      "new weight  moved at cap   mm   a frame\n");
+  for (std::size_t i = 0; i < accounts.size(); ++i) {
+    double frames = 0.0;
+    double bytes = 0.0;
+    for (std::size_t k = 0; k < drive.frames.size(); ++k) {
+      if (drive.sequence_of[k] != i) continue;
+      frames += 1.0;
+      bytes += static_cast<double>(drive.frames[k].ByteSizeLong());
+    }
+    PrintDrive(i + 1, accounts[i], frames, bytes);
+  }
+}
+
+}  // namespace
+}  // namespace steadymap::benchmarks
+
+int main(int count, char** arguments) {
+  using steadymap::benchmarks::Options;
+  Options options;
+  CLI::App app("What a watcher gets while a robot drives through the same place again and again");
+  app.add_option("--place", options.place, "A route; its last sequence is driven");
+  app.add_option("--sensor", options.sensor, "full, steady or ideal");
+  app.add_option("--drives", options.drives, "How often")->check(CLI::PositiveNumber);
+  app.add_option("--policy", options.policy, "By its number on the wire: 1 static, 5 pocd");
+  app.add_option("--rate", options.rate_hz, "Frames a second; 0: as fast as the daemon takes them");
+  CLI11_PARSE(app, count, arguments);
+  try {
+    steadymap::benchmarks::Run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "delta_benchmark: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+  return EXIT_SUCCESS;
+}

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <grpcpp/channel.h>
+
+#include "client/simulator/simulation.h"
+#include "core/identifiers.h"
+
+#include "steadymap/v1/frame.pb.h"
+
+namespace steadymap::benchmarks {
+
+using Clock = std::chrono::steady_clock;
+
+/// When a revision was first heard of.
+struct Sighting {
+  Clock::time_point time;
+  std::uint64_t revision = 0;
+};
+
+/// Frames that are ready for upload.
+struct PackedDrive {
+  std::vector<v1::Frame> frames;         ///< 640 x 360, depth and labels as PNG.
+  std::vector<std::size_t> sequence_of;  ///< Of the route, of each frame.
+};
+
+/// Renders and packs the first `max_frames` frames of a route; 0: all. Some 40 frames a second.
+PackedDrive PackDrive(Route route, const SimulationOptions& options, std::size_t max_frames);
+
+/// Mean size of a packed frame.
+double MeanFrameBytes(const std::vector<v1::Frame>& frames);
+
+/// What became of an upload.
+struct FeedRecord {
+  std::vector<Clock::time_point> pushed;  ///< When each frame was handed to the uploader.
+  std::vector<Sighting> commits;          ///< As the uploader's acknowledgements told.
+  double seconds = 0.0;                   ///< From the first frame to INTEGRATED of the last.
+
+  double frames_per_second() const { return static_cast<double>(pushed.size()) / seconds; }
+};
+
+/// Uploads frames into an empty map at `rate_hz`, or as fast as the server takes them if that is 0.
+/// Frame k gets the map sequence k + 1. Throws `std::runtime_error` unless all are integrated.
+FeedRecord FeedFrames(const std::shared_ptr<grpc::Channel>& channel,
+                      const MapName& map,
+                      const std::vector<v1::Frame>& frames,
+                      double rate_hz);
+
+}  // namespace steadymap::benchmarks
