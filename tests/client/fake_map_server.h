@@ -9,6 +9,7 @@
 #include <grpcpp/server_builder.h>
 
 #include "core/error.h"
+#include "core/identifiers.h"
 #include "proto/grpc_status.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"
