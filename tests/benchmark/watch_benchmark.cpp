@@ -110,9 +110,10 @@ std::vector<WatcherPlan> MakePlans(const Case& watched, const std::string& map) 
     plans[i].request.set_map(map);
     plans[i].request.set_start(v1::WATCH_START_NOW);
     *plans[i].request.mutable_filter() = MakeFilter(watched.filter, i);
-    // Spread over all connections.
-    plans[i].stalls =
-        i * watched.stalled / plans.size() != (i + 1) * watched.stalled / plans.size();
+    const std::size_t stalled_before = i * watched.stalled / plans.size();
+    const bool stalls = (i + 1) * watched.stalled / plans.size() != stalled_before;
+    // One after the other, so that each holds another revision.
+    if (stalls) plans[i].stalls_after = 1 + 2 * stalled_before;
   }
   return plans;
 }

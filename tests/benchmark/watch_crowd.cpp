@@ -103,7 +103,7 @@ class Watcher {
       call_->WriteLast(Pack(plan_.request), grpc::WriteOptions(), &tags_[1]);
     } else {
       if (place == Place::kRead) Take();
-      if (plan_.stalls && opened_) return;
+      if (stalls()) return;
       call_->Read(&message_, &tags_[2]);
     }
   }
@@ -111,20 +111,26 @@ class Watcher {
   /// Of a stalled watcher, which waits for nothing that could end: begins the end.
   void FinishStalled() { call_->Finish(&status_, &tags_[3]); }
 
-  bool stalls() const { return plan_.stalls && opened_ && !finished_; }
+  bool stalls() const {
+    return plan_.stalls_after > 0 && read_ >= plan_.stalls_after && !finished_;
+  }
 
   bool opened() const { return opened_; }
 
   bool finished() const { return finished_; }
 
   /// Whether nothing that it reads is missing for `revision`.
-  bool Has(std::uint64_t revision) const { return plan_.stalls || revision_ >= revision; }
+  bool Has(std::uint64_t revision) const { return plan_.stalls_after > 0 || revision_ >= revision; }
 
-  WatcherRecord& record() { return record_; }
+  WatcherRecord TakeRecord() {
+    record_.stalled = plan_.stalls_after > 0;
+    return std::move(record_);
+  }
 
  private:
   void Take() {
     const Clock::time_point now = Clock::now();
+    ++read_;
     const MessageHead head = ReadHead(message_);
     if (head.kind == v1::WatchMapResponse::kCreated) {
       opened_ = true;
@@ -164,6 +170,7 @@ class Watcher {
   WatchedStep step_;
   WatcherRecord record_;
   std::uint64_t revision_ = 0;
+  std::size_t read_ = 0;  ///< Messages.
   bool opened_ = false;
   bool cancelled_ = false;
   bool finished_ = false;
@@ -216,7 +223,7 @@ class WatchCrowd::Parts {
   std::vector<WatcherRecord> Records() {
     std::vector<WatcherRecord> records;
     const absl::MutexLock lock(&mutex_);
-    for (const auto& watcher : watchers_) records.push_back(std::move(watcher->record()));
+    for (const auto& watcher : watchers_) records.push_back(watcher->TakeRecord());
     return records;
   }
 

@@ -25,13 +25,15 @@ struct WatchedStep {
 /// How a watcher is to behave.
 struct WatcherPlan {
   v1::WatchMapRequest request;
-  bool stalls = false;  ///< Reads the first message, then nothing more; the call stays open.
-  bool keeps = false;   ///< Keeps the messages, for `WatcherRecord::messages`.
+  /// Reads so many messages and then no more, while the call stays open; 0: reads on.
+  std::size_t stalls_after = 0;
+  bool keeps = false;  ///< Keeps the messages, for `WatcherRecord::messages`.
 };
 
 /// What a watcher saw.
 struct WatcherRecord {
   std::vector<WatchedStep> steps;
+  bool stalled = false;                        ///< As planned: it stopped reading.
   std::vector<v1::WatchMapResponse> messages;  ///< If the plan says so.
   std::string end;                             ///< Why the stream ended before its time; or empty.
 };

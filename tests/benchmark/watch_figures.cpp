@@ -82,7 +82,7 @@ WatchFigures MeasureWatch(const FeedRecord& feed, const std::vector<WatcherRecor
   double bytes = 0.0;
   std::size_t count = 0;
   for (const WatcherRecord& watcher : watchers) {
-    if (watcher.steps.empty()) continue;
+    if (watcher.stalled || watcher.steps.empty()) continue;
     ++count;
     figures.most_behind_s = std::max(figures.most_behind_s, MostBehind(published, watcher.steps));
     figures.most_commits_a_step =

@@ -27,7 +27,7 @@ struct WatchFigures {
   double bytes_a_frame = 0.0;
 };
 
-/// Of the watchers that have steps; all zero if none has.
+/// Of the watchers that have steps and did not stall; all zero if none has.
 WatchFigures MeasureWatch(const FeedRecord& feed, const std::vector<WatcherRecord>& watchers);
 
 /// The value that a `share` of the others does not exceed, in [0, 1]; 0 of none.
