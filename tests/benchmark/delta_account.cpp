@@ -2,14 +2,15 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "core/tsdf_codec.h"
 
 namespace steadymap::benchmarks {
 namespace {
 
-// What the kernel caps a voxel's evidence at.
-constexpr float kMaxWeight = 63.0F;
+// Two good looks from a metre away.
+constexpr float kYoungWeight = 2.0F;
 
 constexpr double kCalmShare = 0.05;
 
@@ -46,6 +47,7 @@ void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account
   LeafVoxels& before = leaves_[name];
   double voxels = 0.0;
   double changed = 0.0;
+  LeafMask patch{};
   for (std::size_t i = 0; i < kLeafVoxels; ++i) {
     if (!IsSet(now.observed, i)) continue;
     voxels += 1.0;
@@ -55,6 +57,7 @@ void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account
     const bool is_new = !IsSet(before.observed, i);
     if (!is_new && moved_m == 0.0 && !weighed) continue;
     changed += 1.0;
+    patch[i / 64] |= std::uint64_t{1} << (i % 64);
     if (is_new) {
       account->new_voxels += 1.0;
     } else if (moved_m == 0.0) {
@@ -62,12 +65,16 @@ void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account
     } else {
       account->moved_voxels += 1.0;
       account->moved_m += moved_m;
-      if (before.weight[i] >= kMaxWeight) account->settled_voxels += 1.0;
+      if (before.weight[i] < kYoungWeight) account->young_voxels += 1.0;
     }
   }
   account->leaves += 1.0;
   account->voxels += voxels;
   if (changed <= kCalmShare * voxels) account->calm_leaves += 1.0;
+  const std::string packed_patch =
+      PackLeaf({now.distance_m.data(), now.weight.data(), nullptr, patch}, scale_);
+  account->patch_bytes +=
+      static_cast<double>(leaf.ByteSizeLong() - leaf.packed().size() + packed_patch.size());
   before = now;
 }
 

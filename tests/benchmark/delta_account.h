@@ -21,12 +21,13 @@ struct DeltaAccount {
   double event_bytes = 0.0;
   double other_bytes = 0.0;  ///< Progress, and what surrounds the rest.
 
+  double patch_bytes = 0.0;     ///< Of leaves, had they held nothing but the voxels that changed.
   double leaves = 0.0;          ///< Sent.
   double voxels = 0.0;          ///< Observed ones in those leaves.
   double new_voxels = 0.0;      ///< Of those, not observed before.
   double weighed_voxels = 0.0;  ///< Observed before, with another weight and the same distance.
   double moved_voxels = 0.0;    ///< Observed before, with another distance.
-  double settled_voxels = 0.0;  ///< Of the moved ones, those whose weight was at the cap.
+  double young_voxels = 0.0;    ///< Of the moved ones, those that weighed less than 2.
   double moved_m = 0.0;         ///< Sum of how far the distances moved.
   double calm_leaves = 0.0;     ///< Leaves in which no more than one voxel in twenty changed.
   double moved_objects = 0.0;   ///< Object states sent.

@@ -172,6 +172,7 @@ Figures RunOnce(const Options& options, const Case& watched, const std::vector<v
 
 double Median(const std::vector<Figures>& rounds, const std::string& name) {
   std::vector<double> values;
+  values.reserve(rounds.size());
   for (const Figures& round : rounds) values.push_back(round.at(name));
   return Quantile(std::move(values), 0.5);
 }
@@ -246,6 +247,8 @@ void Run(const Options& options) {
   for (const std::string& text : options.cases) {
     std::vector<Figures> without;
     std::vector<Figures> with;
+    without.reserve(options.rounds);
+    with.reserve(options.rounds);
     for (std::size_t round = 0; round < options.rounds; ++round) {
       without.push_back(RunOnce(options, {}, drive.frames));
       with.push_back(RunOnce(options, ParseCase(text), drive.frames));
