@@ -130,7 +130,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       decoders_("decoders", DecoderCount(), kMaxWaitingBatches),
       clerk_("clerk", 1, kMaxWaitingCalls),
       readers_("readers", 2, kMaxWaitingCalls),
-      watchers_("watchers", 2, kMaxWaitingCalls),
+      watchers_("watchers", 2, config.watch.max_watches + kMaxWaitingCalls),
       ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
       map_service_({&maps_, &roster_, &watch_hub_, &clerk_, config.retention}),
       query_service_({&maps_, store_.get(), &readers_}),

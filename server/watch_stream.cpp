@@ -157,7 +157,9 @@ void WatchStream::Schedule() {
 }
 
 void WatchStream::Submit() {
-  if (!surroundings_.pool->Resume([self = shared_from_this()] { self->Advance(); })) {
+  // Each stream waits once at most. In turn: nobody may fall behind because others are served
+  // again.
+  if (!surroundings_.pool->TrySubmit([self = shared_from_this()] { self->Advance(); })) {
     Finish(PoolFullError());
   }
 }
