@@ -22,7 +22,7 @@ struct LimitOptions {
   std::size_t max_message_bytes = std::size_t{8} << 20;
 
   /// Frames that one upload stream may have under way. Must cover a commit interval or the robot
-  /// waits for it: 250 ms at 60 frames/s is 15.
+  /// waits for it: 200 ms at 60 frames/s is 12.
   std::size_t upload_window_frames = 64;
 
   /// Bytes that one upload stream may have under way; at least `max_message_bytes`.
@@ -41,7 +41,7 @@ struct CommitOptions {
   std::size_t max_frames = 32;
 
   /// A revision is committed this long after its first frame at the latest.
-  std::chrono::milliseconds max_delay{250};
+  std::chrono::milliseconds max_delay{200};
 };
 
 /// What is kept longer than the present needs it.

@@ -75,7 +75,7 @@ void MapCommands::AddCreate(CLI::App* map) {
       ->add_option("--max-commit-delay",
                    max_commit_delay_ms_,
                    "Show a frame so many milliseconds after it came at the latest, 1 to 60000; the "
-                   "server's own, 250 unless told, without it")
+                   "server's own, 200 unless told, without it")
       ->type_name("MS")
       ->check(CLI::Range(1, 60'000));
   command->add_flag("--json", as_json_, "Print the map as JSON");
