@@ -20,7 +20,7 @@ class Timestamp {
 
   constexpr std::int64_t nanoseconds() const { return ns_; }
 
-  constexpr double seconds() const { return static_cast<double>(ns_) * 1e-9; }
+  constexpr double seconds() const { return static_cast<double>(ns_) / 1e9; }
 
   friend constexpr auto operator<=>(const Timestamp&, const Timestamp&) = default;
 
