@@ -12,6 +12,16 @@
 
 namespace steadymap {
 
+namespace {
+
+/// Patches go to who has the leaves that they are for.
+MirrorOptions WithPatches(MirrorOptions options) {
+  options.takes_patches = options.start == WatchOpening::kSnapshot;
+  return options;
+}
+
+}  // namespace
+
 /// Builds the map from what the watch brings, and shows it.
 class MapMirror::Follower final : public WatchConsumer {
  public:
@@ -153,7 +163,7 @@ MapMirror::MapMirror(const std::shared_ptr<grpc::ChannelInterface>& channel,
                      const MirrorOptions& options,
                      const MirrorCallbacks& callbacks)
     : follower_(std::make_unique<Follower>(callbacks)),
-      watch_(std::make_unique<MapWatch>(channel, map, options, follower_.get())) {}
+      watch_(std::make_unique<MapWatch>(channel, map, WithPatches(options), follower_.get())) {}
 
 MapMirror::~MapMirror() = default;
 

@@ -133,6 +133,7 @@ v1::WatchMapRequest MapWatch::RequestFor(WatchOpening opening) const {
     request.set_resume_token(newest.empty() ? options_.resume_token : newest);
   }
   *request.mutable_filter() = ToProto(options_.filter);
+  request.set_takes_patches(options_.takes_patches);
   request.set_max_message_bytes(options_.max_message_bytes);
   request.set_resync_if_compacted(options_.resync_if_compacted);
   return request;

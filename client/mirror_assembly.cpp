@@ -37,12 +37,6 @@ absl::Status MirrorAssembly::TakeSnapshot(const v1::SnapshotChunk& chunk) {
 }
 
 absl::Status MirrorAssembly::TakeDelta(const v1::DeltaFragment& delta) {
-  if (delta.has_last_capture_time()) {
-    const absl::StatusOr<Timestamp> time = FromProto(delta.last_capture_time());
-    if (!time.ok())
-      return BadContent("a capture time in revision", delta.revision(), time.status());
-    map_.last_capture_time = *time;
-  }
   for (const std::uint64_t id : delta.removed_object_ids()) {
     edits_.RemoveObject(ObjectId(id));
     objects_.insert(ObjectId(id));
@@ -73,7 +67,8 @@ absl::Status MirrorAssembly::TakeLeaf(const v1::PackedLeaf& leaf) {
                      "the server sent a leaf whose origin is not a multiple of 8");
   }
   const LeafKey key{ObjectId(leaf.object_id()), origin};
-  absl::Status status = edits_.StoreLeaf(key, leaf.packed());
+  absl::Status status =
+      leaf.is_patch() ? edits_.PatchLeaf(key, leaf.packed()) : edits_.StoreLeaf(key, leaf.packed());
   if (status.ok()) leaves_.push_back(key);
   return status;
 }
@@ -90,6 +85,7 @@ absl::Status MirrorAssembly::TakeEvents(const v1::EventBatch& batch) {
 MirrorStep MirrorAssembly::Finish(const WatchStep& step) {
   edits_.Finish();
   map_.revision = step.revision;
+  map_.last_capture_time = step.last_capture_time.value_or(Timestamp());
   // Leaves of an object that was removed after they had come are not there.
   std::erase_if(leaves_, [this](const LeafKey& key) {
     return key.object != kBackgroundId && !map_.objects.contains(key.object);

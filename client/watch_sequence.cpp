@@ -6,6 +6,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
+#include "proto/convert_geometry.h"
 
 namespace steadymap {
 namespace {
@@ -191,11 +192,18 @@ absl::Status WatchSequence::TakeProgress(const v1::WatchProgress& progress) {
                             open_step_->fragments);
     }
   }
+  std::optional<Timestamp> last_capture_time;
+  if (progress.has_last_capture_time()) {
+    const absl::StatusOr<Timestamp> time = FromProto(progress.last_capture_time());
+    if (!time.ok()) return BrokenProtocol("a capture time: ", time.status().message());
+    last_capture_time = *time;
+  }
   step_ = {.revision = revision,
            .previous_revision = revision_.value_or(revision),
            .commits = open_step_ ? open_step_->commits : 0,
            .is_snapshot = is_snapshot,
-           .resume_token = progress.resume_token()};
+           .resume_token = progress.resume_token(),
+           .last_capture_time = last_capture_time};
   if (open_step_) newest_event_ = open_step_->newest_event;
   phase_ = Phase::kFollowing;
   revision_ = revision;

@@ -8,6 +8,7 @@
 #include <absl/status/status.h>
 
 #include "core/identifiers.h"
+#include "core/timestamp.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 
@@ -20,6 +21,8 @@ struct WatchStep {
   std::uint64_t commits = 0;   ///< As the delta said; 0 without one.
   bool is_snapshot = false;    ///< All that the filter shows, in place of all before.
   std::string resume_token;    ///< Behind the step.
+  /// Of the newest frame in the map; none as long as it has none.
+  std::optional<Timestamp> last_capture_time{};
 
   /// Whether anything may have changed.
   bool IsNews() const { return is_snapshot || revision != previous_revision; }

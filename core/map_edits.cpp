@@ -1,11 +1,13 @@
 #include "core/map_edits.h"
 
 #include <cassert>
+#include <string>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
+#include "core/leaf_patch.h"
 #include "core/tsdf_codec.h"
 
 namespace steadymap {
@@ -16,6 +18,10 @@ const std::shared_ptr<const TsdfGrid>& EmptyVolume() {
   static const auto* const volume =
       new std::shared_ptr<const TsdfGrid>(std::make_shared<const TsdfGrid>());
   return *volume;
+}
+
+absl::Status BadLeaf(const std::string& what) {
+  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
 }
 
 }  // namespace
@@ -37,23 +43,39 @@ void MapEdits::SetState(const ObjectState& state) {
 }
 
 absl::Status MapEdits::StoreLeaf(const LeafKey& key, std::string_view packed) {
-  const bool is_background = key.object == kBackgroundId;
   // Nothing is cloned only to find that there is nothing to remove.
-  if (is_background && packed.empty() && !snapshot_->background.FindLeaf(key.origin)) {
+  if (key.object == kBackgroundId && packed.empty() &&
+      !snapshot_->background.FindLeaf(key.origin)) {
     return absl::OkStatus();
   }
   LeafVoxels voxels;
   absl::Status status = UnpackLeaf(packed, snapshot_->scale, &voxels);
   if (!status.ok()) return status;
-  TsdfGrid* volume =
-      is_background ? &snapshot_->background.MutableTile(key.origin) : MutableVolume(key.object);
-  if (volume != nullptr) {
-    volume->StoreLeaf(key.origin, voxels);
+  TsdfGrid* const grid = MutableGrid(key);
+  if (grid != nullptr) {
+    grid->StoreLeaf(key.origin, voxels);
   } else if (!packed.empty()) {
-    return MakeError(absl::StatusCode::kDataLoss,
-                     reason::kChecksum,
-                     absl::StrCat("a leaf of object ", key.object.value(), ", which is not there"));
+    return BadLeaf(absl::StrCat("a leaf of object ", key.object.value(), ", which is not there"));
   }
+  return absl::OkStatus();
+}
+
+absl::Status MapEdits::PatchLeaf(const LeafKey& key, std::string_view packed) {
+  if (packed.empty()) return BadLeaf("a patch without voxels");
+  LeafVoxels patch;
+  absl::Status status = UnpackLeaf(packed, snapshot_->scale, &patch);
+  if (!status.ok()) return status;
+  const bool is_background = key.object == kBackgroundId;
+  const bool may_be_there = !is_background || snapshot_->background.FindLeaf(key.origin);
+  TsdfGrid* const grid = may_be_there ? MutableGrid(key) : nullptr;
+  if (grid == nullptr || !grid->FindLeaf(key.origin)) {
+    return BadLeaf(
+        absl::StrCat("a patch of a leaf of object ", key.object.value(), " that is not there"));
+  }
+  LeafVoxels leaf;
+  grid->LoadLeaf(key.origin, &leaf);
+  ApplyLeafPatch(patch, &leaf);
+  grid->StoreLeaf(key.origin, leaf);
   return absl::OkStatus();
 }
 
@@ -79,6 +101,11 @@ TsdfGrid* MapEdits::MutableVolume(ObjectId id) {
   if (edit == nullptr) return nullptr;
   if (edit->volume == nullptr) edit->volume = edit->object->volume->Clone();
   return edit->volume.get();
+}
+
+TsdfGrid* MapEdits::MutableGrid(const LeafKey& key) {
+  if (key.object == kBackgroundId) return &snapshot_->background.MutableTile(key.origin);
+  return MutableVolume(key.object);
 }
 
 }  // namespace steadymap

@@ -34,6 +34,10 @@ class MapEdits {
   /// empty.
   absl::Status StoreLeaf(const LeafKey& key, std::string_view packed);
 
+  /// New voxels of a leaf that keeps its others, packed as a leaf of those alone (`leaf_patch.h`).
+  /// Errors: `DataLoss` for a damaged patch, an empty one, or one of a leaf that is not there.
+  absl::Status PatchLeaf(const LeafKey& key, std::string_view packed);
+
   /// Puts the objects into the map. To be called once, last.
   void Finish();
 
@@ -48,6 +52,9 @@ class MapEdits {
 
   /// The volume for writing; null if there is no such object.
   TsdfGrid* MutableVolume(ObjectId id);
+
+  /// What holds a leaf, for writing; null if there is no such object.
+  TsdfGrid* MutableGrid(const LeafKey& key);
 
   MapSnapshot* snapshot_;
   std::map<ObjectId, ObjectEdit> edits_;

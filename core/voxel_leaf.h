@@ -102,6 +102,14 @@ struct LeafView {
   explicit operator bool() const { return distance_m != nullptr; }
 };
 
+/// Valid as long as `leaf`.
+inline LeafView ViewOf(const LeafVoxels& leaf) {
+  return {leaf.distance_m.data(),
+          leaf.weight.data(),
+          leaf.has_color ? leaf.color.data() : nullptr,
+          leaf.observed};
+}
+
 /// Copies a leaf to `voxels`; zeros where there is none.
 inline void CopyLeaf(const LeafView& leaf, LeafVoxels* voxels) {
   if (!leaf) {

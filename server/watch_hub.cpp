@@ -16,6 +16,9 @@ namespace {
 // and a snapshot, which costs little while the map has moved on little.
 constexpr std::size_t kMaxSharedSteps = 16;
 
+// Who is further behind gets leaves whole. At the usual rate of commits that is most of a second.
+constexpr std::size_t kRecentSnapshots = 4;
+
 }  // namespace
 
 absl::Status WatchHub::Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) {
@@ -26,16 +29,18 @@ absl::Status WatchHub::Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) {
                      reason::kQueueFull,
                      absl::StrCat("the server has ", count_, " watchers and takes no more"));
   }
-  if (watches_[map].insert(std::move(watch)).second) ++count_;
+  if (maps_[map].watches.insert(std::move(watch)).second) ++count_;
   return absl::OkStatus();
 }
 
 void WatchHub::Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) {
   const absl::MutexLock lock(&mutex_);
-  const auto watches = watches_.find(map);
-  if (watches == watches_.end()) return;
-  count_ -= watches->second.erase(watch);
-  if (watches->second.empty()) watches_.erase(watches);
+  const auto watched = maps_.find(map);
+  if (watched == maps_.end()) return;
+  count_ -= watched->second.watches.erase(watch);
+  if (!watched->second.watches.empty()) return;
+  maps_.erase(watched);
+  std::erase_if(steps_, [map](const auto& step) { return step->key.scope.map == map; });
 }
 
 void WatchHub::OnCommit(MapKey map) {
@@ -88,6 +93,7 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::FindStep(const StepRequ
                                                       request.before,
                                                       request.snapshot->revision,
                                                       request.max_message_bytes,
+                                                      request.takes_patches,
                                                       request.as_snapshot,
                                                       request.shown != nullptr});
   // Who comes second waits for the first to make it.
@@ -100,11 +106,12 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::FindStep(const StepRequ
   return step->messages;
 }
 
-absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(
-    const StepRequest& request) const {
+absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequest& request) {
   Store* const store = surroundings_.store;
   const MapKey map = request.scope.map;
   const Revision to = request.snapshot->revision;
+  const bool compares = request.filter.volumes && request.takes_patches;
+  if (compares) KeepRecent(map, request.snapshot);
   WatchMessages::Source source{store,
                                request.scope,
                                request.filter,
@@ -121,10 +128,33 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(
     if (!read.ok()) return read.status();
     changes = *std::move(read);
   }
-  return std::make_shared<WatchMessages>(
-      std::move(source),
-      MakeDeltaStep(
-          request.filter, changes, request.before.revision, request.shown, request.snapshot));
+  WatchStep step = MakeDeltaStep(
+      request.filter, changes, request.before.revision, request.shown, request.snapshot);
+  if (compares) step.base = FindRecent(map, request.before.revision);
+  return std::make_shared<WatchMessages>(std::move(source), std::move(step));
+}
+
+void WatchHub::KeepRecent(MapKey map, const std::shared_ptr<const MapSnapshot>& snapshot) {
+  const absl::MutexLock lock(&mutex_);
+  const auto watched = maps_.find(map);
+  if (watched == maps_.end()) return;
+  auto& recent = watched->second.recent;
+  const auto older = std::find_if(recent.begin(), recent.end(), [&snapshot](const auto& kept) {
+    return kept->revision <= snapshot->revision;
+  });
+  if (older != recent.end() && (*older)->revision == snapshot->revision) return;
+  recent.insert(older, snapshot);
+  if (recent.size() > kRecentSnapshots) recent.pop_back();
+}
+
+std::shared_ptr<const MapSnapshot> WatchHub::FindRecent(MapKey map, Revision revision) const {
+  const absl::MutexLock lock(&mutex_);
+  const auto watched = maps_.find(map);
+  if (watched == maps_.end()) return nullptr;
+  for (const std::shared_ptr<const MapSnapshot>& kept : watched->second.recent) {
+    if (kept->revision == revision) return kept;
+  }
+  return nullptr;
 }
 
 std::shared_ptr<WatchHub::SharedStep> WatchHub::ShareStep(const StepKey& key) {
@@ -141,15 +171,17 @@ std::shared_ptr<WatchHub::SharedStep> WatchHub::ShareStep(const StepKey& key) {
 
 std::vector<std::shared_ptr<ActiveWatch>> WatchHub::WatchesOf(MapKey map) const {
   const absl::MutexLock lock(&mutex_);
-  const auto watches = watches_.find(map);
-  if (watches == watches_.end()) return {};
-  return {watches->second.begin(), watches->second.end()};
+  const auto watched = maps_.find(map);
+  if (watched == maps_.end()) return {};
+  return {watched->second.watches.begin(), watched->second.watches.end()};
 }
 
 std::vector<std::shared_ptr<ActiveWatch>> WatchHub::All() const {
   std::vector<std::shared_ptr<ActiveWatch>> all;
   const absl::MutexLock lock(&mutex_);
-  for (const auto& [map, watches] : watches_) all.insert(all.end(), watches.begin(), watches.end());
+  for (const auto& [map, watched] : maps_) {
+    all.insert(all.end(), watched.watches.begin(), watched.watches.end());
+  }
   return all;
 }
 

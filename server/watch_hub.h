@@ -46,7 +46,8 @@ class ActiveWatch {
 };
 
 /// All watches under way: wakes them when their map changes, and makes the steps that they share.
-/// Holds a watch's revision and nothing of its data: a watcher who is slow takes a longer step.
+/// Holds a watch's revision and nothing of its data: a watcher who is slow takes a longer step. Of
+/// a map that is watched, it holds the last few snapshots, to tell what changed in a leaf.
 /// Thread-safe.
 class WatchHub {
  public:
@@ -63,6 +64,7 @@ class WatchHub {
   /// Enters a watch. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with reason
   /// `QUEUE_FULL`.
   absl::Status Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// With the last watch of a map goes all that was kept for them.
   void Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// The map has published a revision: wakes its watches, and cancels those that have stalled.
@@ -89,6 +91,7 @@ class WatchHub {
     WatchScope scope;
     MapFilter filter;
     std::size_t max_message_bytes = 0;
+    bool takes_patches = false;
     bool as_snapshot = false;  ///< All that the filter shows, not what changed.
     WatchPosition before;
     std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
@@ -107,6 +110,7 @@ class WatchHub {
     WatchPosition before;
     Revision to;
     std::size_t max_message_bytes = 0;
+    bool takes_patches = false;
     bool as_snapshot = false;
     bool is_shown_known = false;
 
@@ -120,10 +124,19 @@ class WatchHub {
     std::shared_ptr<WatchMessages> messages ABSL_GUARDED_BY(mutex);
   };
 
-  using Watches = std::set<std::shared_ptr<ActiveWatch>>;
+  struct WatchedMap {
+    std::set<std::shared_ptr<ActiveWatch>> watches;
+    /// What steps led to last, newest first: what the next ones are compared with.
+    std::deque<std::shared_ptr<const MapSnapshot>> recent;
+  };
 
-  absl::StatusOr<std::shared_ptr<WatchMessages>> MakeStep(const StepRequest& request) const;
+  absl::StatusOr<std::shared_ptr<WatchMessages>> MakeStep(const StepRequest& request)
+      ABSL_LOCKS_EXCLUDED(mutex_);
   std::shared_ptr<SharedStep> ShareStep(const StepKey& key) ABSL_LOCKS_EXCLUDED(mutex_);
+  void KeepRecent(MapKey map, const std::shared_ptr<const MapSnapshot>& snapshot)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  std::shared_ptr<const MapSnapshot> FindRecent(MapKey map, Revision revision) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
   std::vector<std::shared_ptr<ActiveWatch>> WatchesOf(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
   std::vector<std::shared_ptr<ActiveWatch>> All() const ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -131,7 +144,7 @@ class WatchHub {
 
   const Surroundings surroundings_;
   mutable absl::Mutex mutex_;
-  std::map<MapKey, Watches> watches_ ABSL_GUARDED_BY(mutex_);
+  std::map<MapKey, WatchedMap> maps_ ABSL_GUARDED_BY(mutex_);  ///< Those with watches.
   std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<std::shared_ptr<SharedStep>> steps_ ABSL_GUARDED_BY(mutex_);  ///< Newest first.

@@ -116,7 +116,7 @@ v1::WatchMapResponse WatchMessages::MakeFragment(std::size_t place) const {
       *part->add_objects() = ToProto(*map.objects.at(step_.objects[i]));
     }
     for (std::size_t i = fragment.first_leaf; i < fragment.last_leaf; ++i) {
-      FillLeaf(step_.leaves[i], part->add_leaves());
+      AddLeaf(step_.leaves[i], part->mutable_leaves());
     }
   };
   if (!step_.from) {
@@ -129,19 +129,25 @@ v1::WatchMapResponse WatchMessages::MakeFragment(std::size_t place) const {
   delta->set_commits(step_.commits);
   delta->set_fragment(static_cast<std::uint32_t>(place + 1));
   delta->set_fragments(static_cast<std::uint32_t>(fragments_.size()));
-  *delta->mutable_last_capture_time() = ToProto(map.last_capture_time);
   for (std::size_t i = fragment.first_removed; i < fragment.last_removed; ++i) {
     delta->add_removed_object_ids(step_.removed[i].value());
   }
   return message;
 }
 
-void WatchMessages::FillLeaf(const LeafKey& key, v1::PackedLeaf* leaf) const {
+void WatchMessages::AddLeaf(const LeafKey& key,
+                            google::protobuf::RepeatedPtrField<v1::PackedLeaf>* leaves) const {
+  const std::optional<LeafView> patch = step_.FindPatch(key);
+  // What changed and changed back needs no telling.
+  if (patch && patch->observed == LeafMask{}) return;
+  v1::PackedLeaf* const leaf = leaves->Add();
   leaf->set_object_id(key.object.value());
   leaf->set_origin_x(key.origin.x);
   leaf->set_origin_y(key.origin.y);
   leaf->set_origin_z(key.origin.z);
-  leaf->set_packed(PackLeaf(FindLeaf(*step_.snapshot, key), step_.snapshot->scale));
+  leaf->set_packed(
+      PackLeaf(patch ? *patch : FindLeaf(*step_.snapshot, key), step_.snapshot->scale));
+  leaf->set_is_patch(patch.has_value());
 }
 
 absl::StatusOr<v1::WatchMapResponse> WatchMessages::MakeEvents(std::size_t page) const {
@@ -172,6 +178,9 @@ v1::WatchMapResponse WatchMessages::MakeProgress() const {
   v1::WatchProgress* progress = message.mutable_progress();
   progress->set_revision(source_.after.revision.value());
   progress->set_resume_token(MakeResumeToken(source_.scope, source_.after));
+  if (const MapSnapshot& map = *step_.snapshot; map.revision > Revision()) {
+    *progress->mutable_last_capture_time() = ToProto(map.last_capture_time);
+  }
   return message;
 }
 

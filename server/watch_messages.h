@@ -67,7 +67,8 @@ class WatchMessages {
   v1::WatchMapResponse MakeFragment(std::size_t place) const;
   absl::StatusOr<v1::WatchMapResponse> MakeEvents(std::size_t page) const;
   v1::WatchMapResponse MakeProgress() const;
-  void FillLeaf(const LeafKey& key, v1::PackedLeaf* leaf) const;
+  void AddLeaf(const LeafKey& key,
+               google::protobuf::RepeatedPtrField<v1::PackedLeaf>* leaves) const;
 
   const Source source_;
   const WatchStep step_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/leaf_patch.h"
+
 namespace steadymap {
 namespace {
 
@@ -31,9 +33,7 @@ class DeltaStepBuilder {
     }
   }
 
-  /// What joined and what left, by rising id.
-  const std::vector<ObjectId>& joined() const { return joined_; }
-
+  /// What left, by rising id.
   const std::vector<ObjectId>& left() const { return left_; }
 
  private:
@@ -60,7 +60,7 @@ class DeltaStepBuilder {
       if (filter_.volumes) step_->leaves.insert(step_->leaves.end(), leaves.first, leaves.second);
       return;
     }
-    joined_.push_back(id);
+    step_->joined.push_back(id);
     step_->objects.push_back(id);
     AddAllLeaves(*object);
   }
@@ -75,11 +75,17 @@ class DeltaStepBuilder {
   const MapFilter& filter_;
   const ShownObjects* const shown_;
   WatchStep* const step_;
-  std::vector<ObjectId> joined_;
   std::vector<ObjectId> left_;
 };
 
 }  // namespace
+
+std::optional<LeafView> WatchStep::FindPatch(const LeafKey& key) const {
+  if (base == nullptr || std::binary_search(joined.begin(), joined.end(), key.object)) {
+    return std::nullopt;
+  }
+  return FindLeafPatch(FindLeaf(*base, key), FindLeaf(*snapshot, key));
+}
 
 WatchStep MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot) {
   WatchStep step;
@@ -121,7 +127,7 @@ WatchStep MakeDeltaStep(const MapFilter& filter,
   std::sort(step.leaves.begin(), step.leaves.end());
   if (shown == nullptr) {
     step.shown = ShownBy(filter, *step.snapshot);
-  } else if (builder.joined().empty() && builder.left().empty()) {
+  } else if (step.joined.empty() && builder.left().empty()) {
     step.shown = shown;
   } else {
     ShownObjects kept;
@@ -131,11 +137,8 @@ WatchStep MakeDeltaStep(const MapFilter& filter,
                         builder.left().end(),
                         std::back_inserter(kept));
     auto now = std::make_shared<ShownObjects>();
-    std::merge(kept.begin(),
-               kept.end(),
-               builder.joined().begin(),
-               builder.joined().end(),
-               std::back_inserter(*now));
+    std::merge(
+        kept.begin(), kept.end(), step.joined.begin(), step.joined.end(), std::back_inserter(*now));
     step.shown = std::move(now);
   }
   return step;

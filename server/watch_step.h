@@ -8,6 +8,7 @@
 #include "core/identifiers.h"
 #include "core/map_filter.h"
 #include "core/map_snapshot.h"
+#include "core/voxel_leaf.h"
 #include "server/store.h"
 
 namespace steadymap {
@@ -21,10 +22,18 @@ struct WatchStep {
   std::optional<Revision> from;  ///< None: a snapshot, everything that the filter shows.
   std::uint64_t commits = 0;     ///< Between `from` and the snapshot.
   std::vector<ObjectId> removed{};
-  std::vector<ObjectId> objects{};            ///< By rising id.
-  std::vector<LeafKey> leaves{};              ///< Sorted.
+  std::vector<ObjectId> objects{};  ///< By rising id.
+  std::vector<LeafKey> leaves{};    ///< Sorted.
+  /// Of `objects`, those that the watcher does not have: their leaves go out whole. By rising id.
+  std::vector<ObjectId> joined{};
   std::shared_ptr<const ShownObjects> shown;  ///< After the step.
   std::shared_ptr<const MapSnapshot> snapshot;
+  /// The map at `from`; null if nobody has it any more: then leaves go out whole.
+  std::shared_ptr<const MapSnapshot> base{};
+
+  /// The voxels that a leaf of the step has new, as `FindLeafPatch` tells; none if it is to be sent
+  /// whole. Valid as long as `snapshot`.
+  std::optional<LeafView> FindPatch(const LeafKey& key) const;
 
   bool IsEmpty() const { return removed.empty() && objects.empty() && leaves.empty(); }
 };

@@ -310,8 +310,14 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextOfStep() {
 absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(
     const std::shared_ptr<const MapSnapshot>& snapshot) {
   if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), snapshot);
-  WatchHub::StepRequest wanted{
-      scope_, filter_, max_message_bytes_, false, position_, shown_, snapshot};
+  WatchHub::StepRequest wanted{scope_,
+                               filter_,
+                               max_message_bytes_,
+                               request_.takes_patches(),
+                               false,
+                               position_,
+                               shown_,
+                               snapshot};
   if (next_snapshot_ != nullptr) {
     wanted.as_snapshot = true;
     wanted.before = {};

@@ -27,9 +27,9 @@ std::string VolumeJson(const WatchStep& step, const VolumeChange& change) {
   json.Key("revision").Integer(step.revision.value());
   json.Key("previous_revision").Integer(step.previous_revision.value());
   json.Key("commits").Integer(step.commits);
-  json.Key("last_capture_time").Number(SecondsOf(change.last_capture_time));
+  json.Key("last_capture_time").Number(step.last_capture_time.value_or(Timestamp()).seconds());
   json.Key("leaves").BeginArray();
-  for (const auto& [object, counts] : change.leaves) {
+  for (const auto& [object, counts] : change) {
     json.BeginObject().Key("object").Integer(object);
     json.Key("changed").Integer(counts.changed).Key("gone").Integer(counts.gone).EndObject();
   }
@@ -88,7 +88,7 @@ std::string WatchLines::Volume(const WatchStep& step, const VolumeChange& change
   std::uint64_t background = 0;
   std::uint64_t of_objects = 0;
   std::uint64_t objects = 0;
-  for (const auto& [object, counts] : change.leaves) {
+  for (const auto& [object, counts] : change) {
     const std::uint64_t leaves = counts.changed + counts.gone;
     (object == 0 ? background : of_objects) += leaves;
     if (object != 0) ++objects;

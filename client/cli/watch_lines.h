@@ -9,23 +9,20 @@
 #include "client/watch_sequence.h"
 #include "core/identifiers.h"
 
-#include "google/protobuf/timestamp.pb.h"
 #include "steadymap/v1/event.pb.h"
 #include "steadymap/v1/object.pb.h"
 #include "steadymap/v1/watch_service.pb.h"
 
 namespace steadymap {
 
-/// What of the volumes changed in a step, put together from its parts.
-struct VolumeChange {
-  struct LeafCounts {
-    std::uint64_t changed = 0;  ///< New ones included.
-    std::uint64_t gone = 0;
-  };
-
-  std::map<std::uint64_t, LeafCounts> leaves;  ///< By object; 0 is the background.
-  google::protobuf::Timestamp last_capture_time;
+/// How many leaves of a volume changed in a step.
+struct LeafCounts {
+  std::uint64_t changed = 0;  ///< New ones included.
+  std::uint64_t gone = 0;
 };
+
+/// What of the volumes changed in a step, by object; 0 is the background.
+using VolumeChange = std::map<std::uint64_t, LeafCounts>;
 
 /// What happens on a watch as lines, each with its line feed: for people, or JSON documents with a
 /// `kind`.

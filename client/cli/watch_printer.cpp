@@ -55,7 +55,6 @@ absl::Status WatchPrinter::TakeDelta(const v1::DeltaFragment& delta) {
     step_lines_ += lines_.Object(revision, object);
   }
   for (const v1::PackedLeaf& leaf : delta.leaves()) TakeLeaf(leaf);
-  volume_.last_capture_time = delta.last_capture_time();
   return absl::OkStatus();
 }
 
@@ -65,13 +64,13 @@ absl::Status WatchPrinter::TakeEvents(const v1::EventBatch& batch) {
 }
 
 void WatchPrinter::TakeLeaf(const v1::PackedLeaf& leaf) {
-  VolumeChange::LeafCounts& counts = volume_.leaves[leaf.object_id()];
+  LeafCounts& counts = volume_[leaf.object_id()];
   ++(leaf.packed().empty() ? counts.gone : counts.changed);
 }
 
 void WatchPrinter::Commit(const WatchStep& step) {
   if (is_done()) return;
-  if (!volume_.leaves.empty()) step_lines_ += lines_.Volume(step, volume_);
+  if (!volume_.empty()) step_lines_ += lines_.Volume(step, volume_);
   Print(step_lines_ + lines_.Progress(step));
   Discard();
   if (is_done()) return;
@@ -87,7 +86,7 @@ void WatchPrinter::Commit(const WatchStep& step) {
 
 void WatchPrinter::Discard() {
   step_lines_.clear();
-  volume_ = VolumeChange();
+  volume_.clear();
 }
 
 void WatchPrinter::OnState(const WatchStateChange& change) {

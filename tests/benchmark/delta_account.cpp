@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/leaf_patch.h"
 #include "core/tsdf_codec.h"
 
 namespace steadymap::benchmarks {
@@ -39,15 +40,22 @@ void DeltaBookkeeper::Book(const v1::WatchMapResponse& message, DeltaAccount* ac
 }
 
 void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account) {
-  LeafVoxels now;
-  if (const absl::Status status = UnpackLeaf(leaf.packed(), scale_, &now); !status.ok()) {
+  LeafVoxels sent;
+  if (const absl::Status status = UnpackLeaf(leaf.packed(), scale_, &sent); !status.ok()) {
     throw std::runtime_error(status.ToString());
   }
   const LeafName name{leaf.object_id(), {leaf.origin_x(), leaf.origin_y(), leaf.origin_z()}};
   LeafVoxels& before = leaves_[name];
+  LeafVoxels now = sent;
+  if (leaf.is_patch()) {
+    now = before;
+    ApplyLeafPatch(sent, &now);
+    account->patches += 1.0;
+  }
+  account->whole_bytes += static_cast<double>(leaf.ByteSizeLong() - leaf.packed().size() +
+                                              PackLeaf(ViewOf(now), scale_).size());
   double voxels = 0.0;
   double changed = 0.0;
-  LeafMask patch{};
   for (std::size_t i = 0; i < kLeafVoxels; ++i) {
     if (!IsSet(now.observed, i)) continue;
     voxels += 1.0;
@@ -57,7 +65,6 @@ void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account
     const bool is_new = !IsSet(before.observed, i);
     if (!is_new && moved_m == 0.0 && !weighed) continue;
     changed += 1.0;
-    patch[i / 64] |= std::uint64_t{1} << (i % 64);
     if (is_new) {
       account->new_voxels += 1.0;
     } else if (moved_m == 0.0) {
@@ -71,10 +78,6 @@ void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account
   account->leaves += 1.0;
   account->voxels += voxels;
   if (changed <= kCalmShare * voxels) account->calm_leaves += 1.0;
-  const std::string packed_patch =
-      PackLeaf({now.distance_m.data(), now.weight.data(), nullptr, patch}, scale_);
-  account->patch_bytes +=
-      static_cast<double>(leaf.ByteSizeLong() - leaf.packed().size() + packed_patch.size());
   before = now;
 }
 

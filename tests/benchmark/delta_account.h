@@ -21,9 +21,10 @@ struct DeltaAccount {
   double event_bytes = 0.0;
   double other_bytes = 0.0;  ///< Progress, and what surrounds the rest.
 
-  double patch_bytes = 0.0;     ///< Of leaves, had they held nothing but the voxels that changed.
+  double whole_bytes = 0.0;     ///< Of leaves, had they all been sent whole.
   double leaves = 0.0;          ///< Sent.
-  double voxels = 0.0;          ///< Observed ones in those leaves.
+  double patches = 0.0;         ///< Of those, sent without the voxels that are as they were.
+  double voxels = 0.0;          ///< Observed ones in those leaves, sent or not.
   double new_voxels = 0.0;      ///< Of those, not observed before.
   double weighed_voxels = 0.0;  ///< Observed before, with another weight and the same distance.
   double moved_voxels = 0.0;    ///< Observed before, with another distance.

@@ -7,8 +7,8 @@
 // The first drive maps the place, the second knows it, later ones find nothing new. Sensors: full
 // (all noise and pose drift), steady (no drift), ideal. Voxels are told apart by what changed in
 // them since the leaf was sent last; young ones weighed less than 2; calm leaves are those in which
-// at most 5 % changed. "if only changes" is the share of the upload if leaves were sent without the
-// voxels that are as they were.
+// at most 5 % changed. "if whole" is the share of the upload if leaves were sent with the voxels
+// that are as they were.
 
 #include <cstdio>
 #include <cstdlib>
@@ -82,19 +82,19 @@ void PrintDrive(std::size_t number,
   const double moved = account.moved_voxels;
   const double leaf_bytes = account.background_bytes + account.object_leaf_bytes;
   std::printf(
-      "%5zu %9.1f %9.2f %7.2f %7.2f | %6.1f %6.1f %6.1f %6.1f | %7.1f %6.1f %6.1f %6.1f %6.1f "
-      "%7.1f "
-      "%6.2f %7.1f\n",
+      "%5zu %9.1f %9.2f %7.2f %7.2f | %6.1f %6.1f %6.1f %6.1f | %7.1f %5.1f %6.1f %6.1f %6.1f "
+      "%6.1f %6.1f %6.2f %7.1f\n",
       number,
       1e-3 * uploaded_bytes / frames,
       1e-3 * account.bytes() / frames,
       percent(account.bytes(), uploaded_bytes),
-      percent(account.bytes() - leaf_bytes + account.patch_bytes, uploaded_bytes),
+      percent(account.bytes() - leaf_bytes + account.whole_bytes, uploaded_bytes),
       percent(account.background_bytes, account.bytes()),
       percent(account.object_leaf_bytes, account.bytes()),
       percent(account.object_state_bytes, account.bytes()),
       percent(account.event_bytes + account.other_bytes, account.bytes()),
       account.leaves / frames,
+      percent(account.patches, account.leaves),
       percent(account.calm_leaves, account.leaves),
       percent(account.new_voxels, account.voxels),
       percent(account.weighed_voxels, account.voxels),
@@ -120,6 +120,7 @@ void Run(const Options& options) {
   plan.keeps = true;
   plan.request.set_map(map.ToString());
   plan.request.set_start(v1::WATCH_START_NOW);
+  plan.request.set_takes_patches(true);
   WatchCrowd crowd(daemon.address(), 1, {plan});
   const FeedRecord feed = FeedFrames(channel, map, drive.frames, options.rate_hz);
   if (!crowd.AwaitRevision(drive.frames.size(), kCatchUpLimit)) {
@@ -134,11 +135,10 @@ void Run(const Options& options) {
               feed.frames_per_second(),
               records[0].steps.size());
   std::printf(
-      "drive  uploaded   a delta    %% of if only | %% of the delta's bytes       | leaves a       "
-      " "
-      "%% of their voxels       moved objects\n"
-      "      kB/frame  kB/frame  upload changes | ground object states  other |   frame   calm    "
-      "new weight  moved  young    mm /frame\n");
+      "drive  uploaded   a delta    %% of     if | %% of the delta's bytes       | leaves a %% of "
+      "them   %% of their voxels          moved objects\n"
+      "      kB/frame  kB/frame  upload   whole | ground object states  other |   frame patch   "
+      "calm    new weight  moved  young    mm /frame\n");
   for (std::size_t i = 0; i < accounts.size(); ++i) {
     double frames = 0.0;
     double bytes = 0.0;

@@ -109,6 +109,7 @@ std::vector<WatcherPlan> MakePlans(const Case& watched, const std::string& map) 
   for (std::size_t i = 0; i < plans.size(); ++i) {
     plans[i].request.set_map(map);
     plans[i].request.set_start(v1::WATCH_START_NOW);
+    plans[i].request.set_takes_patches(true);
     *plans[i].request.mutable_filter() = MakeFilter(watched.filter, i);
     const std::size_t stalled_before = i * watched.stalled / plans.size();
     const bool stalls = (i + 1) * watched.stalled / plans.size() != stalled_before;
@@ -123,6 +124,7 @@ double SnapshotBytes(const std::string& address, const MapName& map, std::uint64
   WatcherPlan plan;
   plan.request.set_map(map.ToString());
   plan.request.set_start(v1::WATCH_START_SNAPSHOT_THEN_FOLLOW);
+  plan.request.set_takes_patches(true);
   WatchCrowd crowd(address, 1, {plan});
   crowd.AwaitRevision(revision, kCatchUpLimit);
   const std::vector<WatcherRecord> records = crowd.Finish();

@@ -139,12 +139,36 @@ std::vector<HostileCase> BrokenContent() {
   no_voxels[0].mutable_created()->set_voxel_size_m(-0.05);
   Messages future_event = Events(6, {1});
   future_event[0].mutable_events()->mutable_events(0)->set_revision(7);
+  Messages odd_progress = Progress(6, "t6");
+  odd_progress[0].mutable_progress()->mutable_last_capture_time()->set_seconds(-1);
   Messages odd_event = Events(6, {1});
   odd_event[0].mutable_events()->mutable_events(0)->clear_type();
   return {
       {"NoVoxelSize", no_voxels, internal, "voxels of no size"},
       {"DamagedLeaf",
        AlteredLeaf([](v1::PackedLeaf* leaf) { leaf->set_packed("garbage"); }),
+       data_loss,
+       "damaged"},
+      {"PatchOfALeafThatIsNotThere",
+       AlteredDelta(1,
+                    [](Messages* delta) {
+                      v1::DeltaFragment& fragment = *(*delta)[0].mutable_delta();
+                      fragment.mutable_leaves(fragment.leaves_size() - 1)->set_is_patch(true);
+                    }),
+       data_loss,
+       "a patch of a leaf of object 3 that is not there"},
+      {"PatchWithoutVoxels",
+       AlteredLeaf([](v1::PackedLeaf* leaf) {
+         leaf->set_is_patch(true);
+         leaf->clear_packed();
+       }),
+       data_loss,
+       "a patch without voxels"},
+      {"DamagedPatch",
+       AlteredLeaf([](v1::PackedLeaf* leaf) {
+         leaf->set_is_patch(true);
+         leaf->set_packed("garbage");
+       }),
        data_loss,
        "damaged"},
       {"LeafBetweenLeaves",
@@ -170,13 +194,7 @@ std::vector<HostileCase> BrokenContent() {
                     }),
        internal,
        "object 2 that makes no sense"},
-      {"OddCaptureTime",
-       AlteredDelta(1,
-                    [](Messages* delta) {
-                      (*delta)[0].mutable_delta()->mutable_last_capture_time()->set_seconds(-1);
-                    }),
-       internal,
-       "a capture time"},
+      {"OddCaptureTime", AfterFirst(odd_progress), internal, "a capture time"},
       {"EventOfTheFuture", AfterFirst(future_event), internal, "an event of revision 7"},
       {"OddEvent", AfterFirst(odd_event), internal, "event 1 that makes no sense"},
   };

@@ -73,7 +73,6 @@ Messages DeltaOf(const MapSnapshot& before, const MapSnapshot& after, std::uint3
     fragment.set_commits(1);
     fragment.set_fragment(i + 1);
     fragment.set_fragments(fragments);
-    *fragment.mutable_last_capture_time() = ToProto(after.last_capture_time);
   }
   v1::DeltaFragment& first = *messages[0].mutable_delta();
   for (const ObjectChange& change : delta.objects) {
@@ -109,6 +108,8 @@ Messages Progress(std::uint64_t revision, const std::string& token) {
   Messages messages(1);
   messages[0].mutable_progress()->set_revision(revision);
   messages[0].mutable_progress()->set_resume_token(token);
+  messages[0].mutable_progress()->mutable_last_capture_time()->set_seconds(
+      static_cast<std::int64_t>(10 * revision));
   return messages;
 }
 

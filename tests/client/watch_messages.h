@@ -28,6 +28,7 @@ Messages DeltaOf(const MapSnapshot& before, const MapSnapshot& after, std::uint3
 /// Events with these numbers, all at `revision`.
 Messages Events(std::uint64_t revision, const std::vector<std::uint64_t>& numbers);
 
+/// The newest frame of revision r is of second 10 r.
 Messages Progress(std::uint64_t revision, const std::string& token);
 
 Messages Resync(std::uint64_t revision);

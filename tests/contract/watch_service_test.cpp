@@ -15,6 +15,8 @@
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
 #include "tests/contract/watch_client.h"
+#include "tests/support/default_scale.h"
+#include "tests/support/packed_leaf.h"
 
 namespace steadymap {
 namespace {
@@ -100,29 +102,35 @@ INSTANTIATE_TEST_SUITE_P(Transports,
                          TransportName);
 
 /// Puts the leaves of steps together; sorted as `LeavesByQuery` does.
-class LeafView {
+class ToldLeaves {
  public:
   void Take(const ToldStep& step) {
     for (const v1::PackedLeaf& leaf : step.Leaves()) {
       v1::PackedLeaf key = leaf;
       key.clear_packed();
-      if (leaf.packed().empty()) {
-        leaves_.erase(key.SerializeAsString());
-      } else {
-        leaves_[key.SerializeAsString()] = leaf.SerializeAsString();
-      }
+      key.clear_is_patch();
+      v1::PackedLeaf& known = leaves_[key.SerializeAsString()];
+      const auto packed = testing::TakePackedLeaf(leaf, known.packed(), testing::kScale);
+      ASSERT_TRUE(packed.has_value());
+      known = key;
+      known.set_packed(*packed);
+      if (packed->empty()) leaves_.erase(key.SerializeAsString());
+      if (leaf.is_patch()) ++patches_;
     }
   }
 
+  std::size_t patches() const { return patches_; }
+
   std::vector<std::string> All() const {
     std::vector<std::string> all;
-    for (const auto& [key, leaf] : leaves_) all.push_back(leaf);
+    for (const auto& [key, leaf] : leaves_) all.push_back(leaf.SerializeAsString());
     std::sort(all.begin(), all.end());
     return all;
   }
 
  private:
-  std::map<std::string, std::string> leaves_;
+  std::map<std::string, v1::PackedLeaf> leaves_;
+  std::size_t patches_ = 0;
 };
 
 std::vector<std::uint64_t> IdsOf(const std::vector<v1::Object>& objects) {
@@ -150,7 +158,7 @@ TEST_P(WatchServiceTest, OfAnEmptyMapSaysSoAndGoesOnWithWhatHappens) {
   EXPECT_THAT(begin->Leaves(), IsEmpty());
   const auto step = watch->ReadUntil(Upload());
   ASSERT_TRUE(step.has_value());
-  LeafView view;
+  ToldLeaves view;
   view.Take(*step);
   EXPECT_THAT(view.All(), SizeIs(Ge(1U)));
   EXPECT_EQ(view.All(), LeavesByQuery());
@@ -158,8 +166,10 @@ TEST_P(WatchServiceTest, OfAnEmptyMapSaysSoAndGoesOnWithWhatHappens) {
 
 TEST_P(WatchServiceTest, SnapshotAndStepsAreTheMapBitForBit) {
   Upload();
-  const auto watch = Watch(Request());
-  LeafView view;
+  v1::WatchMapRequest request = Request();
+  request.set_takes_patches(true);
+  const auto watch = Watch(request);
+  ToldLeaves view;
   auto step = watch->ReadStep();
   for (int i = 0; i < 4; ++i) {
     ASSERT_TRUE(step.has_value());
@@ -167,6 +177,7 @@ TEST_P(WatchServiceTest, SnapshotAndStepsAreTheMapBitForBit) {
     EXPECT_EQ(view.All(), LeavesByQuery());
     step = watch->ReadUntil(Upload(3));
   }
+  EXPECT_GT(view.patches(), 0U);
 }
 
 TEST_P(WatchServiceTest, FromNowTellsNothingOfBefore) {
@@ -197,7 +208,7 @@ TEST_P(WatchServiceTest, StepsNameTheRevisionsTheyLeadBetween) {
       EXPECT_GE(step->delta[0].commits(), 1U);
       EXPECT_GT(step->progress.revision(), reached);
       EXPECT_EQ(step->delta[0].revision(), step->progress.revision());
-      EXPECT_TRUE(step->delta[0].has_last_capture_time());
+      EXPECT_TRUE(step->progress.has_last_capture_time());
       reached = step->progress.revision();
     }
   }
@@ -205,7 +216,7 @@ TEST_P(WatchServiceTest, StepsNameTheRevisionsTheyLeadBetween) {
 
 TEST_P(WatchServiceTest, ResumedBehindATokenMissesNothingAfterARestart) {
   Upload();
-  LeafView view;
+  ToldLeaves view;
   v1::WatchProgress progress;
   {
     const auto watch = Watch(Request());
@@ -235,7 +246,7 @@ TEST_P(WatchServiceTest, ShowsPresentObjectsAndTheEventsThatCome) {
   EXPECT_THAT(IdsOf(begin->Objects()), ElementsAre(1U, 3U));
   // History is for ListEvents.
   EXPECT_THAT(begin->events, IsEmpty());
-  LeafView view;
+  ToldLeaves view;
   view.Take(*begin);
   EXPECT_EQ(view.All(), LeavesByQuery());
 }
@@ -323,7 +334,7 @@ TEST_P(WatchServiceTest, MessagesKeepToTheirLimitAndFragmentsAreCounted) {
   ASSERT_TRUE(begin.has_value());
   EXPECT_THAT(begin->snapshot,
               AllOf(SizeIs(Ge(3U)), Each(Property(&v1::SnapshotChunk::ByteSizeLong, Le(65'536U)))));
-  LeafView view;
+  ToldLeaves view;
   view.Take(*begin);
   EXPECT_EQ(view.All(), LeavesByQuery());
 }
@@ -385,7 +396,7 @@ TEST_P(WatchServiceTest, BehindCompactionIsOutOfRangeOrASnapshotWhereAskedFor) {
   ASSERT_TRUE(step->resync.has_value());
   EXPECT_EQ(step->resync->reason(), "REVISION_COMPACTED");
   EXPECT_EQ(step->resync->revision(), target);
-  LeafView view;
+  ToldLeaves view;
   view.Take(*step);
   EXPECT_EQ(view.All(), LeavesByQuery());
 }

@@ -19,9 +19,7 @@ std::string OneVoxelLeaf(const VoxelScale& scale, int weight) {
   LeafVoxels voxels;
   voxels.observed[3] = 1;
   voxels.weight[std::size_t{3} * 64] = static_cast<float>(weight) * kWeightUnit;
-  TsdfGrid grid;
-  grid.StoreLeaf(kOrigin, voxels);
-  return PackLeaf(grid.FindLeaf(kOrigin), scale);
+  return PackLeaf(ViewOf(voxels), scale);
 }
 
 ObjectState StateOf(std::uint64_t id, std::uint64_t views) {
@@ -124,6 +122,48 @@ TEST_F(MapEditsTest, DamagedLeavesAndThoseOfNoObjectAreRefused) {
   const absl::Status status = edits.StoreLeaf({ObjectId(9), kOrigin}, light_);
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
   EXPECT_EQ(status.message(), "a leaf of object 9, which is not there");
+}
+
+TEST_F(MapEditsTest, APatchLeavesTheOtherVoxelsOfItsLeaf) {
+  const auto leaf_of = [this](std::initializer_list<int> rows, int weight) {
+    LeafVoxels voxels;
+    for (const int row : rows) {
+      voxels.observed[static_cast<std::size_t>(row)] = 1;
+      voxels.weight[static_cast<std::size_t>(row) * 64] = static_cast<float>(weight) * kWeightUnit;
+    }
+    return PackLeaf(ViewOf(voxels), map_.scale);
+  };
+  for (const std::uint64_t owner : {0, 5}) {
+    MapEdits edits(&map_);
+    if (owner != 0) edits.SetState(StateOf(owner, 1));
+    ASSERT_TRUE(edits.StoreLeaf({ObjectId(owner), kOrigin}, leaf_of({3}, 9)).ok());
+    edits.Finish();
+    const MapSnapshot before = map_;
+    // Twice does no harm.
+    MapEdits patches(&map_);
+    for (int i = 0; i < 2; ++i) {
+      ASSERT_TRUE(patches.PatchLeaf({ObjectId(owner), kOrigin}, leaf_of({6}, 9)).ok());
+    }
+    patches.Finish();
+    EXPECT_EQ(LeafOf(map_, owner, kOrigin), leaf_of({3, 6}, 9));
+    EXPECT_EQ(LeafOf(before, owner, kOrigin), leaf_of({3}, 9)) << "a copy never changes";
+  }
+}
+
+TEST_F(MapEditsTest, APatchOfWhatIsNotThereIsRefused) {
+  MapEdits edits(&map_);
+  edits.SetState(StateOf(5, 1));
+  for (const std::uint64_t owner : {0, 5, 9}) {
+    const LeafKey key{ObjectId(owner), kOrigin};
+    EXPECT_EQ(edits.PatchLeaf(key, light_).code(), absl::StatusCode::kDataLoss);
+    EXPECT_EQ(edits.PatchLeaf(key, "garbage").code(), absl::StatusCode::kDataLoss);
+  }
+  edits.Finish();
+  EXPECT_EQ(map_.background.tile_count(), 0U);
+
+  MapEdits second(&map_);
+  ASSERT_TRUE(second.StoreLeaf({kBackgroundId, kOrigin}, light_).ok());
+  EXPECT_EQ(second.PatchLeaf({kBackgroundId, kOrigin}, "").code(), absl::StatusCode::kDataLoss);
 }
 
 }  // namespace

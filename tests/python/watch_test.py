@@ -310,6 +310,21 @@ class AWatchOfADaemon(unittest.TestCase):
         self.assertEqual(len(leaves), state.leaves)
         self.assertTrue(all((leaf.origin % 8 == 0).all() and leaf.packed for leaf in leaves))
 
+    def test_brings_patches_where_they_are_asked_for(self):
+        self.client.upload("hall", [room_frame(i, (0.4,)) for i in range(10)])
+        for takes_patches in (False, True):
+            options = steadymap.WatchOptions(kinds=["volumes"], takes_patches=takes_patches)
+            known = self.client.get_map("hall").revision
+            with self.client.watch("hall", options) as watch:
+                self.read_up_to(watch, known)
+                more = [room_frame(i, (0.4,)) for i in range(known, known + 3)]
+                self.client.upload("hall", more)
+                items = self.read_up_to(watch, known + 3)
+            deltas = [item for item in items if isinstance(item, steadymap.Delta)]
+            leaves = [leaf for delta in deltas for leaf in delta.leaves]
+            self.assertEqual(any(leaf.is_patch for leaf in leaves), takes_patches)
+            self.assertIsNotNone(items[-1].last_capture_time_ns)
+
     def test_of_a_map_that_is_not_there_is_not_found(self):
         with self.assertRaises(errors.NotFoundError):
             next(self.client.watch("nowhere"))

@@ -80,8 +80,8 @@ LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_
     voxels.distance_m.at(offset) = static_cast<float>(steps) * kScale.distance_step_m();
     voxels.weight.at(offset) = static_cast<float>(1 + random() % 5000) * kWeightUnit;
   }
-  const LeafView view{voxels.distance_m.data(), voxels.weight.data(), nullptr, voxels.observed};
-  return {{kBackgroundId, {x * kLeafSide, y * kLeafSide, z * kLeafSide}}, PackLeaf(view, kScale)};
+  return {{kBackgroundId, {x * kLeafSide, y * kLeafSide, z * kLeafSide}},
+          PackLeaf(ViewOf(voxels), kScale)};
 }
 
 ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {

@@ -13,12 +13,20 @@
 #include "core/map_delta.h"
 #include "core/tsdf_codec.h"
 #include "tests/server/store_builder.h"
+#include "tests/support/packed_leaf.h"
 
 namespace steadymap {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+
+std::string Patched(const std::string& packed, const std::string& patch, const VoxelScale& scale) {
+  v1::PackedLeaf message;
+  message.set_packed(patch);
+  message.set_is_patch(true);
+  return patch.empty() ? packed : testing::TakePackedLeaf(message, packed, scale).value_or("");
+}
 
 /// What a watcher has: the states and the leaves, as they would go over the wire.
 struct WatcherView {
@@ -32,11 +40,15 @@ struct WatcherView {
     }
     for (const ObjectId id : step.objects) objects[id] = *step.snapshot->objects.at(id);
     for (const LeafKey& key : step.leaves) {
-      std::string packed = PackLeaf(FindLeaf(*step.snapshot, key), step.snapshot->scale);
-      if (packed.empty()) {
+      const auto patch = step.FindPatch(key);
+      const LeafView leaf = patch ? *patch : FindLeaf(*step.snapshot, key);
+      const std::string packed = PackLeaf(leaf, step.snapshot->scale);
+      if (patch) {
+        leaves.at(key) = Patched(leaves.at(key), packed, step.snapshot->scale);
+      } else if (packed.empty()) {
         leaves.erase(key);
       } else {
-        leaves[key] = std::move(packed);
+        leaves[key] = packed;
       }
     }
   }
@@ -126,7 +138,14 @@ class RestlessMap {
   void ChangeLeaf(ObjectId id, std::map<LeafKey, std::string>* leaves) {
     const LeafChange leaf = MakeLeaf(static_cast<std::int32_t>(Draw(12)), 0, 0, Draw(1000));
     const LeafKey key{id, leaf.key.origin};
-    (*leaves)[key] = Draw(5) == 0 ? std::string() : leaf.packed;
+    const LeafView known = FindLeaf(map_, key);
+    std::string& packed = (*leaves)[key];
+    packed = leaf.packed;
+    if (Draw(5) == 0) {
+      packed.clear();
+    } else if (known && Draw(3) > 0) {
+      packed = Patched(PackLeaf(known, map_.scale), leaf.packed, map_.scale);
+    }
   }
 
   std::mt19937 random_;
@@ -149,6 +168,7 @@ MapFilter RandomFilter(RestlessMap* random) {
 }
 
 TEST(WatchStep, StepsLeadToWhatTheFilterShowsWhateverHappens) {
+  std::size_t patches = 0;
   for (std::uint32_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
     RestlessMap map(seed);
@@ -161,12 +181,17 @@ TEST(WatchStep, StepsLeadToWhatTheFilterShowsWhateverHappens) {
       ChangeList changes = map.Change();
       // Sometimes it is not known any more what the watcher has, as after a restart.
       const auto shown = map.Draw(6) == 0 ? nullptr : step.shown;
+      const std::shared_ptr<const MapSnapshot> before = step.snapshot;
       step = MakeDeltaStep(filter, changes, from, shown, map.Snapshot());
+      // And what the map was like.
+      if (map.Draw(4) > 0) step.base = before;
       view.Take(step);
+      for (const LeafKey& key : step.leaves) patches += step.FindPatch(key) ? 1 : 0;
       ASSERT_EQ(view, Truth(filter, *step.snapshot)) << "after change " << i;
       ASSERT_EQ(*step.shown, *ShownBy(filter, *step.snapshot));
     }
   }
+  EXPECT_GT(patches, 100U);
 }
 
 TEST(WatchStep, SeveralCommitsInOneStepLeadToTheSame) {
@@ -189,7 +214,9 @@ TEST(WatchStep, SeveralCommitsInOneStepLeadToTheSame) {
       const ChangeList together{.commits = 2,
                                 .objects = {objects.begin(), objects.end()},
                                 .leaves = {leaves.begin(), leaves.end()}};
+      const std::shared_ptr<const MapSnapshot> before = step.snapshot;
       step = MakeDeltaStep(filter, together, from, step.shown, map.Snapshot());
+      step.base = before;
       view.Take(step);
       ASSERT_EQ(view, Truth(filter, *step.snapshot)) << "after step " << i;
     }

@@ -57,6 +57,7 @@ void FleetWatcher::NewMind() {
   // What a watch from now on has not seen cannot be compared.
   from_now_ = !filter_.WantsObjects() && random_() % 2 == 0;
   resyncs_ = random_() % 2 == 0;
+  takes_patches_ = random_() % 3 > 0;
   changed_mind_ = true;
 }
 
@@ -118,6 +119,7 @@ void FleetWatcher::RunStream() {
     }
     *request.mutable_filter() = ToProto(filter_);
     request.set_resync_if_compacted(resyncs_);
+    request.set_takes_patches(takes_patches_);
     if (promises_->progress()) {
       request.set_resume_token(promises_->progress()->resume_token());
       begin_ = WatchPromises::Begin::kResumed;
@@ -156,6 +158,7 @@ void FleetWatcher::RunStream() {
 void FleetWatcher::Conclude() {
   life_.steps += promises_->steps();
   life_.jumps += promises_->jumps();
+  life_.patches += promises_->patches();
   life_.events += promises_->events();
   life_.resyncs += promises_->resyncs();
   life_.broken.insert(life_.broken.end(), promises_->broken().begin(), promises_->broken().end());

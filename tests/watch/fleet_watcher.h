@@ -25,6 +25,7 @@ struct WatchLife {
   std::size_t resumed = 0;
   std::size_t steps = 0;
   std::size_t jumps = 0;
+  std::size_t patches = 0;
   std::size_t events = 0;
   std::size_t resyncs = 0;
   std::size_t gaps_told = 0;  ///< Streams that ended since the history they needed was gone.
@@ -77,6 +78,7 @@ class FleetWatcher {
   MapFilter filter_ ABSL_GUARDED_BY(mutex_);
   bool from_now_ ABSL_GUARDED_BY(mutex_) = false;
   bool resyncs_ ABSL_GUARDED_BY(mutex_) = false;
+  bool takes_patches_ ABSL_GUARDED_BY(mutex_) = false;
   bool changed_mind_ ABSL_GUARDED_BY(mutex_) = true;
   bool stalled_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

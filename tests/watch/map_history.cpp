@@ -52,6 +52,7 @@ bool MapReplay::GoTo(Revision revision) {
       events_.push_back({last_event_, event});
     }
     revision_ = commit->to;
+    last_capture_time_ = commit->last_capture_time;
   }
   return revision_ == revision;
 }

@@ -58,6 +58,9 @@ class MapReplay {
 
   Revision revision() const { return revision_; }
 
+  /// Of the newest frame at the replay's revision.
+  Timestamp last_capture_time() const { return last_capture_time_; }
+
   /// What the filter shows at the replay's revision.
   WatchedContent Shown(const MapFilter& filter) const;
 
@@ -77,6 +80,7 @@ class MapReplay {
   const MapHistory* history_;
   VoxelScale scale_;
   Revision revision_;
+  Timestamp last_capture_time_;
   EventNumber last_event_;
   std::map<ObjectId, ObjectState> objects_;
   std::map<LeafKey, std::string> leaves_;

@@ -69,6 +69,7 @@ class FleetHistory {
       all.resumed += life.resumed;
       all.steps += life.steps;
       all.jumps += life.jumps;
+      all.patches += life.patches;
       all.events += life.events;
       all.resyncs += life.resyncs;
       all.gaps_told += life.gaps_told;
@@ -123,16 +124,18 @@ TEST(WatchLaw, HoldsOverRandomHistories) {
     std::cout << "seed " << seed << ": " << operations << " operations, revision "
               << fleet.history().head().value() << ", " << life.streams << " streams, "
               << life.resumed << " resumed, " << life.steps << " steps, " << life.jumps
-              << " over several commits, " << life.events << " events, " << life.resyncs
-              << " resyncs, " << life.gaps_told << " gaps told\n";
+              << " over several commits, " << life.patches << " patches, " << life.events
+              << " events, " << life.resyncs << " resyncs, " << life.gaps_told << " gaps told\n";
     all.steps += life.steps;
     all.jumps += life.jumps;
+    all.patches += life.patches;
     all.events += life.events;
     all.resumed += life.resumed;
   }
   // A history in which nothing happens proves nothing.
   EXPECT_GT(all.steps, 100U);
   EXPECT_GT(all.jumps, 0U);
+  EXPECT_GT(all.patches, 0U);
   EXPECT_GT(all.events, 0U);
   EXPECT_GT(all.resumed, 0U);
 }

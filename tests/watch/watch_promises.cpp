@@ -6,6 +6,8 @@
 #include <absl/strings/str_cat.h>
 
 #include "proto/convert_event.h"
+#include "proto/convert_geometry.h"
+#include "tests/support/packed_leaf.h"
 
 namespace steadymap {
 namespace {
@@ -138,11 +140,12 @@ void WatchPromises::Put(const Objects& objects, const Leaves& leaves) {
     if (key.object != kBackgroundId && !next_.objects.contains(key.object)) {
       Break("Filtered", absl::StrCat("a leaf of object ", key.object.value(), " without it"));
     }
-    if (leaf.packed().empty()) {
-      next_.leaves.erase(key);
-    } else {
-      next_.leaves[key] = leaf.packed();
-    }
+    std::string& known = next_.leaves[key];
+    const std::optional<std::string> packed = testing::TakePackedLeaf(leaf, known, scale_);
+    if (!packed) Break("Reliable", "a patch of a leaf that the watcher does not have");
+    known = packed.value_or(std::string());
+    if (known.empty()) next_.leaves.erase(key);
+    if (leaf.is_patch()) ++patches_;
   }
 }
 
@@ -193,6 +196,7 @@ void WatchPromises::TakeProgress(const v1::WatchProgress& progress) {
   } else {
     if (begin_ != Begin::kNow) CheckShown(replay_.Shown(filter_));
     CheckEvents();
+    CheckTime(progress);
   }
   revision_ = progress.revision();
   content_ = next_;
@@ -241,6 +245,14 @@ void WatchPromises::CheckEvents() {
   }
   if (told != due) {
     Break("Reliable", absl::StrCat(told.size(), " events were told, ", due.size(), " were due"));
+  }
+}
+
+void WatchPromises::CheckTime(const v1::WatchProgress& progress) {
+  if (progress.revision() == 0 && !progress.has_last_capture_time()) return;
+  const absl::StatusOr<Timestamp> time = FromProto(progress.last_capture_time());
+  if (!time.ok() || *time != replay_.last_capture_time()) {
+    Break("Bookmarkable", absl::StrCat("the capture time is not that of ", progress.revision()));
   }
 }
 

@@ -57,6 +57,8 @@ class WatchPromises {
 
   std::size_t jumps() const { return jumps_; }  ///< Steps over several commits.
 
+  std::size_t patches() const { return patches_; }  ///< Leaves that came as patches.
+
  private:
   void TakeCreated(const v1::WatchCreated& created);
   void TakeSnapshot(const v1::SnapshotChunk& chunk);
@@ -69,6 +71,7 @@ class WatchPromises {
   void Put(const Objects& objects, const Leaves& leaves);
   void CheckShown(const WatchedContent& truth);
   void CheckEvents();
+  void CheckTime(const v1::WatchProgress& progress);
   void Break(const char* promise, const std::string& what);
 
   const MapFilter filter_;
@@ -81,6 +84,7 @@ class WatchPromises {
   std::size_t events_told_ = 0;
   std::size_t resyncs_ = 0;
   std::size_t jumps_ = 0;
+  std::size_t patches_ = 0;
 
   // Of the stream.
   Begin begin_ = Begin::kSnapshot;

@@ -29,6 +29,22 @@ using Kind = v1::WatchMapResponse;
 constexpr VoxelScale kTinyScale{0.04, 0.12};
 
 /// Three commits: an object and much background appear, it changes, it goes.
+/// Watches, so that the hub keeps what watchers share.
+class IdleWatch final : public ActiveWatch {
+ public:
+  void Wake() override {}
+
+  void Drain() override {}
+
+  void End(const absl::Status&) override {}
+
+  void Cancel() override {}
+
+  Revision revision() const override { return {}; }
+
+  absl::Time sending_since() const override { return absl::InfiniteFuture(); }
+};
+
 class PlantedFaults : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -73,10 +89,11 @@ class PlantedFaults : public ::testing::Test {
   /// What an honest server tells: the first revision as a snapshot, then two steps.
   Messages HonestMessages() {
     WatchHub hub({&store_, 10, absl::InfiniteDuration()});
+    EXPECT_TRUE(hub.Enter(record_.key, std::make_shared<IdleWatch>()).ok());
     Messages messages;
     messages.emplace_back().mutable_created()->set_revision(10);
     WatchHub::StepRequest request{
-        {record_.key, "i", 1}, filter_, 65'536, true, {}, nullptr, snapshots_[0]};
+        {record_.key, "i", 1}, filter_, 65'536, true, true, {}, nullptr, snapshots_[0]};
     for (const auto& snapshot : snapshots_) {
       request.snapshot = snapshot;
       const auto step = hub.FindStep(request).value();
@@ -175,6 +192,25 @@ TEST_F(PlantedFaults, AChangedBitIsNoBookmark) {
                 v1::DeltaFragment* delta = At(messages, Kind::kDelta, 0)->mutable_delta();
                 std::string* packed = delta->mutable_leaves(0)->mutable_packed();
                 packed->back() = static_cast<char>(packed->back() ^ 1);
+              }),
+              Contains(StartsWith("Bookmarkable:")));
+}
+
+TEST_F(PlantedFaults, APatchOfALeafThatIsNotThereIsUnreliable) {
+  EXPECT_THAT(Find([](Messages* messages) {
+                v1::DeltaFragment* delta = At(messages, Kind::kDelta, 0)->mutable_delta();
+                delta->mutable_leaves(0)->set_is_patch(true);
+                delta->mutable_leaves(0)->set_origin_x(8000);
+              }),
+              Contains(StartsWith("Reliable:")));
+}
+
+TEST_F(PlantedFaults, AnotherCaptureTimeIsNoBookmark) {
+  EXPECT_THAT(Find([](Messages* messages) {
+                At(messages, Kind::kProgress, 0)
+                    ->mutable_progress()
+                    ->mutable_last_capture_time()
+                    ->set_seconds(99);
               }),
               Contains(StartsWith("Bookmarkable:")));
 }

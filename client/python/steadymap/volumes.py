@@ -36,11 +36,14 @@ class Leaf:
         origin: int32 (3,), index of the lowest voxel in the volume's grid frame, multiples of 8.
             Voxel (i, j, k) has its centre at (i, j, k) times the voxel size.
         packed: the voxels, for `unpack_leaves`; empty: the leaf is gone.
+        is_patch: `packed` holds new voxels of a leaf that is known, and the leaf keeps its others.
+            Only where a watch was asked for patches.
     """
 
     object_id: int
     origin: np.ndarray
     packed: bytes
+    is_patch: bool = False
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -82,7 +85,7 @@ class Section:
 def leaf_from_proto(entry: volume_pb2.PackedLeaf) -> Leaf:
     """A leaf that the service sent."""
     origin = np.array((entry.origin_x, entry.origin_y, entry.origin_z), np.int32)
-    return Leaf(entry.object_id, read_only(origin), entry.packed)
+    return Leaf(entry.object_id, read_only(origin), entry.packed, entry.is_patch)
 
 
 def take_section(messages: Iterable[Any]) -> Section:

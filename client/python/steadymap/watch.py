@@ -49,6 +49,8 @@ class WatchOptions:
         include_archived: objects that are gone pass, too.
         resync_if_compacted: where the history behind the token is gone, go on with a Resync and a
             snapshot; else the watch ends with OutOfRangeError.
+        takes_patches: you keep all leaves you get, so a Delta may bring patches of them: less than
+            half as many bytes, mostly.
         max_message_bytes: messages are not larger, in [65536, 4194304]; 0: the server's default.
         backoff: waits between reconnections.
         seed: of the jitter. None: from the system.
@@ -64,6 +66,7 @@ class WatchOptions:
     object_ids: Sequence[int] = ()
     include_archived: bool = False
     resync_if_compacted: bool = True
+    takes_patches: bool = False
     max_message_bytes: int = 0
     backoff: BackoffOptions = BackoffOptions()
     seed: Optional[int] = None
@@ -101,6 +104,7 @@ class _WatchState:
             map=self._map_name,
             max_message_bytes=options.max_message_bytes,
             resync_if_compacted=options.resync_if_compacted,
+            takes_patches=options.takes_patches,
         )
         if self.token is None:
             request.start = _STARTS[options.start]

@@ -42,16 +42,15 @@ class Delta:
         revision: the map after the step.
         previous_revision: the map before it, as the Progress before said.
         commits: that the step covers; more than one: this watcher was slower than the map.
-        last_capture_time_ns: of the newest frame in the map, nanoseconds since 1970.
         removed_object_ids: no longer shown; nothing of them is to be kept.
         objects: new states.
-        leaves: new leaves; an empty one is gone.
+        leaves: new leaves, and patches of known ones if WatchOptions.takes_patches; an empty one is
+            gone.
     """
 
     revision: int
     previous_revision: int
     commits: int
-    last_capture_time_ns: Optional[int]
     removed_object_ids: Tuple[int, ...]
     objects: Tuple[Object, ...]
     leaves: Tuple[Leaf, ...]
@@ -68,10 +67,15 @@ class Events:
 @dataclasses.dataclass(frozen=True)
 class Progress:
     """You have everything up to `revision` that passes the filter; `resume_token` goes on from
-    here, whenever and in whatever process."""
+    here, whenever and in whatever process.
+
+    Attributes:
+        last_capture_time_ns: of the newest frame in the map, nanoseconds since 1970; None: none yet.
+    """
 
     revision: int
     resume_token: bytes
+    last_capture_time_ns: Optional[int]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -108,7 +112,6 @@ def item_from_proto(response: watch_service_pb2.WatchMapResponse) -> Optional[Wa
             revision=message.revision,
             previous_revision=message.previous_revision,
             commits=message.commits,
-            last_capture_time_ns=time_ns_from_proto(message, "last_capture_time"),
             removed_object_ids=tuple(message.removed_object_ids),
             objects=_objects(message),
             leaves=_leaves(message),
@@ -117,7 +120,9 @@ def item_from_proto(response: watch_service_pb2.WatchMapResponse) -> Optional[Wa
         message = response.events
         return Events(message.revision, tuple(event_from_proto(event) for event in message.events))
     if kind == "progress":
-        return Progress(response.progress.revision, response.progress.resume_token)
+        message = response.progress
+        time_ns = time_ns_from_proto(message, "last_capture_time")
+        return Progress(message.revision, message.resume_token, time_ns)
     if kind == "resync":
         return Resync(response.resync.revision, response.resync.reason)
     return None

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/leaf_patch.h"
+#include "core/tsdf_codec.h"
+
+#include "steadymap/v1/volume.pb.h"
+
+namespace steadymap::testing {
+
+/// What somebody who keeps leaves packed has of one after `message`; `known` is what they had
+/// before, empty if there was none. None for a patch that is damaged or has nothing to go on.
+inline std::optional<std::string> TakePackedLeaf(const v1::PackedLeaf& message,
+                                                 const std::string& known,
+                                                 const VoxelScale& scale) {
+  if (!message.is_patch()) return message.packed();
+  LeafVoxels leaf;
+  LeafVoxels patch;
+  if (known.empty() || message.packed().empty() || !UnpackLeaf(known, scale, &leaf).ok() ||
+      !UnpackLeaf(message.packed(), scale, &patch).ok()) {
+    return std::nullopt;
+  }
+  ApplyLeafPatch(patch, &leaf);
+  return PackLeaf(ViewOf(leaf), scale);
+}
+
+}  // namespace steadymap::testing
