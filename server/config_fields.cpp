@@ -137,7 +137,7 @@ void VisitRetention(RetentionOptions* retention, FieldVisitor* visitor) {
                  &retention->trim_interval);
 }
 
-void VisitWatch(WatchOptions* watch, FieldVisitor* visitor) {
+void VisitWatch(WatchServiceOptions* watch, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
   visitor->Section("watch", "Those who watch maps.");
   typed.Integer(

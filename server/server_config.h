@@ -63,7 +63,7 @@ struct RetentionOptions {
 };
 
 /// Those who watch maps.
-struct WatchOptions {
+struct WatchServiceOptions {
   /// Watches at once, all maps together. Each costs some kilobytes, and while it takes a step the
   /// message at hand.
   std::size_t max_watches = 2000;
@@ -96,7 +96,7 @@ struct ServerConfig {
   LimitOptions limits;
   CommitOptions commit;
   RetentionOptions retention;
-  WatchOptions watch;
+  WatchServiceOptions watch;
   StoreOptions store;
 };
 

@@ -128,7 +128,7 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequ
     if (!read.ok()) return read.status();
     changes = *std::move(read);
   }
-  WatchStep step = MakeDeltaStep(
+  StepPlan step = MakeDeltaStep(
       request.filter, changes, request.before.revision, request.shown, request.snapshot);
   if (compares) step.base = FindRecent(map, request.before.revision);
   return std::make_shared<WatchMessages>(std::move(source), std::move(step));

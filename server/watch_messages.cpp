@@ -38,7 +38,7 @@ grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message) {
   return status.ok() ? bytes : grpc::ByteBuffer();
 }
 
-WatchMessages::WatchMessages(Source source, WatchStep step)
+WatchMessages::WatchMessages(Source source, StepPlan step)
     : source_(std::move(source)), step_(std::move(step)) {
   PlanFragments();
   // Those before a snapshot are history.

@@ -37,7 +37,7 @@ class WatchMessages {
     std::size_t max_message_bytes = 0;
   };
 
-  WatchMessages(Source source, WatchStep step);
+  WatchMessages(Source source, StepPlan step);
 
   /// Number of messages, those included that turn out to say nothing.
   std::size_t count() const { return fragments_.size() + event_pages_ + 1; }
@@ -71,7 +71,7 @@ class WatchMessages {
                google::protobuf::RepeatedPtrField<v1::PackedLeaf>* leaves) const;
 
   const Source source_;
-  const WatchStep step_;
+  const StepPlan step_;
   std::vector<Fragment> fragments_;
   std::size_t event_pages_ = 0;
   bool keeps_ = false;  ///< Whether messages are kept.

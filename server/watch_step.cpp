@@ -11,7 +11,7 @@ namespace {
 /// Puts together what changed for one watcher.
 class DeltaStepBuilder {
  public:
-  DeltaStepBuilder(const MapFilter& filter, const ShownObjects* shown, WatchStep* step)
+  DeltaStepBuilder(const MapFilter& filter, const ShownObjects* shown, StepPlan* step)
       : filter_(filter), shown_(shown), step_(step) {}
 
   void Add(const ChangeList& changes) {
@@ -74,21 +74,21 @@ class DeltaStepBuilder {
 
   const MapFilter& filter_;
   const ShownObjects* const shown_;
-  WatchStep* const step_;
+  StepPlan* const step_;
   std::vector<ObjectId> left_;
 };
 
 }  // namespace
 
-std::optional<LeafView> WatchStep::FindPatch(const LeafKey& key) const {
+std::optional<LeafView> StepPlan::FindPatch(const LeafKey& key) const {
   if (base == nullptr || std::binary_search(joined.begin(), joined.end(), key.object)) {
     return std::nullopt;
   }
   return FindLeafPatch(FindLeaf(*base, key), FindLeaf(*snapshot, key));
 }
 
-WatchStep MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot) {
-  WatchStep step;
+StepPlan MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot) {
+  StepPlan step;
   step.shown = ShownBy(filter, *snapshot);
   step.snapshot = std::move(snapshot);
   if (filter.WantsObjects()) step.objects = *step.shown;
@@ -109,12 +109,12 @@ WatchStep MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSna
   return step;
 }
 
-WatchStep MakeDeltaStep(const MapFilter& filter,
-                        const ChangeList& changes,
-                        Revision from,
-                        const std::shared_ptr<const ShownObjects>& shown,
-                        std::shared_ptr<const MapSnapshot> snapshot) {
-  WatchStep step;
+StepPlan MakeDeltaStep(const MapFilter& filter,
+                       const ChangeList& changes,
+                       Revision from,
+                       const std::shared_ptr<const ShownObjects>& shown,
+                       std::shared_ptr<const MapSnapshot> snapshot) {
+  StepPlan step;
   step.from = from;
   step.commits = changes.commits;
   step.snapshot = std::move(snapshot);

@@ -18,7 +18,7 @@ using ShownObjects = std::vector<ObjectId>;
 
 /// What of a map a watcher is to be told: the names of what changed within its filter, and the
 /// snapshot to take the values from. Small, however large the values are.
-struct WatchStep {
+struct StepPlan {
   std::optional<Revision> from;  ///< None: a snapshot, everything that the filter shows.
   std::uint64_t commits = 0;     ///< Between `from` and the snapshot.
   std::vector<ObjectId> removed{};
@@ -39,17 +39,17 @@ struct WatchStep {
 };
 
 /// Everything that the filter shows of a map. Cost: a pass over all objects and leaves.
-WatchStep MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot);
+StepPlan MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot);
 
 /// What a step brings a watcher who has what the filter showed at revision `from`; `shown` says
 /// which objects those were, and is null where nobody knows any more: then objects that changed are
 /// sent whole. Cost: that of what changed, and of the objects of the map if their number shown
 /// changes.
-WatchStep MakeDeltaStep(const MapFilter& filter,
-                        const ChangeList& changes,
-                        Revision from,
-                        const std::shared_ptr<const ShownObjects>& shown,
-                        std::shared_ptr<const MapSnapshot> snapshot);
+StepPlan MakeDeltaStep(const MapFilter& filter,
+                       const ChangeList& changes,
+                       Revision from,
+                       const std::shared_ptr<const ShownObjects>& shown,
+                       std::shared_ptr<const MapSnapshot> snapshot);
 
 /// The objects that a filter shows. Cost: a pass over all objects.
 std::shared_ptr<const ShownObjects> ShownBy(const MapFilter& filter, const MapSnapshot& snapshot);

@@ -1,5 +1,6 @@
 # Checks which headers each folder includes (the layers of the design): Debian puts every library
-# under /usr/include, so link dependencies alone would let anything through.
+# under /usr/include, so link dependencies alone would let anything through. And that no two headers
+# define a type of the same name: a program that links both would take one for the other.
 #
 #   cmake -D ROOT=<source folder> -P check_layers.cmake
 
@@ -73,13 +74,27 @@ foreach(folder IN LISTS FOLDERS)
         math(EXPR violations "${violations} + 1")
       endif()
     endforeach()
+    if(NOT name MATCHES "\\.h$")
+      continue()
+    endif()
+    # At the start of a line: types within types have their own space of names.
+    set(definition "^(struct|class|enum class) ([A-Z][A-Za-z0-9]*)( final)?( :.*| {.*)?$")
+    file(STRINGS "${file}" lines REGEX "${definition}")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "${definition}" "\\2" type "${line}")
+      if(DEFINED header_of_${type})
+        message(NOTICE "${name} defines ${type}, which ${header_of_${type}} does, too")
+        math(EXPR violations "${violations} + 1")
+      endif()
+      set(header_of_${type} "${name}")
+    endforeach()
   endforeach()
 endforeach()
 
 if(checked EQUAL 0)
   message(SEND_ERROR "no source file under ${ROOT}: nothing was checked")
 elseif(violations GREATER 0)
-  message(SEND_ERROR "${violations} includes cross the layers")
+  message(SEND_ERROR "${violations} includes and types cross the layers")
 else()
   message(STATUS "layers hold in ${checked} files")
 endif()

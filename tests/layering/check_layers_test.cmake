@@ -1,4 +1,4 @@
-# Plants includes into trees of their own and expects check_layers.cmake to tell right from wrong.
+# Plants includes and types into trees of their own and expects check_layers.cmake to tell right from wrong.
 #
 #   cmake -D WORK=<scratch folder> -P check_layers_test.cmake
 
@@ -8,9 +8,12 @@ endif()
 set(CHECK "${CMAKE_CURRENT_LIST_DIR}/check_layers.cmake")
 
 # Expects a tree whose only file is `path` with the line `line` to pass (`expected` is PASS) or to be
-# refused by name.
+# refused by name. What follows is written to `server/other.h`.
 function(expect expected path line)
   file(REMOVE_RECURSE "${WORK}")
+  if(ARGN)
+    file(WRITE "${WORK}/server/other.h" "#pragma once\n\n${ARGN}\n")
+  endif()
   file(WRITE "${WORK}/${path}" "#pragma once\n\n${line}\n")
   execute_process(
     COMMAND ${CMAKE_COMMAND} -D "ROOT=${WORK}" -P "${CHECK}"
@@ -45,6 +48,11 @@ expect(REFUSE client/map_client.h "#include <rocksdb/db.h>")
 expect(PASS server/main.cpp "#include <rocksdb/db.h>")
 expect(REFUSE server/main.cpp "#include \"client/map_client.h\"")
 expect(REFUSE server/main.cpp "#include \"tests/server/fake_store.h\"")
+expect(PASS core/step.h "struct Step {" "struct OtherStep {")
+expect(PASS core/step.h "struct Step\;" "struct Step {")
+expect(PASS core/step.h "  struct Step {" "struct Step {")
+expect(REFUSE core/step.h "struct Step {" "class Step final : public Base {")
+expect(REFUSE core/step.h "enum class Step : char {" "struct Step {}\;")
 
 # A tree without sources is a wrong path, not a clean tree.
 file(REMOVE_RECURSE "${WORK}")

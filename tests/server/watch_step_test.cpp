@@ -33,7 +33,7 @@ struct WatcherView {
   std::map<ObjectId, ObjectState> objects;
   std::map<LeafKey, std::string> leaves;
 
-  void Take(const WatchStep& step) {
+  void Take(const StepPlan& step) {
     for (const ObjectId id : step.removed) {
       objects.erase(id);
       std::erase_if(leaves, [&](const auto& leaf) { return leaf.first.object == id; });
@@ -174,7 +174,7 @@ TEST(WatchStep, StepsLeadToWhatTheFilterShowsWhateverHappens) {
     RestlessMap map(seed);
     const MapFilter filter = RandomFilter(&map);
     WatcherView view;
-    WatchStep step = MakeSnapshotStep(filter, map.Snapshot());
+    StepPlan step = MakeSnapshotStep(filter, map.Snapshot());
     view.Take(step);
     for (int i = 0; i < 40; ++i) {
       const Revision from = step.snapshot->revision;
@@ -200,7 +200,7 @@ TEST(WatchStep, SeveralCommitsInOneStepLeadToTheSame) {
     RestlessMap map(seed);
     const MapFilter filter = RandomFilter(&map);
     WatcherView view;
-    WatchStep step = MakeSnapshotStep(filter, map.Snapshot());
+    StepPlan step = MakeSnapshotStep(filter, map.Snapshot());
     view.Take(step);
     for (int i = 0; i < 10; ++i) {
       const Revision from = step.snapshot->revision;
@@ -228,7 +228,7 @@ TEST(WatchStep, NamesNothingThatTheFilterDoesNotShow) {
     SCOPED_TRACE(seed);
     RestlessMap map(seed);
     const MapFilter filter = RandomFilter(&map);
-    WatchStep step = MakeSnapshotStep(filter, map.Snapshot());
+    StepPlan step = MakeSnapshotStep(filter, map.Snapshot());
     for (int i = 0; i < 40; ++i) {
       const std::shared_ptr<const ShownObjects> shown = step.shown;
       const Revision from = step.snapshot->revision;
@@ -254,7 +254,7 @@ TEST(WatchStep, OfEventsAloneIsEmpty) {
   RestlessMap map(1);
   MapFilter filter;
   filter.states = filter.volumes = false;
-  const WatchStep begin = MakeSnapshotStep(filter, map.Snapshot());
+  const StepPlan begin = MakeSnapshotStep(filter, map.Snapshot());
   EXPECT_TRUE(begin.IsEmpty());
   const ChangeList changes = map.Change();
   EXPECT_TRUE(MakeDeltaStep(filter, changes, Revision(), begin.shown, map.Snapshot()).IsEmpty());
