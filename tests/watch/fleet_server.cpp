@@ -77,14 +77,17 @@ void FleetServer::Compact() {
   Require(store_->Trim(maps->front(), {MapSequence(), Timestamp(), Timestamp(), std::nullopt}));
 }
 
+std::string FleetServer::address() const {
+  const absl::MutexLock lock(&mutex_);
+  return "127.0.0.1:" + std::to_string(port_);
+}
+
 std::shared_ptr<grpc::Channel> FleetServer::Connect() const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   // Connections of servers that were killed must not be taken for this one's.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  const absl::MutexLock lock(&mutex_);
-  return grpc::CreateCustomChannel(
-      "127.0.0.1:" + std::to_string(port_), grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address(), grpc::InsecureChannelCredentials(), arguments);
 }
 
 void FleetServer::Upload(const std::string& robot, const std::vector<v1::Frame>& frames) {

@@ -39,7 +39,10 @@ class FleetServer {
   /// Waits until everything that was uploaded is committed.
   void AwaitIntegrated();
 
-  /// A new connection to the server that runs now.
+  /// Where the server that runs now listens, `HOST:PORT`.
+  std::string address() const ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// A new connection to it.
   std::shared_ptr<grpc::Channel> Connect() const ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::string& map() const { return map_; }

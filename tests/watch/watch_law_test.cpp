@@ -3,8 +3,10 @@
 //
 // STEADYMAP_LAW_SEEDS (default 2) and STEADYMAP_LAW_OPERATIONS (default 250) make it longer.
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <iostream>
 #include <memory>
 #include <random>
 #include <string>
@@ -14,6 +16,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/watch/fleet_mirror.h"
 #include "tests/watch/fleet_server.h"
 #include "tests/watch/fleet_watcher.h"
 #include "tests/watch/restless_hall.h"
@@ -24,6 +27,7 @@ namespace {
 using ::testing::IsEmpty;
 
 constexpr int kWatchers = 6;
+constexpr std::uint32_t kMirrors = 2;
 constexpr std::chrono::seconds kCatchUpTime{60};
 
 int NumberFromEnvironment(const char* name, int standard) {
@@ -40,24 +44,30 @@ class FleetHistory {
       watchers_.push_back(
           std::make_unique<FleetWatcher>(&server_, seed * 100U + static_cast<std::uint32_t>(i)));
     }
+    for (std::uint32_t i = 0; i < kMirrors; ++i) {
+      mirrors_.push_back(std::make_unique<FleetMirror>(&server_, seed * kMirrors + i));
+    }
   }
 
   void Run(int operations) {
     for (int i = 0; i < operations; ++i) Operate();
     for (const auto& watcher : watchers_) watcher->Resume();
+    for (const auto& mirror : mirrors_) mirror->Resume();
     server_.AwaitIntegrated();
   }
 
   /// Whether every watcher comes to the newest revision in time.
   bool AwaitWatchers() {
     const auto deadline = std::chrono::steady_clock::now() + kCatchUpTime;
-    for (const auto& watcher : watchers_) {
+    const auto catches_up = [&](const auto& watcher) {
       while (watcher->revision() < server_.history().head()) {
         if (std::chrono::steady_clock::now() > deadline) return false;
         std::this_thread::yield();
       }
-    }
-    return true;
+      return true;
+    };
+    return std::all_of(watchers_.begin(), watchers_.end(), catches_up) &&
+           std::all_of(mirrors_.begin(), mirrors_.end(), catches_up);
   }
 
   WatchLife Conclude() {
@@ -77,29 +87,49 @@ class FleetHistory {
     return all;
   }
 
+  MirrorLife ConcludeMirrors() {
+    MirrorLife all;
+    for (const auto& mirror : mirrors_) {
+      const MirrorLife life = mirror->Stop();
+      all.broken.insert(all.broken.end(), life.broken.begin(), life.broken.end());
+      all.steps += life.steps;
+      all.snapshots += life.snapshots;
+      all.reconnections += life.reconnections;
+    }
+    return all;
+  }
+
   const MapHistory& history() const { return server_.history(); }
 
  private:
   void Operate() {
     FleetWatcher& watcher = *watchers_[random_() % watchers_.size()];
+    FleetMirror& mirror = *mirrors_[random_() % mirrors_.size()];
     const std::uint64_t draw = random_() % 100;
     if (draw < 50) {
       server_.Upload("robot-" + std::to_string(1 + random_() % 3),
                      hall_.Look(1 + static_cast<int>(random_() % 3)));
     } else if (draw < 58) {
       hall_.Rearrange(&random_);
-    } else if (draw < 68) {
+    } else if (draw < 66) {
       watcher.Cut();
-    } else if (draw < 78) {
+    } else if (draw < 68) {
+      mirror.Cut();
+    } else if (draw < 76) {
       watcher.Stall();
-    } else if (draw < 86) {
+    } else if (draw < 78) {
+      mirror.Stall();
+    } else if (draw < 84) {
       watcher.Resume();
+    } else if (draw < 86) {
+      mirror.Resume();
     } else if (draw < 91) {
       watcher.ChangeMind();
     } else if (draw < 98) {
       server_.Compact();
     } else {
       server_.Kill();
+      for (const auto& each : mirrors_) each->FollowServer();
     }
   }
 
@@ -107,25 +137,33 @@ class FleetHistory {
   RestlessHall hall_;
   FleetServer server_;
   std::vector<std::unique_ptr<FleetWatcher>> watchers_;
+  std::vector<std::unique_ptr<FleetMirror>> mirrors_;
 };
 
 TEST(WatchLaw, HoldsOverRandomHistories) {
   const int seeds = NumberFromEnvironment("STEADYMAP_LAW_SEEDS", 2);
   const int operations = NumberFromEnvironment("STEADYMAP_LAW_OPERATIONS", 250);
   WatchLife all;
+  MirrorLife all_mirrored;
   for (int seed = 1; seed <= seeds; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     FleetHistory fleet(static_cast<std::uint32_t>(seed));
     fleet.Run(operations);
     ASSERT_TRUE(fleet.AwaitWatchers());
     const WatchLife life = fleet.Conclude();
+    const MirrorLife mirrored = fleet.ConcludeMirrors();
     EXPECT_THAT(life.broken, IsEmpty());
+    EXPECT_THAT(mirrored.broken, IsEmpty());
     EXPECT_EQ(fleet.history().gaps(), 0U);
     std::cout << "seed " << seed << ": " << operations << " operations, revision "
               << fleet.history().head().value() << ", " << life.streams << " streams, "
               << life.resumed << " resumed, " << life.steps << " steps, " << life.jumps
               << " over several commits, " << life.patches << " patches, " << life.events
-              << " events, " << life.resyncs << " resyncs, " << life.gaps_told << " gaps told\n";
+              << " events, " << life.resyncs << " resyncs, " << life.gaps_told
+              << " gaps told; mirrors: " << mirrored.steps << " steps, " << mirrored.reconnections
+              << " reconnections, " << mirrored.snapshots << " snapshots\n";
+    all_mirrored.steps += mirrored.steps;
+    all_mirrored.reconnections += mirrored.reconnections;
     all.steps += life.steps;
     all.jumps += life.jumps;
     all.patches += life.patches;
@@ -138,6 +176,8 @@ TEST(WatchLaw, HoldsOverRandomHistories) {
   EXPECT_GT(all.patches, 0U);
   EXPECT_GT(all.events, 0U);
   EXPECT_GT(all.resumed, 0U);
+  EXPECT_GT(all_mirrored.steps, 100U);
+  EXPECT_GT(all_mirrored.reconnections, 0U);
 }
 
 }  // namespace
