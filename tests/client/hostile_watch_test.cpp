@@ -132,19 +132,10 @@ std::vector<HostileCase> BrokenEvents() {
   };
 }
 
-std::vector<HostileCase> BrokenContent() {
+std::vector<HostileCase> BrokenLeaves() {
   const auto internal = absl::StatusCode::kInternal;
   const auto data_loss = absl::StatusCode::kDataLoss;
-  Messages no_voxels = Created(FirstMap());
-  no_voxels[0].mutable_created()->set_voxel_size_m(-0.05);
-  Messages future_event = Events(6, {1});
-  future_event[0].mutable_events()->mutable_events(0)->set_revision(7);
-  Messages odd_progress = Progress(6, "t6");
-  odd_progress[0].mutable_progress()->mutable_last_capture_time()->set_seconds(-1);
-  Messages odd_event = Events(6, {1});
-  odd_event[0].mutable_events()->mutable_events(0)->clear_type();
   return {
-      {"NoVoxelSize", no_voxels, internal, "voxels of no size"},
       {"DamagedLeaf",
        AlteredLeaf([](v1::PackedLeaf* leaf) { leaf->set_packed("garbage"); }),
        data_loss,
@@ -187,6 +178,21 @@ std::vector<HostileCase> BrokenContent() {
        AlteredDelta(1, [](Messages* delta) { (*delta)[0].mutable_delta()->clear_objects(); }),
        data_loss,
        "object 3, which is not there"},
+  };
+}
+
+std::vector<HostileCase> BrokenContent() {
+  const auto internal = absl::StatusCode::kInternal;
+  Messages no_voxels = Created(FirstMap());
+  no_voxels[0].mutable_created()->set_voxel_size_m(-0.05);
+  Messages future_event = Events(6, {1});
+  future_event[0].mutable_events()->mutable_events(0)->set_revision(7);
+  Messages odd_progress = Progress(6, "t6");
+  odd_progress[0].mutable_progress()->mutable_last_capture_time()->set_seconds(-1);
+  Messages odd_event = Events(6, {1});
+  odd_event[0].mutable_events()->mutable_events(0)->clear_type();
+  return {
+      {"NoVoxelSize", no_voxels, internal, "voxels of no size"},
       {"OddObject",
        AlteredDelta(1,
                     [](Messages* delta) {
@@ -247,6 +253,7 @@ const auto kCaseName = [](const ::testing::TestParamInfo<HostileCase>& info) {
 INSTANTIATE_TEST_SUITE_P(Order, HostileWatch, ::testing::ValuesIn(BrokenOrder()), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Deltas, HostileWatch, ::testing::ValuesIn(BrokenDeltas()), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Events, HostileWatch, ::testing::ValuesIn(BrokenEvents()), kCaseName);
+INSTANTIATE_TEST_SUITE_P(Leaves, HostileWatch, ::testing::ValuesIn(BrokenLeaves()), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Content, HostileWatch, ::testing::ValuesIn(BrokenContent()), kCaseName);
 
 // What a resumed stream says it goes on from must be what the watcher has.

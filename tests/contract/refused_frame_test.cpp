@@ -23,7 +23,7 @@ struct BrokenFrame {
 
 void PrintTo(const BrokenFrame& broken, std::ostream* stream) { *stream << broken.name; }
 
-std::vector<BrokenFrame> BrokenFrames() {
+std::vector<BrokenFrame> BrokenMetadata() {
   return {
       {"NoCaptureTime",
        [](v1::Frame* frame) { frame->clear_capture_time(); },
@@ -65,6 +65,11 @@ std::vector<BrokenFrame> BrokenFrames() {
        [](v1::Frame* frame) { frame->mutable_world_from_camera()->clear_orientation(); },
        "NOT_A_ROTATION",
        "world_from_camera.orientation"},
+  };
+}
+
+std::vector<BrokenFrame> BrokenDepth() {
+  return {
       {"NoDepth",
        [](v1::Frame* frame) { frame->clear_depth(); },
        "BAD_DEPTH_ENCODING",
@@ -105,6 +110,11 @@ std::vector<BrokenFrame> BrokenFrames() {
        },
        "BAD_DEPTH_ENCODING",
        "depth.data"},
+  };
+}
+
+std::vector<BrokenFrame> BrokenImages() {
+  return {
       {"LabelsWithoutEncoding",
        [](v1::Frame* frame) { frame->mutable_labels()->clear_encoding(); },
        "BAD_IMAGE_ENCODING",
@@ -139,12 +149,16 @@ class RefusedFrameTest : public ::testing::TestWithParam<BrokenFrame> {
   const UploadSession session_{service_.CreateMap("hall")};
 };
 
-INSTANTIATE_TEST_SUITE_P(Ways,
+constexpr auto kWayName = [](const ::testing::TestParamInfo<BrokenFrame>& way) {
+  return way.param.name;
+};
+
+INSTANTIATE_TEST_SUITE_P(Metadata,
                          RefusedFrameTest,
-                         ::testing::ValuesIn(BrokenFrames()),
-                         [](const ::testing::TestParamInfo<BrokenFrame>& way) {
-                           return way.param.name;
-                         });
+                         ::testing::ValuesIn(BrokenMetadata()),
+                         kWayName);
+INSTANTIATE_TEST_SUITE_P(Depth, RefusedFrameTest, ::testing::ValuesIn(BrokenDepth()), kWayName);
+INSTANTIATE_TEST_SUITE_P(Images, RefusedFrameTest, ::testing::ValuesIn(BrokenImages()), kWayName);
 
 TEST_P(RefusedFrameTest, IsRefusedAloneWithReasonAndFieldPath) {
   v1::FrameBatch batch = MakeBatch(1, 3);

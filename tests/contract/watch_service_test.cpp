@@ -135,12 +135,14 @@ class ToldLeaves {
 
 std::vector<std::uint64_t> IdsOf(const std::vector<v1::Object>& objects) {
   std::vector<std::uint64_t> ids;
+  ids.reserve(objects.size());
   for (const v1::Object& object : objects) ids.push_back(object.id());
   return ids;
 }
 
 std::vector<std::uint64_t> NumbersOf(const std::vector<v1::ObjectEvent>& events) {
   std::vector<std::uint64_t> numbers;
+  numbers.reserve(events.size());
   for (const v1::ObjectEvent& event : events) numbers.push_back(event.number());
   return numbers;
 }

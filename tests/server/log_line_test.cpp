@@ -41,7 +41,7 @@ TEST(FormatLogLine, KeepsUtf8AndReplacesWhatIsNone) {
     const std::string line = Json(broken);
     EXPECT_NE(line.find("\xEF\xBF\xBD"), std::string::npos);
     EXPECT_EQ(line.find('\x80'), std::string::npos);
-    EXPECT_EQ(line.find("\xC0"), std::string::npos);
+    EXPECT_EQ(line.find('\xC0'), std::string::npos);
   }
 }
 

@@ -41,7 +41,7 @@ TEST_P(StoreRetention, TrimByAgeCountsFromTheAppendByTheServersClock) {
 
 TEST_P(StoreRetention, TrimByBytesKeepsNoMoreThanAllowed) {
   MapRecord map = Create("hall");
-  map.frame_log_bytes = 64 * 4;
+  map.frame_log_bytes = std::uint64_t{64} * 4;
   Append(MakeAppend(map.key, 1, 10));
   Commit(map.key, MakeDelta(0, 10, {}));
   ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kNow, kForgetNone}).ok());

@@ -148,7 +148,7 @@ void FleetWatcher::RunStream() {
     // Told, never silent: begins anew.
     ++life_.gaps_told;
     changed_mind_ = true;
-    if (resyncs_) life_.broken.push_back("Resumable: no resync where one was asked for");
+    if (resyncs_) life_.broken.emplace_back("Resumable: no resync where one was asked for");
   } else if (!absl::IsUnavailable(status) && !absl::IsCancelled(status)) {
     life_.broken.push_back("a stream ended with " + status.ToString());
   }

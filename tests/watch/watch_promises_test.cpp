@@ -51,6 +51,7 @@ class PlantedFaults : public ::testing::Test {
     record_ = store_.CreateMap(MakeMapRecord("acme", "hall")).value();
     ASSERT_TRUE(store_.AppendFrames({MakeAppend(record_.key, 1, 30)}).ok());
     std::vector<LeafChange> leaves;
+    leaves.reserve(41);
     for (int i = 0; i < 40; ++i) leaves.push_back(MakeLeaf(i, 0, 0, static_cast<std::uint32_t>(i)));
     LeafChange owned = MakeLeaf(3, 0, 0, 77);
     owned.key.object = ObjectId(5);
