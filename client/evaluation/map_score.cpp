@@ -133,6 +133,13 @@ struct MapScorer::State {
     return map;
   }
 
+  // The surface of a map that is not true.
+  std::vector<SurfacePoint> WithoutTruth(std::vector<SurfacePoint> map) const {
+    std::erase_if(
+        map, [this](const SurfacePoint& point) { return truth.HasNear(point.position_world); });
+    return map;
+  }
+
   // Calls `judge(voxel, points of the map, points of the truth, whether there is unseen truth)` for
   // every voxel that counts.
   template <typename Function>
@@ -202,7 +209,8 @@ MapScore MapScorer::Score(const std::vector<SurfacePoint>& map) const {
       });
   score.ghosts = ShareNear(state_->vanished, state_->ground, map_index);
   score.kept = ShareNear(state_->remembered, state_->ground, map_index);
-  score.trail = ShareNear(state_->swept, state_->ground, map_index);
+  score.trail = ShareNear(
+      state_->swept, state_->ground, IndexOf(state_->WithoutTruth(scored), voxel_size_m()));
   return score;
 }
 

@@ -44,7 +44,9 @@ struct MapScore {
   SurfaceScore near;   ///< A voxel matches if the other side's surface comes within half a voxel.
   Share ghosts;  ///< Of the voxels of vanished surface, those where the map still has surface.
   Share kept;    ///< Of the voxels of surface only remembered, those where the map has surface.
-  Share trail;   ///< Of the voxels that moving things were seen in, those where it has surface.
+  /// Of the voxels that moving things were seen in, those where it has surface that is not true:
+  /// what they stood or rolled on may be there.
+  Share trail;
 
   MapScore& operator+=(const MapScore& other);
 };

@@ -122,6 +122,15 @@ TEST(MapScorer, CountsTheTrailOfWhatMovedThrough) {
   EXPECT_TRUE(std::isnan(MapScorer(WallReference()).Score(Wall(1.0, 5)).trail.value()));
 }
 
+TEST(MapScorer, WhatThingsMovedOnIsNoTrail) {
+  Reference reference = WallReference();
+  reference.swept = Wall(1.05, 4);
+  const MapScorer scorer(std::move(reference));
+  const MapScore score = scorer.Score(Wall(1.0, 5));
+  EXPECT_EQ(score.trail.whole, 16U);
+  EXPECT_EQ(score.trail.part, 0U);
+}
+
 TEST(MapScorer, CountsGhostsThatAreStillThere) {
   Reference reference = WallReference();
   reference.vanished = Wall(0.4, 4);
