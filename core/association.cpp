@@ -9,8 +9,11 @@
 namespace steadymap {
 namespace {
 
-constexpr float kFitBaseM = 0.045F;
-constexpr float kFitPerSquareMetre = 0.004F;
+constexpr double kFitBaseM = 0.045;
+constexpr double kFitPerSquareMetre = 0.004;
+
+// What lies further from a surface is another one, however fine the map.
+constexpr double kFitTruncations = 0.3;
 
 // A surface seen from behind is another one: the far side of a fence.
 constexpr double kMinSameSideCosine = 0.3;
@@ -62,7 +65,10 @@ class Claimant {
            const VoxelScale& scale,
            const Eigen::Isometry3d& T_volume_world,
            std::uint32_t owner)
-      : sampler_(volume, scale), T_volume_world_(T_volume_world), owner_(owner) {}
+      : sampler_(volume, scale),
+        truncation_m_(scale.truncation_m),
+        T_volume_world_(T_volume_world),
+        owner_(owner) {}
 
   void Claim(const SurfaceSample& sample, std::size_t index, Association* association) {
     const Eigen::Vector3d position = T_volume_world_ * sample.position_world.cast<double>();
@@ -70,7 +76,7 @@ class Claimant {
     const bool is_inner = sampler_.SampleDistance(position, &distance_m);
     if (!is_inner && !sampler_.SampleNearest(position, &distance_m)) return;
     const double magnitude_m = std::abs(distance_m);
-    const auto tolerance_m = static_cast<double>(FitTolerance(sample.depth_m));
+    const double tolerance_m = FitTolerance(sample.depth_m, truncation_m_);
     if (is_inner && distance_m > tolerance_m) association->is_in_front[index] = 1;
     if (magnitude_m > tolerance_m ||
         (association->owner[index] != Association::kNone &&
@@ -85,6 +91,7 @@ class Claimant {
 
  private:
   TsdfSampler sampler_;
+  double truncation_m_;
   Eigen::Isometry3d T_volume_world_;
   std::uint32_t owner_;
 };
@@ -118,7 +125,10 @@ void OfferObject(const SampleGrid& samples,
 
 }  // namespace
 
-float FitTolerance(float depth_m) { return kFitBaseM + kFitPerSquareMetre * depth_m * depth_m; }
+double FitTolerance(float depth_m, double truncation_m) {
+  const auto depth = static_cast<double>(depth_m);
+  return std::min(kFitBaseM, kFitTruncations * truncation_m) + kFitPerSquareMetre * depth * depth;
+}
 
 Box ReachOfView(const SemanticCloud& cloud, double max_range_m) {
   const Eigen::Vector3d camera_world = cloud.T_world_camera().translation();

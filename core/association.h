@@ -45,8 +45,9 @@ std::vector<ObjectInView> FindObjectsInView(const std::vector<TrackedObject*>& o
                                             const SampleGrid& samples,
                                             double max_range_m);
 
-/// How far a sample may lie from the surface that explains it, metres: sensor noise and pose error.
-float FitTolerance(float depth_m);
+/// How far a sample may lie from the surface that explains it, metres: sensor noise and pose error,
+/// and no more than a map with this truncation tells apart.
+double FitTolerance(float depth_m, double truncation_m);
 
 /// Gives each sample to the object, or the background, on whose surface it lies where it stands
 /// (identity first: nothing is moved). Where several qualify: the closest. `clusters` say

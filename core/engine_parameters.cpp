@@ -1,5 +1,7 @@
 #include "core/engine_parameters.h"
 
+#include <algorithm>
+
 #include "core/paper_mapper.h"
 
 namespace steadymap {
@@ -47,6 +49,11 @@ void FollowPaperInJudgement(const EngineSwitches& switches,
 ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitches& switches) {
   const PaperParameters paper;
   ObjectMapperParameters parameters;
+  // The smallest things are those of a warehouse; a finer map is of smaller ones.
+  const double finer = std::min(1.0, config.truncation_m / VoxelScale().truncation_m);
+  parameters.min_new_area_m2 *= finer * finer;
+  parameters.min_seen_area_m2 *= finer * finer;
+  parameters.visibility.truncation_m = config.truncation_m;
   parameters.guard.is_on = switches.robot_guard;
   FollowPaperInAssociation(switches, paper, &parameters.clusters);
   FollowPaperInVisibility(switches, paper, config, &parameters.visibility);

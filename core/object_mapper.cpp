@@ -233,7 +233,8 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
     const ObjectState& state = in_view_[contact.owner - 1].object->state();
     if (state.standing == ObjectStanding::kArchived) continue;
     if (is_free && !IsRecent(state)) continue;
-    if (is_small || state.class_id.value() == observation.label) return contact.owner;
+    const bool is_one_thing = is_small && observation.instance == 0;
+    if (is_one_thing || state.class_id.value() == observation.label) return contact.owner;
   }
   if (observation.area_m2 < parameters_.min_seen_area_m2) return Association::kNone;
   return AddObject(observation);

@@ -1,5 +1,8 @@
 #include "core/semantic_cloud.h"
 
+#include <cstddef>
+#include <map>
+
 namespace steadymap {
 
 SemanticCloud::SemanticCloud(const MapConfig& config, bool drops_dynamic)
@@ -16,10 +19,11 @@ void SemanticCloud::Compute(const Frame& frame) {
   T_world_camera_ = frame.T_world_camera;
   has_color_ = !frame.color.empty();
   ComputeSurface(frame);
-  DropDynamicClasses(frame);
-  AddColors(frame);
   TakeCorners(frame.labels, &labels_);
   TakeCorners(frame.instances, &instances_);
+  DropDynamicClasses(frame);
+  DropDynamicInstances();
+  AddColors(frame);
 }
 
 void SemanticCloud::ComputeSurface(const Frame& frame) {
@@ -67,6 +71,20 @@ void SemanticCloud::DropDynamicClasses(const Frame& frame) {
         row_cells[column].weight = 0.0F;
       }
     }
+  }
+}
+
+/// A spot of another class on a moving thing moves with it.
+void SemanticCloud::DropDynamicInstances() {
+  if (labels_.empty() || instances_.empty() || !any_dynamic_) return;
+  std::map<std::uint16_t, std::ptrdiff_t> majority;  // Dynamic cells less others.
+  for (std::size_t i = 0; i < instances_.size(); ++i) {
+    if (instances_[i] != 0) majority[instances_[i]] += is_dynamic_[labels_[i]] != 0 ? 1 : -1;
+  }
+  std::erase_if(majority, [](const auto& instance) { return instance.second <= 0; });
+  if (majority.empty()) return;
+  for (std::size_t i = 0; i < instances_.size(); ++i) {
+    if (majority.contains(instances_[i])) cells_[i].weight = 0.0F;
   }
 }
 

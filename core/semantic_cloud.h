@@ -64,6 +64,7 @@ class SemanticCloud {
 
   void ComputeSurface(const Frame& frame);
   void DropDynamicClasses(const Frame& frame);
+  void DropDynamicInstances();
   void AddColors(const Frame& frame);
   void TakeCorners(const Image<std::uint16_t>& image, std::vector<std::uint16_t>* corners) const;
 

@@ -112,11 +112,11 @@ const SurfaceSample* VisibilityTest::FindPresent(const TrackedObject& object,
                                                  const Eigen::Vector3f& point_world,
                                                  float depth_m) const {
   const float reach_m = kPresentReachM + kPresentReachPerMetre * depth_m;
+  const auto fit_m = static_cast<float>(FitTolerance(depth_m, parameters_.truncation_m));
   const auto shows_point = [&](const SurfaceSample& sample) {
     if (!sample.is_valid() || sample.label != object.state().class_id.value()) return false;
     const Eigen::Vector3f way = point_world - sample.position_world;
-    return way.squaredNorm() < reach_m * reach_m &&
-           std::abs(way.dot(sample.normal_world)) < FitTolerance(depth_m);
+    return way.squaredNorm() < reach_m * reach_m && std::abs(way.dot(sample.normal_world)) < fit_m;
   };
   if (shows_point(samples_.At(column, row))) return &samples_.At(column, row);
   for (int v = std::max(row - 1, 0); v <= std::min(row + 1, samples_.height() - 1); ++v) {

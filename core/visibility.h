@@ -76,6 +76,8 @@ struct ObjectVerdict {
 struct VisibilityParameters {
   /// Objects are judged up to this depth, metres.
   double max_depth_m = 5.0;
+  /// Of the map, metres.
+  double truncation_m = 0.15;
   /// False: the paper, where an object that nothing was matched with is gone if enough of its
   /// points lie in the frustum, hidden or not, ...
   bool is_by_depth = true;

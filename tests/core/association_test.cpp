@@ -92,6 +92,13 @@ TEST(AssociateSamples, LeavesWhatStandsInFrontToNobodyAndSaysSo) {
   EXPECT_GT(in_front, 500U);
 }
 
+TEST(FitTolerance, IsThatOfTheSensorUnlessTheMapIsFiner) {
+  EXPECT_DOUBLE_EQ(FitTolerance(0.0F, 0.15), 0.045);
+  EXPECT_DOUBLE_EQ(FitTolerance(0.0F, 0.6), 0.045);
+  EXPECT_DOUBLE_EQ(FitTolerance(0.0F, 0.06), 0.018);
+  EXPECT_GT(FitTolerance(3.0F, 0.15), FitTolerance(1.0F, 0.15));
+}
+
 TEST(ReleaseSamples, LeavesThemToNobodyAsNewSurface) {
   TrackedObject first = NewObject(1);
   GiveWall(2.0, &first);

@@ -92,6 +92,19 @@ TEST(ObjectMapper, KnowsAPostOfWhichNoFrameShowsMuch) {
   EXPECT_NEAR(story.Present(kRackClass)[0]->cuboid.size_m.z(), 0.8, 0.11);
 }
 
+TEST(ObjectMapper, KnowsSmallThingsInAFineMapAlone) {
+  const Scene scene = {FarWall(), Body(kGoodsClass, {1.3, -0.06, -0.06}, {1.42, 0.06, 0.06})};
+  MapStory coarse(PocdConfig());
+  coarse.Look(scene, 10);
+  EXPECT_EQ(coarse.Present(kGoodsClass).size(), 0U);
+  MapConfig config = PocdConfig();
+  config.voxel_size_m = 0.02;
+  config.truncation_m = 0.06;
+  MapStory fine(config);
+  fine.Look(scene, 10);
+  EXPECT_EQ(fine.Present(kGoodsClass).size(), 1U);
+}
+
 TEST(ObjectMapper, KnowsAPanelAgainByTheLittleThatShowsOfIt) {
   const SceneBody panel = Body(kWallClass, {2.0, -0.6, -0.6}, {2.1, 0.6, 0.6});
   const SceneBody goods = Body(kGoodsClass, {1.5, -0.9, -1.5}, {1.9, 0.9, 0.40});

@@ -1,0 +1,90 @@
+#include "core/semantic_cloud.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <gtest/gtest.h>
+
+#include "core/map_config.h"
+#include "tests/support/analytic_scene.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::RenderScene;
+
+constexpr std::uint16_t kWall = 4;
+constexpr std::uint16_t kGoods = 7;
+constexpr std::uint16_t kPerson = 13;
+constexpr std::uint16_t kPersonInstance = 21;
+
+/// A person before a wall, with an instance id, the upper part of which is taken for goods.
+Frame PersonWithSpot(double goods_share) {
+  Frame frame = RenderScene({Body(kWall, {3.0, -4.0, -4.0}, {3.2, 4.0, 4.0}),
+                             Body(kPerson, {1.8, -0.4, -0.8}, {2.0, 0.4, 0.8})},
+                            {});
+  frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px);
+  int first = frame.camera.height_px;
+  int last = 0;
+  for (int v = 0; v < frame.camera.height_px; ++v) {
+    for (int u = 0; u < frame.camera.width_px; ++u) {
+      if (frame.labels.At(u, v) != kPerson) continue;
+      frame.instances.At(u, v) = kPersonInstance;
+      first = std::min(first, v);
+      last = std::max(last, v);
+    }
+  }
+  for (int v = first; v < first + static_cast<int>(goods_share * (last - first)); ++v) {
+    for (int u = 0; u < frame.camera.width_px; ++u) {
+      if (frame.labels.At(u, v) == kPerson) frame.labels.At(u, v) = kGoods;
+    }
+  }
+  return frame;
+}
+
+std::size_t CountFused(const SemanticCloud& cloud, std::uint16_t instance, std::uint16_t label) {
+  std::size_t count = 0;
+  for (int row = 0; row < cloud.cells_high(); ++row) {
+    for (int column = 0; column < cloud.cells_wide(); ++column) {
+      count += cloud.InstanceAt(column, row) == instance && cloud.LabelAt(column, row) == label &&
+                       cloud.At(column, row).weight > 0.0F
+                   ? 1U
+                   : 0U;
+    }
+  }
+  return count;
+}
+
+TEST(SemanticCloud, ASpotOfAnotherClassOnAMovingThingIsNotFused) {
+  SemanticCloud cloud{MapConfig()};
+  cloud.Compute(PersonWithSpot(0.3));
+  EXPECT_EQ(CountFused(cloud, kPersonInstance, kGoods), 0U);
+  EXPECT_EQ(CountFused(cloud, kPersonInstance, kPerson), 0U);
+  EXPECT_GT(CountFused(cloud, 0, kWall), 500U);
+}
+
+TEST(SemanticCloud, AThingOfWhichLessThanHalfMovesIsFusedButForThat) {
+  SemanticCloud cloud{MapConfig()};
+  cloud.Compute(PersonWithSpot(0.8));
+  EXPECT_GT(CountFused(cloud, kPersonInstance, kGoods), 100U);
+  EXPECT_EQ(CountFused(cloud, kPersonInstance, kPerson), 0U);
+}
+
+TEST(SemanticCloud, WithoutInstancesASpotIsWhatItsLabelSays) {
+  Frame frame = PersonWithSpot(0.3);
+  frame.instances = {};
+  SemanticCloud cloud{MapConfig()};
+  cloud.Compute(frame);
+  EXPECT_GT(CountFused(cloud, 0, kGoods), 50U);
+}
+
+TEST(SemanticCloud, MovingThingsAreFusedWhereThatIsAskedFor) {
+  SemanticCloud cloud(MapConfig(), /*drops_dynamic=*/false);
+  cloud.Compute(PersonWithSpot(0.3));
+  EXPECT_GT(CountFused(cloud, kPersonInstance, kPerson), 100U);
+}
+
+}  // namespace
+}  // namespace steadymap
