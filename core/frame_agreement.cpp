@@ -153,7 +153,7 @@ class PatchGrid {
   std::size_t wide_;
   std::size_t high_;
   std::vector<Patch> patches_;
-  double reach_m_ = kMaxLookM;  ///< Nothing that is further away matters.
+  double reach_m_ = static_cast<double>(kMaxLookM);  ///< Nothing that is further away matters.
 };
 
 }  // namespace

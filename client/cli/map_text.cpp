@@ -128,8 +128,8 @@ void WriteMapJson(const v1::Map& map, JsonWriter* json) {
   json->Key("incarnation").Text(map.incarnation());
   json->Key("byte_budget").Integer(map.byte_budget());
   json->Key("max_commit_delay_ms")
-      .Integer(map.max_commit_delay().seconds() * 1000 +
-               map.max_commit_delay().nanos() / 1'000'000);
+      .Integer(static_cast<std::uint64_t>(map.max_commit_delay().seconds() * 1000 +
+                                          map.max_commit_delay().nanos() / 1'000'000));
   json->Key("config");
   WriteConfigJson(map.config(), json);
   json->Key("state");

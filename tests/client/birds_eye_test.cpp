@@ -9,9 +9,12 @@
 #include "client/birds_eye_objects.h"
 #include "client/height_ramp.h"
 #include "client/picture_style.h"
+#include "tests/support/special_numbers.h"
 
 namespace steadymap {
 namespace {
+
+using ::steadymap::testing::kNan;
 
 constexpr Rgb kInk = {45, 48, 54};
 
@@ -210,7 +213,7 @@ TEST(DrawBirdsEye, SurvivesVerticesThatAreNotFinite) {
   Mesh mesh = Room();
   mesh.vertices_world[0].x() = std::numeric_limits<float>::quiet_NaN();
   mesh.vertices_world[5].z() = std::numeric_limits<float>::infinity();
-  const BirdsEyePicture picture = DrawBirdsEye(mesh, {{"r", {{NAN, 0, 0}, {1, 1, 0}}}}, {});
+  const BirdsEyePicture picture = DrawBirdsEye(mesh, {{"r", {{kNan, 0, 0}, {1, 1, 0}}}}, {});
   EXPECT_TRUE(std::isfinite(picture.view.metres_per_px));
 }
 
@@ -270,7 +273,7 @@ TEST(DrawBirdsEye, AGhostIsABrokenOutlineUnderWhatStandsThere) {
 }
 
 TEST(DrawBirdsEye, TheViewHoldsAllObjectsThatAreFinite) {
-  ObjectMark nowhere = Crate(NAN, 0.0, 0.0, 0.5);
+  ObjectMark nowhere = Crate(kNan, 0.0, 0.0, 0.5);
   const BirdsEyePicture picture =
       DrawBirdsEye(Room(), {}, {Crate(9.0, 7.0, 0.3, 0.5), nowhere}, {});
   const Eigen::Vector2d corner = picture.view.PixelOf({9.4, 7.3});

@@ -17,7 +17,7 @@ constexpr PinholeCamera kSmallCamera = {160, 90, 115.0, 116.0, 81.3, 44.4};
 constexpr double kRelativeTolerance = 3e-6;
 
 double DepthAt(const SurfaceImage& image, int u, int v) {
-  const double inverse = double{image.pixels.inverse_depth_per_m.At(u, v)};
+  const auto inverse = static_cast<double>(image.pixels.inverse_depth_per_m.At(u, v));
   return inverse > 0 ? 1 / inverse : 0.0;
 }
 

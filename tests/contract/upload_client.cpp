@@ -51,7 +51,7 @@ std::optional<v1::UploadFramesResponse> UploadClient::Read() {
   v1::UploadFramesResponse response;
   if (!stream_->Read(&response)) return std::nullopt;
   if (response.has_ack()) {
-    acks_[response.ack().level()] = response.ack();
+    acks_[static_cast<std::size_t>(response.ack().level())] = response.ack();
     for (const v1::RefusedFrame& refused : response.ack().refused()) refused_.push_back(refused);
   }
   if (response.has_credit()) {
@@ -62,10 +62,10 @@ std::optional<v1::UploadFramesResponse> UploadClient::Read() {
 }
 
 std::optional<v1::UploadAck> UploadClient::ReadUntil(v1::AckLevel level, std::uint64_t client_seq) {
-  while (acks_[level].client_seq() < client_seq) {
+  while (newest(level).client_seq() < client_seq) {
     if (!Read()) return std::nullopt;
   }
-  return acks_[level];
+  return newest(level);
 }
 
 void UploadClient::HalfClose() { stream_->WritesDone(); }

@@ -60,7 +60,9 @@ class UploadClient {
   const std::vector<v1::RefusedFrame>& refused() const { return refused_; }
 
   /// The newest acknowledgement at `level`.
-  const v1::UploadAck& newest(v1::AckLevel level) const { return acks_[level]; }
+  const v1::UploadAck& newest(v1::AckLevel level) const {
+    return acks_[static_cast<std::size_t>(level)];
+  }
 
   /// Credit got since the start.
   const v1::UploadCredit& credit() const { return credit_; }

@@ -107,7 +107,7 @@ TEST(DecodeColor, ReadsColourAndGreyJpegWithinItsLoss) {
     const auto decoded = DecodeColor(
         MakeJpeg({40, 30, 3, {200, 90, 30}, progressive}), ColorEncoding::kJpeg, 40, 30);
     ASSERT_TRUE(decoded.ok()) << decoded.status();
-    for (int channel = 0; channel < 3; ++channel) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
       EXPECT_NEAR(decoded->At(17, 11)[channel], (Rgb{200, 90, 30})[channel], 3);
     }
   }

@@ -133,7 +133,7 @@ TEST_F(MapEditsTest, APatchLeavesTheOtherVoxelsOfItsLeaf) {
     }
     return PackLeaf(ViewOf(voxels), map_.scale);
   };
-  for (const std::uint64_t owner : {0, 5}) {
+  for (const std::uint64_t owner : {0U, 5U}) {
     MapEdits edits(&map_);
     if (owner != 0) edits.SetState(StateOf(owner, 1));
     ASSERT_TRUE(edits.StoreLeaf({ObjectId(owner), kOrigin}, leaf_of({3}, 9)).ok());
@@ -153,7 +153,7 @@ TEST_F(MapEditsTest, APatchLeavesTheOtherVoxelsOfItsLeaf) {
 TEST_F(MapEditsTest, APatchOfWhatIsNotThereIsRefused) {
   MapEdits edits(&map_);
   edits.SetState(StateOf(5, 1));
-  for (const std::uint64_t owner : {0, 5, 9}) {
+  for (const std::uint64_t owner : {0U, 5U, 9U}) {
     const LeafKey key{ObjectId(owner), kOrigin};
     EXPECT_EQ(edits.PatchLeaf(key, light_).code(), absl::StatusCode::kDataLoss);
     EXPECT_EQ(edits.PatchLeaf(key, "garbage").code(), absl::StatusCode::kDataLoss);

@@ -62,7 +62,7 @@ TEST(Mapper, GivesTheSameMapWhereverCommitsFall) {
   const std::vector<Frame> frames = CircleFrames(12);
   const std::string reference = Vdb(*Map(frames, 1).back().snapshot);
   EXPECT_GT(reference.size(), 10'000U);
-  for (const std::size_t frames_per_commit : {2, 5, 12}) {
+  for (const std::size_t frames_per_commit : {2U, 5U, 12U}) {
     EXPECT_EQ(Vdb(*Map(frames, frames_per_commit).back().snapshot), reference);
   }
 }
