@@ -11,7 +11,7 @@
 namespace steadymap {
 
 LogTrimmer::LogTrimmer(const MapDirectory* maps,
-                       const WatchHub* watches,
+                       WatchHub* watches,
                        Store* store,
                        const RetentionOptions& options)
     : maps_(maps), watches_(watches), store_(store), options_(options), thread_([this] {
@@ -30,6 +30,7 @@ void LogTrimmer::Run() {
   Heartbeat::Clock::time_point due = Heartbeat::Clock::now() + options_.trim_interval;
   while (!AwaitStop()) {
     heartbeat_.Beat();
+    watches_->CancelStalled();
     if (Heartbeat::Clock::now() < due) continue;
     TrimAll();
     due = Heartbeat::Clock::now() + options_.trim_interval;

@@ -15,11 +15,12 @@ namespace steadymap {
 
 /// Applies retention now and then: one thread goes through all maps, drops from their logs what is
 /// integrated and no longer wanted, and forgets upload sessions that have been idle for too long.
+/// It also cancels watches that have stalled.
 class LogTrimmer {
  public:
   /// Starts the thread. What it is given must outlive it.
   LogTrimmer(const MapDirectory* maps,
-             const WatchHub* watches,
+             WatchHub* watches,
              Store* store,
              const RetentionOptions& options);
 
@@ -37,7 +38,7 @@ class LogTrimmer {
   bool AwaitStop() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const MapDirectory* const maps_;
-  const WatchHub* const watches_;
+  WatchHub* const watches_;
   Store* const store_;
   const RetentionOptions options_;
   absl::Mutex mutex_;

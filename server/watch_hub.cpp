@@ -44,13 +44,13 @@ void WatchHub::Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) {
 }
 
 void WatchHub::OnCommit(MapKey map) {
+  for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) watch->Wake();
+}
+
+void WatchHub::CancelStalled() {
   const absl::Time stalled = absl::Now() - surroundings_.stall_timeout;
-  for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) {
-    if (watch->sending_since() < stalled) {
-      watch->Cancel();
-    } else {
-      watch->Wake();
-    }
+  for (const std::shared_ptr<ActiveWatch>& watch : All()) {
+    if (watch->sending_since() < stalled) watch->Cancel();
   }
 }
 

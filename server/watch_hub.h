@@ -55,7 +55,7 @@ class WatchHub {
   struct Surroundings {
     Store* store = nullptr;
     std::size_t max_watches = 0;
-    /// A watch that takes a message for longer than this is cancelled.
+    /// A watch that takes a message for longer than this has stalled.
     absl::Duration stall_timeout = absl::InfiniteDuration();
   };
 
@@ -67,8 +67,11 @@ class WatchHub {
   /// With the last watch of a map goes all that was kept for them.
   void Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The map has published a revision: wakes its watches, and cancels those that have stalled.
+  /// The map has published a revision: wakes its watches.
   void OnCommit(MapKey map) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Cancels the watches that have stalled; to be called now and then.
+  void CancelStalled() ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// The revision of the watch that is furthest behind; none without watches.
   std::optional<Revision> OldestWatched(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);

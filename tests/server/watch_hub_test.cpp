@@ -1,0 +1,108 @@
+#include "server/watch_hub.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace steadymap {
+namespace {
+
+constexpr MapKey kHall{1};
+constexpr MapKey kYard{2};
+
+/// A watch that notes what it is told.
+class NotingWatch final : public ActiveWatch {
+ public:
+  void Wake() override { ++wakes; }
+
+  void Drain() override { ++drains; }
+
+  void End(const absl::Status& status) override { ended = status; }
+
+  void Cancel() override { ++cancels; }
+
+  Revision revision() const override { return has; }
+
+  absl::Time sending_since() const override { return since; }
+
+  int wakes = 0;
+  int drains = 0;
+  int cancels = 0;
+  absl::Status ended;
+  Revision has;
+  absl::Time since = absl::InfiniteFuture();
+};
+
+class WatchHubTest : public ::testing::Test {
+ protected:
+  std::shared_ptr<NotingWatch> Enter(MapKey map) {
+    auto watch = std::make_shared<NotingWatch>();
+    EXPECT_TRUE(hub_.Enter(map, watch).ok());
+    return watch;
+  }
+
+  WatchHub hub_{{.store = nullptr, .max_watches = 3, .stall_timeout = absl::Seconds(60)}};
+};
+
+TEST_F(WatchHubTest, ACommitWakesTheWatchesOfItsMapAlone) {
+  const auto hall = Enter(kHall);
+  const auto yard = Enter(kYard);
+  hub_.OnCommit(kHall);
+  EXPECT_EQ(hall->wakes, 1);
+  EXPECT_EQ(yard->wakes, 0);
+}
+
+TEST_F(WatchHubTest, CancelsWhoTakesAMessageForTooLong) {
+  const auto stalled = Enter(kHall);
+  const auto slow = Enter(kHall);
+  const auto idle = Enter(kYard);
+  stalled->since = absl::Now() - absl::Seconds(61);
+  slow->since = absl::Now() - absl::Seconds(30);
+  hub_.CancelStalled();
+  EXPECT_EQ(stalled->cancels, 1);
+  EXPECT_EQ(slow->cancels, 0);
+  EXPECT_EQ(idle->cancels, 0);
+}
+
+TEST_F(WatchHubTest, TakesNoMoreThanItsLimit) {
+  const auto first = Enter(kHall);
+  Enter(kHall);
+  Enter(kYard);
+  const absl::Status full = hub_.Enter(kYard, std::make_shared<NotingWatch>());
+  EXPECT_EQ(full.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ReasonOf(full), reason::kQueueFull);
+  hub_.Leave(kHall, first);
+  EXPECT_EQ(hub_.watch_count(), 2U);
+  EXPECT_TRUE(hub_.Enter(kYard, std::make_shared<NotingWatch>()).ok());
+}
+
+TEST_F(WatchHubTest, KnowsWhoIsFurthestBehind) {
+  EXPECT_FALSE(hub_.OldestWatched(kHall).has_value());
+  Enter(kHall)->has = Revision(9);
+  Enter(kHall)->has = Revision(4);
+  Enter(kYard)->has = Revision(1);
+  EXPECT_EQ(hub_.OldestWatched(kHall), Revision(4));
+}
+
+TEST_F(WatchHubTest, DrainingAsksAllToGoAndLetsNobodyIn) {
+  const auto watch = Enter(kHall);
+  hub_.Drain();
+  EXPECT_EQ(watch->drains, 1);
+  EXPECT_EQ(ReasonOf(hub_.Enter(kHall, std::make_shared<NotingWatch>())), reason::kDraining);
+  EXPECT_FALSE(hub_.AwaitEmpty(absl::Now()));
+  hub_.Leave(kHall, watch);
+  EXPECT_TRUE(hub_.AwaitEmpty(absl::Now()));
+}
+
+TEST_F(WatchHubTest, TheEndOfAMapEndsItsWatches) {
+  const auto hall = Enter(kHall);
+  const auto yard = Enter(kYard);
+  hub_.EndMap(kHall, absl::NotFoundError("gone"));
+  EXPECT_TRUE(absl::IsNotFound(hall->ended));
+  EXPECT_TRUE(yard->ended.ok());
+}
+
+}  // namespace
+}  // namespace steadymap
