@@ -24,8 +24,10 @@ class Backoff {
   /// Equal seeds give equal delays.
   Backoff(const BackoffOptions& options, std::uint64_t seed);
 
-  /// The next delay; none once the delays since the last success exceed `give_up_after`.
-  std::optional<std::chrono::milliseconds> NextDelay();
+  /// The next delay, on top of what a server `asked` for, so that its clients do not all come back
+  /// at once; none once the delays since the last success exceed `give_up_after`.
+  std::optional<std::chrono::milliseconds> NextDelay(
+      std::chrono::milliseconds asked = std::chrono::milliseconds(0));
 
   /// Notes a success: the delays start over.
   void Reset();

@@ -197,12 +197,10 @@ std::optional<WatchOpening> MapWatch::NextOpening(const StreamEnd& end, WatchOpe
 
 // Returns whether to try again.
 bool MapWatch::WaitBeforeRetry(const absl::Status& status, Backoff* backoff) {
-  std::optional<std::chrono::milliseconds> delay = backoff->NextDelay();
+  const std::chrono::milliseconds asked(RetryDelayMsOf(status));
+  const std::optional<std::chrono::milliseconds> delay =
+      backoff->NextDelay(sequence_.reconnect_after().value_or(asked));
   if (!delay) return false;
-  if (sequence_.reconnect_after()) {
-    // The server's word is the least; the jitter comes on top of it.
-    delay = *sequence_.reconnect_after() + *delay;
-  }
   consumer_->OnState({WatchState::kReconnecting, status, *delay});
   if (options_.sleep) options_.sleep(*delay);
   const absl::MutexLock lock(&mutex_);

@@ -94,7 +94,8 @@ void FrameUploader::Session::Run() {
 
 // Returns whether to try again.
 bool FrameUploader::Session::WaitBeforeRetry(const absl::Status& status, Backoff* backoff) {
-  const std::optional<std::chrono::milliseconds> delay = backoff->NextDelay();
+  const std::chrono::milliseconds asked(RetryDelayMsOf(status));
+  const std::optional<std::chrono::milliseconds> delay = backoff->NextDelay(asked);
   if (!delay) return false;
   if (options_.on_retry) options_.on_retry(status, *delay);
   if (options_.sleep) options_.sleep(*delay);

@@ -1,5 +1,7 @@
 #include "core/error.h"
 
+#include <charconv>
+
 #include <absl/strings/cord.h>
 
 #include "core/absl_text.h"
@@ -9,6 +11,7 @@ namespace {
 
 constexpr char kReasonUrl[] = "steadymap/reason";
 constexpr char kFieldUrl[] = "steadymap/field";
+constexpr char kRetryDelayUrl[] = "steadymap/retry_delay_ms";
 
 std::string PayloadOf(const absl::Status& status, const char* url) {
   const absl::optional<absl::Cord> payload = status.GetPayload(url);
@@ -36,6 +39,18 @@ absl::Status InvalidField(std::string_view reason,
 std::string ReasonOf(const absl::Status& status) { return PayloadOf(status, kReasonUrl); }
 
 std::string FieldOf(const absl::Status& status) { return PayloadOf(status, kFieldUrl); }
+
+absl::Status WithRetryDelay(absl::Status status, std::int64_t delay_ms) {
+  status.SetPayload(kRetryDelayUrl, absl::Cord(std::to_string(delay_ms)));
+  return status;
+}
+
+std::int64_t RetryDelayMsOf(const absl::Status& status) {
+  const std::string text = PayloadOf(status, kRetryDelayUrl);
+  std::int64_t delay_ms = 0;
+  std::from_chars(text.data(), text.data() + text.size(), delay_ms);
+  return delay_ms;
+}
 
 absl::Status WithFieldPrefix(const absl::Status& status, std::string_view prefix) {
   const std::string field = FieldOf(status);

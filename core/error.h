@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -59,6 +60,13 @@ std::string ReasonOf(const absl::Status& status);
 
 /// The field path of a status made by `MakeError`; empty where none was given.
 std::string FieldOf(const absl::Status& status);
+
+/// The status with the word of whoever made it that another try makes sense after so many
+/// milliseconds, >= 0. OK comes back unchanged.
+absl::Status WithRetryDelay(absl::Status status, std::int64_t delay_ms);
+
+/// That word; 0 where there is none.
+std::int64_t RetryDelayMsOf(const absl::Status& status);
 
 /// Prefixes the field path of `status` with `prefix` and a dot (no dot before `[`). OK and statuses
 /// without a field path come back unchanged.

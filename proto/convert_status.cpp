@@ -1,9 +1,11 @@
 #include "proto/convert_status.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/error.h"
 
@@ -31,6 +33,8 @@ constexpr std::array kRetryDelays = {RetryDelay{reason::kQueueFull, 1},
 // The message travels three times in trailers, of which gRPC takes 8 KiB by default.
 constexpr std::size_t kMaxMessageBytes = 1000;
 
+constexpr std::int64_t kMaxRetryDelayS = 600;
+
 /// The text without what could break the trailer. A message may quote a request, and a cut through
 /// a character of several bytes would make the details unreadable.
 std::string TrailerText(const absl::Status& status) {
@@ -48,6 +52,13 @@ void AddRetryInfo(std::string_view reason, google::rpc::Status* message) {
     info.mutable_retry_delay()->set_seconds(delay.seconds);
     message->add_details()->PackFrom(info);
   }
+}
+
+/// What a server asks for, in [0, 10 min].
+std::int64_t ReadDelayMs(const google::protobuf::Duration& delay) {
+  const std::int64_t seconds = std::clamp(delay.seconds(), std::int64_t{0}, kMaxRetryDelayS);
+  const std::int64_t ms = 1000 * seconds + delay.nanos() / 1'000'000;
+  return std::clamp(ms, std::int64_t{0}, 1000 * kMaxRetryDelayS);
 }
 
 }  // namespace
@@ -80,17 +91,22 @@ absl::Status FromProto(const google::rpc::Status& message) {
       known ? static_cast<absl::StatusCode>(message.code()) : absl::StatusCode::kUnknown;
   std::string reason;
   std::string field;
+  std::int64_t retry_delay_ms = 0;
   for (const google::protobuf::Any& detail : message.details()) {
     google::rpc::ErrorInfo info;
     google::rpc::BadRequest bad_request;
+    google::rpc::RetryInfo retry;
     if (detail.UnpackTo(&info)) {
       if (info.domain() == kDomain) reason = info.reason();
     } else if (detail.UnpackTo(&bad_request) && bad_request.field_violations_size() > 0) {
       field = bad_request.field_violations(0).field();
+    } else if (detail.UnpackTo(&retry)) {
+      retry_delay_ms = ReadDelayMs(retry.retry_delay());
     }
   }
   if (reason.empty()) return {code, message.message()};
-  return MakeError(code, reason, message.message(), field);
+  absl::Status status = MakeError(code, reason, message.message(), field);
+  return retry_delay_ms > 0 ? WithRetryDelay(std::move(status), retry_delay_ms) : status;
 }
 
 }  // namespace steadymap

@@ -12,8 +12,9 @@ namespace steadymap {
 /// ASCII becomes a question mark. Pure, any thread.
 google::rpc::Status ToProto(const absl::Status& status);
 
-/// The same the other way: code, message, reason and field path; RetryInfo is dropped. A code that
-/// is none becomes `Unknown`; details of other domains are ignored.
+/// The same the other way: code, message, reason, field path and, of at most 10 min, the delay
+/// until another try (`RetryDelayMsOf`). A code that is none becomes `Unknown`; details of other
+/// domains are ignored.
 absl::Status FromProto(const google::rpc::Status& message);
 
 }  // namespace steadymap

@@ -22,6 +22,18 @@ TEST(Backoff, DelaysDoubleUpToTheLargest) {
                                        milliseconds(50)}));
 }
 
+TEST(Backoff, WhatAServerAsksForComesOnTop) {
+  Backoff backoff({.first_delay = milliseconds(10),
+                   .max_delay = milliseconds(50),
+                   .jitter = 0.0,
+                   .give_up_after = milliseconds(3'000)},
+                  1);
+  EXPECT_EQ(backoff.NextDelay(milliseconds(1'000)), milliseconds(1'010));
+  EXPECT_EQ(backoff.NextDelay(), milliseconds(20));
+  EXPECT_EQ(backoff.NextDelay(milliseconds(2'000)), milliseconds(2'040));
+  EXPECT_FALSE(backoff.NextDelay()) << "it counts";
+}
+
 TEST(Backoff, JitterStaysWithinItsShareAndVaries) {
   const BackoffOptions options{.first_delay = milliseconds(1'000),
                                .max_delay = milliseconds(1'000),

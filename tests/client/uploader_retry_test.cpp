@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "proto/convert_status.h"
 #include "proto/grpc_status.h"
 #include "tests/client/upload_harness.h"
 
@@ -49,7 +50,9 @@ TEST_P(PassingFailure, IsRetried) {
                          }});
   const absl::StatusOr<UploadSummary> summary = harness.Upload(3);
   ASSERT_TRUE(summary.ok()) << summary.status();
-  EXPECT_EQ(harness.delays.size(), 1U);
+  ASSERT_EQ(harness.delays.size(), 1U);
+  EXPECT_GE(harness.delays[0], milliseconds(RetryDelayMsOf(FromProto(ToProto(GetParam())))))
+      << "as the server asked";
 }
 
 INSTANTIATE_TEST_SUITE_P(

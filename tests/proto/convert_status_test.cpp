@@ -1,6 +1,9 @@
 #include "proto/convert_status.h"
 
+#include <cstdint>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -42,6 +45,30 @@ TEST(ConvertStatus, WhatMayPassByWaitingSaysHowLong) {
   }
   for (const auto reason : {reason::kMessageTooLarge, reason::kMapBytes, reason::kBadValue}) {
     EXPECT_EQ(retries(reason), 0) << reason;
+  }
+}
+
+TEST(ConvertStatus, TheDelayUntilAnotherTryComesBack) {
+  const auto delay_of = [](std::string_view reason) {
+    return RetryDelayMsOf(
+        FromProto(ToProto(MakeError(absl::StatusCode::kResourceExhausted, reason, "text"))));
+  };
+  EXPECT_EQ(delay_of(reason::kQueueFull), 1'000);
+  EXPECT_EQ(delay_of(reason::kDiskLow), 30'000);
+  EXPECT_EQ(delay_of(reason::kMessageTooLarge), 0);
+}
+
+TEST(ConvertStatus, ADelayThatMakesNoSenseIsCut) {
+  for (const auto& [seconds, nanos, expected_ms] :
+       std::vector<std::tuple<std::int64_t, int, std::int64_t>>{
+           {1, 500'000'000, 1'500}, {-5, 0, 0}, {1'000'000'000'000, 0, 600'000}, {0, -7, 0}}) {
+    google::rpc::Status message =
+        ToProto(MakeError(absl::StatusCode::kUnavailable, reason::kChecksum, "text"));
+    google::rpc::RetryInfo info;
+    info.mutable_retry_delay()->set_seconds(seconds);
+    info.mutable_retry_delay()->set_nanos(nanos);
+    message.add_details()->PackFrom(info);
+    EXPECT_EQ(RetryDelayMsOf(FromProto(message)), expected_ms) << seconds;
   }
 }
 
