@@ -110,7 +110,7 @@ TEST_F(TornLog, TruncatedAnywhereKeepsWhatWasSyncedBefore) {
 TEST_F(TornLog, TailOfLostSectorsKeepsWhatWasSyncedBefore) {
   // What a power cut leaves of a write that had got its blocks but not its bytes.
   const std::uint64_t last_start = append_ends_[append_ends_.size() - 2];
-  for (const std::uint64_t sectors : {0, 1, 7, 8, 100, 300}) {
+  for (const std::uint64_t sectors : {0U, 1U, 7U, 8U, 100U, 300U}) {
     const std::uint64_t length =
         std::max(last_start, (last_start / kSectorBytes + sectors) * kSectorBytes);
     std::string bytes = log_bytes_.substr(0, length);
