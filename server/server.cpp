@@ -19,9 +19,9 @@
 
 #include "core/error.h"
 #include "server/frame_budget.h"
+#include "server/housekeeper.h"
 #include "server/ingest_service.h"
 #include "server/live_limits.h"
-#include "server/log_trimmer.h"
 #include "server/log_writer.h"
 #include "server/map_directory.h"
 #include "server/map_service.h"
@@ -104,7 +104,7 @@ class Server::Parts {
   MapService map_service_;
   QueryService query_service_;
   WatchService watch_service_;
-  std::optional<LogTrimmer> trimmer_;
+  std::optional<Housekeeper> housekeeper_;
   int port_ = 0;
   std::unique_ptr<grpc::Server> grpc_server_;
   std::atomic<grpc::HealthCheckServiceInterface*> health_service_ = nullptr;
@@ -138,7 +138,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
-  trimmer_.emplace(&maps_, &watch_hub_, store_.get(), config_.retention);
+  housekeeper_.emplace(&maps_, &watch_hub_, store_.get(), config_.retention);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
   UpdateHealth();
@@ -218,7 +218,7 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
   health_service_ = nullptr;
   if (grpc_server_ != nullptr) grpc_server_->Shutdown(absl::ToChronoTime(end));
-  trimmer_.reset();
+  housekeeper_.reset();
   decoders_.Stop();
   clerk_.Stop();
   readers_.Stop();

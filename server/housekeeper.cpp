@@ -1,4 +1,4 @@
-#include "server/log_trimmer.h"
+#include "server/housekeeper.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,15 +10,15 @@
 
 namespace steadymap {
 
-LogTrimmer::LogTrimmer(const MapDirectory* maps,
-                       WatchHub* watches,
-                       Store* store,
-                       const RetentionOptions& options)
+Housekeeper::Housekeeper(const MapDirectory* maps,
+                         WatchHub* watches,
+                         Store* store,
+                         const RetentionOptions& options)
     : maps_(maps), watches_(watches), store_(store), options_(options), thread_([this] {
         Run();
       }) {}
 
-LogTrimmer::~LogTrimmer() {
+Housekeeper::~Housekeeper() {
   {
     const absl::MutexLock lock(&mutex_);
     stopping_ = true;
@@ -26,7 +26,7 @@ LogTrimmer::~LogTrimmer() {
   thread_.join();
 }
 
-void LogTrimmer::Run() {
+void Housekeeper::Run() {
   Heartbeat::Clock::time_point due = Heartbeat::Clock::now() + options_.trim_interval;
   while (!AwaitStop()) {
     heartbeat_.Beat();
@@ -37,7 +37,7 @@ void LogTrimmer::Run() {
   }
 }
 
-void LogTrimmer::TrimAll() {
+void Housekeeper::TrimAll() {
   const Timestamp now = Now();
   const auto idle = std::chrono::duration_cast<std::chrono::nanoseconds>(options_.session_idle);
   const Timestamp forget_before = Timestamp::FromNanoseconds(now.nanoseconds() - idle.count());
@@ -57,7 +57,7 @@ void LogTrimmer::TrimAll() {
   }
 }
 
-bool LogTrimmer::AwaitStop() {
+bool Housekeeper::AwaitStop() {
   const absl::MutexLock lock(&mutex_);
   return mutex_.AwaitWithTimeout(absl::Condition(&stopping_),
                                  absl::FromChrono(Heartbeat::kMaxInterval));

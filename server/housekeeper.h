@@ -13,22 +13,22 @@
 
 namespace steadymap {
 
-/// Applies retention now and then: one thread goes through all maps, drops from their logs what is
-/// integrated and no longer wanted, and forgets upload sessions that have been idle for too long.
-/// It also cancels watches that have stalled.
-class LogTrimmer {
+/// Does now and then what no call does: one thread goes through all maps, drops from their logs
+/// what is integrated and no longer wanted, forgets upload sessions that have been idle for too
+/// long, and cancels watches that have stalled.
+class Housekeeper {
  public:
   /// Starts the thread. What it is given must outlive it.
-  LogTrimmer(const MapDirectory* maps,
-             WatchHub* watches,
-             Store* store,
-             const RetentionOptions& options);
+  Housekeeper(const MapDirectory* maps,
+              WatchHub* watches,
+              Store* store,
+              const RetentionOptions& options);
 
   /// Ends the thread.
-  ~LogTrimmer();
+  ~Housekeeper();
 
-  LogTrimmer(const LogTrimmer&) = delete;
-  LogTrimmer& operator=(const LogTrimmer&) = delete;
+  Housekeeper(const Housekeeper&) = delete;
+  Housekeeper& operator=(const Housekeeper&) = delete;
 
   const Heartbeat& heartbeat() const { return heartbeat_; }
 
