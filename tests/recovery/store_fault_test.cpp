@@ -41,7 +41,7 @@ class StoreFault : public ::testing::Test {
     const int syncs = faults_->syncs;
     ExpectReadOnly(store_->health());
     ExpectReadOnly(store_->AppendFrames({MakeAppend(map_.key, 4, 1)}));
-    ExpectReadOnly(store_->CommitRevision(map_.key, MakeDelta(0, 3, {}), kNow));
+    ExpectReadOnly(store_->CommitRevision(map_.key, MakeDelta(0, 3, {}), kStoreTime));
     ExpectReadOnly(store_->UpdateMap(map_));
     ExpectReadOnly(store_->DeleteMap(map_.key));
     ExpectReadOnly(store_->CreateMap(MakeMapRecord("acme", "other")).status());
@@ -71,7 +71,8 @@ TEST_F(StoreFault, FailedSyncOfAnAppendIsRememberedAndNeverRetried) {
 
 TEST_F(StoreFault, FailedSyncOfACommitIsRememberedAndNeverRetried) {
   faults_->fail_sync = true;
-  ExpectReadOnly(store_->CommitRevision(map_.key, MakeDelta(0, 2, {MakeLeaf(0, 0, 0, 1)}), kNow));
+  ExpectReadOnly(
+      store_->CommitRevision(map_.key, MakeDelta(0, 2, {MakeLeaf(0, 0, 0, 1)}), kStoreTime));
   faults_->fail_sync = false;
   EXPECT_EQ(store_->ListMaps()->size(), 1U);
   ExpectReadOnlyUntilRestart();
@@ -95,7 +96,7 @@ TEST_F(StoreFault, AppendsAreRefusedBeforeTheDiskIsFullAndCommitsGoOn) {
     EXPECT_EQ(ReasonOf(status), reason::kDiskLow);
   }
   EXPECT_TRUE(store_->health().ok());
-  EXPECT_TRUE(store_->CommitRevision(map_.key, MakeDelta(0, 3, {}), kNow).ok());
+  EXPECT_TRUE(store_->CommitRevision(map_.key, MakeDelta(0, 3, {}), kStoreTime).ok());
 }
 
 }  // namespace

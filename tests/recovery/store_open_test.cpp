@@ -88,7 +88,8 @@ class DamagedStore : public ::testing::Test {
       const MapRecord map = store_->CreateMap(MakeMapRecord("acme", name)).value();
       ASSERT_TRUE(store_->AppendFrames({MakeAppend(map.key, 1, 3)}).ok());
       ASSERT_TRUE(
-          store_->CommitRevision(map.key, MakeDelta(0, 2, {MakeLeaf(0, 0, 0, 1)}), kNow).ok());
+          store_->CommitRevision(map.key, MakeDelta(0, 2, {MakeLeaf(0, 0, 0, 1)}), kStoreTime)
+              .ok());
       maps_.push_back(map);
     }
   }
@@ -182,7 +183,7 @@ TEST_F(DamagedStore, DamagedMapRecordQuarantinesTheMap) {
   EXPECT_TRUE(listed[1].condition.ok());
   ExpectDataLoss(store_->LoadMap(bad()).status(), "meta");
   ExpectDataLoss(store_->AppendFrames({MakeAppend(bad().key, 4, 1)}), "meta");
-  ExpectDataLoss(store_->CommitRevision(bad().key, MakeDelta(2, 3, {}), kNow), "meta");
+  ExpectDataLoss(store_->CommitRevision(bad().key, MakeDelta(2, 3, {}), kStoreTime), "meta");
   ExpectGoodMapIsServed();
   EXPECT_TRUE(store_->DeleteMap(bad().key).ok()) << "a damaged map can be deleted";
   EXPECT_TRUE(store_->CreateMap(MakeMapRecord("acme", "bad")).ok());
@@ -208,7 +209,7 @@ TEST_F(DamagedStore, FlippedBitsInATableFileDamageTheMapsInItAndNoOther) {
   for (std::int32_t i = 1; i <= 50; ++i) {
     leaves.push_back(MakeLeaf(i, 0, 0, static_cast<std::uint32_t>(i)));
   }
-  ASSERT_TRUE(store_->CommitRevision(bad().key, MakeDelta(2, 3, leaves), kNow).ok());
+  ASSERT_TRUE(store_->CommitRevision(bad().key, MakeDelta(2, 3, leaves), kStoreTime).ok());
   ASSERT_TRUE(database.database().Flush({}, database.handle(Family::kLeaf)).ok());
   std::vector<rocksdb::LiveFileMetaData> files;
   database.database().GetLiveFilesMetaData(&files);

@@ -10,7 +10,7 @@
 namespace steadymap {
 
 /// When the store's tests take place.
-inline constexpr Timestamp kNow = Timestamp::FromSeconds(1000.0);
+inline constexpr Timestamp kStoreTime = Timestamp::FromSeconds(1000.0);
 
 /// A map record with every field set to something that is not the default.
 MapRecord MakeMapRecord(const std::string& tenant, const std::string& map);
@@ -22,12 +22,12 @@ LogFrame MakeLogFrame(std::uint64_t sequence, std::size_t bytes = 64);
 LogAppend MakeAppend(MapKey map,
                      std::uint64_t first,
                      std::uint64_t count,
-                     Timestamp append_time = kNow);
+                     Timestamp append_time = kStoreTime);
 
 /// A session that settled 1..`settled`.
 SessionRecord MakeSession(const std::string& session,
                           std::uint64_t settled,
-                          Timestamp last_active = kNow);
+                          Timestamp last_active = kStoreTime);
 
 /// A leaf of canonical voxels that follow from `seed`, at the given leaf index on each axis.
 LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed);

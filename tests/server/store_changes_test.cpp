@@ -106,7 +106,7 @@ TEST_P(StoreChanges, OfATrimmedSpanAreNeverGivenInPart) {
   for (std::uint64_t to = 1; to <= 5; ++to) {
     CommitLeaves(to - 1, to, {MakeLeaf(static_cast<std::int32_t>(to), 0, 0, 1)});
   }
-  TrimAt(kNow);
+  TrimAt(kStoreTime);
   EXPECT_EQ(Read(3, 5).leaves.size(), 2U);
   ExpectCompacted(2, 5);
   ExpectCompacted(0, 5);
@@ -116,7 +116,7 @@ TEST_P(StoreChanges, OfATrimmedSpanAreNeverGivenInPart) {
 TEST_P(StoreChanges, WaitForALiveWatcherWithinItsGrace) {
   CommitLeaves(0, 1, {MakeLeaf(0, 0, 0, 1)});
   CommitLeaves(1, 2, {MakeLeaf(1, 0, 0, 1)});
-  const Timestamp in_grace = Timestamp::FromSeconds(kNow.seconds() + 4000.0);
+  const Timestamp in_grace = Timestamp::FromSeconds(kStoreTime.seconds() + 4000.0);
   TrimAt(in_grace, Revision(1));
   EXPECT_EQ(Read(1, 2).leaves.size(), 1U);
   ExpectCompacted(0, 2);

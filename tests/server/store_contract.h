@@ -48,7 +48,7 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     ASSERT_TRUE(status.ok()) << status;
   }
 
-  void Commit(MapKey map, const MapDelta& delta, Timestamp now = kNow) {
+  void Commit(MapKey map, const MapDelta& delta, Timestamp now = kStoreTime) {
     const absl::Status status = store_->CommitRevision(map, delta, now);
     ASSERT_TRUE(status.ok()) << status;
   }

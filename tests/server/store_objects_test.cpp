@@ -119,7 +119,7 @@ TEST_P(StoreObjects, OldEventsAreTrimmedAndNumbersGoOn) {
     delta.newest_object = ObjectId{6};
     delta.events = {MakeEvent(EventType::kUpdated, 1, 30)};
     Commit(map.key, delta);
-    ASSERT_TRUE(store_->Trim(map, {MapSequence{revision}, kNow, kForgetNone}).ok());
+    ASSERT_TRUE(store_->Trim(map, {MapSequence{revision}, kStoreTime, kForgetNone}).ok());
   }
   Reopen();
   const std::vector<StoredEvent> events = Events(map.key);

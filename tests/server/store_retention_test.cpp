@@ -44,13 +44,13 @@ TEST_P(StoreRetention, TrimByBytesKeepsNoMoreThanAllowed) {
   map.frame_log_bytes = std::uint64_t{64} * 4;
   Append(MakeAppend(map.key, 1, 10));
   Commit(map.key, MakeDelta(0, 10, {}));
-  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kNow, kForgetNone}).ok());
+  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kStoreTime, kForgetNone}).ok());
   EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 4U);
   map.frame_log_bytes -= 1;
-  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kNow, kForgetNone}).ok());
+  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kStoreTime, kForgetNone}).ok());
   EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 3U);
   map.frame_log_bytes = 0;
-  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kNow, kForgetNone}).ok());
+  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kStoreTime, kForgetNone}).ok());
   EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 0U);
 }
 
@@ -59,9 +59,9 @@ TEST_P(StoreRetention, TrimNeverTouchesWhatIsNotIntegrated) {
   map.frame_log_age = std::chrono::seconds(0);
   Append(MakeAppend(map.key, 1, 10));
   Commit(map.key, MakeDelta(0, 6, {}));
-  ASSERT_TRUE(store_->Trim(map, {MapSequence{3}, kNow, kForgetNone}).ok());
+  ASSERT_TRUE(store_->Trim(map, {MapSequence{3}, kStoreTime, kForgetNone}).ok());
   EXPECT_EQ(ReadAll(store_.get(), map.key).front().sequence, MapSequence{4});
-  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kNow, kForgetNone}).ok());
+  ASSERT_TRUE(store_->Trim(map, {MapSequence{10}, kStoreTime, kForgetNone}).ok());
   EXPECT_EQ(ReadAll(store_.get(), map.key).front().sequence, MapSequence{7});
 }
 
@@ -70,7 +70,7 @@ TEST_P(StoreRetention, PosesOutliveTheLogUpToTheirOwnBound) {
   map.frame_log_age = std::chrono::seconds(0);
   Append(MakeAppend(map.key, 1, 25));
   Commit(map.key, MakeDelta(0, 25, {}));
-  ASSERT_TRUE(store_->Trim(map, {MapSequence{25}, kNow, kForgetNone}).ok());
+  ASSERT_TRUE(store_->Trim(map, {MapSequence{25}, kStoreTime, kForgetNone}).ok());
   Reopen();
   const std::vector<FramePose> poses =
       store_->ReadPoses(map.key, MapSequence{1}, MapSequence{25}, 100).value();
@@ -81,11 +81,11 @@ TEST_P(StoreRetention, PosesOutliveTheLogUpToTheirOwnBound) {
 TEST_P(StoreRetention, TrimForgetsIdleSessionsOnly) {
   const MapRecord map = Create("hall");
   Append({map.key,
-          kNow,
+          kStoreTime,
           {},
           {MakeSession("idle", 5, Timestamp::FromSeconds(10.0)),
            MakeSession("busy", 5, Timestamp::FromSeconds(20.0))}});
-  ASSERT_TRUE(store_->Trim(map, {MapSequence{0}, kNow, Timestamp::FromSeconds(20.0)}).ok());
+  ASSERT_TRUE(store_->Trim(map, {MapSequence{0}, kStoreTime, Timestamp::FromSeconds(20.0)}).ok());
   Reopen();
   ASSERT_EQ(Load(map).sessions.size(), 1U);
   EXPECT_EQ(Load(map).sessions.front().name.session, "busy");

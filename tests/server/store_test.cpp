@@ -107,11 +107,11 @@ TEST_P(StoreContract, UnknownMapsAreNotFound) {
         store_->DeleteMap(nobody.key),
         store_->LoadMap(nobody).status(),
         store_->AppendFrames({MakeAppend(nobody.key, 1, 1)}),
-        store_->CommitRevision(nobody.key, MakeDelta(0, 1, {}), kNow),
+        store_->CommitRevision(nobody.key, MakeDelta(0, 1, {}), kStoreTime),
         store_->ReadLog(nobody.key, MapSequence{1}, visit),
         store_->ReadPoses(nobody.key, MapSequence{1}, MapSequence{9}, 9).status(),
         store_->ReadEvents(nobody.key, EventNumber{1}, 9).status(),
-        store_->Trim(nobody, {MapSequence{1}, kNow, kForgetNone})}) {
+        store_->Trim(nobody, {MapSequence{1}, kStoreTime, kForgetNone})}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kNotFound) << status;
     EXPECT_EQ(ReasonOf(status), reason::kNotFound);
   }
@@ -135,7 +135,7 @@ TEST_P(StoreContract, NewMapIsEmpty) {
 TEST_P(StoreContract, FramesPosesAndSessionsSurviveARestartBitForBit) {
   const MapRecord map = Create("hall");
   Append(MakeAppend(map.key, 1, 20));
-  LogAppend second{map.key, kNow, {}, {}};
+  LogAppend second{map.key, kStoreTime, {}, {}};
   second.frames.push_back(MakeLogFrame(21, 300'000));
   second.frames.push_back(MakeLogFrame(22, 0));
   second.sessions.push_back(MakeSession("session-2", 5));
@@ -155,7 +155,7 @@ TEST_P(StoreContract, FramesPosesAndSessionsSurviveARestartBitForBit) {
   EXPECT_EQ(state.sessions[0].name, (SessionName{"robot-1", "session-1"}));
   EXPECT_EQ(state.sessions[0].settled, MakeSession("session-1", 20).settled);
   EXPECT_EQ(state.sessions[0].last_map_seq, MapSequence{20});
-  EXPECT_EQ(state.sessions[0].last_active, kNow);
+  EXPECT_EQ(state.sessions[0].last_active, kStoreTime);
   EXPECT_EQ(state.sessions[1].settled.contiguous_end(), ClientSequence{9});
   const std::vector<FramePose> poses =
       store_->ReadPoses(map.key, MapSequence{20}, MapSequence{21}, 10).value();
@@ -222,7 +222,7 @@ TEST_P(StoreContract, AppendToSeveralMapsIsAllOrNothing) {
 
 TEST_P(StoreContract, AppendWithoutFramesStoresItsSessions) {
   const MapRecord map = Create("hall");
-  Append({map.key, kNow, {}, {MakeSession("session-1", 3)}});
+  Append({map.key, kStoreTime, {}, {MakeSession("session-1", 3)}});
   EXPECT_TRUE(store_->AppendFrames({}).ok());
   Reopen();
   EXPECT_EQ(Load(map).sessions.size(), 1U);
@@ -269,7 +269,7 @@ TEST_P(StoreContract, RefusesACommitThatDoesNotFollowTheRevision) {
   for (const auto& [from, to] : {std::pair{0, 3}, {3, 4}, {2, 1}, {2, 5}}) {
     const MapDelta delta = MakeDelta(
         static_cast<std::uint64_t>(from), static_cast<std::uint64_t>(to), {MakeLeaf(9, 9, 9, 2)});
-    EXPECT_EQ(store_->CommitRevision(map.key, delta, kNow).code(),
+    EXPECT_EQ(store_->CommitRevision(map.key, delta, kStoreTime).code(),
               absl::StatusCode::kFailedPrecondition)
         << from << " to " << to;
   }
@@ -310,7 +310,7 @@ TEST_P(StoreContract, SessionOfAMillionFramesStaysOneInterval) {
   for (std::uint64_t value = 1; value <= 1'000'000; ++value) {
     ASSERT_TRUE(session.settled.Insert(ClientSequence{value}).ok());
   }
-  Append({map.key, kNow, {}, {session}});
+  Append({map.key, kStoreTime, {}, {session}});
   Reopen();
   EXPECT_EQ(Load(map).sessions.front().settled.interval_count(), 1U);
   EXPECT_EQ(Load(map).sessions.front().settled.contiguous_end(), ClientSequence{1'000'000});
@@ -327,7 +327,7 @@ TEST_P(StoreContract, WritersOfSeveralMapsAndReadersRunAtOnce) {
         if (i % 20 != 0) continue;
         const MapDelta delta =
             MakeDelta(i - 20, i, {MakeLeaf(0, 0, 0, static_cast<std::uint32_t>(i))});
-        EXPECT_TRUE(store_->CommitRevision(map.key, delta, kNow).ok());
+        EXPECT_TRUE(store_->CommitRevision(map.key, delta, kStoreTime).ok());
       }
     });
     threads.emplace_back([&, map] {

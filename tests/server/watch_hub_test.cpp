@@ -5,35 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/server/noting_watch.h"
 
 namespace steadymap {
 namespace {
 
 constexpr MapKey kHall{1};
 constexpr MapKey kYard{2};
-
-/// A watch that notes what it is told.
-class NotingWatch final : public ActiveWatch {
- public:
-  void Wake() override { ++wakes; }
-
-  void Drain() override { ++drains; }
-
-  void End(const absl::Status& status) override { ended = status; }
-
-  void Cancel() override { ++cancels; }
-
-  Revision revision() const override { return has; }
-
-  absl::Time sending_since() const override { return since; }
-
-  int wakes = 0;
-  int drains = 0;
-  int cancels = 0;
-  absl::Status ended;
-  Revision has;
-  absl::Time since = absl::InfiniteFuture();
-};
 
 class WatchHubTest : public ::testing::Test {
  protected:

@@ -7,9 +7,9 @@
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
 
-#include "core/tsdf_codec.h"
 #include "proto/convert_event.h"
 #include "proto/convert_object.h"
+#include "tests/server/store_builder.h"
 
 namespace steadymap {
 namespace {
@@ -48,15 +48,9 @@ std::shared_ptr<grpc::Channel> OpenQuickChannel(const std::string& address) {
 
 WatchedContent ContentOf(const MapSnapshot& map) {
   WatchedContent content;
-  const auto add = [&](ObjectId owner, const VoxelReader& volume) {
-    volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-      content.leaves[{owner, origin}] = PackLeaf(leaf, map.scale);
-    });
-  };
-  add(kBackgroundId, map.background);
+  for (const LeafChange& leaf : LeavesOf(map)) content.leaves[leaf.key] = leaf.packed;
   for (const auto& [id, object] : map.objects) {
     content.objects[id] = ToProto(*object).SerializeAsString();
-    add(id, *object->volume);
   }
   return content;
 }

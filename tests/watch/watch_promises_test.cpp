@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "server/watch_hub.h"
+#include "tests/server/noting_watch.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/memory_store.h"
 
@@ -29,22 +30,6 @@ using Kind = v1::WatchMapResponse;
 constexpr VoxelScale kTinyScale{0.04, 0.12};
 
 /// Three commits: an object and much background appear, it changes, it goes.
-/// Watches, so that the hub keeps what watchers share.
-class IdleWatch final : public ActiveWatch {
- public:
-  void Wake() override {}
-
-  void Drain() override {}
-
-  void End(const absl::Status&) override {}
-
-  void Cancel() override {}
-
-  Revision revision() const override { return {}; }
-
-  absl::Time sending_since() const override { return absl::InfiniteFuture(); }
-};
-
 class PlantedFaults : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -90,7 +75,7 @@ class PlantedFaults : public ::testing::Test {
   /// What an honest server tells: the first revision as a snapshot, then two steps.
   Messages HonestMessages() {
     WatchHub hub({&store_, 10, absl::InfiniteDuration()});
-    EXPECT_TRUE(hub.Enter(record_.key, std::make_shared<IdleWatch>()).ok());
+    EXPECT_TRUE(hub.Enter(record_.key, std::make_shared<NotingWatch>()).ok());
     Messages messages;
     messages.emplace_back().mutable_created()->set_revision(10);
     WatchHub::StepRequest request{

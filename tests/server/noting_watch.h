@@ -1,0 +1,30 @@
+#pragma once
+
+#include "server/watch_hub.h"
+
+namespace steadymap {
+
+/// A watch that does nothing but note what it is told.
+class NotingWatch final : public ActiveWatch {
+ public:
+  void Wake() override { ++wakes; }
+
+  void Drain() override { ++drains; }
+
+  void End(const absl::Status& status) override { ended = status; }
+
+  void Cancel() override { ++cancels; }
+
+  Revision revision() const override { return has; }
+
+  absl::Time sending_since() const override { return since; }
+
+  int wakes = 0;
+  int drains = 0;
+  int cancels = 0;
+  absl::Status ended;
+  Revision has;
+  absl::Time since = absl::InfiniteFuture();
+};
+
+}  // namespace steadymap
