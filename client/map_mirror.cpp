@@ -11,7 +11,6 @@
 #include "client/mirror_assembly.h"
 
 namespace steadymap {
-
 namespace {
 
 /// Patches go to who has the leaves that they are for.

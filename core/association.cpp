@@ -12,7 +12,7 @@ namespace {
 constexpr double kFitBaseM = 0.045;
 constexpr double kFitPerSquareMetre = 0.004;
 
-// What lies further from a surface is another one, however fine the map.
+// The base is at most so many truncation distances: finer maps tell smaller things apart.
 constexpr double kFitTruncations = 0.3;
 
 // A surface seen from behind is another one: the far side of a fence.

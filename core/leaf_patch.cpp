@@ -7,11 +7,11 @@
 namespace steadymap {
 namespace {
 
-bool HasVoxel(const LeafView& leaf, const LeafView& other, std::size_t offset) {
-  return leaf.distance_m[offset] == other.distance_m[offset] &&
-         leaf.weight[offset] == other.weight[offset] &&
-         (leaf.color == nullptr ||
-          (other.color != nullptr && leaf.color[offset] == other.color[offset]));
+bool IsAsBefore(const LeafView& before, const LeafView& after, std::size_t offset) {
+  const bool has_color = after.color != nullptr;
+  return before.distance_m[offset] == after.distance_m[offset] &&
+         before.weight[offset] == after.weight[offset] && (before.color != nullptr) == has_color &&
+         (!has_color || before.color[offset] == after.color[offset]);
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ std::optional<LeafView> FindLeafPatch(const LeafView& before, const LeafView& af
     if ((before.observed[word] & ~after.observed[word]) != 0) return std::nullopt;
     for (std::uint64_t both = before.observed[word]; both != 0; both &= both - 1) {
       const auto bit = static_cast<std::size_t>(std::countr_zero(both));
-      if (HasVoxel(after, before, word * 64 + bit)) {
+      if (IsAsBefore(before, after, word * 64 + bit)) {
         patch.observed[word] &= ~(std::uint64_t{1} << bit);
       }
     }

@@ -19,7 +19,8 @@ namespace steadymap {
 /// Keeps its memory from frame to frame. One thread at a time.
 class SemanticCloud {
  public:
-  /// `drops_dynamic`: whether cells of dynamic classes weigh nothing.
+  /// `drops_dynamic`: whether cells of dynamic classes weigh nothing, nor do those of instances
+  /// most of whose cells are.
   explicit SemanticCloud(const MapConfig& config, bool drops_dynamic = true);
 
   /// Takes in a frame that passed `ValidateFrame`. Every cell belongs to owner 0.

@@ -64,6 +64,7 @@ class WatchHub {
   /// Enters a watch. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with reason
   /// `QUEUE_FULL`.
   absl::Status Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) ABSL_LOCKS_EXCLUDED(mutex_);
+
   /// With the last watch of a map goes all that was kept for them.
   void Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -94,8 +95,8 @@ class WatchHub {
     WatchScope scope;
     MapFilter filter;
     std::size_t max_message_bytes = 0;
-    bool takes_patches = false;
-    bool as_snapshot = false;  ///< All that the filter shows, not what changed.
+    bool takes_patches = false;  ///< Of leaves, in place of whole ones.
+    bool as_snapshot = false;    ///< All that the filter shows, not what changed.
     WatchPosition before;
     std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
     std::shared_ptr<const MapSnapshot> snapshot;
