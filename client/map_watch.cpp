@@ -95,6 +95,9 @@ absl::Status MapWatch::CheckOptions() const {
   if ((options_.start == WatchOpening::kResume) == options_.resume_token.empty()) {
     return absl::InvalidArgumentError("a resume token goes with resuming, and only with that");
   }
+  if (options_.takes_patches && options_.start == WatchOpening::kNow) {
+    return absl::InvalidArgumentError("a watch from now on has no leaves to patch");
+  }
   return absl::OkStatus();
 }
 

@@ -37,8 +37,8 @@ struct WatchOptions {
   /// sense), take a snapshot in place of what is there. Otherwise the watch ends.
   bool resync_if_compacted = true;
 
-  /// Whether deltas may bring patches of leaves, for consumers that keep all leaves they get. A
-  /// mirror decides that itself.
+  /// Whether deltas may bring patches of leaves, for consumers that keep all leaves they get; not
+  /// with `kNow`. A mirror decides that itself.
   bool takes_patches = false;
 
   /// Messages are not larger, in [65536, 4194304]; 0: as the server likes.

@@ -233,6 +233,11 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
   if (!request_.resume_token().empty()) return ResumeBehindToken(snapshot);
   switch (request_.start()) {
     case v1::WATCH_START_NOW:
+      if (request_.takes_patches()) {
+        return InvalidField(reason::kBadValue,
+                            "takes_patches",
+                            "a watch from now on has no leaves that patches could be of");
+      }
       position_ = {snapshot->revision, snapshot->last_event};
       shown_ = ShownBy(filter_, *snapshot);
       return absl::OkStatus();

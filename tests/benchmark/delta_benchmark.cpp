@@ -67,6 +67,7 @@ std::vector<DeltaAccount> AccountByDrive(const PackedDrive& drive,
     const std::uint64_t revision = message.has_delta()    ? message.delta().revision()
                                    : message.has_events() ? message.events().revision()
                                                           : message.progress().revision();
+    if (revision == 0) continue;  // The map was empty.
     bookkeeper.Book(message, &accounts.at(drive.sequence_of.at(revision - 1)));
   }
   return accounts;
@@ -119,7 +120,7 @@ void Run(const Options& options) {
   WatcherPlan plan;
   plan.keeps = true;
   plan.request.set_map(map.ToString());
-  plan.request.set_start(v1::WATCH_START_NOW);
+  plan.request.set_start(v1::WATCH_START_SNAPSHOT_THEN_FOLLOW);
   plan.request.set_takes_patches(true);
   WatchCrowd crowd(daemon.address(), 1, {plan});
   const FeedRecord feed = FeedFrames(channel, map, drive.frames, options.rate_hz);

@@ -108,7 +108,7 @@ std::vector<WatcherPlan> MakePlans(const Case& watched, const std::string& map) 
   std::vector<WatcherPlan> plans(watched.watchers);
   for (std::size_t i = 0; i < plans.size(); ++i) {
     plans[i].request.set_map(map);
-    plans[i].request.set_start(v1::WATCH_START_NOW);
+    plans[i].request.set_start(v1::WATCH_START_SNAPSHOT_THEN_FOLLOW);
     plans[i].request.set_takes_patches(true);
     *plans[i].request.mutable_filter() = MakeFilter(watched.filter, i);
     const std::size_t stalled_before = i * watched.stalled / plans.size();

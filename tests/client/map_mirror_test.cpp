@@ -73,6 +73,7 @@ TEST_F(MapMirrorTest, ASnapshotIsTheServersMapBitForBit) {
             ToProto(harness_.options.filter).SerializeAsString());
   EXPECT_EQ(request.max_message_bytes(), 70'000U);
   EXPECT_TRUE(request.resync_if_compacted());
+  EXPECT_TRUE(request.takes_patches());
 }
 
 TEST_F(MapMirrorTest, AStepTellsWhatChanged) {
@@ -253,6 +254,7 @@ TEST_F(MapMirrorTest, AMirrorFromNowOnHoldsWhatChanges) {
   }});
   ASSERT_TRUE(mirror.AwaitRevision(Revision(6), kHangTimeout).ok());
   EXPECT_EQ(harness_.service.requests().at(0).start(), v1::WATCH_START_NOW);
+  EXPECT_FALSE(harness_.service.requests().at(0).takes_patches()) << "it has no leaves to patch";
   const watching::MapContent content = ContentOf(*mirror.snapshot());
   EXPECT_EQ(content.objects.size(), 2U);
   EXPECT_EQ(content.objects.at(3), ContentOf(second_).objects.at(3));

@@ -355,6 +355,9 @@ TEST_P(WatchServiceTest, WrongRequestsAreNamed) {
   EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "start"));
   request.set_start(v1::WATCH_START_UNSPECIFIED);
   EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_RESUME_TOKEN", "resume_token"));
+  request = Request(v1::WATCH_START_NOW);
+  request.set_takes_patches(true);
+  EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "takes_patches"));
   request = Request();
   request.set_max_message_bytes(1000);
   EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "max_message_bytes"));

@@ -231,6 +231,10 @@ class AScriptedWatch(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "kinds: expected"):
             steadymap.WatchOptions(kinds=[])
 
+    def test_patches_from_now_on_are_refused_here(self):
+        with self.assertRaisesRegex(ValueError, "takes_patches: "):
+            steadymap.WatchOptions(start="now", takes_patches=True)
+
 
 class AWatchOfADaemon(unittest.TestCase):
     def setUp(self):

@@ -57,7 +57,7 @@ void FleetWatcher::NewMind() {
   // What a watch from now on has not seen cannot be compared.
   from_now_ = !filter_.WantsObjects() && random_() % 2 == 0;
   resyncs_ = random_() % 2 == 0;
-  takes_patches_ = random_() % 3 > 0;
+  takes_patches_ = !from_now_ && random_() % 3 > 0;
   changed_mind_ = true;
 }
 

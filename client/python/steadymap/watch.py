@@ -49,8 +49,8 @@ class WatchOptions:
         include_archived: objects that are gone pass, too.
         resync_if_compacted: where the history behind the token is gone, go on with a Resync and a
             snapshot; else the watch ends with OutOfRangeError.
-        takes_patches: you keep all leaves you get, so a Delta may bring patches of them: less than
-            half as many bytes, mostly.
+        takes_patches: you keep all leaves you get, so a Delta may bring patches of them: about half
+            as many bytes. Not with NOW.
         max_message_bytes: messages are not larger, in [65536, 4194304]; 0: the server's default.
         backoff: waits between reconnections.
         seed: of the jitter. None: from the system.
@@ -77,6 +77,8 @@ class WatchOptions:
         object.__setattr__(self, "kinds", tuple(WatchKind(kind) for kind in self.kinds))
         if not self.kinds:
             raise ValueError("kinds: expected at least one of events, objects and volumes")
+        if self.takes_patches and self.start == WatchStart.NOW and self.resume_token is None:
+            raise ValueError("takes_patches: a watch from now on has no leaves to patch")
 
 
 _STARTS = {
