@@ -15,10 +15,15 @@ constexpr float kStraying = 0.5F;
 // An old place must still be able to change: evidence is capped.
 constexpr float kMaxWeight = 63.0F;
 
-// Settled voxels stay put (decisions.md 2): after this many looks as good as the one at hand, an
-// innovation within the dead band is noise. The band grows with depth as the sensor's noise does.
+// Settled voxels stay put (decisions.md 2): after this many looks as good as the one at hand, or
+// all that count, an innovation within the dead band is noise. More than a voxel aside from the
+// surface, where no mesh vertex is interpolated, fewer looks do. The band grows with depth as the
+// sensor's noise does, and aside from the surface, where a distance depends on where it is measured
+// from.
 constexpr float kSettledLooks = 32.0F;
+constexpr float kSettledLooksAside = 8.0F;
 constexpr float kDeadBandVoxels = 0.1F;
+constexpr float kDeadBandPerMetre = 0.1F;
 constexpr float kDeadBandPerSquareMetre = 0.005F;
 
 // Colour is taken where interpolation can reach it.
@@ -66,6 +71,7 @@ struct RowConstants {
         fade_from_m(-frame.voxel_size_m),
         fade_scale(1.0F / (frame.truncation_m - frame.voxel_size_m)),
         inverse_voxel_size2(1.0F / (frame.voxel_size_m * frame.voxel_size_m)),
+        voxel_size_m(frame.voxel_size_m),
         dead_band_m(kDeadBandVoxels * frame.voxel_size_m),
         color_band_m(kColorBandVoxels * frame.voxel_size_m),
         distance_step_m(frame.distance_step_m),
@@ -87,7 +93,8 @@ struct RowConstants {
   float fade_from_m;
   float fade_scale;
   float inverse_voxel_size2;
-  float dead_band_m;
+  float voxel_size_m;
+  float dead_band_m;  ///< At the surface, before the camera.
   float color_band_m;
   float distance_step_m;
   float steps_per_m;
@@ -186,9 +193,12 @@ STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
                                   float* weight) {
   const Floats old_distance_m = Load(distance_m);
   const Floats old_weight = Load(weight);
-  const Floats dead_band_m =
-      Splat(constants.dead_band_m) + evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
-  const Integers settled = (old_weight >= evidence.weight * kSettledLooks) &
+  const Floats aside_m = Abs(old_distance_m);
+  const Floats dead_band_m = Splat(constants.dead_band_m) + aside_m * kDeadBandPerMetre +
+                             evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
+  const Floats settled_looks = Select(
+      aside_m < Splat(constants.voxel_size_m), Splat(kSettledLooks), Splat(kSettledLooksAside));
+  const Integers settled = (old_weight >= Min(evidence.weight * settled_looks, Splat(kMaxWeight))) &
                            (Abs(evidence.distance_m - old_distance_m) < dead_band_m);
   const Integers fuse = evidence.valid & ~settled;
   const Floats total = old_weight + evidence.weight;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -15,7 +16,7 @@
 namespace steadymap {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
 constexpr std::uint8_t kVersionMask = 0x0F;
 constexpr std::uint8_t kColorFlag = 0x10;
 constexpr std::uint8_t kZstdFlag = 0x20;
@@ -160,7 +161,7 @@ absl::Status ReadGeometry(const std::uint8_t* body, const VoxelScale& scale, Lea
     distance_steps[offset] = static_cast<std::int16_t>(static_cast<std::uint16_t>(
         PredictDistance(voxels->observed, distance_steps, offset) + FromZigzag(distance)));
     last_weight = static_cast<std::uint16_t>(last_weight + FromZigzag(weight));
-    in_range = in_range && distance_steps[offset] >= -kMaxDistanceSteps && last_weight > 0;
+    in_range = in_range && std::abs(distance_steps[offset]) <= kMaxDistanceSteps && last_weight > 0;
     voxels->distance_m[offset] = static_cast<float>(distance_steps[offset]) * distance_step_m;
     voxels->weight[offset] = static_cast<float>(last_weight) * kWeightUnit;
     ++i;

@@ -10,9 +10,9 @@
 /// The packed form of a leaf, the same on disk and on the wire. Lossless for canonical voxels, and
 /// canonical itself: equal voxels pack to equal bytes.
 ///
-/// Layout of version 1, integers little-endian:
+/// Layout of version 2 (version 1 had finer steps), integers little-endian:
 ///
-///     u8   format: bits 0-3 version (1), bit 4 colour present, bit 5 body is a zstd frame
+///     u8   format: bits 0-3 version (2), bit 4 colour present, bit 5 body is a zstd frame
 ///     ...  body, compressed if bit 5 is set:
 ///     u64  observed mask, eight words, word x holds bits y * 8 + z
 ///     u8   low bytes of the distance residuals, one an observed voxel in offset order

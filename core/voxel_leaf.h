@@ -15,18 +15,21 @@
 /// counted from the leaf's origin stands at offset `x * 64 + y * 8 + z`, as in an OpenVDB leaf
 /// node.
 ///
-/// Canonical voxel (decisions.md 1): a distance is a whole multiple of `truncation / 32767`, a
-/// weight a whole multiple of `kWeightUnit`, so memory, disk and wire hold the same bits.
+/// Canonical voxel (decisions.md 1): a distance is a whole multiple of a step, a weight of
+/// `kWeightUnit`, so memory, disk and wire hold the same bits. They are no finer than needed: what
+/// settles stops changing the sooner, and noise is not sent and stored to its last digit.
 namespace steadymap {
 
 inline constexpr int kLeafSide = 8;
 inline constexpr std::size_t kLeafVoxels = 512;
 
-/// Largest magnitude of a distance in steps of `truncation / 32767`.
-inline constexpr int kMaxDistanceSteps = 32767;
+/// Steps from the surface to the truncation distance: 0.3 mm each where it is 15 cm, a seventeenth
+/// of the noise that settled voxels ignore.
+inline constexpr int kMaxDistanceSteps = 511;
 
-/// Weights are fixed-point: 1.0 is one look from one metre.
-inline constexpr float kWeightUnit = 1.0F / 1024.0F;
+/// Weights are fixed-point: 1.0 is one look from one metre, straight on. What weighs less than a
+/// unit, such as the far end of the band behind a surface seen aslant, is not fused.
+inline constexpr float kWeightUnit = 1.0F / 256.0F;
 
 /// The voxel size of a map and what follows from it.
 struct VoxelScale {

@@ -1,10 +1,15 @@
 #include "core/mapper.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/leaf_patch.h"
+#include "core/map_counts.h"
 #include "core/map_delta.h"
 #include "core/tsdf_mesh.h"
 #include "core/vdb_file.h"
@@ -30,6 +35,30 @@ std::vector<Frame> CircleFrames(int count) {
     frames.back().capture_time = Timestamp::FromNanoseconds(std::int64_t{1'000'000} * (i + 1));
   }
   return frames;
+}
+
+/// A wall straight ahead.
+Frame WallFrame(int depth_mm) {
+  Frame frame;
+  frame.camera = AnalyticCamera();
+  frame.depth.units = Image<std::uint16_t>(
+      frame.camera.width_px, frame.camera.height_px, static_cast<std::uint16_t>(depth_mm));
+  return frame;
+}
+
+/// Voxels of the background that were observed before and are not as they were.
+std::size_t CountChangedVoxels(const MapSnapshot& before, const MapSnapshot& after) {
+  std::size_t count = 0;
+  after.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    const LeafView old = before.background.FindLeaf(origin);
+    if (!old) return;
+    const auto patch = FindLeafPatch(old, leaf);
+    ASSERT_TRUE(patch.has_value());
+    for (std::size_t word = 0; word < old.observed.size(); ++word) {
+      count += static_cast<std::size_t>(std::popcount(patch->observed[word] & old.observed[word]));
+    }
+  });
+  return count;
 }
 
 std::unique_ptr<Mapper> NewMapper() { return Mapper::Create(MapConfig()).value(); }
@@ -118,6 +147,38 @@ TEST(Mapper, StopsChangingAPlaceThatStaysTheSame) {
   const MapCommit commit = mapper->Commit();
   EXPECT_TRUE(commit.delta.leaves.empty());
   EXPECT_EQ(commit.snapshot->revision, Revision(51));
+}
+
+TEST(Mapper, StopsChangingAPlaceSeenWithNoise) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> noise(-6, 6);
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  const auto look = [&] {
+    Frame frame = WallFrame(2000);
+    std::uint16_t* units = frame.depth.units.data();
+    const int pixels = frame.camera.width_px * frame.camera.height_px;
+    std::for_each(units, units + pixels, [&](std::uint16_t& unit) {
+      unit = static_cast<std::uint16_t>(unit + noise(random));
+    });
+    mapper->Integrate(mapper->head().Next(), frame);
+    return mapper->Commit();
+  };
+  std::shared_ptr<const MapSnapshot> before;
+  for (int i = 0; i < 60; ++i) before = look().snapshot;
+  const MapCommit commit = look();
+  EXPECT_LT(CountChangedVoxels(*before, *commit.snapshot), CountMap(*commit.snapshot).voxels / 50);
+}
+
+TEST(Mapper, SettlesNearTheCameraTooWhereALookWeighsMuch) {
+  const std::unique_ptr<Mapper> mapper = NewMapper();
+  for (int i = 0; i < 80; ++i) mapper->Integrate(mapper->head().Next(), WallFrame(400));
+  const auto at_400_mm = mapper->Commit().snapshot;
+  mapper->Integrate(mapper->head().Next(), WallFrame(403));
+  const auto at_403_mm = mapper->Commit().snapshot;
+  // But for the far end of the band, where weights have just risen from next to nothing.
+  EXPECT_LT(CountChangedVoxels(*at_400_mm, *at_403_mm), CountMap(*at_403_mm).voxels / 8);
+  mapper->Integrate(mapper->head().Next(), WallFrame(420));
+  EXPECT_GT(CountChangedVoxels(*at_403_mm, *mapper->Commit().snapshot), 100U);
 }
 
 TEST(Mapper, FusesNothingOfDynamicClasses) {

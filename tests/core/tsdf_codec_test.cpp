@@ -1,6 +1,9 @@
 #include "core/tsdf_codec.h"
 
+#include <cmath>
+#include <cstdint>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -73,14 +76,30 @@ TEST(UnpackLeaf, SurvivesDamage) {
       // What is taken must be a leaf that could be packed again.
       for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
         ASSERT_EQ(IsSet(unpacked.observed, offset), unpacked.weight[offset] > 0.0F);
+        ASSERT_LE(std::abs(unpacked.distance_m[offset]), static_cast<float>(kScale.truncation_m));
       }
     }
   }
 }
 
+TEST(UnpackLeaf, RefusesWhatLiesBeyondTheTruncation) {
+  const auto unpack = [](std::uint16_t zigzag) {
+    std::string packed = "\x02";
+    packed += '\x01';
+    packed += std::string(63, '\0');
+    packed += {static_cast<char>(zigzag & 0xFF), static_cast<char>(zigzag >> 8), '\x02', '\0'};
+    LeafVoxels unpacked;
+    return UnpackLeaf(packed, kScale, &unpacked).code();
+  };
+  EXPECT_EQ(unpack(2 * kMaxDistanceSteps), absl::StatusCode::kOk);
+  EXPECT_EQ(unpack(2 * kMaxDistanceSteps - 1), absl::StatusCode::kOk);
+  EXPECT_EQ(unpack(2 * kMaxDistanceSteps + 1), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(unpack(2 * kMaxDistanceSteps + 2), absl::StatusCode::kDataLoss);
+}
+
 TEST(UnpackLeaf, RefusesABomb) {
   // A zstd frame of 64 MiB of zeros, 2 KiB long, in the place of a body.
-  std::string bomb = "\x21";
+  std::string bomb = "\x22";
   bomb += std::string("\x28\xB5\x2F\xFD\xA4\x00\x00\x00\x04", 9);
   for (int block = 0; block < 512; ++block) bomb += std::string("\x02\x00\x10\x00", 4);
   LeafVoxels unpacked;

@@ -68,7 +68,7 @@ LeafKernelFrame FrameFor(const Surface& surface, int cells_wide, int cells_high)
           {-0.04F, 0.0F, 0.03F},
           0.05F,
           0.15F,
-          0.15F / 32767.0F,
+          0.15F / static_cast<float>(kMaxDistanceSteps),
           0,
           true};
 }
@@ -152,7 +152,7 @@ TEST(TsdfKernels, VoxelsStayCanonical) {
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
     const float steps = std::round(leaf.distance_m[offset] / frame.distance_step_m);
     ASSERT_EQ(leaf.distance_m[offset], steps * frame.distance_step_m);
-    ASSERT_LE(std::abs(steps), 32767.0F);
+    ASSERT_LE(std::abs(steps), static_cast<float>(kMaxDistanceSteps));
     const float units = std::round(leaf.weight[offset] / kWeightUnit);
     ASSERT_EQ(leaf.weight[offset], units * kWeightUnit);
     ASSERT_LE(units, 65535.0F);

@@ -47,7 +47,7 @@ class ASection(DaemonTest):
         samples = self.client.sample_distance("rough", points_m)
         known = samples.known
         # Where a neighbour is unknown, a sample may be, too.
-        self.assertGreater(known.sum(), 0.3 * len(points_m))
+        self.assertGreater(known.sum(), 0.1 * len(points_m))
         distance_m = self.voxels.distance_m[observed][known]
         np.testing.assert_allclose(distance_m, samples.distance_m[known], atol=1e-5)
         weight = self.voxels.weight[observed][known]
@@ -86,21 +86,22 @@ class UnpackLeaves(unittest.TestCase):
         self.assertFalse(steadymap.unpack_leaves([gone], 0.15).observed.any())
 
     def test_refuses_damaged_leaves(self):
-        one_voxel = b"\x01" + b"\x01" + bytes(63)
+        one_voxel = b"\x02" + b"\x01" + bytes(63)
         good = one_voxel + bytes((2, 0, 2, 0))
-        voxels = steadymap.unpack_leaves([steadymap.Leaf(0, np.zeros(3, np.int32), good)], 32.767)
+        voxels = steadymap.unpack_leaves([steadymap.Leaf(0, np.zeros(3, np.int32), good)], 0.511)
         self.assertAlmostEqual(float(voxels.distance_m[0, 0, 0, 0]), 0.001, places=6)
         for damaged in (
-            b"\x02" + good[1:],  # Another version.
-            b"\x41" + good[1:],  # An unknown flag.
-            b"\x01",
-            b"\x01" + bytes(64),  # No voxel.
+            b"\x01" + good[1:],  # Another version.
+            b"\x42" + good[1:],  # An unknown flag.
+            b"\x02",
+            b"\x02" + bytes(64),  # No voxel.
             good[:-1],
             good + b"\x00",
-            b"\x11" + good[1:],  # Colours that are not there.
-            b"\x21" + good[1:],  # No zstd frame.
+            b"\x12" + good[1:],  # Colours that are not there.
+            b"\x22" + good[1:],  # No zstd frame.
             one_voxel + bytes((2, 0, 0, 0)),  # Without weight.
             one_voxel + bytes((0xFF, 0xFF, 2, 0)),  # Further than the truncation.
+            one_voxel + bytes((0x00, 0x04, 2, 0)),  # By one step.
         ):
             leaf = steadymap.Leaf(0, np.zeros(3, np.int32), damaged)
             with self.subTest(damaged=damaged[:2]), self.assertRaises(errors.DataLossError):

@@ -18,13 +18,13 @@ except ImportError:  # Needed to unpack leaves alone.
 _SIDE = 8
 _VOXELS = _SIDE**3
 _MASK_BYTES = _VOXELS // 8
-_VERSION = 1
+_VERSION = 2
 _COLOR_FLAG = 0x10
 _ZSTD_FLAG = 0x20
 _GEOMETRY_BYTES = 4  # Of an observed voxel; as many more where it has colour.
 _MAX_BODY_BYTES = _MASK_BYTES + _VOXELS * 2 * _GEOMETRY_BYTES
-_MAX_DISTANCE_STEPS = 32767  # That the truncation distance has.
-_WEIGHT_UNIT = 1.0 / 1024.0
+_MAX_DISTANCE_STEPS = 511  # That the truncation distance has.
+_WEIGHT_UNIT = 1.0 / 256.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ def unpack_leaves(leaves: Sequence[Leaf], truncation_m: float) -> LeafVoxels:
     planes = _planes(bodies, observed.sum(axis=1))
     steps = _undo_prediction(observed, _from_zigzag(planes[0] | planes[1] << 8))
     weight_units = _undo_differences(observed, _from_zigzag(planes[2] | planes[3] << 8), 0xFFFF)
-    is_damaged = (steps < -_MAX_DISTANCE_STEPS) | (observed & (weight_units == 0))
+    is_damaged = (np.abs(steps) > _MAX_DISTANCE_STEPS) | (observed & (weight_units == 0))
     if is_damaged.any():
         raise DataLossError("a packed leaf is damaged: a voxel is out of range", reason="CHECKSUM")
     step_m = np.float32(truncation_m) / np.float32(_MAX_DISTANCE_STEPS)
