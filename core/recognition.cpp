@@ -45,6 +45,44 @@ bool WasGoneForLong(const TrackedObject& known,
          parameters.wall_absence_s;
 }
 
+/// Of the surface that `known` was found gone by, the share that lies on the surface of `object`; 1
+/// if nothing of it was missed.
+double RefoundShare(const TrackedObject& known,
+                    const TrackedObject& object,
+                    const VoxelScale& scale) {
+  const Eigen::Isometry3d T_object_known = RelativePose(known, object);
+  TsdfSampler sampler(object.volume(), scale);
+  const double tolerance_m = kFitVoxels * scale.voxel_size_m;
+  std::size_t missed = 0;
+  std::size_t refound = 0;
+  for (const SurfaceLeaf& leaf : known.surface().leaves()) {
+    const LeafEvidence* evidence = known.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr) continue;
+    for (const SurfaceVoxel& point : leaf.points) {
+      if (evidence->score[point.cell] >= 0) continue;
+      ++missed;
+      double distance_m = 0.0;
+      if (sampler.SampleNearest(T_object_known * point.position_object.cast<double>(),
+                                &distance_m) &&
+          std::abs(distance_m) <= tolerance_m) {
+        ++refound;
+      }
+    }
+  }
+  return missed == 0 ? 1.0 : static_cast<double>(refound) / static_cast<double>(missed);
+}
+
+/// Whether `known` was found gone on the visit that `object` is seen on, and what was missed is not
+/// part of it.
+bool StaysGone(const TrackedObject& known,
+               const TrackedObject& object,
+               const VoxelScale& scale,
+               const RecognitionParameters& parameters) {
+  const double gone_s = object.state().last_seen.seconds() - known.state().standing_since.seconds();
+  return gone_s < parameters.same_visit_s &&
+         RefoundShare(known, object, scale) < parameters.refound_share;
+}
+
 /// Compares two objects where they stand, or stood.
 SurfaceOverlap CompareInPlace(const TrackedObject& object,
                               const TrackedObject& other,
@@ -106,7 +144,8 @@ TrackedObject* FindReturned(const TrackedObject& object,
     const double fit_share =
         is_old_wall ? parameters.return_fit_share_of_walls : parameters.return_fit_share;
     if (overlap.known_share < known_share || overlap.fit_share < fit_share ||
-        overlap.turn.Exceeds(parameters.turn) || share < best_share) {
+        overlap.turn.Exceeds(parameters.turn) || share < best_share ||
+        StaysGone(*known, object, scale, parameters)) {
       continue;
     }
     best_share = share;

@@ -25,13 +25,17 @@ struct RecognitionParameters {
   /// The less that is asked of walls holds for those that were gone for so long: what is found gone
   /// and found again on one visit was moved a little, seconds.
   double wall_absence_s = 20.0;
+  /// What was found gone on this very visit is back only if so much of the surface that was missed
+  /// is there again: otherwise it is a part that stayed, and the rest would come back with it.
+  double refound_share = 0.5;
   /// An archived object of a class that stays is part of a new one, if so much of its surface lies
   /// where the new one knows anything, and as much of that on its surface as of a wall that
   /// returns.
   double part_known_share = 0.15;
-  /// What of a class that stays was found gone within this time of a neighbour, and no further from
-  /// it than that, comes back with it: a wall is taken down and put up as a whole.
+  /// A visit takes that long, seconds.
   double same_visit_s = 60.0;
+  /// What of a class that stays was found gone on the same visit as a neighbour, and no further
+  /// from it than that, comes back with it: a wall is taken down and put up as a whole, metres.
   double neighbour_distance_m = 0.8;
 };
 

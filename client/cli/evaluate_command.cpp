@@ -22,6 +22,11 @@ namespace {
 // Where their descriptions start in the list of switches.
 constexpr std::size_t kSwitchColumn = 14;
 
+/// What is wrong with the name of a route; empty if nothing is.
+std::string FindRouteFault(const std::string& name) {
+  return std::string(MakeRoute(name).status().message());
+}
+
 std::string EvaluateFooter() {
   std::string footer =
       "Frames of a simulated route, or of recorded sequences, are built into maps in this "
@@ -33,7 +38,7 @@ std::string EvaluateFooter() {
       "beside every policy: static fuses everything, fresh the last sequence only. The truth of a\n"
       "recording is the map of its last sequence.\n\nRoutes:";
   for (const std::string& route : RouteNames()) footer += " " + route;
-  footer += "\nPolicies:";
+  footer += " clutter-SEED\nPolicies:";
   for (const std::string& method : MethodNames()) footer += " " + method;
   footer += "\nSwitches of pocd, and what it is like without:";
   for (const EngineSwitch& row : AllEngineSwitches()) {
@@ -89,7 +94,7 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
 void EvaluateCommand::AddSources(CLI::App* command) {
   CLI::Option* const route = command->add_option("--route", routes_, "Simulated routes")
                                  ->type_name("ROUTE")
-                                 ->check(CLI::IsMember(RouteNames()));
+                                 ->check(CLI::Validator(FindRouteFault, ""));
   command->add_option("--seed", seeds_, "Seeds of all noise; scores are of all of them together")
       ->type_name("N")
       ->capture_default_str();

@@ -18,7 +18,7 @@ std::string SimulateFooter() {
       "written\n"
       "to a folder in the TorWIC layout. The same route and seed give the same frames.\n\nRoutes:";
   for (const std::string& route : RouteNames()) footer += " " + route;
-  return footer;
+  return footer + " clutter-SEED";
 }
 
 }  // namespace

@@ -1,17 +1,12 @@
 #include "client/simulator/moving_things.h"
 
 #include <cmath>
-#include <memory>
 #include <utility>
 
 namespace steadymap {
 namespace {
 
 constexpr double kKeyPeriodS = 0.25;
-
-MeshShape Share(TriangleMesh mesh) {
-  return {std::make_shared<const TriangleMesh>(std::move(mesh))};
-}
 
 }  // namespace
 
@@ -31,17 +26,17 @@ std::vector<MotionKey> MoveAlong(const GroundPath& path, const PathMotion& motio
 }
 
 MeshShape MakePersonShape() {
-  return Share(MakeRevolvedMesh({{0.0, 0.0},
-                                 {0.15, 0.02},
-                                 {0.16, 0.80},
-                                 {0.19, 1.00},
-                                 {0.21, 1.38},
-                                 {0.09, 1.50},
-                                 {0.10, 1.56},
-                                 {0.11, 1.65},
-                                 {0.07, 1.73},
-                                 {0.0, 1.75}},
-                                12));
+  return ShareMesh(MakeRevolvedMesh({{0.0, 0.0},
+                                     {0.15, 0.02},
+                                     {0.16, 0.80},
+                                     {0.19, 1.00},
+                                     {0.21, 1.38},
+                                     {0.09, 1.50},
+                                     {0.10, 1.56},
+                                     {0.11, 1.65},
+                                     {0.07, 1.73},
+                                     {0.0, 1.75}},
+                                    12));
 }
 
 MeshShape MakeForkliftShape() {
@@ -53,7 +48,7 @@ MeshShape MakeForkliftShape() {
   AppendBox({0.05, 0.05, 0.97}, {-0.6, -0.3, 1.335}, &mesh);
   AppendBox({0.52, 0.12, 0.05}, {0.39, 0.2, 0.12}, &mesh);
   AppendBox({0.52, 0.12, 0.05}, {0.39, -0.2, 0.12}, &mesh);
-  return Share(std::move(mesh));
+  return ShareMesh(std::move(mesh));
 }
 
 MeshShape MakeToyCarShape() {
@@ -63,7 +58,7 @@ MeshShape MakeToyCarShape() {
   for (const double x_m : {-0.075, 0.075}) {
     for (const double y_m : {-0.05, 0.05}) AppendBox({0.04, 0.02, 0.04}, {x_m, y_m, 0.02}, &mesh);
   }
-  return Share(std::move(mesh));
+  return ShareMesh(std::move(mesh));
 }
 
 }  // namespace steadymap

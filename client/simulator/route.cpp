@@ -2,16 +2,23 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
+#include <absl/strings/numbers.h>
+
 #include "client/dataset/torwic_layout.h"
+#include "client/simulator/clutter.h"
 #include "client/simulator/large_hall.h"
 #include "client/simulator/named_scenes.h"
 #include "client/simulator/torwic_hall.h"
+#include "core/absl_text.h"
 #include "core/error.h"
 
 namespace steadymap {
 namespace {
+
+constexpr std::string_view kClutter = "clutter";
 
 // The configurations of the TorWIC hall that a route passes through; empty if it is none.
 std::vector<std::string> TorwicConfigurationsOf(std::string_view route) {
@@ -37,6 +44,16 @@ absl::StatusOr<Route> MakeTorwicRoute(std::string_view name,
   return route;
 }
 
+/// Of `clutter` or `clutter-SEED`; none for other names.
+std::optional<std::uint64_t> ClutterSeedOf(std::string_view route) {
+  if (!route.starts_with(kClutter)) return std::nullopt;
+  route.remove_prefix(kClutter.size());
+  if (route.empty()) return 1;
+  std::uint64_t seed = 0;
+  const bool is_seed = route.starts_with('-') && absl::SimpleAtoi(Absl(route.substr(1)), &seed);
+  return is_seed ? std::optional(seed) : std::nullopt;
+}
+
 std::string Join(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
@@ -47,7 +64,8 @@ std::string Join(const std::vector<std::string>& names) {
 
 std::vector<std::string> RouteNames() {
   std::vector<std::string> names = TorwicConfigurations();
-  for (const char* name : {"2-4-4", "9-2", "unchanged", "table-top", "twin", "people", "hall"}) {
+  for (const char* name :
+       {"2-4-4", "9-2", "unchanged", "table-top", "twin", "people", "clutter", "hall"}) {
     names.emplace_back(name);
   }
   return names;
@@ -58,6 +76,7 @@ absl::StatusOr<Route> MakeRoute(std::string_view name) {
   if (name == "twin") return MakeTwinRoute();
   if (name == "people") return MakePeopleRoute();
   if (name == "hall") return MakeLargeHallRoute({});
+  if (const auto seed = ClutterSeedOf(name)) return MakeClutterRoute(*seed);
   const std::vector<std::string> configurations = TorwicConfigurationsOf(name);
   if (!configurations.empty()) return MakeTorwicRoute(name, configurations);
   return InvalidField(reason::kBadName,

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace steadymap {
 namespace {
@@ -70,6 +71,10 @@ std::vector<Facet> FacetsOfMesh(const TriangleMesh& mesh,
 }
 
 }  // namespace
+
+MeshShape ShareMesh(TriangleMesh mesh) {
+  return {std::make_shared<const TriangleMesh>(std::move(mesh))};
+}
 
 std::vector<Facet> FacetsOf(const Shape& shape, const Eigen::Isometry3d& T_destination_object) {
   std::vector<Facet> facets;

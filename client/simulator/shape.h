@@ -34,6 +34,9 @@ struct MeshShape {
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
+/// A shape of which `mesh` is the only user so far.
+MeshShape ShareMesh(TriangleMesh mesh);
+
 using Shape = std::variant<BoxShape, RectangleShape, MeshShape>;
 
 /// A flat convex piece of a surface: a triangle or a quadrilateral.
