@@ -223,11 +223,20 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
          parameters_.free_share * static_cast<double>(observation.samples.size());
 }
 
+bool ObjectMapper::TouchesObject(const Observation& observation) const {
+  return std::any_of(
+      observation.contacts.begin(), observation.contacts.end(), [](const BorderContact& contact) {
+        return contact.owner != kBackgroundOwner;
+      });
+}
+
 std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
-  if (observation.instance == 0 && config_.IsInBackground(ClassId(observation.label)))
-    return kBackgroundOwner;
-  const bool is_free = IsInFreeSpace(observation);
   const bool is_small = observation.area_m2 < parameters_.min_new_area_m2;
+  if (observation.instance == 0 && config_.IsInBackground(ClassId(observation.label))) {
+    // A wrong label on the edge of a thing would stay in the background when the thing goes.
+    return is_small && TouchesObject(observation) ? Association::kNone : kBackgroundOwner;
+  }
+  const bool is_free = IsInFreeSpace(observation);
   for (const BorderContact& contact : observation.contacts) {
     if (contact.owner == kBackgroundOwner) continue;
     const ObjectState& state = in_view_[contact.owner - 1].object->state();
