@@ -48,7 +48,7 @@ TEST(MakeRoute, KnowsItsRoutesAndTheirSequences) {
   EXPECT_THAT(SequenceNames("9-2"), ::testing::ElementsAre("1-9", "2-1"));
   EXPECT_THAT(SequenceNames("unchanged"), ::testing::ElementsAre("baseline", "baseline"));
   EXPECT_THAT(RouteNames(),
-              ::testing::IsSupersetOf({"4-1", "table-top", "twin", "people", "hall"}));
+              ::testing::IsSupersetOf({"4-1", "table-top", "twin", "people", "clutter", "hall"}));
   for (const std::string& name : RouteNames()) {
     EXPECT_EQ(RouteOf(name).name, name);
     EXPECT_TRUE(ValidateCamera(RouteOf(name).camera).ok());
@@ -56,7 +56,8 @@ TEST(MakeRoute, KnowsItsRoutesAndTheirSequences) {
 }
 
 TEST(MakeRoute, RefusesAnUnknownNameAndListsTheKnown) {
-  for (const char* name : {"", "nowhere", "5-1", "1-5-1", "baseline "}) {
+  for (const char* name :
+       {"", "nowhere", "5-1", "1-5-1", "baseline ", "clutter-", "clutter-x", "clutter7"}) {
     const absl::Status status = MakeRoute(name).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << name;
     EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("2-4-4")) << name;

@@ -41,6 +41,20 @@ TEST(FindGroundHeight, FindsNoneOnAWall) {
   EXPECT_EQ(FindGroundHeight(samples, 0.0), std::nullopt);
 }
 
+TEST(FindGroundHeight, TakesNoTablesTopWhereSomethingIsSeenBelowIt) {
+  // The floor lies out of the picture; the crate stands beside the table.
+  const testing::SceneBody top = Body(8, {1.0, -0.6, kGroundM + 0.7}, {2.4, 0.6, kGroundM + 0.75});
+  const testing::SceneBody crate =
+      Body(kGoodsClass, {1.4, 0.7, kGroundM + 0.1}, {2.0, 1.3, kGroundM + 0.8});
+  const SceneLook look{.eye_world = {0.0, 0.0, kGroundM + 1.2},
+                       .target_world = {1.6, 0.4, kGroundM + 0.6}};
+  EXPECT_EQ(FindGroundHeight(SamplesOf({top, crate}, look), kGroundM + 1.2), std::nullopt);
+  const std::optional<double> height_m =
+      FindGroundHeight(SamplesOf({top, crate, Ground()}, look), kGroundM + 1.2);
+  ASSERT_TRUE(height_m.has_value()) << "the floor is in the picture now";
+  EXPECT_NEAR(*height_m, kGroundM, 0.03);
+}
+
 TEST(FindGroundHeight, FindsNoneAboveTheCamera) {
   const SampleGrid samples = SamplesOf({Ground()}, FromAbove());
   EXPECT_EQ(FindGroundHeight(samples, kGroundM + 0.05), std::nullopt);

@@ -37,25 +37,36 @@ using ::steadymap::testing::SmallFrame;
 
 constexpr std::uint16_t kRackClass = 6;
 
-/// Observed voxels of present objects and the background within a box, world frame.
-std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {
+/// Observed voxels of a volume within a box, world frame.
+std::size_t CountVoxelsIn(const VoxelReader& volume,
+                          const Eigen::Vector3d& position_world,
+                          double voxel_size_m,
+                          const Box& box_world) {
   std::size_t count = 0;
-  const auto count_in = [&](const VoxelReader& volume, const Eigen::Vector3d& position_world) {
-    volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-      for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-        const Eigen::Vector3i voxel(origin.x + static_cast<int>(offset >> 6),
-                                    origin.y + static_cast<int>((offset >> 3) & 7),
-                                    origin.z + static_cast<int>(offset & 7));
-        const Eigen::Vector3d center_world =
-            position_world + voxel.cast<double>() * map.scale.voxel_size_m;
-        if (IsSet(leaf.observed, offset) && box_world.contains(center_world)) ++count;
-      }
-    });
-  };
-  count_in(map.background, Eigen::Vector3d::Zero());
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+      const Eigen::Vector3i voxel(origin.x + static_cast<int>(offset >> 6),
+                                  origin.y + static_cast<int>((offset >> 3) & 7),
+                                  origin.z + static_cast<int>(offset & 7));
+      const Eigen::Vector3d center_world = position_world + voxel.cast<double>() * voxel_size_m;
+      if (IsSet(leaf.observed, offset) && box_world.contains(center_world)) ++count;
+    }
+  });
+  return count;
+}
+
+/// Those of the background.
+std::size_t CountBackgroundIn(const MapSnapshot& map, const Box& box_world) {
+  return CountVoxelsIn(map.background, Eigen::Vector3d::Zero(), map.scale.voxel_size_m, box_world);
+}
+
+/// Those of present objects and the background.
+std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {
+  std::size_t count = CountBackgroundIn(map, box_world);
   for (const auto& [id, object] : map.objects) {
     if (object->standing != ObjectStanding::kPresent) continue;
-    count_in(*object->volume, object->T_world_object.position_world);
+    count += CountVoxelsIn(
+        *object->volume, object->T_world_object.position_world, map.scale.voxel_size_m, box_world);
   }
   return count;
 }
@@ -318,6 +329,29 @@ TEST(ObjectMapper, PutsFramesWithoutLabelsIntoTheBackground) {
   EXPECT_TRUE(story.events().empty());
   EXPECT_TRUE(story.map().objects.empty());
   EXPECT_GT(CountVoxelsIn(story.map(), Goods(0.0).box_world), 0U);
+}
+
+TEST(ObjectMapper, LeavesNothingOfAThingWhoseEdgesHadTheLabelOfTheGround) {
+  const SceneBody box = Goods(0.0);
+  MapStory story(PocdConfig());
+  // At first without its borders, then with the label of the ground there.
+  std::vector<Frame> frames = LookAtScene({FarWall(), box}, 0, 24);
+  constexpr int kBorderPx = 5;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Image<std::uint16_t> labels = frames[i].labels;
+    for (int v = 0; v < frames[i].camera.height_px; ++v) {
+      for (int u = kBorderPx; u + kBorderPx < frames[i].camera.width_px; ++u) {
+        if (labels.At(u, v) != kGoodsClass || (labels.At(u - kBorderPx, v) == kGoodsClass &&
+                                               labels.At(u + kBorderPx, v) == kGoodsClass)) {
+          continue;
+        }
+        frames[i].labels.At(u, v) = 1;
+        if (i < 8) frames[i].depth.units.At(u, v) = 0;
+      }
+    }
+  }
+  story.Tell(frames);
+  EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
 }
 
 /// A box that comes, is moved and goes.

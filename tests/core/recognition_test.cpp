@@ -163,6 +163,25 @@ TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
   EXPECT_EQ(Find(beside, StationarityPrior::kStays), nullptr) << "moved along itself";
 }
 
+TEST_F(RecognitionArchive, LeavesGoneWhatIsNotFoundAgainOnTheSameVisit) {
+  TrackedObject* known = Put(Front(1, 0.0, 1.6), 100.0);
+  // All but a quarter of it was missed when it was found gone.
+  for (const SurfaceLeaf& leaf : known->surface().leaves()) {
+    LeafEvidence& evidence = known->state().evidence.MutableLeaf(leaf.origin);
+    for (const SurfaceVoxel& point : leaf.points) {
+      evidence.score[point.cell] = point.position_object.y() > 0.4F ? -3 : 1;
+    }
+  }
+  TrackedObject rest = Front(2, 0.0, 0.4);
+  rest.state().last_seen = Timestamp::FromSeconds(104.0);
+  EXPECT_EQ(Find(rest, StationarityPrior::kMoves), nullptr);
+  TrackedObject most = Front(3, 0.0, 1.4);
+  most.state().last_seen = Timestamp::FromSeconds(104.0);
+  EXPECT_EQ(Find(most, StationarityPrior::kMoves), known) << "what was missed is there again";
+  rest.state().last_seen = Timestamp::FromSeconds(300.0);
+  EXPECT_EQ(Find(rest, StationarityPrior::kMoves), known) << "on another visit";
+}
+
 TEST_F(RecognitionArchive, BringsBackNeighboursThatWentOnTheSameVisit) {
   const TrackedObject* first = Put(Front(1, 0.0, 0.8), 100.0);
   TrackedObject* second = Put(Front(2, 1.2, 0.8), 105.0);
