@@ -331,25 +331,26 @@ TEST(ObjectMapper, PutsFramesWithoutLabelsIntoTheBackground) {
   EXPECT_GT(CountVoxelsIn(story.map(), Goods(0.0).box_world), 0U);
 }
 
-TEST(ObjectMapper, LeavesNothingOfAThingWhoseEdgesHadTheLabelOfTheGround) {
-  const SceneBody box = Goods(0.0);
-  MapStory story(PocdConfig());
-  // At first without its borders, then with the label of the ground there.
-  std::vector<Frame> frames = LookAtScene({FarWall(), box}, 0, 24);
+/// Takes the pixels at the left and right borders of goods for ground, or leaves them out.
+void SpoilBordersOfGoods(Frame* frame, bool leaves_out) {
   constexpr int kBorderPx = 5;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const Image<std::uint16_t> labels = frames[i].labels;
-    for (int v = 0; v < frames[i].camera.height_px; ++v) {
-      for (int u = kBorderPx; u + kBorderPx < frames[i].camera.width_px; ++u) {
-        if (labels.At(u, v) != kGoodsClass || (labels.At(u - kBorderPx, v) == kGoodsClass &&
-                                               labels.At(u + kBorderPx, v) == kGoodsClass)) {
-          continue;
-        }
-        frames[i].labels.At(u, v) = 1;
-        if (i < 8) frames[i].depth.units.At(u, v) = 0;
-      }
+  const Image<std::uint16_t> labels = frame->labels;
+  for (int v = 0; v < frame->camera.height_px; ++v) {
+    for (int u = kBorderPx; u + kBorderPx < frame->camera.width_px; ++u) {
+      const bool is_inside =
+          labels.At(u - kBorderPx, v) == kGoodsClass && labels.At(u + kBorderPx, v) == kGoodsClass;
+      if (labels.At(u, v) != kGoodsClass || is_inside) continue;
+      frame->labels.At(u, v) = 1;
+      if (leaves_out) frame->depth.units.At(u, v) = 0;
     }
   }
+}
+
+TEST(ObjectMapper, LeavesNothingOfAThingWhoseEdgesHadTheLabelOfTheGround) {
+  const SceneBody box = Goods(0.0);
+  std::vector<Frame> frames = LookAtScene({FarWall(), box}, 0, 24);
+  for (std::size_t i = 0; i < frames.size(); ++i) SpoilBordersOfGoods(&frames[i], i < 8);
+  MapStory story(PocdConfig());
   story.Tell(frames);
   EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
 }
