@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -41,7 +42,13 @@ class FleetMirror {
   /// Nothing moves until `Resume`.
   void Stall() { proxy_.Stall(); }
 
-  void Resume() { proxy_.Resume(); }
+  /// Little moves until `Resume`: a snapshot takes seconds.
+  void Throttle() { proxy_.Throttle(kThrottledBytesPerSecond); }
+
+  void Resume() {
+    proxy_.Throttle(0);
+    proxy_.Resume();
+  }
 
   Revision revision() const { return mirror_->revision(); }
 
@@ -49,6 +56,8 @@ class FleetMirror {
   MirrorLife Stop() ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
+  static constexpr std::size_t kThrottledBytesPerSecond = 20'000;
+
   void Check(const MirrorStep& step) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void CheckEvents(const MirrorStep& step) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 

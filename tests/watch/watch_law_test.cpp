@@ -117,8 +117,10 @@ class FleetHistory {
       mirror.Cut();
     } else if (draw < 76) {
       watcher.Stall();
-    } else if (draw < 78) {
+    } else if (draw < 77) {
       mirror.Stall();
+    } else if (draw < 78) {
+      mirror.Throttle();
     } else if (draw < 84) {
       watcher.Resume();
     } else if (draw < 86) {
