@@ -72,7 +72,8 @@ std::string WithZeros(std::string log, std::size_t begin, std::size_t end) {
 class FindTornEndTest : public ::testing::Test {
  protected:
   FindTornEndTest() {
-    for (std::uint32_t i = 0; i < 12; ++i) starts_.push_back(builder_.Add(Noise(i * 3001, i)));
+    for (std::uint32_t i = 0; i < 12; ++i)
+      starts_.push_back(builder_.Add(Noise(std::size_t{3001} * i, i)));
   }
 
   LogBuilder builder_;
