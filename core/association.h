@@ -6,6 +6,7 @@
 #include "core/background.h"
 #include "core/sample_grid.h"
 #include "core/tracked_object.h"
+#include "core/tsdf_kernel.h"
 
 namespace steadymap {
 
@@ -15,6 +16,11 @@ class FrameClusters;
 struct Association {
   /// No known surface explains the sample.
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+  /// Whether an owner is an object in view.
+  static constexpr bool IsObject(std::uint32_t owner) {
+    return owner != kNone && owner != kBackgroundOwner;
+  }
 
   /// By sample: `kNone`, `kBackgroundOwner`, or the place of the object in the list of objects
   /// in view, plus one.

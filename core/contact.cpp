@@ -7,17 +7,14 @@
 namespace steadymap {
 namespace {
 
-bool IsObject(std::uint32_t owner) {
-  return owner != Association::kNone && owner != kBackgroundOwner;
-}
-
 /// The instance that most of an owner's samples show; of equals the lowest.
 std::map<std::uint32_t, std::uint16_t> MainInstances(const SampleGrid& samples,
                                                      const Association& association) {
   std::map<std::uint32_t, std::map<std::uint16_t, std::size_t>> counts;
   for (std::size_t index = 0; index < samples.size(); ++index) {
     const std::uint32_t owner = association.owner[index];
-    if (samples[index].is_valid() && IsObject(owner)) ++counts[owner][samples[index].instance];
+    if (samples[index].is_valid() && Association::IsObject(owner))
+      ++counts[owner][samples[index].instance];
   }
   std::map<std::uint32_t, std::uint16_t> main;
   for (const auto& [owner, instances] : counts) {
@@ -34,7 +31,7 @@ std::vector<Contact> FindContacts(const SampleGrid& samples, const Association& 
   const auto count = [&](std::size_t a, std::size_t b) {
     const std::uint32_t first = association.owner[a];
     const std::uint32_t second = association.owner[b];
-    if (first != second && IsObject(first) && IsObject(second) &&
+    if (first != second && Association::IsObject(first) && Association::IsObject(second) &&
         AreConnected(samples[a], samples[b])) {
       ++counts[std::minmax(first, second)];
     }

@@ -45,7 +45,7 @@ void FrameClusters::MatchOneToOne(const std::vector<ObjectInView>& objects,
     std::vector<std::size_t> fitting(objects.size(), 0);
     for (const std::size_t sample : clusters_[cluster].samples) {
       const std::uint32_t owner = association->owner[sample];
-      if (owner != Association::kNone && owner != kBackgroundOwner) ++fitting[owner - 1];
+      if (Association::IsObject(owner)) ++fitting[owner - 1];
     }
     const auto size = static_cast<double>(clusters_[cluster].samples.size());
     for (std::size_t object = 0; object < objects.size(); ++object) {

@@ -223,18 +223,11 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
          parameters_.free_share * static_cast<double>(observation.samples.size());
 }
 
-bool ObjectMapper::TouchesObject(const Observation& observation) const {
-  return std::any_of(
-      observation.contacts.begin(), observation.contacts.end(), [](const BorderContact& contact) {
-        return contact.owner != kBackgroundOwner;
-      });
-}
-
 std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
   const bool is_small = observation.area_m2 < parameters_.min_new_area_m2;
   if (observation.instance == 0 && config_.IsInBackground(ClassId(observation.label))) {
     // A wrong label on the edge of a thing would stay in the background when the thing goes.
-    return is_small && TouchesObject(observation) ? Association::kNone : kBackgroundOwner;
+    return is_small && observation.TouchesObject() ? Association::kNone : kBackgroundOwner;
   }
   const bool is_free = IsInFreeSpace(observation);
   for (const BorderContact& contact : observation.contacts) {
@@ -262,9 +255,7 @@ void ObjectMapper::CountViews() {
   std::vector<std::map<ClassId, std::size_t>> samples_by_class(in_view_.size());
   for (std::size_t index = 0; index < samples_.size(); ++index) {
     const std::uint32_t owner = association_.owner[index];
-    if (!samples_[index].is_valid() || owner == Association::kNone || owner == kBackgroundOwner) {
-      continue;
-    }
+    if (!samples_[index].is_valid() || !Association::IsObject(owner)) continue;
     ++fitting_samples_[owner - 1];
     const std::uint16_t label = samples_[index].label;
     if (!config_.IsInBackground(ClassId(label))) ++samples_by_class[owner - 1][ClassId(label)];

@@ -89,7 +89,6 @@ class ObjectMapper final : public MapUpdater {
   void RemoveGoneParts(TrackedObject* object);
   void PlaceObservations();
   bool IsInFreeSpace(const Observation& observation) const;
-  bool TouchesObject(const Observation& observation) const;
   std::uint32_t ChooseOwner(const Observation& observation);
   std::uint32_t AddObject(const Observation& observation);
   bool IsRecent(const ObjectState& state) const;

@@ -79,6 +79,12 @@ class SampleComponentSearch {
 
 }  // namespace
 
+bool Observation::TouchesObject() const {
+  return std::any_of(contacts.begin(), contacts.end(), [](const BorderContact& contact) {
+    return Association::IsObject(contact.owner);
+  });
+}
+
 std::vector<Observation> FindObservations(const SampleGrid& samples,
                                           const Association& association) {
   return SampleComponentSearch(samples, association).Run();

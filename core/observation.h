@@ -21,6 +21,9 @@ struct Observation {
   std::uint16_t instance = 0;
   double area_m2 = 0.0;
   std::vector<BorderContact> contacts;  ///< By falling number of samples.
+
+  /// Whether it borders on anything but the background.
+  bool TouchesObject() const;
 };
 
 /// Groups the samples that have no owner. Samples with instance ids group by instance instead of

@@ -133,7 +133,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
                                 const Eigen::Vector3f& point_world,
                                 const Eigen::Vector3f& normal_world) const {
   const std::uint32_t owner = association_.owner[sample_index];
-  if (owner == Association::kNone || owner == kBackgroundOwner) return false;
+  if (!Association::IsObject(owner)) return false;
   const ObjectState& newer = objects_[owner - 1].object->state();
   if (newer.id == object.id() || newer.standing != ObjectStanding::kPresent ||
       newer.class_id != object.state().class_id) {
@@ -168,8 +168,7 @@ std::optional<VisibilityTest::Place> VisibilityTest::FindPlace(
 bool VisibilityTest::IsMatched(const TrackedObject& object) const {
   return std::any_of(
       association_.owner.begin(), association_.owner.end(), [&](std::uint32_t owner) {
-        return owner != Association::kNone && owner != kBackgroundOwner &&
-               objects_[owner - 1].object == &object;
+        return Association::IsObject(owner) && objects_[owner - 1].object == &object;
       });
 }
 
