@@ -45,42 +45,65 @@ bool WasGoneForLong(const TrackedObject& known,
          parameters.wall_absence_s;
 }
 
-/// Of the surface that `known` was found gone by, the share that lies on the surface of `object`; 1
-/// if nothing of it was missed.
-double RefoundShare(const TrackedObject& known,
-                    const TrackedObject& object,
-                    const VoxelScale& scale) {
-  const Eigen::Isometry3d T_object_known = RelativePose(known, object);
-  TsdfSampler sampler(object.volume(), scale);
+/// Points of a surface, counted by how they lie with another object.
+struct OverlapCounts {
+  std::size_t points = 0;
+  std::size_t known = 0;    ///< Of those, in what the other has observed.
+  std::size_t fitting = 0;  ///< Of those, on its surface, facing the same way.
+  TurnSum turn;             ///< Of those that fit.
+};
+
+/// Counts the points of `object`, moved by `T_other_object`, for which `counts(leaf, point)` holds.
+template <typename Counts>
+OverlapCounts CountOverlap(const TrackedObject& object,
+                           const TrackedObject& other,
+                           const Eigen::Isometry3d& T_other_object,
+                           const VoxelScale& scale,
+                           Counts counts) {
   const double tolerance_m = kFitVoxels * scale.voxel_size_m;
-  std::size_t missed = 0;
-  std::size_t refound = 0;
-  for (const SurfaceLeaf& leaf : known.surface().leaves()) {
-    const LeafEvidence* evidence = known.state().evidence.FindLeaf(leaf.origin);
-    if (evidence == nullptr) continue;
+  TsdfSampler sampler(other.volume(), scale);
+  OverlapCounts overlap;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
-      if (evidence->score[point.cell] >= 0) continue;
-      ++missed;
+      if (!counts(leaf, point)) continue;
+      ++overlap.points;
+      const Eigen::Vector3d position = T_other_object * point.position_object.cast<double>();
       double distance_m = 0.0;
-      if (sampler.SampleNearest(T_object_known * point.position_object.cast<double>(),
-                                &distance_m) &&
-          std::abs(distance_m) <= tolerance_m) {
-        ++refound;
+      const bool is_inner = sampler.SampleDistance(position, &distance_m);
+      if (!is_inner && !sampler.SampleNearest(position, &distance_m)) continue;
+      ++overlap.known;
+      if (std::abs(distance_m) > tolerance_m) continue;
+      const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
+      if (is_inner) {
+        const Eigen::Vector3d gradient = sampler.Sample(position).gradient;
+        if (gradient.dot(normal) < kMinMatchingCosine) continue;
+        overlap.turn.Add(position - distance_m * gradient, gradient, distance_m);
       }
+      ++overlap.fitting;
     }
   }
-  return missed == 0 ? 1.0 : static_cast<double>(refound) / static_cast<double>(missed);
+  return overlap;
 }
 
-/// Whether `known` was found gone on the visit that `object` is seen on, and what was missed is not
-/// part of it.
+/// Whether `known` was found gone on the visit that `object` is seen on, and too little of what was
+/// missed of it is there again.
 bool StaysGone(const TrackedObject& known,
                const TrackedObject& object,
                const VoxelScale& scale,
                const RecognitionParameters& parameters) {
   const double gone_s = object.state().last_seen.seconds() - known.state().standing_since.seconds();
-  return gone_s < parameters.same_visit_s &&
-         RefoundShare(known, object, scale) < parameters.refound_share;
+  if (gone_s >= parameters.same_visit_s) return false;
+  const OverlapCounts missed =
+      CountOverlap(known,
+                   object,
+                   RelativePose(known, object),
+                   scale,
+                   [&](const SurfaceLeaf& leaf, const SurfaceVoxel& point) {
+                     const LeafEvidence* evidence = known.state().evidence.FindLeaf(leaf.origin);
+                     return evidence != nullptr && evidence->score[point.cell] < 0;
+                   });
+  return static_cast<double>(missed.fitting) <
+         parameters.refound_share * static_cast<double>(missed.points);
 }
 
 /// Compares two objects where they stand, or stood.
@@ -96,34 +119,15 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
                                const VoxelScale& scale) {
-  const double tolerance_m = kFitVoxels * scale.voxel_size_m;
-  const std::size_t points = object.surface().point_count();
-  if (points == 0) return {};
-  TsdfSampler sampler(other.volume(), scale);
-  std::size_t known = 0;
-  std::size_t fitting = 0;
-  TurnSum turn;
-  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    for (const SurfaceVoxel& point : leaf.points) {
-      const Eigen::Vector3d position = T_other_object * point.position_object.cast<double>();
-      double distance_m = 0.0;
-      const bool is_inner = sampler.SampleDistance(position, &distance_m);
-      if (!is_inner && !sampler.SampleNearest(position, &distance_m)) continue;
-      ++known;
-      if (std::abs(distance_m) > tolerance_m) continue;
-      const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
-      if (is_inner) {
-        const Eigen::Vector3d gradient = sampler.Sample(position).gradient;
-        if (gradient.dot(normal) < kMinMatchingCosine) continue;
-        turn.Add(position - distance_m * gradient, gradient, distance_m);
-      }
-      ++fitting;
-    }
-  }
-  if (known == 0) return {};
-  return {static_cast<double>(known) / static_cast<double>(points),
-          static_cast<double>(fitting) / static_cast<double>(known),
-          turn};
+  const OverlapCounts overlap = CountOverlap(
+      object, other, T_other_object, scale, [](const SurfaceLeaf&, const SurfaceVoxel&) {
+        return true;
+      });
+  if (overlap.known == 0) return {};
+  const auto known = static_cast<double>(overlap.known);
+  return {known / static_cast<double>(overlap.points),
+          static_cast<double>(overlap.fitting) / known,
+          overlap.turn};
 }
 
 TrackedObject* FindReturned(const TrackedObject& object,
