@@ -78,9 +78,7 @@ class ClutterRoom {
 
   /// What people do while nobody looks.
   void Rearrange() {
-    std::vector<LooseThing> before;
-    std::swap(before, loose_);
-    loose_ = before;
+    const std::vector<LooseThing> before = loose_;
     for (const LooseThing& thing : before) {
       const double fate = Uniform(0, 1);
       std::optional<LooseThing> after;
@@ -159,9 +157,9 @@ class ClutterRoom {
     const Eigen::Vector2d footprint_m = yaw_rad == 0 ? Eigen::Vector2d(size_m.x(), size_m.y())
                                                      : Eigen::Vector2d(size_m.y(), size_m.x());
     furniture_.push_back(CenteredArea(center_world, footprint_m));
-    // As MakeShelfShape spaces them; nothing is put on the lowest, which hardly shows.
-    for (const double height_m : {0.67, 1.24, 1.8}) {
-      boards_.push_back({furniture_.back(), height_m});
+    // Nothing is put on the lowest, which hardly shows.
+    for (int board = 1; board < kBoards; ++board) {
+      boards_.push_back({furniture_.back(), ShelfBoardHeight(size_m.z(), kBoards, board)});
     }
   }
 
@@ -183,7 +181,6 @@ class ClutterRoom {
     added.instance = added.id;
     LooseThing loose = *placed;
     loose.id = added.id;
-    loose_.push_back(loose);
     Put(loose);
   }
 

@@ -38,9 +38,13 @@ MeshShape MakeTableShape(const Eigen::Vector3d& size_m) {
   return ShareMesh(std::move(mesh));
 }
 
+double ShelfBoardHeight(double height_m, int boards, int board) {
+  constexpr double kLowestM = 0.1;
+  return kLowestM + (height_m - kLowestM) * board / (boards - 1);
+}
+
 MeshShape MakeShelfShape(const Eigen::Vector3d& size_m, int boards) {
   constexpr double kBoardM = 0.03;
-  constexpr double kLowestM = 0.08;
   TriangleMesh mesh;
   const double inner_m = size_m.y() - 2 * kBoardM;
   for (const double side : {-0.5, 0.5}) {
@@ -48,8 +52,8 @@ MeshShape MakeShelfShape(const Eigen::Vector3d& size_m, int boards) {
         {size_m.x(), kBoardM, size_m.z()}, {0, side * (inner_m + kBoardM), size_m.z() / 2}, &mesh);
   }
   for (int i = 0; i < boards; ++i) {
-    const double height_m = kLowestM + (size_m.z() - kBoardM / 2 - kLowestM) * i / (boards - 1);
-    AppendBox({size_m.x(), inner_m, kBoardM}, {0, 0, height_m}, &mesh);
+    const double middle_m = ShelfBoardHeight(size_m.z(), boards, i) - kBoardM / 2;
+    AppendBox({size_m.x(), inner_m, kBoardM}, {0, 0, middle_m}, &mesh);
   }
   return ShareMesh(std::move(mesh));
 }

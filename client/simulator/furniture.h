@@ -13,8 +13,12 @@ MeshShape MakeChairShape();
 MeshShape MakeTableShape(const Eigen::Vector3d& size_m);
 
 /// Boards between two sides, open to the front and the back. `size_m`: depth (x), width (y),
-/// height; `boards` >= 2, the lowest 8 cm above the ground and the highest on top.
+/// height; `boards` >= 2.
 MeshShape MakeShelfShape(const Eigen::Vector3d& size_m, int boards);
+
+/// How high things stand on a shelf's board, counted from 0: 10 cm on the lowest, `height_m` on the
+/// highest.
+double ShelfBoardHeight(double height_m, int boards, int board);
 
 /// A box without a lid, 3 cm thick. `size_m`: outer side lengths, each > 0.1.
 MeshShape MakeCrateShape(const Eigen::Vector3d& size_m);
