@@ -87,7 +87,7 @@ class TheReadme(DaemonTest):
                 exec(compile(example, "README.md", "exec"), {})
         lines = output.getvalue().splitlines()
         self.assertEqual(lines[0], "5 frames are in the map")
-        self.assertAlmostEqual(float(lines[1].strip("[]")), 0.1, delta=2e-3)
+        self.assertEqual(lines[1], re.search(r"distance_m.*# (.*)", example)[1])
         self.assertRegex(lines[2], r"\(\d{3,}, 3\)")
         self.assertTrue(lines[3].startswith("Created("), lines[3])
 
