@@ -49,8 +49,8 @@ class WatchOptions:
         include_archived: objects that are gone pass, too.
         resync_if_compacted: where the history behind the token is gone, go on with a Resync and a
             snapshot; else the watch ends with OutOfRangeError.
-        takes_patches: you keep all leaves you get, so a Delta may bring patches of them: about half
-            as many bytes. Not with NOW.
+        takes_patches: you keep all leaves you get, so a Delta may bring patches of them: half as
+            many bytes or less in a place that is known. Not with NOW.
         max_message_bytes: messages are not larger, in [65536, 4194304]; 0: the server's default.
         backoff: waits between reconnections.
         seed: of the jitter. None: from the system.
