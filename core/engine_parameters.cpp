@@ -44,6 +44,22 @@ void FollowPaperInJudgement(const EngineSwitches& switches,
   }
 }
 
+void FollowPaperInConfirmation(const EngineSwitches& switches,
+                               ConfirmationParameters* confirmation) {
+  if (!switches.turning) confirmation->recognition.turn.turned_rad = 0.0;
+  if (!switches.tentative) confirmation->views = 1;
+  confirmation->recognises_returned = switches.returning;
+  confirmation->recognises_rests = switches.splitting;
+  confirmation->recognises_pieces = switches.merging;
+}
+
+/// The same for things that are smaller by a factor.
+PieceParameters Shrink(PieceParameters piece, double factor) {
+  piece.size_m *= factor;
+  piece.distance_m *= factor;
+  return piece;
+}
+
 }  // namespace
 
 ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitches& switches) {
@@ -51,19 +67,20 @@ ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitch
   ObjectMapperParameters parameters;
   // The smallest things are those of a warehouse; a finer map is of smaller ones.
   const double finer = std::min(1.0, config.truncation_m / VoxelScale().truncation_m);
-  parameters.min_new_area_m2 *= finer * finer;
+  parameters.confirmation.min_area_m2 *= finer * finer;
   parameters.min_seen_area_m2 *= finer * finer;
+  RecognitionParameters& recognition = parameters.confirmation.recognition;
+  recognition.fixture = Shrink(recognition.fixture, finer);
+  recognition.thing = Shrink(recognition.thing, finer);
   parameters.visibility.truncation_m = config.truncation_m;
   parameters.guard.is_on = switches.robot_guard;
   FollowPaperInAssociation(switches, paper, &parameters.clusters);
   FollowPaperInVisibility(switches, paper, config, &parameters.visibility);
   FollowPaperInJudgement(switches, paper, &parameters.judgement);
-  if (!switches.turning) parameters.recognition.turn.turned_rad = 0.0;
-  if (!switches.merging) parameters.merging_contacts = 0;
-  if (!switches.tentative) parameters.confirming_views = 1;
+  FollowPaperInConfirmation(switches, &parameters.confirmation);
+  if (!switches.merging) parameters.merging.contacts = 0;
   parameters.cuts_gone_parts = switches.splitting;
   parameters.keeps_removed = switches.archive;
-  parameters.recognises_returned = switches.returning;
   parameters.finds_moves = switches.moves;
   parameters.remembers_free_space = switches.free_space;
   return parameters;

@@ -5,6 +5,9 @@
 namespace steadymap {
 namespace {
 
+// How far behind a surface free space is looked for, metres.
+constexpr double kBehindM = 0.08;
+
 struct CellIndex {
   std::int32_t x;
   std::int32_t y;
@@ -76,6 +79,11 @@ bool FreeSpace::IsFree(const Eigen::Vector3d& point_world) const {
   const CellIndex cell = CellOf(point_world / cell_size_m_);
   const LeafMask block = FindBlock(LeafOf(cell.x, cell.y, cell.z));
   return IsSet(block, OffsetInLeaf(cell.x, cell.y, cell.z));
+}
+
+bool FreeSpace::IsFreeBehind(const Eigen::Vector3d& point_world,
+                             const Eigen::Vector3d& normal_world) const {
+  return IsFree(point_world - kBehindM * normal_world);
 }
 
 void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,

@@ -28,6 +28,11 @@ class FreeSpace {
   /// Whether the cell around a point was looked through.
   bool IsFree(const Eigen::Vector3d& point_world) const;
 
+  /// Whether what lies right behind a surface that faces along the unit vector `normal_world` was
+  /// looked through, so that the surface came after that. Nothing can be said of what is thinner
+  /// than a cell.
+  bool IsFreeBehind(const Eigen::Vector3d& point_world, const Eigen::Vector3d& normal_world) const;
+
   /// Marks the cells that the straight way from `from_world` to `to_world` passes; appends blocks
   /// that changed to `changed_blocks`, possibly with repetitions.
   void MarkRay(const Eigen::Vector3d& from_world,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/object_parts.h"
+
 namespace steadymap {
 namespace {
 
@@ -69,6 +71,18 @@ bool UpdateBelief(StationarityPrior prior,
     object->belief = UpdateStationarity(object->belief, found_change_m, prior, stationarity).belief;
   }
   return true;
+}
+
+bool IsContradicted(const ObjectVerdict& verdict,
+                    Timestamp now,
+                    const ContradictionParameters& parameters,
+                    const TrackedObject& object) {
+  const double unseen_s = now.seconds() - object.state().last_seen.seconds();
+  if (unseen_s > parameters.visit_s || verdict.absent() >= parameters.cells) return true;
+  const DoubtedCells cells = CountDoubtedCells(object, -1);
+  const std::size_t contradicted = std::max(cells.doubted, verdict.absent());
+  return contradicted >= parameters.cells ||
+         static_cast<double>(contradicted) >= parameters.share * static_cast<double>(cells.all);
 }
 
 }  // namespace steadymap

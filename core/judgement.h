@@ -4,6 +4,7 @@
 #include "core/map_object.h"
 #include "core/object_surface.h"
 #include "core/timestamp.h"
+#include "core/tracked_object.h"
 #include "core/visibility.h"
 
 namespace steadymap {
@@ -24,6 +25,17 @@ struct JudgementParameters {
   double revisit_evidence = 3.0;
 };
 
+/// How much of an object that was found on a visit must be contradicted for it to be gone on the
+/// same visit: the same few cells, missed again and again, say little of the rest.
+struct ContradictionParameters {
+  /// So many cells,
+  std::size_t cells = 10;
+  /// or this share of a smaller object.
+  double share = 0.1;
+  /// A visit takes that long, seconds.
+  double visit_s = 60.0;
+};
+
 /// What the class of a thing says about its staying: unlisted classes stay.
 StationarityPrior PriorOf(const MapConfig& config, ClassId class_id);
 
@@ -41,5 +53,12 @@ bool UpdateBelief(StationarityPrior prior,
                   Timestamp now,
                   const JudgementParameters& parameters,
                   ObjectState* object);
+
+/// Whether enough speaks against an object for its belief to decide: of what was found on the visit
+/// of `now`, enough cells are missed by the frame, or were missed oftener than found.
+bool IsContradicted(const ObjectVerdict& verdict,
+                    Timestamp now,
+                    const ContradictionParameters& parameters,
+                    const TrackedObject& object);
 
 }  // namespace steadymap

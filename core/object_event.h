@@ -21,7 +21,7 @@ enum class EventType {
   kRemoved,     ///< No longer stands where it stood.
   kReturned,    ///< Stands again where it stood before it was removed.
   kMerged,      ///< Turned out to be part of another object, `related`.
-  kSplit,       ///< Turned out to be two; the other is `related`.
+  kSplit,       ///< Turned out to be two, or to be left of one that went; the other is `related`.
   kRobotLost,   ///< A robot's frames disagree with the whole map; they are not used.
   kRobotFound,  ///< They agree again.
 };

@@ -3,14 +3,15 @@
 #include <vector>
 
 #include "core/association.h"
+#include "core/confirmation.h"
 #include "core/frame.h"
 #include "core/frame_clusters.h"
 #include "core/judgement.h"
 #include "core/map_config.h"
 #include "core/map_updater.h"
+#include "core/object_merge.h"
 #include "core/object_moves.h"
 #include "core/observation.h"
-#include "core/recognition.h"
 #include "core/robot_guard.h"
 #include "core/sample_grid.h"
 #include "core/semantic_cloud.h"
@@ -29,41 +30,25 @@ struct ObjectMapperParameters {
   ClusterParameters clusters;
   JudgementParameters judgement;
   VisibilityParameters visibility;
-  RecognitionParameters recognition;
+  MergeParameters merging;
+  ConfirmationParameters confirmation;
   MoveParameters moves;
-  /// E[v] of a new object.
-  double initial_stationarity = 0.67;
   /// Objects below this E[v] leave the map (theta_stat).
   double min_stationarity = 0.40;
-  /// Smallest surface that becomes an object, square metres,
-  double min_new_area_m2 = 0.06;
-  /// and the smallest that a frame must show of one. Thin things show little at a time.
+  /// Smallest surface that a frame must show of a new object, square metres. Thin things show
+  /// little at a time.
   double min_seen_area_m2 = 0.02;
-  /// Frames that must agree with a new object before it is part of the map.
-  std::uint64_t confirming_views = 4;
-  /// A tentative object that was not seen for so long is forgotten, seconds.
-  double tentative_age_s = 10.0;
-  /// Share of an observation that must lie in known free space to be a new thing rather than more
-  /// of an old one.
-  double free_share = 0.4;
-  /// Surface that touches an object which was first seen less long ago is more of it, even in what
-  /// was free space before, seconds.
-  double recent_s = 20.0;
-  /// Objects of one class and one visit become one where so many neighbouring samples are
-  /// connected; 0: never.
-  std::size_t merging_contacts = 8;
+  ContradictionParameters contradiction;
   /// A part of an object is cut off when its cells were found gone in so many more frames than not.
   int gone_score = 5;
-  /// Fewest connected cells that are cut off.
+  /// Fewest cells that are cut off.
   std::size_t min_gone_cells = 8;
-  /// Fewest cells whose loss is told as an event.
+  /// Fewest connected cells whose loss is told as an event.
   std::size_t min_reported_cells = 25;
   /// Whether that is done at all.
   bool cuts_gone_parts = true;
   /// Whether removed objects are kept as history; else they are forgotten.
   bool keeps_removed = true;
-  /// Whether new objects are compared with what stood in their place.
-  bool recognises_returned = true;
   /// Whether new objects are compared with what left another place.
   bool finds_moves = true;
   /// Whether what was looked through is remembered.
@@ -92,18 +77,8 @@ class ObjectMapper final : public MapUpdater {
   std::uint32_t ChooseOwner(const Observation& observation);
   std::uint32_t AddObject(const Observation& observation);
   bool IsRecent(const ObjectState& state) const;
-  void MergeConnected();
-  void Merge(TrackedObject* into, TrackedObject* from);
   void CountViews();
   void Integrate();
-  void ConfirmAndForget();
-  bool Confirm(TrackedObject* object);
-  std::vector<TrackedObject*> ObjectsAround(const TrackedObject& object);
-  TrackedObject* FindKnown(const TrackedObject& object);
-  void TakeBack(TrackedObject* known, TrackedObject* object);
-  void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into);
-  void Return(TrackedObject* object, EventReason reason, const Belief& belief);
-  void TakeBackParts();
   void Archive(TrackedObject* object, EventReason reason, const Belief& before);
   void BecomeHistory(TrackedObject* object);
 
@@ -112,6 +87,7 @@ class ObjectMapper final : public MapUpdater {
   StageTeller stages_;
   RobotGuard guard_;
   FrameClusters clusters_;
+  Confirmation confirmation_;
   TsdfIntegrator integrator_;
 
   // The frame at hand.

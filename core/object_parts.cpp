@@ -1,6 +1,8 @@
 #include "core/object_parts.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <set>
@@ -80,6 +82,36 @@ void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
   }
 }
 
+/// The cells of a leaf that hold surface, one bit a cell.
+std::uint64_t OccupiedCells(const SurfaceLeaf& leaf) {
+  std::uint64_t occupied = 0;
+  for (const SurfaceVoxel& point : leaf.points) occupied |= std::uint64_t{1} << point.cell;
+  return occupied;
+}
+
+/// A cell's place among all cells of its object.
+using CellPlace = std::array<int, 3>;
+
+CellPlace PlaceOf(LeafOrigin origin, std::uint8_t cell) {
+  return {origin.x / kEvidenceSide + (cell >> 4),
+          origin.y / kEvidenceSide + (cell >> 2 & 3),
+          origin.z / kEvidenceSide + (cell & 3)};
+}
+
+/// Moves the 26 cells around one that are in `cells` to the end of `group`.
+void TakeNeighbours(const CellPlace& cell,
+                    std::set<CellPlace>* cells,
+                    std::vector<CellPlace>* group) {
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const CellPlace neighbour = {cell[0] + x, cell[1] + y, cell[2] + z};
+        if (cells->erase(neighbour) > 0) group->push_back(neighbour);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 bool ShareLattice(const ObjectState& a, const ObjectState& b) {
@@ -145,19 +177,35 @@ std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
 DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
   DoubtedCells cells;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const std::uint64_t occupied = OccupiedCells(leaf);
+    cells.all += static_cast<std::size_t>(std::popcount(occupied));
     const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
     if (evidence == nullptr) continue;
-    std::uint64_t counted = 0;
-    for (const SurfaceVoxel& point : leaf.points) {
-      const std::uint64_t bit = std::uint64_t{1} << point.cell;
-      if ((counted & bit) != 0) continue;
-      counted |= bit;
-      const std::int8_t score = evidence->score[point.cell];
-      cells.gone += score <= max_score ? 1U : 0U;
-      cells.doubted += score < 0 ? 1U : 0U;
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if ((occupied >> cell & 1) == 0) continue;
+      cells.gone += evidence->score[cell] <= max_score ? 1U : 0U;
+      cells.doubted += evidence->score[cell] < 0 ? 1U : 0U;
     }
   }
   return cells;
+}
+
+std::size_t CountConnectedCells(const TrackedObject& object) {
+  std::set<CellPlace> unvisited;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      unvisited.insert(PlaceOf(leaf.origin, point.cell));
+    }
+  }
+  std::size_t most = 0;
+  while (!unvisited.empty()) {
+    std::vector<CellPlace> group = {unvisited.extract(unvisited.begin()).value()};
+    for (std::size_t next = 0; next < group.size(); ++next) {
+      TakeNeighbours(CellPlace(group[next]), &unvisited, &group);
+    }
+    most = std::max(most, group.size());
+  }
+  return most;
 }
 
 std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part) {
@@ -180,10 +228,12 @@ std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, Tra
       gone.observed[offset >> 6] |= bit;
       voxels.observed[offset >> 6] &= ~bit;
     }
-    for (std::int8_t& score : leaf.score) {
-      if (score <= max_score) score = 0;
-    }
     if (gone.observed == LeafMask{}) continue;
+    LeafEvidence& part_leaf = part->state().evidence.MutableLeaf(leaf.origin);
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if (leaf.score[cell] > max_score) continue;
+      part_leaf.score[cell] = std::exchange(leaf.score[cell], std::int8_t{0});
+    }
     volume.StoreLeaf(leaf.origin, voxels);
     part_volume.StoreLeaf(leaf.origin, gone);
     changed.push_back(leaf.origin);

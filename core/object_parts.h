@@ -34,12 +34,16 @@ std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
 struct DoubtedCells {
   std::size_t gone = 0;     ///< With scores of at most `max_score`.
   std::size_t doubted = 0;  ///< With negative scores, those included.
+  std::size_t all = 0;      ///< Missed or not.
 };
 
 DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score);
 
-/// Moves the voxels of the evidence cells with scores of at most `max_score` to `part`, which must
-/// have the same frame as `object`, and forgets those scores.
+/// Cells of the largest group of an object's surface that are connected, by their corners at least.
+std::size_t CountConnectedCells(const TrackedObject& object);
+
+/// Moves the evidence cells with scores of at most `max_score` to `part`, which must have the same
+/// frame as `object`: their voxels and their scores. The leaves that changed.
 std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part);
 
 }  // namespace steadymap

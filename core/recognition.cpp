@@ -85,14 +85,21 @@ OverlapCounts CountOverlap(const TrackedObject& object,
   return overlap;
 }
 
+/// Whether `known` was found gone on the visit that `object` is seen on.
+bool WentOnVisit(const TrackedObject& known,
+                 const TrackedObject& object,
+                 const RecognitionParameters& parameters) {
+  return object.state().last_seen.seconds() - known.state().standing_since.seconds() <
+         parameters.same_visit_s;
+}
+
 /// Whether `known` was found gone on the visit that `object` is seen on, and too little of what was
 /// missed of it is there again.
 bool StaysGone(const TrackedObject& known,
                const TrackedObject& object,
                const VoxelScale& scale,
                const RecognitionParameters& parameters) {
-  const double gone_s = object.state().last_seen.seconds() - known.state().standing_since.seconds();
-  if (gone_s >= parameters.same_visit_s) return false;
+  if (!WentOnVisit(known, object, parameters)) return false;
   const OverlapCounts missed =
       CountOverlap(known,
                    object,
@@ -156,6 +163,52 @@ TrackedObject* FindReturned(const TrackedObject& object,
     best = known;
   }
   return best;
+}
+
+TrackedObject* FindWhole(const TrackedObject& object,
+                         const VoxelScale& scale,
+                         const RecognitionParameters& parameters,
+                         const std::vector<TrackedObject*>& candidates) {
+  TrackedObject* best = nullptr;
+  double best_share = 0.0;
+  for (TrackedObject* known : candidates) {
+    if (!IsArchivedNear(*known, object, scale) || !WentOnVisit(*known, object, parameters))
+      continue;
+    const SurfaceOverlap overlap = CompareInPlace(object, *known, scale);
+    const double share = overlap.known_share * overlap.fit_share;
+    if (overlap.known_share < parameters.stayed_known_share ||
+        overlap.fit_share < parameters.return_fit_share || overlap.turn.Exceeds(parameters.turn) ||
+        share < best_share) {
+      continue;
+    }
+    best_share = share;
+    best = known;
+  }
+  return best;
+}
+
+TrackedObject* FindHost(const TrackedObject& object,
+                        const PieceParameters& parameters,
+                        const std::vector<TrackedObject*>& candidates) {
+  Eigen::Vector3d sides_m = object.cuboid().size_m;
+  std::sort(sides_m.begin(), sides_m.end());
+  if (sides_m.y() > parameters.size_m) return nullptr;
+  TrackedObject* host = nullptr;
+  double nearest_m = parameters.distance_m;
+  for (TrackedObject* other : candidates) {
+    const ObjectState& state = other->state();
+    const double apart_s = object.state().standing_since.seconds() - state.standing_since.seconds();
+    if (other == &object || state.standing != ObjectStanding::kPresent ||
+        state.class_id != object.state().class_id || apart_s > parameters.apart_s ||
+        !ShareLattice(state, object.state())) {
+      continue;
+    }
+    const double distance_m = DistanceBetween(object.cuboid(), other->cuboid());
+    if (distance_m > nearest_m || (distance_m == nearest_m && host != nullptr)) continue;
+    nearest_m = distance_m;
+    host = other;
+  }
+  return host;
 }
 
 std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,

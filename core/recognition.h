@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/stationarity.h"
@@ -8,6 +9,16 @@
 
 /// Tells a thing that comes back from one that is new.
 namespace steadymap {
+
+/// How little of a thing is a piece of another one.
+struct PieceParameters {
+  /// The second longest side of its cuboid is no longer than that, metres.
+  double size_m = 0.0;
+  /// It lies no further than that from the cuboid of the other thing, metres,
+  double distance_m = 0.0;
+  /// which came at most so long before it, seconds.
+  double apart_s = 0.0;
+};
 
 /// How alike is the same thing.
 struct RecognitionParameters {
@@ -28,6 +39,16 @@ struct RecognitionParameters {
   /// What was found gone on this very visit is back only if so much of the surface that was missed
   /// is there again: otherwise it is a part that stayed, and the rest would come back with it.
   double refound_share = 0.5;
+  /// A new object is what stayed of one found gone on this visit, if so much of the new surface
+  /// lies where that knows anything, and as much of that on its surface as of one that returns.
+  double stayed_known_share = 0.5;
+  /// A hand's breadth of a class that stays, close to more of it, was hidden until now: nobody
+  /// builds so little of a wall or a rack. What is narrower than cells of free space may stand in
+  /// one that was looked through.
+  PieceParameters fixture = {
+      .size_m = 0.25, .distance_m = 0.5, .apart_s = std::numeric_limits<double>::infinity()};
+  /// Of other things, legs and edges are pieces of what came on the same visit.
+  PieceParameters thing = {.size_m = 0.15, .distance_m = 0.1, .apart_s = 20.0};
   /// An archived object of a class that stays is part of a new one, if so much of its surface lies
   /// where the new one knows anything, and as much of that on its surface as of a wall that
   /// returns.
@@ -61,6 +82,20 @@ TrackedObject* FindReturned(const TrackedObject& object,
                             StationarityPrior prior,
                             const RecognitionParameters& parameters,
                             const std::vector<TrackedObject*>& candidates);
+
+/// The archived candidate of the same class that was found gone on this visit although `object` is
+/// a part of it that stayed; null if there is none. Of equals the last.
+TrackedObject* FindWhole(const TrackedObject& object,
+                         const VoxelScale& scale,
+                         const RecognitionParameters& parameters,
+                         const std::vector<TrackedObject*>& candidates);
+
+/// The present candidate of the same class that `object` is a piece of: the nearest that is near
+/// enough, if the object is small enough; null if there is none. Of equals the first. Candidates
+/// further away need not be among them.
+TrackedObject* FindHost(const TrackedObject& object,
+                        const PieceParameters& parameters,
+                        const std::vector<TrackedObject*>& candidates);
 
 /// The archived candidates of the same class that were found gone together with the archived
 /// `object`, directly or one by one; without it. Candidates may be far away, since a wall is long.

@@ -257,5 +257,53 @@ TEST(UpdateBelief, TakesFewerAbsencesToLoseWhatWasKnownFromAnEarlierVisit) {
   }
 }
 
+/// An object with that surface, last found at `kNow`.
+TrackedObject FoundNow() {
+  TrackedObject object(ObjectId(1), Eigen::Vector3d::Zero(), kScale);
+  object.MutableVolume() =
+      testing::MakeVolume([](const Eigen::Vector3d& point) { return point.x() - 0.1; },
+                          Box(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.39, 3.99, 0.79)),
+                          kScale,
+                          [](const Eigen::Vector3d&) { return true; });
+  object.RebuildSurface();
+  object.state().last_seen = kNow;
+  return object;
+}
+
+TEST(IsContradicted, TakesMoreThanTheSameFewCellsOnOneVisit) {
+  TrackedObject object = FoundNow();
+  const ContradictionParameters parameters;
+  ObjectVerdict verdict;
+  verdict.seen_through = 3;
+  EXPECT_FALSE(IsContradicted(verdict, Later(20.0), parameters, object));
+  EXPECT_TRUE(IsContradicted(verdict, Later(61.0), parameters, object)) << "on another visit";
+  verdict.replaced = 7;
+  EXPECT_TRUE(IsContradicted(verdict, Later(20.0), parameters, object));
+}
+
+TEST(IsContradicted, CountsWhatEarlierFramesMissed) {
+  TrackedObject object = FoundNow();
+  ObjectVerdict verdict;
+  verdict.seen_through = 1;
+  LeafEvidence& evidence = object.state().evidence.MutableLeaf(object.surface().leaves()[0].origin);
+  evidence.score.fill(-1);
+  EXPECT_TRUE(IsContradicted(verdict, Later(20.0), ContradictionParameters(), object));
+  evidence.score.fill(0);
+  EXPECT_FALSE(IsContradicted(verdict, Later(20.0), ContradictionParameters(), object));
+}
+
+TEST(IsContradicted, TakesAShareOfSmallObjects) {
+  TrackedObject object = FoundNow();
+  const auto cells = static_cast<double>(object.surface().point_count()) / 4.0;
+  ContradictionParameters parameters;
+  parameters.cells = 1000;
+  ObjectVerdict verdict;
+  verdict.seen_through = 3;
+  parameters.share = 4.0 / cells;
+  EXPECT_FALSE(IsContradicted(verdict, Later(20.0), parameters, object));
+  parameters.share = 2.0 / cells;
+  EXPECT_TRUE(IsContradicted(verdict, Later(20.0), parameters, object));
+}
+
 }  // namespace
 }  // namespace steadymap

@@ -300,6 +300,36 @@ TEST(ObjectMapper, CutsOffThePartOfAPileThatWasTakenAway) {
   EXPECT_EQ(story.map().objects.at(removed[0].object)->standing, ObjectStanding::kArchived);
 }
 
+TEST(ObjectMapper, TellsWhatStayedOfAnObjectThatWentAsNoNewThing) {
+  const SceneBody crate = Body(kGoodsClass, {1.6, 0.0, -0.4}, {2.0, 0.3, 0.0});
+  MapStory story(PocdConfig());
+  story.Look({FarWall(), Body(kGoodsClass, {1.6, -0.9, -0.4}, {2.0, 0.0, 0.5}), crate}, 30);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U) << "they touch";
+  const ObjectId whole = story.Present(kGoodsClass)[0]->id;
+  story.Look({FarWall(), crate}, 25);
+  ASSERT_EQ(story.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  const std::vector<ObjectEvent> split = story.EventsOf(EventType::kSplit, kGoodsClass);
+  ASSERT_EQ(split.size(), 1U);
+  EXPECT_EQ(split[0].related, whole);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject& rest = *story.Present(kGoodsClass)[0];
+  EXPECT_EQ(rest.id, split[0].object);
+  EXPECT_EQ(rest.first_seen, story.map().objects.at(whole)->first_seen);
+  EXPECT_NEAR(rest.cuboid.center_world.y(), 0.15, 0.1);
+}
+
+TEST(ObjectMapper, TakesAHandsBreadthBesideARackForAPartOfIt) {
+  const SceneBody rack = Body(kRackClass, {1.6, -0.8, -0.8}, {2.0, 0.0, 0.8});
+  const SceneBody board = Body(kRackClass, {1.6, 0.15, 0.0}, {2.0, 0.55, 0.15});
+  MapStory story(PocdConfig());
+  story.Look({FarWall(), rack}, 60);
+  story.Look({FarWall(), rack, board}, 20);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kRackClass).size(), 1U);
+  EXPECT_EQ(story.Present(kRackClass).size(), 1U);
+  EXPECT_GT(CountVoxelsIn(story.map(), Around(board, 0.05)), 0U);
+}
+
 TEST(ObjectMapper, KeepsABoxThatIsHidden) {
   const SceneBody rack = Body(kRackClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
   MapStory story(PocdConfig());

@@ -147,9 +147,35 @@ TEST(MoveGoneVoxels, MovesExactlyTheGoneCells) {
   EXPECT_EQ(after, before);
   EXPECT_EQ(object.surface().point_count() + part.surface().point_count(), points_before);
   const LeafEvidence* left = object.state().evidence.FindLeaf({0, 0, 0});
+  const LeafEvidence* taken = part.state().evidence.FindLeaf({0, 0, 0});
+  ASSERT_NE(taken, nullptr);
   for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
     EXPECT_EQ(left->score[cell], cell % 4 < 2 ? 0 : -4);
+    EXPECT_EQ(taken->score[cell], cell % 4 < 2 ? -5 : 0);
   }
+}
+
+TEST(CountDoubtedCells, CountsCellsWithSurfaceAlone) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  DoubtedCells cells = CountDoubtedCells(object, -5);
+  EXPECT_EQ(cells.all, 16U) << "four by four, where the wall passes";
+  EXPECT_EQ(cells.doubted, 0U);
+  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-3);
+  cells = CountDoubtedCells(object, -5);
+  EXPECT_EQ(cells.doubted, 16U);
+  EXPECT_EQ(cells.gone, 0U);
+  EXPECT_EQ(CountDoubtedCells(object, -3).gone, 16U);
+}
+
+TEST(CountConnectedCells, CountsTheLargestGroup) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  EXPECT_EQ(CountConnectedCells(object), 16U);
+  // A second leaf beside it, and one that nothing joins.
+  for (const double y_m : {0.4, 1.2}) {
+    CopyVoxels(Wall(ObjectId(2), {0.0, y_m, 0.0}), kScale, &object);
+  }
+  EXPECT_EQ(CountConnectedCells(object), 32U);
+  EXPECT_EQ(CountConnectedCells(TrackedObject(ObjectId(3), Eigen::Vector3d::Zero(), kScale)), 0U);
 }
 
 TEST(MoveGoneVoxels, TakesAWholeLeafAway) {

@@ -16,8 +16,9 @@ using ::steadymap::testing::kScale;
 
 constexpr ClassId kClass{7};
 
-/// The front of a box that faces -x, `width_m` wide along y from `y_m` on, one metre high.
-TrackedObject Front(std::uint64_t id, double y_m, double width_m) {
+/// The front of a box that faces -x, along y from `y_m` on, one metre high: the leaves that its
+/// width reaches, or as much of them as lies within.
+TrackedObject Front(std::uint64_t id, double y_m, double width_m, bool is_whole = true) {
   const double leaf_m = kScale.leaf_size_m();
   TrackedObject object(ObjectId(id), {0.0, std::floor(y_m / leaf_m) * leaf_m, 0.0}, kScale);
   const double first_m = y_m - object.state().T_world_object.position_world.y();
@@ -25,7 +26,9 @@ TrackedObject Front(std::uint64_t id, double y_m, double width_m) {
       [](const Eigen::Vector3d& point) { return 0.2 - point.x(); },
       Box(Eigen::Vector3d(0.05, first_m, 0.0), Eigen::Vector3d(0.35, first_m + width_m, 1.0)),
       kScale,
-      [](const Eigen::Vector3d&) { return true; });
+      [&](const Eigen::Vector3d& point) {
+        return is_whole || (point.y() > first_m - 1e-6 && point.y() < first_m + width_m + 1e-6);
+      });
   object.RebuildSurface();
   object.state().class_id = kClass;
   return object;
@@ -180,6 +183,64 @@ TEST_F(RecognitionArchive, LeavesGoneWhatIsNotFoundAgainOnTheSameVisit) {
   EXPECT_EQ(Find(most, StationarityPrior::kMoves), known) << "what was missed is there again";
   rest.state().last_seen = Timestamp::FromSeconds(300.0);
   EXPECT_EQ(Find(rest, StationarityPrior::kMoves), known) << "on another visit";
+}
+
+TEST_F(RecognitionArchive, KnowsWhatStayedOfOneThatWentOnTheSameVisit) {
+  TrackedObject* whole = Put(Front(1, 0.0, 1.6), 100.0);
+  const auto find = [&](const TrackedObject& object) {
+    return FindWhole(object, kScale, parameters_, Candidates());
+  };
+  TrackedObject rest = Front(2, 0.0, 0.4);
+  rest.state().last_seen = Timestamp::FromSeconds(104.0);
+  EXPECT_EQ(find(rest), whole);
+  TrackedObject beside = Front(3, 1.6, 1.2);
+  beside.state().last_seen = Timestamp::FromSeconds(104.0);
+  EXPECT_EQ(find(beside), nullptr) << "most of it was never known";
+  TrackedObject other_class = rest;
+  other_class.state().class_id = ClassId(4);
+  EXPECT_EQ(find(other_class), nullptr);
+  rest.state().last_seen = Timestamp::FromSeconds(300.0);
+  EXPECT_EQ(find(rest), nullptr) << "on another visit";
+}
+
+/// What stands and came at that time, and is a candidate for a piece to be of.
+class RecognitionPieces : public RecognitionArchive {
+ protected:
+  TrackedObject* Stand(TrackedObject object, double since_s) {
+    TrackedObject* put = Put(std::move(object), since_s);
+    put->state().standing = ObjectStanding::kPresent;
+    return put;
+  }
+
+  /// A new piece at `y_m` of that width, which comes at 200 s.
+  TrackedObject* Find(double y_m, double width_m, const PieceParameters& parameters) {
+    TrackedObject piece = Front(9, y_m, width_m, /*is_whole=*/false);
+    piece.state().standing_since = Timestamp::FromSeconds(200.0);
+    return FindHost(piece, parameters, Candidates());
+  }
+};
+
+TEST_F(RecognitionPieces, BelongToTheNearestThatStandsNearEnough) {
+  Stand(Front(1, 0.0, 0.7), 10.0);
+  TrackedObject* near = Stand(Front(2, 1.6, 0.7), 10.0);
+  Put(Front(3, 1.2, 0.1), 190.0);
+  EXPECT_EQ(Find(1.3, 0.1, parameters_.fixture), near) << "what is archived holds no pieces";
+  EXPECT_EQ(Find(3.2, 0.1, parameters_.fixture), nullptr) << "nothing within reach";
+  near->state().class_id = ClassId(4);
+  EXPECT_EQ(Find(2.6, 0.1, parameters_.fixture), nullptr) << "of another class";
+}
+
+TEST_F(RecognitionPieces, AreNoWiderThanThat) {
+  Stand(Front(1, 0.0, 0.7), 10.0);
+  EXPECT_NE(Find(0.9, 0.2, parameters_.fixture), nullptr);
+  EXPECT_EQ(Find(0.9, 0.35, parameters_.fixture), nullptr);
+}
+
+TEST_F(RecognitionPieces, OfThingsBelongOnlyToWhatCameOnTheSameVisit) {
+  TrackedObject* host = Stand(Front(1, 0.0, 0.7), 10.0);
+  EXPECT_EQ(Find(0.8, 0.1, parameters_.thing), nullptr);
+  host->state().standing_since = Timestamp::FromSeconds(190.0);
+  EXPECT_EQ(Find(0.8, 0.1, parameters_.thing), host);
 }
 
 TEST_F(RecognitionArchive, BringsBackNeighboursThatWentOnTheSameVisit) {
