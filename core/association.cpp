@@ -168,9 +168,13 @@ void AssociateSamples(const SampleGrid& samples,
     const auto owner = static_cast<std::uint32_t>(i + 1);
     OfferObject(samples, objects[i], owner, scale, clusters, association);
   }
+  // What once went into the background stays there: it gets what no object explains, lest it take
+  // things over bit by bit.
   Claimant claimant(background, scale, Eigen::Isometry3d::Identity(), kBackgroundOwner);
   for (std::size_t index = 0; index < samples.size(); ++index) {
-    if (samples[index].is_valid()) claimant.Claim(samples[index], index, association);
+    if (samples[index].is_valid() && association->owner[index] == Association::kNone) {
+      claimant.Claim(samples[index], index, association);
+    }
   }
 }
 

@@ -129,21 +129,22 @@ void ObjectMapper::BecomeHistory(TrackedObject* object) {
   if (!parameters_.keeps_removed) map_->Forget(object);
 }
 
-/// Cuts off what frames have found gone again and again while the rest of the object stands. The
-/// part becomes an archived object of its own.
+/// Cuts off what frames have found gone again and again while the rest of the object stands. What
+/// is large enough to have been a thing becomes an archived object of its own.
 void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   const DoubtedCells cells = CountDoubtedCells(*object, -parameters_.gone_score);
   // While more cells are on their way, the part is not known yet.
   if (cells.gone < parameters_.min_gone_cells || 2 * cells.doubted > 3 * cells.gone) return;
   TrackedObject& part = map_->AddPart(*object);
-  BecomeHistory(&part);
   const std::vector<LeafOrigin> moved = MoveGoneVoxels(-parameters_.gone_score, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
   if (object->state().standing != ObjectStanding::kPresent ||
-      CountConnectedCells(part) < parameters_.min_reported_cells) {
+      CountConnectedCells(part) < parameters_.min_part_cells) {
+    map_->Forget(&part);
     return;
   }
+  BecomeHistory(&part);
   ObjectEvent split = map_->MakeEvent(EventType::kSplit, EventReason::kDisconnected, *object);
   split.related = part.id();
   map_->Tell(split);
@@ -175,22 +176,26 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
 }
 
 std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
+  const bool is_whole = observation.instance != 0;
   const bool is_small = observation.area_m2 < parameters_.confirmation.min_area_m2;
-  if (observation.instance == 0 && config_.IsInBackground(ClassId(observation.label))) {
+  if (!is_whole && config_.IsInBackground(ClassId(observation.label))) {
     // A wrong label on the edge of a thing would stay in the background when the thing goes.
     return is_small && observation.TouchesObject() ? Association::kNone : kBackgroundOwner;
   }
   const bool is_free = IsInFreeSpace(observation);
+  std::uint32_t same_class = Association::kNone;
   for (const BorderContact& contact : observation.contacts) {
     if (contact.owner == kBackgroundOwner) continue;
     const ObjectState& state = in_view_[contact.owner - 1].object->state();
     if (state.standing == ObjectStanding::kArchived) continue;
+    const bool is_of_its_class = state.class_id.value() == observation.label;
+    if (is_of_its_class && same_class == Association::kNone) same_class = contact.owner;
     if (is_free && !IsRecent(state)) continue;
-    const bool is_one_thing = is_small && observation.instance == 0;
-    if (is_one_thing || state.class_id.value() == observation.label) return contact.owner;
+    if (is_of_its_class || (is_small && !is_whole)) return contact.owner;
   }
-  if (observation.area_m2 < parameters_.min_seen_area_m2) return Association::kNone;
-  return AddObject(observation);
+  if (observation.area_m2 >= parameters_.min_seen_area_m2) return AddObject(observation);
+  // Too little to be a thing: a leg or an edge, around which all is free.
+  return is_whole ? Association::kNone : same_class;
 }
 
 std::uint32_t ObjectMapper::AddObject(const Observation& observation) {

@@ -43,8 +43,9 @@ struct ObjectMapperParameters {
   int gone_score = 5;
   /// Fewest cells that are cut off.
   std::size_t min_gone_cells = 8;
-  /// Fewest connected cells whose loss is told as an event.
-  std::size_t min_reported_cells = 25;
+  /// Fewest connected cells that are taken for a thing that went; fewer were none, and are
+  /// forgotten.
+  std::size_t min_part_cells = 25;
   /// Whether that is done at all.
   bool cuts_gone_parts = true;
   /// Whether removed objects are kept as history; else they are forgotten.

@@ -32,11 +32,13 @@ void GiveWall(double depth_m, TrackedObject* object) {
 
 /// One frame of a wall that fills the picture, and what the objects make of it.
 struct Look {
-  Look(double depth_m, const std::vector<TrackedObject*>& objects) {
+  Look(double depth_m,
+       const std::vector<TrackedObject*>& objects,
+       const Background& background = Background()) {
     cloud.Compute(RenderScene({Body(4, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0})}, {}));
     samples.Compute(cloud);
     in_view = FindObjectsInView(objects, cloud, samples, kMaxRangeM);
-    AssociateSamples(samples, in_view, Background(), kScale, FrameClusters({}, {}), &association);
+    AssociateSamples(samples, in_view, background, kScale, FrameClusters({}, {}), &association);
   }
 
   std::size_t CountOwned(std::uint32_t owner) const {
@@ -80,6 +82,26 @@ TEST(AssociateSamples, PrefersTheCloserOfTwoSurfaces) {
   const Look look(2.0, {&first, &second});
   EXPECT_GT(look.CountOwned(2), 500U);
   EXPECT_EQ(look.CountOwned(1), 0U);
+}
+
+TEST(AssociateSamples, LeavesTheBackgroundWhatNoObjectExplains) {
+  Background background;
+  WallVolume(2.0, kScale).ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    LeafVoxels voxels;
+    std::copy_n(leaf.distance_m, kLeafVoxels, voxels.distance_m.begin());
+    std::copy_n(leaf.weight, kLeafVoxels, voxels.weight.begin());
+    voxels.observed = leaf.observed;
+    background.MutableTile(origin).StoreLeaf(origin, voxels);
+  });
+  const std::size_t in_background = Look(2.0, {}, background).CountOwned(kBackgroundOwner);
+  EXPECT_GT(in_background, 500U);
+  TrackedObject object = NewObject(1);
+  GiveWall(2.03, &object);
+  const Look look(2.0, {&object}, background);
+  EXPECT_EQ(look.CountOwned(kBackgroundOwner), 0U) << "though it lies nearer";
+  EXPECT_EQ(look.CountOwned(1), in_background);
+  GiveWall(2.2, &object);
+  EXPECT_EQ(Look(2.0, {&object}, background).CountOwned(kBackgroundOwner), in_background);
 }
 
 TEST(AssociateSamples, LeavesWhatStandsInFrontToNobodyAndSaysSo) {
