@@ -330,6 +330,35 @@ TEST(ObjectMapper, TakesAHandsBreadthBesideARackForAPartOfIt) {
   EXPECT_GT(CountVoxelsIn(story.map(), Around(board, 0.05)), 0U);
 }
 
+TEST(ObjectMapper, ForgetsPartsThatAreTooSmallToHaveBeenThings) {
+  const SceneBody rack = Body(kRackClass, {1.6, -0.8, -0.8}, {2.0, 0.4, 0.4});
+  // Twelve centimetres on top of it, as if the sensor had seen them, and never again.
+  const SceneBody crust = Body(kRackClass, {1.6, -0.8, 0.4}, {2.0, 0.4, 0.52});
+  MapStory story(PocdConfig());
+  story.Look({FarWall(), rack, crust}, 20);
+  story.Look({FarWall(), rack}, 40);
+  EXPECT_TRUE(story.EventsOf(EventType::kSplit, kRackClass).empty());
+  EXPECT_TRUE(story.EventsOf(EventType::kRemoved, kRackClass).empty());
+  ASSERT_EQ(story.Present(kRackClass).size(), 1U);
+  EXPECT_LT(story.Present(kRackClass)[0]->cuboid.highest_m(), 0.5);
+  for (const auto& [id, object] : story.map().objects) {
+    EXPECT_NE(object->standing, ObjectStanding::kArchived);
+  }
+}
+
+TEST(ObjectMapper, GivesAnEdgeTooSmallToBeAThingToWhatItTouches) {
+  const SceneBody rack = Body(kRackClass, {1.6, -0.8, -0.8}, {2.0, 0.0, 0.4});
+  // A rod that stands out by 12 cm, where nothing was before.
+  const SceneBody rod = Body(kRackClass, {1.6, 0.0, 0.0}, {1.65, 0.12, 0.06});
+  MapStory story(PocdConfig());
+  story.Look({FarWall(), rack}, 60);
+  const Box place = Box(Eigen::Vector3d(1.5, 0.06, -0.1), Eigen::Vector3d(1.7, 0.2, 0.15));
+  const std::size_t before = CountVoxelsIn(story.map(), place);
+  story.Look({FarWall(), rack, rod}, 20);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kRackClass).size(), 1U);
+  EXPECT_GT(CountVoxelsIn(story.map(), place), before);
+}
+
 TEST(ObjectMapper, KeepsABoxThatIsHidden) {
   const SceneBody rack = Body(kRackClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0});
   MapStory story(PocdConfig());
