@@ -160,6 +160,7 @@ void AssociateSamples(const SampleGrid& samples,
                       const Background& background,
                       const VoxelScale& scale,
                       const FrameClusters& clusters,
+                      const MapConfig& config,
                       Association* association) {
   association->owner.assign(samples.size(), Association::kNone);
   association->distance_m.assign(samples.size(), 0.0F);
@@ -168,12 +169,14 @@ void AssociateSamples(const SampleGrid& samples,
     const auto owner = static_cast<std::uint32_t>(i + 1);
     OfferObject(samples, objects[i], owner, scale, clusters, association);
   }
-  // What once went into the background stays there: it gets what no object explains, lest it take
-  // things over bit by bit.
+  // What once went into the background stays there: of things it gets what no object explains, lest
+  // it take them over bit by bit.
   Claimant claimant(background, scale, Eigen::Isometry3d::Identity(), kBackgroundOwner);
   for (std::size_t index = 0; index < samples.size(); ++index) {
-    if (samples[index].is_valid() && association->owner[index] == Association::kNone) {
-      claimant.Claim(samples[index], index, association);
+    const SurfaceSample& sample = samples[index];
+    if (sample.is_valid() && (association->owner[index] == Association::kNone ||
+                              config.IsInBackground(ClassId(sample.label)))) {
+      claimant.Claim(sample, index, association);
     }
   }
 }

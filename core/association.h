@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/background.h"
+#include "core/map_config.h"
 #include "core/sample_grid.h"
 #include "core/tracked_object.h"
 #include "core/tsdf_kernel.h"
@@ -56,13 +57,15 @@ std::vector<ObjectInView> FindObjectsInView(const std::vector<TrackedObject*>& o
 double FitTolerance(float depth_m, double truncation_m);
 
 /// Gives each sample to the object, or the background, on whose surface it lies where it stands
-/// (identity first: nothing is moved). Where several qualify: the closest. `clusters` say
-/// what an object may claim at all.
+/// (identity first: nothing is moved). Where several qualify: the closest; samples of classes that
+/// form objects go to the background only where no object qualifies. `clusters` say what an object
+/// may claim at all.
 void AssociateSamples(const SampleGrid& samples,
                       const std::vector<ObjectInView>& objects,
                       const Background& background,
                       const VoxelScale& scale,
                       const FrameClusters& clusters,
+                      const MapConfig& config,
                       Association* association);
 
 /// Takes its samples from an owner that turned out to stand otherwise than known. They count as new

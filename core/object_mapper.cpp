@@ -72,7 +72,8 @@ void ObjectMapper::FindOwners() {
       map_->ObjectsNear(ReachOfView(*cloud_, max_range_m)), *cloud_, samples_, max_range_m);
   const double camera_height_m = cloud_->T_world_camera().translation().z();
   clusters_.Compute(samples_, camera_height_m);
-  AssociateSamples(samples_, in_view_, map_->background(), map_->scale(), clusters_, &association_);
+  AssociateSamples(
+      samples_, in_view_, map_->background(), map_->scale(), clusters_, config_, &association_);
   clusters_.MatchOneToOne(in_view_, &association_);
   stages_.Enter(MapperStage::kGround);
   if (const std::optional<double> ground = FindGroundHeight(samples_, camera_height_m)) {
@@ -178,9 +179,12 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
 std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
   const bool is_whole = observation.instance != 0;
   const bool is_small = observation.area_m2 < parameters_.confirmation.min_area_m2;
+  const bool is_tiny = observation.area_m2 < parameters_.min_seen_area_m2;
   if (!is_whole && config_.IsInBackground(ClassId(observation.label))) {
     // A wrong label on the edge of a thing would stay in the background when the thing goes.
-    return is_small && observation.TouchesObject() ? Association::kNone : kBackgroundOwner;
+    const bool is_sliver =
+        observation.contacts.empty() ? is_tiny : is_small && observation.TouchesObject();
+    return is_sliver ? Association::kNone : kBackgroundOwner;
   }
   const bool is_free = IsInFreeSpace(observation);
   std::uint32_t same_class = Association::kNone;
@@ -193,7 +197,7 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
     if (is_free && !IsRecent(state)) continue;
     if (is_of_its_class || (is_small && !is_whole)) return contact.owner;
   }
-  if (observation.area_m2 >= parameters_.min_seen_area_m2) return AddObject(observation);
+  if (!is_tiny) return AddObject(observation);
   // Too little to be a thing: a leg or an edge, around which all is free.
   return is_whole ? Association::kNone : same_class;
 }

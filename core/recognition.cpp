@@ -113,6 +113,13 @@ bool StaysGone(const TrackedObject& known,
          parameters.refound_share * static_cast<double>(missed.points);
 }
 
+/// The second longest side of an object's cuboid, metres.
+double SecondSide(const TrackedObject& object) {
+  Eigen::Vector3d sides_m = object.cuboid().size_m;
+  std::sort(sides_m.begin(), sides_m.end());
+  return sides_m.y();
+}
+
 /// Compares two objects where they stand, or stood.
 SurfaceOverlap CompareInPlace(const TrackedObject& object,
                               const TrackedObject& other,
@@ -190,9 +197,7 @@ TrackedObject* FindWhole(const TrackedObject& object,
 TrackedObject* FindHost(const TrackedObject& object,
                         const PieceParameters& parameters,
                         const std::vector<TrackedObject*>& candidates) {
-  Eigen::Vector3d sides_m = object.cuboid().size_m;
-  std::sort(sides_m.begin(), sides_m.end());
-  if (sides_m.y() > parameters.size_m) return nullptr;
+  if (SecondSide(object) > parameters.size_m) return nullptr;
   TrackedObject* host = nullptr;
   double nearest_m = parameters.distance_m;
   for (TrackedObject* other : candidates) {
@@ -200,7 +205,7 @@ TrackedObject* FindHost(const TrackedObject& object,
     const double apart_s = object.state().standing_since.seconds() - state.standing_since.seconds();
     if (other == &object || state.standing != ObjectStanding::kPresent ||
         state.class_id != object.state().class_id || apart_s > parameters.apart_s ||
-        !ShareLattice(state, object.state())) {
+        !ShareLattice(state, object.state()) || SecondSide(*other) <= parameters.size_m) {
       continue;
     }
     const double distance_m = DistanceBetween(object.cuboid(), other->cuboid());

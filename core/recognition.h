@@ -12,7 +12,8 @@ namespace steadymap {
 
 /// How little of a thing is a piece of another one.
 struct PieceParameters {
-  /// The second longest side of its cuboid is no longer than that, metres.
+  /// The second longest side of its cuboid is no longer than that, and that of the other thing is,
+  /// metres.
   double size_m = 0.0;
   /// It lies no further than that from the cuboid of the other thing, metres,
   double distance_m = 0.0;
