@@ -160,7 +160,6 @@ void AssociateSamples(const SampleGrid& samples,
                       const Background& background,
                       const VoxelScale& scale,
                       const FrameClusters& clusters,
-                      const MapConfig& config,
                       Association* association) {
   association->owner.assign(samples.size(), Association::kNone);
   association->distance_m.assign(samples.size(), 0.0F);
@@ -174,8 +173,8 @@ void AssociateSamples(const SampleGrid& samples,
   Claimant claimant(background, scale, Eigen::Isometry3d::Identity(), kBackgroundOwner);
   for (std::size_t index = 0; index < samples.size(); ++index) {
     const SurfaceSample& sample = samples[index];
-    if (sample.is_valid() && (association->owner[index] == Association::kNone ||
-                              config.IsInBackground(ClassId(sample.label)))) {
+    if (sample.is_valid() &&
+        (association->owner[index] == Association::kNone || !clusters.FormsObjects(sample))) {
       claimant.Claim(sample, index, association);
     }
   }

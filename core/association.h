@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/background.h"
-#include "core/map_config.h"
 #include "core/sample_grid.h"
 #include "core/tracked_object.h"
 #include "core/tsdf_kernel.h"
@@ -65,7 +64,6 @@ void AssociateSamples(const SampleGrid& samples,
                       const Background& background,
                       const VoxelScale& scale,
                       const FrameClusters& clusters,
-                      const MapConfig& config,
                       Association* association);
 
 /// Takes its samples from an owner that turned out to stand otherwise than known. They count as new

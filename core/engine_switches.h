@@ -23,9 +23,10 @@ struct EngineSwitches {
   /// Off: clusters of one label, whole, each for one object of that class at most, and only if
   /// hardly anything of them is unknown (theta_sim).
   bool many_to_one = true;
-  /// Objects that turn out to be connected become one.
+  /// Objects that turn out to be connected become one, and narrow pieces join what they are of.
   bool merging = true;
-  /// What is gone of an object is cut off while the rest stands. Off: objects go as a whole.
+  /// What is gone of an object is cut off while the rest stands, and what stood on when the rest
+  /// went is known as such. Off: objects go as a whole.
   bool splitting = true;
   /// Removed objects are kept as history. Off: they are forgotten, so that none comes back, and of
   /// the moves only those aside are left.

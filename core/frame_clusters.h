@@ -48,6 +48,11 @@ class FrameClusters {
     return cluster_of_.empty() || IsCenteredNear(object, sample);
   }
 
+  /// Whether a sample's class forms objects, not background.
+  bool FormsObjects(const SurfaceSample& sample) const {
+    return !config_.IsInBackground(ClassId(sample.label));
+  }
+
   /// Goes from samples that found objects to clusters that did: of every cluster with an object of
   /// its class on which nearly all of it lies, all samples are that object's; one cluster an
   /// object, those that lie on theirs best. Of all others, no sample is any object's.

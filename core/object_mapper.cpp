@@ -72,8 +72,7 @@ void ObjectMapper::FindOwners() {
       map_->ObjectsNear(ReachOfView(*cloud_, max_range_m)), *cloud_, samples_, max_range_m);
   const double camera_height_m = cloud_->T_world_camera().translation().z();
   clusters_.Compute(samples_, camera_height_m);
-  AssociateSamples(
-      samples_, in_view_, map_->background(), map_->scale(), clusters_, config_, &association_);
+  AssociateSamples(samples_, in_view_, map_->background(), map_->scale(), clusters_, &association_);
   clusters_.MatchOneToOne(in_view_, &association_);
   stages_.Enter(MapperStage::kGround);
   if (const std::optional<double> ground = FindGroundHeight(samples_, camera_height_m)) {

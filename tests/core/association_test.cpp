@@ -38,8 +38,7 @@ struct Look {
     cloud.Compute(RenderScene({Body(4, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0})}, {}));
     samples.Compute(cloud);
     in_view = FindObjectsInView(objects, cloud, samples, kMaxRangeM);
-    AssociateSamples(
-        samples, in_view, background, kScale, FrameClusters({}, {}), MapConfig(), &association);
+    AssociateSamples(samples, in_view, background, kScale, FrameClusters({}, {}), &association);
   }
 
   std::size_t CountOwned(std::uint32_t owner) const {

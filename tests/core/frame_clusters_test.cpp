@@ -37,8 +37,7 @@ class FrameClustersTest : public ::testing::Test {
     clusters.Compute(samples, 0.0);
     const std::vector<ObjectInView> in_view = FindObjectsInView({&wall_}, cloud, samples, 5.0);
     Association association;
-    AssociateSamples(
-        samples, in_view, Background(), kClusterScale, clusters, MapConfig(), &association);
+    AssociateSamples(samples, in_view, Background(), kClusterScale, clusters, &association);
     clusters.MatchOneToOne(in_view, &association);
     std::size_t count = 0;
     for (const std::uint32_t owner : association.owner) count += owner == 1 ? 1U : 0U;

@@ -59,8 +59,7 @@ ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects, const Frame
   const std::vector<ObjectInView> in_view =
       FindObjectsInView(objects, cloud, samples, parameters.max_depth_m);
   Association association;
-  AssociateSamples(
-      samples, in_view, Background(), kScale, FrameClusters({}, {}), MapConfig(), &association);
+  AssociateSamples(samples, in_view, Background(), kScale, FrameClusters({}, {}), &association);
   const VisibilityTest test(cloud, samples, tiles, in_view, association, parameters);
   return test.Judge(*objects.front());
 }
