@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/object_parts.h"
 #include "core/tsdf_sample.h"
@@ -127,6 +128,39 @@ SurfaceOverlap CompareInPlace(const TrackedObject& object,
   return CompareSurfaces(object, other, RelativePose(object, other), scale);
 }
 
+/// Least shares of `SurfaceOverlap`.
+struct MinOverlap {
+  double known_share = 0.0;
+  double fit_share = 0.0;
+};
+
+/// The archived candidate whose surface best explains `object` where it stood itself, of those that
+/// reach what `ask(candidate)` says of them, if it says anything, and are not turned; null if none
+/// does. Of equals the last.
+template <typename Ask>
+TrackedObject* FindBestOverlap(const TrackedObject& object,
+                               const VoxelScale& scale,
+                               const TurnParameters& turn,
+                               const std::vector<TrackedObject*>& candidates,
+                               Ask ask) {
+  TrackedObject* best = nullptr;
+  double best_share = 0.0;
+  for (TrackedObject* known : candidates) {
+    if (!IsArchivedNear(*known, object, scale)) continue;
+    const std::optional<MinOverlap> least = ask(*known);
+    if (!least.has_value()) continue;
+    const SurfaceOverlap overlap = CompareInPlace(object, *known, scale);
+    const double share = overlap.known_share * overlap.fit_share;
+    if (overlap.known_share < least->known_share || overlap.fit_share < least->fit_share ||
+        overlap.turn.Exceeds(turn) || share < best_share) {
+      continue;
+    }
+    best_share = share;
+    best = known;
+  }
+  return best;
+}
+
 }  // namespace
 
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
@@ -149,49 +183,34 @@ TrackedObject* FindReturned(const TrackedObject& object,
                             StationarityPrior prior,
                             const RecognitionParameters& parameters,
                             const std::vector<TrackedObject*>& candidates) {
-  TrackedObject* best = nullptr;
-  double best_share = 0.0;
-  for (TrackedObject* known : candidates) {
-    if (!IsArchivedNear(*known, object, scale)) continue;
-    const SurfaceOverlap overlap = CompareInPlace(object, *known, scale);
-    const double share = overlap.known_share * overlap.fit_share;
-    const bool is_old_wall =
-        prior == StationarityPrior::kStays && WasGoneForLong(*known, object, parameters);
-    const double known_share =
-        is_old_wall ? parameters.return_known_share_of_walls : parameters.return_known_share;
-    const double fit_share =
-        is_old_wall ? parameters.return_fit_share_of_walls : parameters.return_fit_share;
-    if (overlap.known_share < known_share || overlap.fit_share < fit_share ||
-        overlap.turn.Exceeds(parameters.turn) || share < best_share ||
-        StaysGone(*known, object, scale, parameters)) {
-      continue;
-    }
-    best_share = share;
-    best = known;
-  }
-  return best;
+  return FindBestOverlap(
+      object,
+      scale,
+      parameters.turn,
+      candidates,
+      [&](const TrackedObject& known) -> std::optional<MinOverlap> {
+        if (StaysGone(known, object, scale, parameters)) return std::nullopt;
+        if (prior == StationarityPrior::kStays && WasGoneForLong(known, object, parameters)) {
+          return MinOverlap{parameters.return_known_share_of_walls,
+                            parameters.return_fit_share_of_walls};
+        }
+        return MinOverlap{parameters.return_known_share, parameters.return_fit_share};
+      });
 }
 
 TrackedObject* FindWhole(const TrackedObject& object,
                          const VoxelScale& scale,
                          const RecognitionParameters& parameters,
                          const std::vector<TrackedObject*>& candidates) {
-  TrackedObject* best = nullptr;
-  double best_share = 0.0;
-  for (TrackedObject* known : candidates) {
-    if (!IsArchivedNear(*known, object, scale) || !WentOnVisit(*known, object, parameters))
-      continue;
-    const SurfaceOverlap overlap = CompareInPlace(object, *known, scale);
-    const double share = overlap.known_share * overlap.fit_share;
-    if (overlap.known_share < parameters.stayed_known_share ||
-        overlap.fit_share < parameters.return_fit_share || overlap.turn.Exceeds(parameters.turn) ||
-        share < best_share) {
-      continue;
-    }
-    best_share = share;
-    best = known;
-  }
-  return best;
+  return FindBestOverlap(
+      object,
+      scale,
+      parameters.turn,
+      candidates,
+      [&](const TrackedObject& known) -> std::optional<MinOverlap> {
+        if (!WentOnVisit(known, object, parameters)) return std::nullopt;
+        return MinOverlap{parameters.stayed_known_share, parameters.return_fit_share};
+      });
 }
 
 TrackedObject* FindHost(const TrackedObject& object,
