@@ -228,12 +228,14 @@ std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, Tra
       gone.observed[offset >> 6] |= bit;
       voxels.observed[offset >> 6] &= ~bit;
     }
-    if (gone.observed == LeafMask{}) continue;
-    LeafEvidence& part_leaf = part->state().evidence.MutableLeaf(leaf.origin);
+    // Cells without voxels forget their scores, too: what comes to stand there is something else.
+    std::array<std::int8_t, kEvidenceCells> gone_score{};
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if (leaf.score[cell] > max_score) continue;
-      part_leaf.score[cell] = std::exchange(leaf.score[cell], std::int8_t{0});
+      gone_score[cell] = std::exchange(leaf.score[cell], std::int8_t{0});
     }
+    if (gone.observed == LeafMask{}) continue;
+    part->state().evidence.MutableLeaf(leaf.origin).score = gone_score;
     volume.StoreLeaf(leaf.origin, voxels);
     part_volume.StoreLeaf(leaf.origin, gone);
     changed.push_back(leaf.origin);

@@ -200,6 +200,15 @@ TEST(MoveGoneVoxels, ChangesNothingWhereNothingIsGone) {
   EXPECT_EQ(part.volume().leaf_count(), 0U);
 }
 
+TEST(MoveGoneVoxels, ForgetsTheScoresOfCellsWithoutVoxels) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  object.state().evidence.MutableLeaf({80, 0, 0}).score.fill(-9);
+  TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  EXPECT_TRUE(MoveGoneVoxels(-5, &object, &part).empty());
+  EXPECT_EQ(object.state().evidence.FindLeaf({80, 0, 0})->score[0], 0);
+  EXPECT_EQ(part.state().evidence.FindLeaf({80, 0, 0}), nullptr);
+}
+
 TEST(MoveGoneVoxels, LeavesAPublishedVolumeAlone) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   const std::shared_ptr<const MapObject> published = object.Publish();
