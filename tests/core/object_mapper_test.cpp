@@ -344,6 +344,7 @@ TEST(ObjectMapper, ForgetsPartsThatAreTooSmallToHaveBeenThings) {
   for (const auto& [id, object] : story.map().objects) {
     EXPECT_NE(object->standing, ObjectStanding::kArchived);
   }
+  ExpectSameMap(story.told(), story.map());
 }
 
 TEST(ObjectMapper, GivesAnEdgeTooSmallToBeAThingToWhatItTouches) {
