@@ -5,7 +5,7 @@
 namespace steadymap {
 namespace {
 
-constexpr std::array<EngineSwitch, 17> kEngineSwitches = {{
+constexpr std::array<EngineSwitch, 18> kEngineSwitches = {{
     {"visibility",
      "an unmatched object in the frustum is contradicted, hidden or not",
      &EngineSwitches::visibility_by_depth},
@@ -37,6 +37,9 @@ constexpr std::array<EngineSwitch, 17> kEngineSwitches = {{
     {"dynamic-mask",
      "people and vehicles are fused like everything else",
      &EngineSwitches::dynamic_mask},
+    {"moving-memory",
+     "what moves is fused in frames that take it for something else",
+     &EngineSwitches::moving_memory},
 }};
 
 }  // namespace

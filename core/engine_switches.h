@@ -53,6 +53,8 @@ struct EngineSwitches {
   bool clean_change = true;
   /// Pixels of dynamic classes are not fused. Off: they are, like all others.
   bool dynamic_mask = true;
+  /// Where something of a dynamic class was seen a moment ago, nothing is fused.
+  bool moving_memory = true;
 
   friend bool operator==(const EngineSwitches&, const EngineSwitches&) = default;
 };

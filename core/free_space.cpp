@@ -1,24 +1,14 @@
 #include "core/free_space.h"
 
-#include <cmath>
+#include <algorithm>
+
+#include "core/cell_index.h"
 
 namespace steadymap {
 namespace {
 
 // How far behind a surface free space is looked for, metres.
 constexpr double kBehindM = 0.08;
-
-struct CellIndex {
-  std::int32_t x;
-  std::int32_t y;
-  std::int32_t z;
-};
-
-CellIndex CellOf(const Eigen::Vector3d& point_cells) {
-  return {static_cast<std::int32_t>(std::floor(point_cells.x())),
-          static_cast<std::int32_t>(std::floor(point_cells.y())),
-          static_cast<std::int32_t>(std::floor(point_cells.z()))};
-}
 
 }  // namespace
 
@@ -76,7 +66,7 @@ bool operator==(const FreeSpace& a, const FreeSpace& b) {
 }
 
 bool FreeSpace::IsFree(const Eigen::Vector3d& point_world) const {
-  const CellIndex cell = CellOf(point_world / cell_size_m_);
+  const CellIndex cell = CellAt(point_world / cell_size_m_);
   const LeafMask block = FindBlock(LeafOf(cell.x, cell.y, cell.z));
   return IsSet(block, OffsetInLeaf(cell.x, cell.y, cell.z));
 }
@@ -98,7 +88,7 @@ void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,
   LeafOrigin block_origin{1, 0, 0};  // Of no block.
   LeafMask block{};
   for (int i = 0; i <= steps; ++i, point_cells += step_cells) {
-    const CellIndex cell = CellOf(point_cells);
+    const CellIndex cell = CellAt(point_cells);
     const LeafOrigin origin = LeafOf(cell.x, cell.y, cell.z);
     if (origin != block_origin) {
       block_origin = origin;

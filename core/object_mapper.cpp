@@ -33,6 +33,7 @@ ObjectMapper::ObjectMapper(const MapConfig& config,
       parameters_(parameters),
       stages_(stages),
       guard_(parameters.guard),
+      moving_(config, parameters.moving),
       clusters_(config, parameters.clusters),
       confirmation_(config, parameters.confirmation),
       integrator_(config) {}
@@ -41,9 +42,11 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   map_ = map;
   cloud_ = cloud;
   stages_.Enter(MapperStage::kGuard);
+  moving_.Hide(frame.robot, *map, cloud);
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
   if (!guard_.Admit(frame, {*cloud, samples_, tiles_}, map)) return;
+  moving_.Remember(frame.robot, *cloud, map);
   FindOwners();
   JudgeObjects();
   stages_.Enter(MapperStage::kObservations);

@@ -9,6 +9,7 @@
 #include "core/judgement.h"
 #include "core/map_config.h"
 #include "core/map_updater.h"
+#include "core/moving_surface.h"
 #include "core/object_merge.h"
 #include "core/object_moves.h"
 #include "core/observation.h"
@@ -27,6 +28,7 @@ namespace steadymap {
 /// found.
 struct ObjectMapperParameters {
   RobotGuardParameters guard;
+  MovingSurfaceParameters moving;
   ClusterParameters clusters;
   JudgementParameters judgement;
   VisibilityParameters visibility;
@@ -87,6 +89,7 @@ class ObjectMapper final : public MapUpdater {
   ObjectMapperParameters parameters_;
   StageTeller stages_;
   RobotGuard guard_;
+  MovingSurface moving_;
   FrameClusters clusters_;
   Confirmation confirmation_;
   TsdfIntegrator integrator_;

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "core/cell_index.h"
 #include "core/timestamp.h"
 
 namespace steadymap {
@@ -24,7 +26,17 @@ struct CameraPlace {
   friend bool operator==(const CameraPlace&, const CameraPlace&) = default;
 };
 
-/// What a map remembers of a robot, to notice when it is lost (`robot_guard.h`).
+/// Where a robot saw surface of a dynamic class.
+struct MovingCell {
+  CellIndex cell;             ///< As of `MapSnapshot::free_space`, world frame.
+  Timestamp seen;             ///< Capture time of the last frame that saw it.
+  bool is_confirmed = false;  ///< Whether a frame shortly before had seen it, too.
+
+  friend bool operator==(const MovingCell&, const MovingCell&) = default;
+};
+
+/// What a map remembers of a robot: to notice when it is lost (`robot_guard.h`), and what moves
+/// before its camera (`moving_surface.h`).
 struct RobotState {
   Trust trust = Trust::kTrusted;
   /// Frames in a row against the trust as it is: that disagree while it is doubted, that agree
@@ -38,6 +50,7 @@ struct RobotState {
   /// Of the last motion that was believed, camera frame; the turn is axis times rate.
   Eigen::Vector3f velocity_m_per_s = Eigen::Vector3f::Zero();
   Eigen::Vector3f turn_rad_per_s = Eigen::Vector3f::Zero();
+  std::vector<MovingCell> moving;  ///< By rising cell, none twice.
 
   friend bool operator==(const RobotState&, const RobotState&) = default;
 };

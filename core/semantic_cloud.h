@@ -45,6 +45,8 @@ class SemanticCloud {
   /// For those who decide whom a cell belongs to.
   SurfaceCell& MutableAt(int column, int row) { return cells_[Index(column, row)]; }
 
+  bool has_labels() const { return !labels_.empty(); }
+
   /// Class of a cell: that of its upper left pixel; 0 in a frame without labels.
   std::uint16_t LabelAt(int column, int row) const {
     return labels_.empty() ? std::uint16_t{0} : labels_[Index(column, row)];

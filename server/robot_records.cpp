@@ -40,6 +40,20 @@ absl::StatusOr<CameraPlace> PlaceFromProto(const storage::v1::CameraPlace& proto
   return place;
 }
 
+void MovingToProto(const MovingCell& moving, storage::v1::MovingCell* proto) {
+  proto->set_x(moving.cell.x);
+  proto->set_y(moving.cell.y);
+  proto->set_z(moving.cell.z);
+  proto->set_seen_ns(moving.seen.nanoseconds());
+  proto->set_is_confirmed(moving.is_confirmed);
+}
+
+MovingCell MovingFromProto(const storage::v1::MovingCell& proto) {
+  return {{proto.x(), proto.y(), proto.z()},
+          Timestamp::FromNanoseconds(proto.seen_ns()),
+          proto.is_confirmed()};
+}
+
 }  // namespace
 
 storage::v1::RobotRecord ToProto(const RobotState& state) {
@@ -54,6 +68,7 @@ storage::v1::RobotRecord ToProto(const RobotState& state) {
     Add(state.velocity_m_per_s, record.mutable_motion());
     Add(state.turn_rad_per_s, record.mutable_motion());
   }
+  for (const MovingCell& moving : state.moving) MovingToProto(moving, record.add_moving());
   return record;
 }
 
@@ -79,6 +94,13 @@ absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
   }
   if (!state.velocity_m_per_s.allFinite() || !state.turn_rad_per_s.allFinite()) {
     return Impossible("a robot record holds an impossible motion");
+  }
+  for (const storage::v1::MovingCell& proto : record.moving()) {
+    const MovingCell moving = MovingFromProto(proto);
+    if (!state.moving.empty() && state.moving.back().cell >= moving.cell) {
+      return Impossible("a robot record holds cells out of order");
+    }
+    state.moving.push_back(moving);
   }
   return state;
 }

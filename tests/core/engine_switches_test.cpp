@@ -39,6 +39,7 @@ using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Room;
 using ::steadymap::testing::SceneBody;
 
+constexpr std::uint16_t kCeilingLabel = 2;
 constexpr std::uint16_t kShelfLabel = 6;
 
 /// A map of the pocd policy with all switches on but one; with all on without a name.
@@ -310,6 +311,21 @@ TEST(EngineSwitches, WithoutTheDynamicMaskAPersonIsInTheMap) {
   const auto [with, without] = WithAndWithout("dynamic-mask", [&](MapStory* story) {
     story->Look({FarWall(), person}, 10);
     return CountSurfaceIn(story->map(), Around(person, 0.05));
+  });
+  EXPECT_EQ(with, 0U);
+  EXPECT_GT(without, 0U);
+}
+
+TEST(EngineSwitches, WithoutTheMovingMemoryAWrongLabelLeavesATrail) {
+  const auto person = [](std::uint16_t label) {
+    return Body(label, {1.2, -0.2, -0.7}, {1.5, 0.2, 0.7});
+  };
+  const auto [with, without] = WithAndWithout("moving-memory", [&](MapStory* story) {
+    for (int i = 0; i < 6; ++i) {
+      const std::uint16_t label = i == 4 ? kCeilingLabel : kPersonClass;
+      story->Tell({RenderScene({FarWall(), person(label)}, {.capture_time_s = 100.0 + 0.1 * i})});
+    }
+    return CountSurfaceIn(story->map(), Around(person(kPersonClass), 0.05));
   });
   EXPECT_EQ(with, 0U);
   EXPECT_GT(without, 0U);

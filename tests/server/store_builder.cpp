@@ -162,6 +162,9 @@ RobotState MakeRobot(Trust trust, std::uint32_t seed) {
   if (trust != Trust::kLost) {
     state.velocity_m_per_s = vector().cast<float>();
     state.turn_rad_per_s = vector().cast<float>();
+    state.moving = {{{-40, 3, 0}, state.last_capture_time, false},
+                    {{-40, 3, 1}, state.last_capture_time, true},
+                    {{static_cast<std::int32_t>(seed), -7, 2}, Timestamp(), true}};
   }
   return state;
 }

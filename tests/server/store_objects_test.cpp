@@ -220,6 +220,7 @@ TEST(RobotRecords, RefuseWhatCannotHaveBeenWritten) {
   });
   refuse([](storage::v1::RobotRecord* robot) { robot->mutable_motion()->RemoveLast(); });
   refuse([=](storage::v1::RobotRecord* robot) { robot->set_motion(5, not_a_number); });
+  refuse([](storage::v1::RobotRecord* robot) { *robot->add_moving() = robot->moving(0); });
 }
 
 TEST(FreeBlockRecords, RefuseWhatCannotHaveBeenWritten) {
