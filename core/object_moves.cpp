@@ -28,8 +28,13 @@ Eigen::Vector3d SidesOf(const Cuboid& cuboid) {
   return {shorter, longer, cuboid.size_m.z()};
 }
 
-bool IsAlike(const Cuboid& a, const Cuboid& b, double size_tolerance_m) {
-  return (SidesOf(a) - SidesOf(b)).cwiseAbs().maxCoeff() <= size_tolerance_m;
+bool IsAlike(const Cuboid& a, const Cuboid& b, const MoveParameters& parameters) {
+  const Eigen::Array3d sides_a = SidesOf(a);
+  const Eigen::Array3d sides_b = SidesOf(b);
+  const Eigen::Array3d tolerance_m = (parameters.size_tolerance_share * sides_a.max(sides_b))
+                                         .max(parameters.least_size_tolerance_m)
+                                         .min(parameters.size_tolerance_m);
+  return ((sides_a - sides_b).abs() <= tolerance_m).all();
 }
 
 /// Whether two things may be alike as far as they were seen: from one side, nobody knows how deep a
@@ -45,6 +50,10 @@ bool MayBeAlike(const Cuboid& a, const Cuboid& b, double size_tolerance_m) {
 
 double DistanceOfCenters(const TrackedObject& a, const TrackedObject& b) {
   return (a.cuboid().center_world - b.cuboid().center_world).norm();
+}
+
+double HeightBetween(const TrackedObject& a, const TrackedObject& b) {
+  return std::abs(a.cuboid().center_world.z() - b.cuboid().center_world.z());
 }
 
 UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
@@ -97,7 +106,8 @@ class MoveSearch {
       if (old.standing != ObjectStanding::kPresent || old.class_id != after.state().class_id ||
           old.evidence.absent_streak_cells < parameters_.pushed_absent_cells ||
           old.standing_since >= after.state().standing_since ||
-          !IsAlike(view.object->cuboid(), after.cuboid(), parameters_.size_tolerance_m)) {
+          !IsAlike(view.object->cuboid(), after.cuboid(), parameters_) ||
+          HeightBetween(*view.object, after) > parameters_.pushed_height_m) {
         continue;
       }
       const double distance_m = DistanceOfCenters(*view.object, after);
@@ -117,10 +127,7 @@ class MoveSearch {
       if (found != nullptr) return nullptr;
       found = other;
     }
-    if (found == nullptr ||
-        !IsAlike(found->cuboid(), after.cuboid(), parameters_.size_tolerance_m)) {
-      return nullptr;
-    }
+    if (found == nullptr || !IsAlike(found->cuboid(), after.cuboid(), parameters_)) return nullptr;
     for (const auto& [id, other] : map_->objects()) {
       if (other.state().standing == ObjectStanding::kPresent && IsLookalike(other, after)) {
         return nullptr;
@@ -157,8 +164,12 @@ class MoveSearch {
   }
 
   bool Fits(const ShapeMatch& match) const {
-    return match.overlap.known_share >= parameters_.known_share &&
-           match.overlap.fit_share >= parameters_.fit_share;
+    return IsComparable(match) && match.overlap.fit_share >= parameters_.fit_share;
+  }
+
+  /// Whether what was pushed aside may have this shape.
+  bool MayHaveBeenPushed(const ShapeMatch& match) const {
+    return !IsComparable(match) || match.overlap.fit_share >= parameters_.pushed_fit_share;
   }
 
   /// Makes one object of both ends of a move; the shape before is kept if `match` says where.
@@ -193,6 +204,10 @@ class MoveSearch {
   }
 
  private:
+  bool IsComparable(const ShapeMatch& match) const {
+    return match.overlap.known_share >= parameters_.known_share;
+  }
+
   const MoveParameters& parameters_;
   WorkingMap* map_;
 };
@@ -215,6 +230,7 @@ void FindMoves(const std::vector<ObjectInView>& in_view,
     }
     if (TrackedObject* before = search.FindPushed(*after, in_view); before != nullptr) {
       const ShapeMatch match = MatchShapes(*before, *after, map->scale());
+      if (!search.MayHaveBeenPushed(match)) continue;
       search.Join(before,
                   after,
                   EventReason::kDisplaced,

@@ -13,14 +13,23 @@ namespace steadymap {
 struct MoveParameters {
   /// Frames that must have seen the thing in its new place: before, its shape is not known.
   std::uint64_t views = 10;
-  /// Sides of the same thing differ by no more than this, metres.
+  /// Sides of the same thing differ by no more than this, metres, ...
   double size_tolerance_m = 0.2;
+  /// ... nor, where both are known well enough to be one thing, by more than this share of the
+  /// longer one, or this if that is more, metres.
+  double size_tolerance_share = 0.2;
+  double least_size_tolerance_m = 0.1;
 
   /// A thing that vanishes no further than this from a new one that is alike was pushed aside,
   /// metres; it need not have been given up yet, but ...
   double pushed_distance_m = 0.9;
   /// ... so many cells of the old place must be found gone, and none found there again.
   double pushed_absent_cells = 8.0;
+  /// It stays on its board: heights of both middles differ by no more than this, metres.
+  double pushed_height_m = 0.2;
+  /// Where `known_share` of the new surface can be compared with the old shape, so much of that must
+  /// lie on it: another thing took the place beside it otherwise.
+  double pushed_fit_share = 0.95;
   /// Nor may another thing that is alike, and missed too, have stood within so many times the
   /// distance: then it may be either.
   double rival_distance = 1.5;

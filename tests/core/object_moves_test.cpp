@@ -1,4 +1,5 @@
-// Piles that are all alike stand in a row along y; one stands where none stood before.
+// Piles, all alike but where a test says otherwise, stand in a row along y; one stands where none
+// stood before.
 
 #include "core/object_moves.h"
 
@@ -12,7 +13,16 @@
 namespace steadymap {
 namespace {
 
+using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::Solid;
+
 constexpr double kRecentS = 20.0;
+
+/// The middle of its front stands at `y_m`.
+Solid PileAt(double y_m, double height_m = 0.0) {
+  return {Box(Eigen::Vector3d(2.0, y_m - 0.25, height_m),
+              Eigen::Vector3d(2.5, y_m + 0.25, height_m + 0.8))};
+}
 
 class FindMovesTest : public ::testing::Test {
  protected:
@@ -20,11 +30,16 @@ class FindMovesTest : public ::testing::Test {
 
   /// A pile that was seen first and last at these times.
   TrackedObject* Put(double y_m, double came_s, double last_seen_s) {
-    TrackedObject& pile = map_.AddObject({2.0, y_m, 0.0});
+    return Put(PileAt(y_m), came_s, last_seen_s);
+  }
+
+  /// The same of a thing of any shape.
+  TrackedObject* Put(const Solid& solid_world, double came_s, double last_seen_s) {
+    TrackedObject& pile = map_.AddObject(solid_world.front().min());
     const Eigen::Vector3d origin_world = pile.state().T_world_object.position_world;
-    const Box box(Eigen::Vector3d(2.0, y_m - 0.25, 0.0) - origin_world,
-                  Eigen::Vector3d(2.5, y_m + 0.25, 0.8) - origin_world);
-    pile.MutableVolume() = testing::MakeVolume({box}, map_.scale());
+    Solid solid = solid_world;
+    for (Box& box : solid) box.translate(-origin_world);
+    pile.MutableVolume() = MakeVolume(solid, map_.scale());
     pile.RebuildSurface();
     ObjectState& state = pile.state();
     state.standing = ObjectStanding::kPresent;
@@ -37,9 +52,11 @@ class FindMovesTest : public ::testing::Test {
     return &pile;
   }
 
-  /// A pile that was there long ago, and is not found any more.
-  TrackedObject* PutMissed(double y_m) {
-    TrackedObject* pile = Put(y_m, 10.0, 30.0);
+  /// A thing that was there long ago, and is not found any more.
+  TrackedObject* PutMissed(double y_m) { return PutMissed(PileAt(y_m)); }
+
+  TrackedObject* PutMissed(const Solid& solid_world) {
+    TrackedObject* pile = Put(solid_world, 10.0, 30.0);
     pile->state().evidence.absent_streak_cells = 12.0;
     return pile;
   }
@@ -63,6 +80,26 @@ TEST_F(FindMovesTest, TellsAPileThatWasPushedAside) {
   EXPECT_EQ(events[0].object, missed);
   EXPECT_NEAR(events[0].old_center_world.value().y(), 0.0, 0.05);
   EXPECT_NEAR(events[0].center_world.y(), 0.7, 0.05);
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOntoAnotherBoard) {
+  PutMissed(0.0);
+  Put(PileAt(0.3, 0.5), 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOfASmallThingThatBecameAThirdLonger) {
+  PutMissed({Box(Eigen::Vector3d(2.0, 0.0, 0.0), Eigen::Vector3d(2.3, 0.3, 0.3))});
+  Put({Box(Eigen::Vector3d(2.0, 0.6, 0.0), Eigen::Vector3d(2.3, 1.05, 0.3))}, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOfWhatHasAnotherShape) {
+  PutMissed(0.0);
+  const Solid step = {Box(Eigen::Vector3d(2.0, 0.45, 0.0), Eigen::Vector3d(2.5, 0.95, 0.35)),
+                      Box(Eigen::Vector3d(2.0, 0.45, 0.0), Eigen::Vector3d(2.2, 0.95, 0.8))};
+  Put(step, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
 }
 
 TEST_F(FindMovesTest, NeverGuessesWhichOfTwoMissedPilesWasPushed) {
