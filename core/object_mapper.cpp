@@ -132,14 +132,27 @@ void ObjectMapper::BecomeHistory(TrackedObject* object) {
   if (!parameters_.keeps_removed) map_->Forget(object);
 }
 
+/// Up to which score cells are to be cut off; none while too few are, or more are on their way.
+std::optional<int> ObjectMapper::FindGoneScore(const TrackedObject& object) const {
+  const DoubtedCells cells = CountDoubtedCells(object, -parameters_.gone_score);
+  if (cells.gone >= parameters_.min_gone_cells) {
+    // While more cells are on their way, the part is not known yet.
+    return 2 * cells.doubted > 3 * cells.gone ? std::nullopt
+                                              : std::optional(-parameters_.gone_score);
+  }
+  if (cells.gone == 0 || CountDoubtedCells(object, -parameters_.sliver_gone_score).gone == 0) {
+    return std::nullopt;
+  }
+  return -parameters_.sliver_gone_score;
+}
+
 /// Cuts off what frames have found gone again and again while the rest of the object stands. What
 /// is large enough to have been a thing becomes an archived object of its own.
 void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
-  const DoubtedCells cells = CountDoubtedCells(*object, -parameters_.gone_score);
-  // While more cells are on their way, the part is not known yet.
-  if (cells.gone < parameters_.min_gone_cells || 2 * cells.doubted > 3 * cells.gone) return;
+  const std::optional<int> score = FindGoneScore(*object);
+  if (!score.has_value()) return;
   TrackedObject& part = map_->AddPart(*object);
-  const std::vector<LeafOrigin> moved = MoveGoneVoxels(-parameters_.gone_score, object, &part);
+  const std::vector<LeafOrigin> moved = MoveGoneVoxels(*score, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
   if (object->state().standing != ObjectStanding::kPresent ||

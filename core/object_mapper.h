@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/association.h"
@@ -43,8 +44,11 @@ struct ObjectMapperParameters {
   ContradictionParameters contradiction;
   /// A part of an object is cut off when its cells were found gone in so many more frames than not.
   int gone_score = 5;
-  /// Fewest cells that are cut off.
+  /// Fewest cells that are cut off, ...
   std::size_t min_gone_cells = 8;
+  /// ... but that any are which were found gone in so many more frames than not: edges of what
+  /// stood close by, and the far side of what is thinner than the truncation.
+  int sliver_gone_score = 20;
   /// Fewest connected cells that are taken for a thing that went; fewer were none, and are
   /// forgotten.
   std::size_t min_part_cells = 25;
@@ -74,6 +78,7 @@ class ObjectMapper final : public MapUpdater {
   void FindOwners();
   void JudgeObjects();
   void DecideOn(const ObjectVerdict& verdict, TrackedObject* object);
+  std::optional<int> FindGoneScore(const TrackedObject& object) const;
   void RemoveGoneParts(TrackedObject* object);
   void PlaceObservations();
   bool IsInFreeSpace(const Observation& observation) const;

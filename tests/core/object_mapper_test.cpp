@@ -22,6 +22,7 @@ namespace {
 
 using ::steadymap::testing::Around;
 using ::steadymap::testing::Body;
+using ::steadymap::testing::CountSurfaceIn;
 using ::steadymap::testing::ExpectSameMap;
 using ::steadymap::testing::FarWall;
 using ::steadymap::testing::Goods;
@@ -344,6 +345,21 @@ TEST(ObjectMapper, ForgetsPartsThatAreTooSmallToHaveBeenThings) {
   for (const auto& [id, object] : story.map().objects) {
     EXPECT_NE(object->standing, ObjectStanding::kArchived);
   }
+  ExpectSameMap(story.told(), story.map());
+}
+
+TEST(ObjectMapper, CutsOffASliverThatWasMissedForLong) {
+  const SceneBody rack = Body(kRackClass, {1.6, -0.8, -0.8}, {2.0, 0.4, 0.4});
+  const SceneBody knob = Body(kRackClass, {1.6, -0.3, 0.4}, {1.7, -0.2, 0.55});
+  const Box place(Eigen::Vector3d(1.5, -0.4, 0.46), Eigen::Vector3d(1.8, -0.1, 0.7));
+  MapStory story(PocdConfig());
+  story.Look({FarWall(), rack, knob}, 20);
+  ASSERT_GT(CountSurfaceIn(story.map(), place), 0U);
+  story.Look({FarWall(), rack}, 15);
+  EXPECT_GT(CountSurfaceIn(story.map(), place), 0U) << "so little may be noise";
+  story.Look({FarWall(), rack}, 15);
+  EXPECT_EQ(CountSurfaceIn(story.map(), place), 0U);
+  EXPECT_TRUE(story.EventsOf(EventType::kRemoved, kRackClass).empty());
   ExpectSameMap(story.told(), story.map());
 }
 
