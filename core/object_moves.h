@@ -27,8 +27,8 @@ struct MoveParameters {
   double pushed_absent_cells = 8.0;
   /// It stays on its board: heights of both middles differ by no more than this, metres.
   double pushed_height_m = 0.2;
-  /// Where `known_share` of the new surface can be compared with the old shape, so much of that must
-  /// lie on it: another thing took the place beside it otherwise.
+  /// Where `known_share` of the new surface can be compared with the old shape, so much of that
+  /// must lie on it: another thing took the place beside it otherwise.
   double pushed_fit_share = 0.95;
   /// Nor may another thing that is alike, and missed too, have stood within so many times the
   /// distance: then it may be either.
