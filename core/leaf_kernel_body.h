@@ -56,7 +56,11 @@ STEADYMAP_INLINE uint32_t FuseColor(uint32_t old_color, uint32_t seen) {
 /// alias.
 struct RowConstants {
   explicit STEADYMAP_INLINE RowConstants(const LeafKernelFrame& frame)
-      : cells(frame.cells),
+      : along_x(kLaneIndex * frame.step_z[0]),
+        along_y(kLaneIndex * frame.step_z[1]),
+        along_z(kLaneIndex * frame.step_z[2]),
+        owner(static_cast<int32_t>(frame.owner) - Integers{}),
+        cells(frame.cells),
         cells_wide(frame.cells_wide),
         fx(frame.fx),
         fy(frame.fy),
@@ -64,9 +68,6 @@ struct RowConstants {
         image_y(frame.cy + 0.5F),
         image_width(static_cast<float>(frame.cells_wide)),
         image_height(static_cast<float>(frame.cells_high)),
-        along_x(kLaneIndex * frame.step_z[0]),
-        along_y(kLaneIndex * frame.step_z[1]),
-        along_z(kLaneIndex * frame.step_z[2]),
         truncation_m(frame.truncation_m),
         fade_from_m(-frame.voxel_size_m),
         fade_scale(1.0F / (frame.truncation_m - frame.voxel_size_m)),
@@ -75,9 +76,12 @@ struct RowConstants {
         dead_band_m(kDeadBandVoxels * frame.voxel_size_m),
         color_band_m(kColorBandVoxels * frame.voxel_size_m),
         distance_step_m(frame.distance_step_m),
-        steps_per_m(1.0F / frame.distance_step_m),
-        owner(static_cast<int32_t>(frame.owner) - Integers{}) {}
+        steps_per_m(1.0F / frame.distance_step_m) {}
 
+  Floats along_x;  ///< From a row's first voxel to each of its voxels, camera frame.
+  Floats along_y;
+  Floats along_z;
+  Integers owner;
   const SurfaceCell* cells;
   int32_t cells_wide;
   float fx;
@@ -86,9 +90,6 @@ struct RowConstants {
   float image_y;
   float image_width;
   float image_height;
-  Floats along_x;  ///< From a row's first voxel to each of its voxels, camera frame.
-  Floats along_y;
-  Floats along_z;
   float truncation_m;
   float fade_from_m;
   float fade_scale;
@@ -98,7 +99,6 @@ struct RowConstants {
   float color_band_m;
   float distance_step_m;
   float steps_per_m;
-  Integers owner;
 };
 
 /// What the frame says about eight voxels of a row.
@@ -119,7 +119,7 @@ STEADYMAP_INLINE void LoadHalfCells(const SurfaceCell* cells,
   Quad quads[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     const char* cell = reinterpret_cast<const char*>(cells + index[lane]);
-    memcpy(&quads[lane], cell + half * static_cast<int>(sizeof(Quad)), sizeof(Quad));
+    memcpy(&quads[lane], cell + half * static_cast<int64_t>(sizeof(Quad)), sizeof(Quad));
   }
   Floats rows[4];
   for (int i = 0; i < 4; ++i) {

@@ -15,7 +15,7 @@ constexpr std::size_t kMaxCells = 4096;
 
 /// Where the surface cell lies in the world, metres.
 Eigen::Vector3d PositionAt(const SemanticCloud& cloud, int column, int row) {
-  const double depth_m = cloud.At(column, row).depth_m;
+  const auto depth_m = static_cast<double>(cloud.At(column, row).depth_m);
   return cloud.T_world_camera() * (depth_m * cloud.camera().Ray(column, row)).eval();
 }
 

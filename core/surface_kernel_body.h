@@ -49,11 +49,16 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
   Store(Select(seen, count * 0.25F, Splat(0.0F)), support);
 }
 
+/// Where a row of cells begins in the padded planes of the output.
+STEADYMAP_INLINE int64_t PlaceOfRow(int row, int64_t stride) {
+  return (kSurfaceMarginRows + row) * stride + kSurfaceMargin;
+}
+
 void ReduceRow(const SurfaceInput& input, int row, float* inverse_depth, float* support) {
-  const int cells_wide = input.width_px / 2;
+  const int64_t cells_wide = input.width_px / 2;
   const uint16_t* upper = input.depth + static_cast<int64_t>(2 * row) * input.width_px;
   const uint16_t* lower = upper + input.width_px;
-  int column = 0;
+  int64_t column = 0;
   for (; column + kLanes <= cells_wide; column += kLanes) {
     ReduceCells(
         upper + 2 * column, lower + 2 * column, input, inverse_depth + column, support + column);
@@ -124,14 +129,15 @@ STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) 
   return {per_cell, planar, trust};
 }
 
+/// Fits planes to eight cells of a row from `column` on, or to as many as are left of it.
 STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
-                               const float* inverse_depth,
-                               const float* support,
-                               int64_t stride,
-                               int column,
+                               const SurfaceOutput& output,
                                int row,
-                               SurfaceCell* cells,
-                               int count) {
+                               int column) {
+  const int cells_wide = input.width_px / 2;
+  const int64_t stride = SurfaceStride(cells_wide);
+  const int64_t at = PlaceOfRow(row, stride) + column;
+  const float* inverse_depth = output.inverse_depth + at;
   const Floats zero = Splat(0.0F);
   const Floats centre = Load(inverse_depth);
   Floats beside[4];
@@ -165,8 +171,8 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Floats ray_x = u * (1.0F / input.fx);
   const Floats ray_y = v * (1.0F / input.fy);
   const Floats cosine = inverse * inverse_norm / Sqrt(1.0F + ray_x * ray_x + ray_y * ray_y);
-  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * Load(support) *
-                  along_u.trust * along_v.trust;
+  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine *
+                  Load(output.support + at) * along_u.trust * along_v.trust;
   weight = Select((centre > zero) & (cosine > Splat(kMinCosine)), weight, zero);
 
   Floats columns[kLanes] = {nx * inverse_norm,
@@ -178,30 +184,23 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
                             zero,
                             zero};
   Transpose(columns);
-  memcpy(cells, columns, static_cast<uint64_t>(count) * sizeof(SurfaceCell));
+  const int count = cells_wide - column < kLanes ? cells_wide - column : kLanes;
+  memcpy(output.cells + static_cast<int64_t>(row) * cells_wide + column,
+         columns,
+         static_cast<uint64_t>(count) * sizeof(SurfaceCell));
 }
 
 void ComputeSurface(const SurfaceInput& input, const SurfaceOutput& output) {
   const int cells_wide = input.width_px / 2;
   const int cells_high = input.height_px / 2;
   const int64_t stride = SurfaceStride(cells_wide);
-  const int64_t first = kSurfaceMarginRows * stride + kSurfaceMargin;
   for (int row = 0; row < cells_high; ++row) {
-    const int64_t at = first + row * stride;
+    const int64_t at = PlaceOfRow(row, stride);
     ReduceRow(input, row, output.inverse_depth + at, output.support + at);
   }
   for (int row = 0; row < cells_high; ++row) {
     for (int column = 0; column < cells_wide; column += kLanes) {
-      const int64_t at = first + row * stride + column;
-      const int count = cells_wide - column < kLanes ? cells_wide - column : kLanes;
-      FitCells(input,
-               output.inverse_depth + at,
-               output.support + at,
-               stride,
-               column,
-               row,
-               output.cells + static_cast<int64_t>(row) * cells_wide + column,
-               count);
+      FitCells(input, output, row, column);
     }
   }
 }
