@@ -109,7 +109,8 @@ if ((${#translation_units[@]})); then
     fi
   }
 
-  # Checks the files that standard input names, on all cores: check FOLDER CHECKS SECONDS.
+  # Checks the files that standard input names, on all cores: check FOLDER CHECKS SECONDS. Not to
+  # be piped into: `status` would be set in a subshell.
   check() {
     local deadline=$(($(date +%s) + $3))
     : >"$log"
@@ -135,14 +136,14 @@ if ((${#translation_units[@]})); then
   configure build/lint-units -D CMAKE_UNITY_BUILD=ON -D CMAKE_UNITY_BUILD_BATCH_SIZE=0
   mapfile -t units < <(find_units)
   echo "== lint.sh: clang-tidy, ${#units[@]} libraries and tests"
-  printf '%s\n' "${units[@]}" |
-    check build/lint-units -bugprone-suspicious-include "${LINT_TIDY_SECONDS:-300}"
+  check build/lint-units -bugprone-suspicious-include "${LINT_TIDY_SECONDS:-300}" \
+    < <(printf '%s\n' "${units[@]}")
 
   # One check that finds nothing, and with it the compiler's own.
   echo "== lint.sh: each file by itself, ${#translation_units[@]} files"
   configure build/lint
-  printf '%s\n' "${translation_units[@]}" |
-    check build/lint '-*,clang-diagnostic-*,google-readability-todo' "${LINT_COMPILE_SECONDS:-120}"
+  check build/lint '-*,clang-diagnostic-*,google-readability-todo' "${LINT_COMPILE_SECONDS:-120}" \
+    < <(printf '%s\n' "${translation_units[@]}")
 fi
 
 ((status == 0)) || fail "found the faults above"
