@@ -98,6 +98,18 @@ TEST(EvaluateRoute, PeopleLeaveNoTrailUnlessTheyAreFused) {
   EXPECT_GT(Row(*evaluation, "pocd -dynamic-mask").map.trail.value(), trail.value());
 }
 
+TEST(EvaluateRoute, CarsLeaveNoTrailThoughSomeFramesTakeThemForSomethingElse) {
+  RouteEvaluationOptions options = Options(SensorModel::Full(), 3);
+  options.voxel_size_m = EvaluationVoxelFor("table-top");
+  options.methods = SelectMethods({"pocd"}, MapConfigFor("table-top"), {"moving-memory"}).value();
+  const auto evaluation = EvaluateRoute(MakeRoute("table-top").value(), options);
+  ASSERT_TRUE(evaluation.ok()) << evaluation.status();
+  const Share& trail = Row(*evaluation, "pocd").map.trail;
+  EXPECT_GT(trail.whole, 200U);
+  EXPECT_LE(trail.value(), 0.03);
+  EXPECT_GT(Row(*evaluation, "pocd -moving-memory").map.trail.value(), 2.0 * trail.value());
+}
+
 TEST(EvaluateRoute, TellsWhereTheTimeOfAFrameGoes) {
   RouteEvaluationOptions options = Options(SensorModel::Ideal(), 40);
   options.methods = SelectMethods({"pocd"}, MapConfig()).value();
