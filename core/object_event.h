@@ -17,7 +17,7 @@ namespace steadymap {
 enum class EventType {
   kCreated,     ///< Became part of the map.
   kUpdated,     ///< Its class or extent changed much.
-  kMoved,       ///< Stands elsewhere now, recognised by its shape.
+  kMoved,       ///< Stands elsewhere now; what was created there, `related`, was this.
   kRemoved,     ///< No longer stands where it stood.
   kReturned,    ///< Stands again where it stood before it was removed.
   kMerged,      ///< Turned out to be part of another object, `related`.
@@ -54,7 +54,7 @@ struct ObjectEvent {
   Belief after;
   std::uint64_t views = 0;     ///< Frames that had agreed with it.
   std::uint64_t absences = 0;  ///< Times that the evidence had spoken against it.
-  ObjectId related;            ///< The other object of a merge or split; else 0.
+  ObjectId related;            ///< The other object of a move, merge or split; else 0.
   std::string robot;           ///< For events of robots: whom they are about; else empty.
 
   friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;

@@ -73,11 +73,12 @@ class FindMovesTest : public ::testing::Test {
 
 TEST_F(FindMovesTest, TellsAPileThatWasPushedAside) {
   const ObjectId missed = PutMissed(0.0)->id();
-  Put(0.7, 95.0, 100.0);
+  const ObjectId found = Put(0.7, 95.0, 100.0)->id();
   const std::vector<ObjectEvent> events = Find();
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].type, EventType::kMoved);
   EXPECT_EQ(events[0].object, missed);
+  EXPECT_EQ(events[0].related, found);
   EXPECT_NEAR(events[0].old_center_world.value().y(), 0.0, 0.05);
   EXPECT_NEAR(events[0].center_world.y(), 0.7, 0.05);
 }

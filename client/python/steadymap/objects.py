@@ -155,7 +155,7 @@ class Event:
         old_center_m: for moves the centre before, likewise; else None.
         confidence: for moves how sure the map is that it is the same thing, in [0, 1]; else None.
         before, after: beliefs before and after the event; None for events of robots.
-        related_object_id: the other object of a merge or split; None: there is none.
+        related_object_id: the other object of a move, merge or split; None: there is none.
         views: frames that had agreed with the object by then.
         absences: times that the evidence had spoken against it by then.
         robot: for events of robots, the robot's id; else "".
