@@ -74,7 +74,7 @@ ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitch
   recognition.thing = Shrink(recognition.thing, finer);
   parameters.visibility.truncation_m = config.truncation_m;
   parameters.guard.is_on = switches.robot_guard;
-  parameters.moving.is_on = switches.moving_memory && switches.dynamic_mask;
+  parameters.moving.is_on = switches.moving_memory;
   FollowPaperInAssociation(switches, paper, &parameters.clusters);
   FollowPaperInVisibility(switches, paper, config, &parameters.visibility);
   FollowPaperInJudgement(switches, paper, &parameters.judgement);

@@ -22,17 +22,7 @@ Eigen::Vector3d PositionAt(const SemanticCloud& cloud, int column, int row) {
 }  // namespace
 
 MovingSurface::MovingSurface(const MapConfig& config, const MovingSurfaceParameters& parameters)
-    : parameters_(parameters),
-      cell_size_m_(MapSnapshot::kFreeCellVoxels * config.voxel_size_m),
-      is_dynamic_(config.label_limit(), 0) {
-  bool any_dynamic = false;
-  for (const SemanticClass& row : config.classes) {
-    if (row.motion != ClassMotion::kDynamic) continue;
-    is_dynamic_[row.id.value()] = 1;
-    any_dynamic = true;
-  }
-  parameters_.is_on = parameters_.is_on && any_dynamic;
-}
+    : parameters_(parameters), cell_size_m_(MapSnapshot::kFreeCellVoxels * config.voxel_size_m) {}
 
 void MovingSurface::Hide(const std::string& robot,
                          const WorkingMap& map,
@@ -68,9 +58,9 @@ void MovingSurface::Remember(const std::string& robot,
                              WorkingMap* map) const {
   if (!parameters_.is_on) return;
   const RobotState* known = map->FindRobot(robot);
-  RobotState state = known == nullptr ? RobotState() : *known;
   const std::vector<CellIndex> seen = CellsInSight(cloud);
-  if (seen.empty() && state.moving.empty()) return;
+  if (seen.empty() && (known == nullptr || known->moving.empty())) return;
+  RobotState state = known == nullptr ? RobotState() : *known;
   std::erase_if(state.moving, [&](const MovingCell& moving) { return !IsFresh(moving, *map); });
   std::vector<MovingCell> merged;
   merged.reserve(std::min(state.moving.size() + seen.size(), kMaxCells));
@@ -95,11 +85,9 @@ bool MovingSurface::IsFresh(const MovingCell& cell, const WorkingMap& map) const
 /// Where the cloud shows surface of dynamic classes; rising, none twice.
 std::vector<CellIndex> MovingSurface::CellsInSight(const SemanticCloud& cloud) const {
   std::vector<CellIndex> cells;
-  if (!cloud.has_labels()) return cells;
   for (int row = 0; row < cloud.cells_high(); ++row) {
     for (int column = 0; column < cloud.cells_wide(); ++column) {
-      if (is_dynamic_[cloud.LabelAt(column, row)] == 0 || !(cloud.At(column, row).depth_m > 0.0F))
-        continue;
+      if (!cloud.IsDynamicAt(column, row) || !(cloud.At(column, row).depth_m > 0.0F)) continue;
       const CellIndex cell = CellAt(PositionAt(cloud, column, row) / cell_size_m_);
       if (cells.empty() || cells.back() != cell) cells.push_back(cell);
     }

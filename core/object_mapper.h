@@ -47,7 +47,7 @@ struct ObjectMapperParameters {
   /// Fewest cells that are cut off, ...
   std::size_t min_gone_cells = 8;
   /// ... but that any are which were found gone in so many more frames than not: edges of what
-  /// stood close by, and the far side of what is thinner than the truncation.
+  /// stood close by.
   int sliver_gone_score = 20;
   /// Fewest connected cells that are taken for a thing that went; fewer were none, and are
   /// forgotten.

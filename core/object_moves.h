@@ -13,11 +13,11 @@ namespace steadymap {
 struct MoveParameters {
   /// Frames that must have seen the thing in its new place: before, its shape is not known.
   std::uint64_t views = 10;
-  /// Sides of the same thing differ by no more than this, metres, ...
+  /// Sides of things that may be mistaken for each other differ by no more than this, metres.
   double size_tolerance_m = 0.2;
-  /// ... nor, where both are known well enough to be one thing, by more than this share of the
-  /// longer one, or this if that is more, metres.
+  /// Those of the same thing, too, and by no more than this share of the longer one, ...
   double size_tolerance_share = 0.2;
+  /// ... but they always may by as much as this, metres.
   double least_size_tolerance_m = 0.1;
 
   /// A thing that vanishes no further than this from a new one that is alike was pushed aside,

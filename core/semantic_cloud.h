@@ -45,11 +45,14 @@ class SemanticCloud {
   /// For those who decide whom a cell belongs to.
   SurfaceCell& MutableAt(int column, int row) { return cells_[Index(column, row)]; }
 
-  bool has_labels() const { return !labels_.empty(); }
-
   /// Class of a cell: that of its upper left pixel; 0 in a frame without labels.
   std::uint16_t LabelAt(int column, int row) const {
     return labels_.empty() ? std::uint16_t{0} : labels_[Index(column, row)];
+  }
+
+  /// Whether that class is dynamic; of none where cells of dynamic classes are not dropped.
+  bool IsDynamicAt(int column, int row) const {
+    return any_dynamic_ && !labels_.empty() && is_dynamic_[LabelAt(column, row)] != 0;
   }
 
   /// Instance of a cell, 0 none; likewise.
