@@ -1,5 +1,6 @@
 #include "core/turn.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -17,8 +18,8 @@ constexpr double kShiftM = 0.1;
 }  // namespace
 
 void TurnSum::Add(const Eigen::Vector3d& position, const Eigen::Vector3d& normal, double offset_m) {
-  if (is_empty_) origin_ = position;
-  is_empty_ = false;
+  if (count_ == 0) origin_ = position;
+  ++count_;
   const Eigen::Vector3d arm = position - origin_;
   const Eigen::Vector3d row(arm.x() * normal.y() - arm.y() * normal.x(), normal.x(), normal.y());
   information_ += row * row.transpose();
@@ -30,14 +31,22 @@ TurnSum::Turn TurnSum::Estimate() const {
   Eigen::Matrix3d information = information_;
   information.diagonal() += Eigen::Vector3d(1e-9, kPrior, kPrior);
   const Eigen::Matrix3d covariance = information.inverse();
-  return {covariance.row(0).dot(projected_), kOffsetErrorM * std::sqrt(covariance(0, 0))};
+  Turn turn;
+  turn.angle_rad = covariance.row(0).dot(projected_);
+  turn.error_rad = kOffsetErrorM * std::sqrt(covariance(0, 0));
+  // What the shift could explain as well is not the turn's.
+  turn.offset_m =
+      std::abs(turn.angle_rad) /
+      std::sqrt(covariance(0, 0) * static_cast<double>(std::max<std::size_t>(count_, 1)));
+  return turn;
 }
 
 bool TurnSum::Exceeds(const TurnParameters& parameters) const {
   if (parameters.turned_rad <= 0.0) return false;
   const Turn turn = Estimate();
   return turn.error_rad <= parameters.max_error_rad &&
-         std::abs(turn.angle_rad) - turn.error_rad > parameters.turned_rad;
+         std::abs(turn.angle_rad) - turn.error_rad > parameters.turned_rad &&
+         turn.offset_m >= parameters.min_offset_m;
 }
 
 }  // namespace steadymap

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include <Eigen/Core>
 
 namespace steadymap {
@@ -12,6 +14,9 @@ struct TurnParameters {
   double turned_rad = 0.1;
   /// Greatest standard deviation with which the turn may be known, radians.
   double max_error_rad = 0.06;
+  /// How far the turn must move the surface along its normals, metres, root mean square: depth that
+  /// errs alike all over a round thing looks like a turn, too, but explains less.
+  double min_offset_m = 0.015;
 };
 
 /// How far surface is turned about a vertical axis against what is known of it: the least squares
@@ -26,6 +31,7 @@ class TurnSum {
   struct Turn {
     double angle_rad = 0.0;  ///< Counterclockwise from above.
     double error_rad = 0.0;  ///< Standard deviation; over 1000 if nothing is known.
+    double offset_m = 0.0;   ///< By which the turn moves the points, root mean square.
   };
 
   Turn Estimate() const;
@@ -33,7 +39,7 @@ class TurnSum {
   bool Exceeds(const TurnParameters& parameters) const;
 
  private:
-  bool is_empty_ = true;
+  std::size_t count_ = 0;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  ///< The first point.
   // Normal equations of the turn about the origin, and the shift along x and y.
   Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();

@@ -58,6 +58,19 @@ TEST(TurnSum, LearnsNothingFromFlatSurface) {
   EXPECT_GT(sum.Estimate().error_rad, 100.0);
 }
 
+TEST(TurnSum, KnowsHowFarTheTurnMovesTheSurface) {
+  // Columns of 17 points from -0.4 to 0.4 m: the turn moves each by its distance from the middle.
+  const TurnSum::Turn turn = LookAtFront(0.8, 0.15, Eigen::Vector3d(0.1, 0.0, 0.0), 0.0).Estimate();
+  EXPECT_NEAR(turn.offset_m, std::tan(0.15) * 0.05 * std::sqrt(24.0), 1e-3);
+  EXPECT_EQ(TurnSum().Estimate().offset_m, 0.0);
+}
+
+TEST(TurnSum, ExceedsNothingIfItMovesTheSurfaceTooLittle) {
+  const TurnSum sum = LookAtFront(0.8, 0.15, Eigen::Vector3d::Zero(), 0.01);
+  EXPECT_TRUE(sum.Exceeds({.turned_rad = 0.1, .max_error_rad = 0.05, .min_offset_m = 0.03}));
+  EXPECT_FALSE(sum.Exceeds({.turned_rad = 0.1, .max_error_rad = 0.05, .min_offset_m = 0.04}));
+}
+
 TEST(TurnSum, ExceedsWhatPoseErrorExplains) {
   const TurnSum sum = LookAtFront(0.8, 0.15, Eigen::Vector3d::Zero(), 0.01);
   EXPECT_TRUE(sum.Exceeds({.turned_rad = 0.1, .max_error_rad = 0.05}));
