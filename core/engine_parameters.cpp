@@ -26,6 +26,7 @@ void FollowPaperInVisibility(const EngineSwitches& switches,
     visibility->min_visible_share = paper.min_visible_share;
     visibility->max_depth_m = config.max_depth_m;
   }
+  if (!switches.far_labels) visibility->sure_depth_m = 0.0;
   if (!switches.replacing) visibility->replaced_within_m = 0.0;
   if (!switches.turning) visibility->turn.turned_rad = 0.0;
   if (!switches.clean_change) {
@@ -73,6 +74,7 @@ ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitch
   recognition.fixture = Shrink(recognition.fixture, finer);
   recognition.thing = Shrink(recognition.thing, finer);
   parameters.visibility.truncation_m = config.truncation_m;
+  parameters.visibility.sure_depth_m = config.max_depth_m;
   parameters.guard.is_on = switches.robot_guard;
   parameters.moving.is_on = switches.moving_memory;
   FollowPaperInAssociation(switches, paper, &parameters.clusters);

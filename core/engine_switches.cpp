@@ -5,10 +5,13 @@
 namespace steadymap {
 namespace {
 
-constexpr std::array<EngineSwitch, 18> kEngineSwitches = {{
+constexpr std::array<EngineSwitch, 19> kEngineSwitches = {{
     {"visibility",
      "an unmatched object in the frustum is contradicted, hidden or not",
      &EngineSwitches::visibility_by_depth},
+    {"far-labels",
+     "things before what is out of the sensor's reach are never gone",
+     &EngineSwitches::far_labels},
     {"cuboid-gate",
      "clusters find objects by the distance of their centres",
      &EngineSwitches::cuboid_gate},

@@ -16,6 +16,8 @@ struct EngineSwitches {
   /// Absence is told by depth beyond the surface. Off: by an object in the frustum, hidden or not,
   /// that nothing was matched with.
   bool visibility_by_depth = true;
+  /// Where nothing returns, a label of what stays tells that one looks past a thing.
+  bool far_labels = true;
   /// What lies within an object's bounds may be of it. Off: only what belongs to a cluster whose
   /// centre lies near that of the object (theta_dist).
   bool cuboid_gate = true;

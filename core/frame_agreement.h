@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 
+#include "core/depth_tiles.h"
 #include "core/sample_grid.h"
 #include "core/semantic_cloud.h"
-#include "core/visibility.h"
 #include "core/working_map.h"
 
 namespace steadymap {

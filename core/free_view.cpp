@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/visibility.h"
+
 namespace steadymap {
 namespace {
 

@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/depth_tiles.h"
 #include "core/semantic_cloud.h"
-#include "core/visibility.h"
 
 namespace steadymap {
 

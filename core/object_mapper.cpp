@@ -36,7 +36,8 @@ ObjectMapper::ObjectMapper(const MapConfig& config,
       moving_(config, parameters.moving),
       clusters_(config, parameters.clusters),
       confirmation_(config, parameters.confirmation),
-      integrator_(config) {}
+      integrator_(config),
+      far_tiles_(config) {}
 
 void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
@@ -45,6 +46,7 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   moving_.Hide(frame.robot, *map, cloud);
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
+  far_tiles_.Compute(frame);
   if (!guard_.Admit(frame, {*cloud, samples_, tiles_}, map)) return;
   moving_.Remember(frame.robot, *cloud, map);
   FindOwners();
@@ -86,7 +88,7 @@ void ObjectMapper::FindOwners() {
 void ObjectMapper::JudgeObjects() {
   stages_.Enter(MapperStage::kVisibility);
   const VisibilityTest test(
-      *cloud_, samples_, tiles_, in_view_, association_, parameters_.visibility);
+      {*cloud_, samples_, tiles_, far_tiles_}, in_view_, association_, parameters_.visibility);
   std::vector<ObjectVerdict> verdicts;
   verdicts.reserve(in_view_.size());
   for (const ObjectInView& view : in_view_) verdicts.push_back(test.Judge(*view.object));

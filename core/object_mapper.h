@@ -104,6 +104,7 @@ class ObjectMapper final : public MapUpdater {
   SemanticCloud* cloud_ = nullptr;
   SampleGrid samples_;
   DepthTiles tiles_;
+  FarTiles far_tiles_;
   Association association_;
   std::vector<ObjectInView> in_view_;
   std::vector<Observation> observations_;

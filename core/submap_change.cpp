@@ -7,6 +7,7 @@
 #include "core/class_votes.h"
 #include "core/object_parts.h"
 #include "core/tsdf_sample.h"
+#include "core/visibility.h"
 
 namespace steadymap {
 namespace {

@@ -8,7 +8,6 @@
 #include "core/map_config.h"
 #include "core/map_updater.h"
 #include "core/segment_fusion.h"
-#include "core/visibility.h"
 
 namespace steadymap {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace steadymap {
@@ -21,77 +20,18 @@ constexpr float kPresentReachPerMetre = 0.025F;
 constexpr float kReplacedFromM = 0.08F;
 constexpr float kReplacedCosine = 0.7F;
 
-/// The returns of one tile.
-struct TileReturns {
-  std::uint32_t nearest = std::numeric_limits<std::uint32_t>::max();  ///< Sensor units.
-  int count = 0;
-};
-
-TileReturns ReadTile(const Image<std::uint16_t>& units, int column, int row) {
-  TileReturns tile;
-  for (int v = row * DepthTiles::kTilePx; v < (row + 1) * DepthTiles::kTilePx; ++v) {
-    const std::uint16_t* pixels = &units.At(column * DepthTiles::kTilePx, v);
-    for (std::size_t u = 0; u < DepthTiles::kTilePx; ++u) {
-      if (pixels[u] == kNoDepth || pixels[u] == kInvalidDepth) continue;
-      tile.nearest = std::min<std::uint32_t>(tile.nearest, pixels[u]);
-      ++tile.count;
-    }
-  }
-  return tile;
-}
-
 }  // namespace
 
-void DepthTiles::Compute(const DepthImage& depth) {
-  width_ = depth.units.width_px() / kTilePx;
-  height_ = depth.units.height_px() / kTilePx;
-  nearest_m_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0F);
-  is_measured_.assign(nearest_m_.size(), 0);
-  const auto metres_per_unit = static_cast<float>(depth.metres_per_unit);
-  for (int row = 0; row < height_; ++row) {
-    for (int column = 0; column < width_; ++column) {
-      const TileReturns tile = ReadTile(depth.units, column, row);
-      const std::size_t index = static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
-                                static_cast<std::size_t>(column);
-      nearest_m_[index] = tile.count > 0 ? static_cast<float>(tile.nearest) * metres_per_unit
-                                         : std::numeric_limits<float>::infinity();
-      is_measured_[index] = 2 * tile.count >= kTilePx * kTilePx ? 1 : 0;
-    }
-  }
-}
-
-float DepthTiles::NearestAround(int column, int row) const {
-  const auto index = [this](int u, int v) {
-    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
-           static_cast<std::size_t>(u);
-  };
-  if (column < 1 || row < 1 || column + 1 >= width_ || row + 1 >= height_ ||
-      is_measured_[index(column, row)] == 0) {
-    return 0.0F;
-  }
-  float nearest_m = std::numeric_limits<float>::infinity();
-  for (int v = row - 1; v <= row + 1; ++v) {
-    for (int u = column - 1; u <= column + 1; ++u) {
-      nearest_m = std::min(nearest_m, nearest_m_[index(u, v)]);
-    }
-  }
-  return nearest_m;
-}
-
-VisibilityTest::VisibilityTest(const SemanticCloud& cloud,
-                               const SampleGrid& samples,
-                               const DepthTiles& tiles,
+VisibilityTest::VisibilityTest(const JudgedFrame& frame,
                                const std::vector<ObjectInView>& objects,
                                const Association& association,
                                const VisibilityParameters& parameters)
-    : cloud_(cloud),
-      samples_(samples),
-      tiles_(tiles),
+    : frame_(frame),
       objects_(objects),
       association_(association),
       parameters_(parameters),
-      T_camera_world_(cloud.T_world_camera().inverse().cast<float>()),
-      camera_world_(cloud.T_world_camera().translation().cast<float>()) {}
+      T_camera_world_(frame.cloud.T_world_camera().inverse().cast<float>()),
+      camera_world_(frame.cloud.T_world_camera().translation().cast<float>()) {}
 
 /// Depth at which the ray through a point meets the plane of a sample; `depth_m` is that of the
 /// point. 0 where they hardly meet.
@@ -118,10 +58,11 @@ const SurfaceSample* VisibilityTest::FindPresent(const TrackedObject& object,
     const Eigen::Vector3f way = point_world - sample.position_world;
     return way.squaredNorm() < reach_m * reach_m && std::abs(way.dot(sample.normal_world)) < fit_m;
   };
-  if (shows_point(samples_.At(column, row))) return &samples_.At(column, row);
-  for (int v = std::max(row - 1, 0); v <= std::min(row + 1, samples_.height() - 1); ++v) {
-    for (int u = std::max(column - 1, 0); u <= std::min(column + 1, samples_.width() - 1); ++u) {
-      if (shows_point(samples_.At(u, v))) return &samples_.At(u, v);
+  if (shows_point(frame_.samples.At(column, row))) return &frame_.samples.At(column, row);
+  for (int v = std::max(row - 1, 0); v <= std::min(row + 1, frame_.samples.height() - 1); ++v) {
+    for (int u = std::max(column - 1, 0); u <= std::min(column + 1, frame_.samples.width() - 1);
+         ++u) {
+      if (shows_point(frame_.samples.At(u, v))) return &frame_.samples.At(u, v);
     }
   }
   return nullptr;
@@ -139,7 +80,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
       newer.class_id != object.state().class_id) {
     return false;
   }
-  const SurfaceSample& sample = samples_[sample_index];
+  const SurfaceSample& sample = frame_.samples[sample_index];
   const float ahead_m = (sample.position_world - point_world).dot(normal_world);
   if (ahead_m < kReplacedFromM || ahead_m > static_cast<float>(parameters_.replaced_within_m) ||
       sample.normal_world.dot(normal_world) < kReplacedCosine) {
@@ -152,7 +93,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
 /// Where the grid of samples shows a point in front of the camera; none if it does not.
 std::optional<VisibilityTest::Place> VisibilityTest::FindPlace(
     const Eigen::Vector3f& point_camera) const {
-  const PinholeCamera& camera = cloud_.camera();
+  const PinholeCamera& camera = frame_.cloud.camera();
   const float u = static_cast<float>(camera.fx) * point_camera.x() / point_camera.z() +
                   static_cast<float>(camera.cx) + 0.5F;
   const float v = static_cast<float>(camera.fy) * point_camera.y() / point_camera.z() +
@@ -160,7 +101,7 @@ std::optional<VisibilityTest::Place> VisibilityTest::FindPlace(
   if (u < 0.0F || v < 0.0F) return std::nullopt;
   const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
   const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
-  if (column >= samples_.width() || row >= samples_.height()) return std::nullopt;
+  if (column >= frame_.samples.width() || row >= frame_.samples.height()) return std::nullopt;
   return Place{column, row};
 }
 
@@ -203,6 +144,17 @@ ObjectVerdict VisibilityTest::JudgeByFrustum(const TrackedObject& object) const 
   return result;
 }
 
+/// Whether the frame looks through a place where surface of an object should be, or past it.
+bool VisibilityTest::IsSeenThrough(const TrackedObject& object, Place place, float depth_m) const {
+  if (!parameters_.is_by_depth) return false;
+  const DepthTiles& tiles = frame_.tiles;
+  if (tiles.NearestAround(place.column, place.row) > depth_m + SeenThroughMargin(depth_m)) {
+    return true;
+  }
+  return depth_m < static_cast<float>(parameters_.sure_depth_m) && depth_m < tiles.farthest_m() &&
+         frame_.far_tiles.ShowOther(object.state().class_id, place.column, place.row);
+}
+
 /// The verdict on a point of the surface, none if it is hidden or out of view. Points that
 /// are present are added to `sums`.
 std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
@@ -229,11 +181,8 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
         point_world.cast<double>(), normal_world.cast<double>(), static_cast<double>(offset_m));
     return Verdict::kPresent;
   }
-  const float nearest_m = parameters_.is_by_depth ? tiles_.NearestAround(column, row) : 0.0F;
-  if (nearest_m > depth_m + SeenThroughMargin(depth_m)) {
-    return Verdict::kSeenThrough;
-  }
-  if (IsReplaced(object, leaf, samples_.Index(column, row), point_world, normal_world)) {
+  if (IsSeenThrough(object, *place, depth_m)) return Verdict::kSeenThrough;
+  if (IsReplaced(object, leaf, frame_.samples.Index(column, row), point_world, normal_world)) {
     return Verdict::kReplaced;
   }
   return std::nullopt;

@@ -6,8 +6,10 @@
 
 #include "core/association.h"
 #include "core/change_estimate.h"
-#include "core/frame.h"
+#include "core/depth_tiles.h"
+#include "core/far_tiles.h"
 #include "core/sample_grid.h"
+#include "core/semantic_cloud.h"
 #include "core/tracked_object.h"
 #include "core/turn.h"
 
@@ -21,30 +23,10 @@ inline constexpr float kMinJudgedDepthM = 0.3F;
 /// decimetre do not.
 inline float SeenThroughMargin(float depth_m) { return 0.05F + 0.007F * depth_m * depth_m; }
 
-/// Nearest raw depth by tiles of pixels, one tile a sample of the grid. Depth beyond what is fused
-/// counts too: one can look through a place from further away than one can map it.
-class DepthTiles {
- public:
-  /// Pixels of a tile's side.
-  static constexpr int kTilePx = 2 * SampleGrid::kStrideCells;
-
-  void Compute(const DepthImage& depth);
-
-  /// Nearest depth in the tile and its eight neighbours, metres; 0 if half of the tile itself has
-  /// no return.
-  float NearestAround(int column, int row) const;
-
- private:
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<float> nearest_m_;  ///< Infinite without any return.
-  std::vector<std::uint8_t> is_measured_;
-};
-
 /// What a frame says about one evidence cell of an object.
 enum class Verdict : std::uint8_t {
   kPresent,      ///< Surface was measured where it should be.
-  kSeenThrough,  ///< Depth was measured behind it.
+  kSeenThrough,  ///< Depth was measured behind it, or the label tells that one looks past it.
   kReplaced,     ///< Newer surface stands closer in front of it than anything fits between.
   kTurned,       ///< Surface was measured close by, but faces another way.
 };
@@ -78,6 +60,10 @@ struct VisibilityParameters {
   double max_depth_m = 5.0;
   /// Of the map, metres.
   double truncation_m = 0.15;
+  /// What stands nearer than this, metres, and nearer than something that gives depth, would give
+  /// depth, too, or at least its own label; where there is neither, it is gone. 0: no depth never
+  /// says anything.
+  double sure_depth_m = 3.0;
   /// False: the paper, where an object that nothing was matched with is gone if enough of its
   /// points lie in the frustum, hidden or not, ...
   bool is_by_depth = true;
@@ -99,13 +85,19 @@ struct PresentSums {
   TurnSum turn;
 };
 
+/// One frame as what objects are judged against. All of them of that frame.
+struct JudgedFrame {
+  const SemanticCloud& cloud;
+  const SampleGrid& samples;
+  const DepthTiles& tiles;
+  const FarTiles& far_tiles;
+};
+
 /// Judges the surface of each object in view against a frame (pocd.md section 2, step 4: by depth,
 /// not by frustum, unless told otherwise).
 class VisibilityTest {
  public:
-  VisibilityTest(const SemanticCloud& cloud,
-                 const SampleGrid& samples,
-                 const DepthTiles& tiles,
+  VisibilityTest(const JudgedFrame& frame,
                  const std::vector<ObjectInView>& objects,
                  const Association& association,
                  const VisibilityParameters& parameters);
@@ -122,6 +114,7 @@ class VisibilityTest {
   ObjectVerdict JudgeByFrustum(const TrackedObject& object) const;
   bool IsMatched(const TrackedObject& object) const;
   std::optional<Place> FindPlace(const Eigen::Vector3f& point_camera) const;
+  bool IsSeenThrough(const TrackedObject& object, Place place, float depth_m) const;
   std::optional<Verdict> JudgePoint(const TrackedObject& object,
                                     LeafOrigin leaf,
                                     const Eigen::Vector3f& point_world,
@@ -141,9 +134,7 @@ class VisibilityTest {
                   const Eigen::Vector3f& point_world,
                   const Eigen::Vector3f& normal_world) const;
 
-  const SemanticCloud& cloud_;
-  const SampleGrid& samples_;
-  const DepthTiles& tiles_;
+  JudgedFrame frame_;
   const std::vector<ObjectInView>& objects_;
   const Association& association_;
   VisibilityParameters parameters_;

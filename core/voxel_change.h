@@ -11,7 +11,6 @@
 #include "core/map_config.h"
 #include "core/map_updater.h"
 #include "core/tsdf_integrator.h"
-#include "core/visibility.h"
 
 namespace steadymap {
 

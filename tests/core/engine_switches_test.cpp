@@ -37,7 +37,9 @@ using ::steadymap::testing::MapStory;
 using ::steadymap::testing::Mislead;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Room;
+using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneBody;
+using ::steadymap::testing::WithReach;
 
 constexpr std::uint16_t kCeilingLabel = 2;
 constexpr std::uint16_t kShelfLabel = 6;
@@ -314,6 +316,24 @@ TEST(EngineSwitches, WithoutTheDynamicMaskAPersonIsInTheMap) {
   });
   EXPECT_EQ(with, 0U);
   EXPECT_GT(without, 0U);
+}
+
+TEST(EngineSwitches, WithoutFarLabelsWhatStoodBeforeTheReachOfDepthStays) {
+  const SceneBody shelf = Body(kShelfLabel, {6.0, -5.0, -5.0}, {6.3, 5.0, 5.0});
+  const SceneBody floor = Body(kCeilingLabel, {1.0, -5.0, -1.5}, {3.0, 5.0, -1.0});
+  const auto [with, without] = WithAndWithout("far-labels", [&](MapStory* story) {
+    const auto look = [&](const Scene& scene, int visit) {
+      for (const Frame& frame : LookAtScene(scene, 20 * visit, 20, visit)) {
+        story->Tell({WithReach(frame, 5.0)});
+      }
+    };
+    look({shelf, floor, Goods(0.0)}, 0);
+    EXPECT_EQ(story->Present(kGoodsClass).size(), 1U);
+    look({shelf, floor}, 1);
+    return story->Present(kGoodsClass).size();
+  });
+  EXPECT_EQ(with, 0U);
+  EXPECT_EQ(without, 1U);
 }
 
 TEST(EngineSwitches, WithoutTheMovingMemoryAWrongLabelLeavesATrail) {

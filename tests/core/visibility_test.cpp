@@ -30,6 +30,9 @@ using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneLook;
 using ::steadymap::testing::WallVolume;
+using ::steadymap::testing::WithReach;
+
+constexpr std::uint16_t kFarShelf = 6;
 
 /// A known wall of one square metre that faces the camera at the world's origin from `depth_m`
 /// away along x.
@@ -48,19 +51,22 @@ testing::SceneBody SeenWall(double depth_m, std::uint16_t label = kWallClass) {
 }
 
 /// What a frame says about the first of the objects. The camera looks along x.
-ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects, const Frame& frame) {
+ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects,
+                         const Frame& frame,
+                         const VisibilityParameters& parameters = {}) {
   SemanticCloud cloud{MapConfig()};
   cloud.Compute(frame);
   SampleGrid samples;
   samples.Compute(cloud);
   DepthTiles tiles;
   tiles.Compute(frame.depth);
-  const VisibilityParameters parameters;
+  FarTiles far_tiles{MapConfig()};
+  far_tiles.Compute(frame);
   const std::vector<ObjectInView> in_view =
       FindObjectsInView(objects, cloud, samples, parameters.max_depth_m);
   Association association;
   AssociateSamples(samples, in_view, Background(), kScale, FrameClusters({}, {}), &association);
-  const VisibilityTest test(cloud, samples, tiles, in_view, association, parameters);
+  const VisibilityTest test({cloud, samples, tiles, far_tiles}, in_view, association, parameters);
   return test.Judge(*objects.front());
 }
 
@@ -110,6 +116,38 @@ TEST(VisibilityTest, SaysNothingWithoutReturns) {
   Frame invalid = RenderScene({SeenWall(2.0)}, {});
   invalid.depth.units = Image<std::uint16_t>(320, 240, kInvalidDepth);
   EXPECT_EQ(JudgeWallAt2m(invalid).judged(), 0U);
+}
+
+/// A room's end that no depth reaches, and at the lower rim of the picture a board that gives depth
+/// from `board_m` on for 30 cm.
+Frame LookPastTheReach(std::uint16_t label, double board_m) {
+  const double far_end_m = board_m + 0.3;
+  const Scene scene = {
+      SeenWall(6.0, label),
+      Body(kGoodsClass, {board_m, -4.0, -4.0}, {far_end_m, 4.0, -0.36 * far_end_m})};
+  return WithReach(RenderScene(scene, {}), 5.0);
+}
+
+TEST(VisibilityTest, LooksPastAWallThatIsGoneToWhatTheLabelsTellOf) {
+  const ObjectVerdict verdict = JudgeWallAt2m(LookPastTheReach(kFarShelf, 2.5));
+  EXPECT_EQ(verdict.seen_through, CellsOfWallAt2m());
+  EXPECT_EQ(verdict.judged(), verdict.seen_through);
+}
+
+TEST(VisibilityTest, SaysNothingOfAWallThatGivesNoDepthButItsLabel) {
+  EXPECT_EQ(JudgeWallAt2m(LookPastTheReach(kWallClass, 2.5)).judged(), 0U);
+}
+
+TEST(VisibilityTest, SaysNothingOfAWallFurtherThanTheSensorMeasures) {
+  EXPECT_EQ(JudgeWallAt2m(LookPastTheReach(kFarShelf, 1.5)).judged(), 0U)
+      << "the frame has no depth beyond 1.5 m";
+  const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
+  const Frame frame = LookPastTheReach(kFarShelf, 2.5);
+  VisibilityParameters parameters;
+  for (const double sure_depth_m : {0.0, 1.8}) {
+    parameters.sure_depth_m = sure_depth_m;
+    EXPECT_EQ(JudgeFirst({wall.get()}, frame, parameters).judged(), 0U) << sure_depth_m;
+  }
 }
 
 TEST(VisibilityTest, SaysNothingOfAWallInPlaceWithAnotherClass) {
@@ -243,24 +281,6 @@ TEST(VisibilityTest, BeliefSettlesOnTheChangeOfAWallDespiteNoise) {
   EXPECT_NEAR(SettledChange(2.0), 0.0, 0.01);
   EXPECT_NEAR(SettledChange(1.96), scale * 0.04, 0.015);
   EXPECT_NEAR(SettledChange(2.04), scale * -0.04, 0.015);
-}
-
-TEST(DepthTiles, FindsTheNearestAroundATileThatWasMeasured) {
-  DepthImage depth;
-  depth.units = Image<std::uint16_t>(20, 20, 2000);
-  depth.units.At(4, 4) = 900;  // In tile (1, 1).
-  for (int v = 12; v < 16; ++v) {
-    for (int u = 12; u < 15; ++u) depth.units.At(u, v) = u == 12 ? kInvalidDepth : kNoDepth;
-  }
-  DepthTiles tiles;
-  tiles.Compute(depth);
-  EXPECT_FLOAT_EQ(tiles.NearestAround(1, 1), 0.9F);
-  EXPECT_FLOAT_EQ(tiles.NearestAround(2, 2), 0.9F);
-  EXPECT_EQ(tiles.NearestAround(3, 1), 2.0F);
-  EXPECT_EQ(tiles.NearestAround(3, 3), 0.0F) << "hardly measured";
-  EXPECT_EQ(tiles.NearestAround(0, 2), 0.0F) << "at the border";
-  EXPECT_EQ(tiles.NearestAround(4, 2), 0.0F);
-  EXPECT_EQ(tiles.NearestAround(-1, 700), 0.0F);
 }
 
 }  // namespace

@@ -61,4 +61,14 @@ inline Frame RenderScene(const Scene& scene, const SceneLook& look) {
   return frame;
 }
 
+/// The same frame from a sensor that measures no further than `reach_m`.
+inline Frame WithReach(Frame frame, double reach_m) {
+  const auto farthest = static_cast<std::uint16_t>(reach_m / frame.depth.metres_per_unit);
+  for (std::size_t i = 0; i < frame.depth.units.size(); ++i) {
+    std::uint16_t& units = frame.depth.units.data()[i];
+    if (units > farthest) units = kNoDepth;
+  }
+  return frame;
+}
+
 }  // namespace steadymap::testing
