@@ -22,7 +22,14 @@ StationarityPrior PriorOf(const MapConfig& config, ClassId class_id) {
 void AddEvidence(const ObjectVerdict& verdict,
                  const ObjectSurface& surface,
                  Timestamp now,
+                 double visit_gap_s,
                  ObjectEvidence* evidence) {
+  if (now.seconds() - evidence->LastConfirmed().seconds() > visit_gap_s) {
+    evidence->present_cells = 0.0;
+    evidence->change_sum_m = 0.0;
+    // What was missed before is missed still, unless it is found now.
+    if (verdict.present > 0) evidence->absent_cells = 0.0;
+  }
   for (const CellVerdict& judged : verdict.cells) {
     LeafEvidence& leaf = evidence->MutableLeaf(surface.leaves()[judged.leaf].origin);
     std::int8_t& score = leaf.score[judged.cell];

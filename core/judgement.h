@@ -40,10 +40,13 @@ struct ContradictionParameters {
 StationarityPrior PriorOf(const MapConfig& config, ClassId class_id);
 
 /// Adds what a frame taken at `now` says about each part of an object's surface to what is known.
-/// Surface found present without a measure of its change counts as unchanged.
+/// Surface found present without a measure of its change counts as unchanged. What was found and
+/// not counted yet is forgotten if the last of it was longer ago than `visit_gap_s`: it may have
+/// gone since.
 void AddEvidence(const ObjectVerdict& verdict,
                  const ObjectSurface& surface,
                  Timestamp now,
+                 double visit_gap_s,
                  ObjectEvidence* evidence);
 
 /// Turns the evidence since the last update into one measurement and updates the belief with it, if

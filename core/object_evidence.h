@@ -42,6 +42,9 @@ struct ObjectEvidence {
   /// When surface of the leaf was last found; the epoch if never.
   Timestamp ConfirmedAt(LeafOrigin origin) const;
 
+  /// When any surface was last found; the epoch if never.
+  Timestamp LastConfirmed() const;
+
   /// The evidence of a leaf, made if there is none.
   LeafEvidence& MutableLeaf(LeafOrigin origin);
 

@@ -97,7 +97,11 @@ void ObjectMapper::JudgeObjects() {
     if (verdicts[i].judged() == 0) continue;
     if (verdicts[i].turned > 0) ReleaseSamples(static_cast<std::uint32_t>(i + 1), &association_);
     TrackedObject* object = in_view_[i].object;
-    AddEvidence(verdicts[i], object->surface(), map_->now(), &object->state().evidence);
+    AddEvidence(verdicts[i],
+                object->surface(),
+                map_->now(),
+                parameters_.judgement.visit_gap_s,
+                &object->state().evidence);
     map_->MarkChanged(object);
     DecideOn(verdicts[i], object);
   }

@@ -12,6 +12,7 @@ using ::steadymap::testing::kScale;
 
 constexpr Timestamp kNow = Timestamp::FromNanoseconds(100'000'000'000);
 constexpr std::uint8_t kCell = 17;
+constexpr double kVisitGapS = 20.0;
 
 Timestamp Later(double seconds) {
   return Timestamp::FromNanoseconds(kNow.nanoseconds() + static_cast<std::int64_t>(seconds * 1e9));
@@ -41,7 +42,8 @@ ObjectVerdict OneCell(Verdict verdict) {
 /// Adds the same verdict so many times; the score of the judged cell afterwards.
 int ScoreAfter(int times, Verdict verdict, ObjectEvidence* evidence) {
   const ObjectSurface surface = TwoLeaves();
-  for (int i = 0; i < times; ++i) AddEvidence(OneCell(verdict), surface, kNow, evidence);
+  for (int i = 0; i < times; ++i)
+    AddEvidence(OneCell(verdict), surface, kNow, kVisitGapS, evidence);
   return evidence->FindLeaf(surface.leaves()[1].origin)->score[kCell];
 }
 
@@ -49,7 +51,7 @@ TEST(AddEvidence, ScoresOnlyTheCellsThatWereJudged) {
   const ObjectSurface surface = TwoLeaves();
   ASSERT_EQ(surface.leaves().size(), 2U);
   ObjectEvidence evidence;
-  AddEvidence(OneCell(Verdict::kPresent), surface, kNow, &evidence);
+  AddEvidence(OneCell(Verdict::kPresent), surface, kNow, kVisitGapS, &evidence);
   ASSERT_EQ(evidence.leaves.size(), 1U);
   EXPECT_EQ(evidence.leaves[0].origin, surface.leaves()[1].origin);
   for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
@@ -79,19 +81,19 @@ TEST(AddEvidence, OneLookThatFindsACellOutweighsAllButOneThatMissedIt) {
 TEST(AddEvidence, StreakOfAbsenceEndsWhenMoreIsFoundThanMissed) {
   const ObjectSurface surface = TwoLeaves();
   ObjectEvidence evidence;
-  ObjectVerdict missing;
+  ObjectVerdict missing = OneCell(Verdict::kPresent);
   missing.seen_through = 5;
   missing.replaced = 1;
   missing.present = 2;
-  AddEvidence(missing, surface, kNow, &evidence);
-  AddEvidence(missing, surface, kNow, &evidence);
+  AddEvidence(missing, surface, kNow, kVisitGapS, &evidence);
+  AddEvidence(missing, surface, kNow, kVisitGapS, &evidence);
   EXPECT_EQ(evidence.absent_streak_cells, 12.0);
   EXPECT_EQ(evidence.absent_cells, 12.0);
   EXPECT_EQ(evidence.present_cells, 4.0);
   ObjectVerdict found;
   found.present = 3;
   found.seen_through = 2;
-  AddEvidence(found, surface, kNow, &evidence);
+  AddEvidence(found, surface, kNow, kVisitGapS, &evidence);
   EXPECT_EQ(evidence.absent_streak_cells, 0.0);
   EXPECT_EQ(evidence.absent_cells, 14.0);
 }
@@ -100,37 +102,70 @@ TEST(AddEvidence, StampsConfirmationsCoarselyAndOnlyWhatWasFound) {
   const ObjectSurface surface = TwoLeaves();
   const LeafOrigin leaf = surface.leaves()[1].origin;
   ObjectEvidence evidence;
-  AddEvidence(OneCell(Verdict::kSeenThrough), surface, kNow, &evidence);
+  AddEvidence(OneCell(Verdict::kSeenThrough), surface, kNow, kVisitGapS, &evidence);
   EXPECT_EQ(evidence.ConfirmedAt(leaf), Timestamp());
-  AddEvidence(OneCell(Verdict::kPresent), surface, kNow, &evidence);
+  AddEvidence(OneCell(Verdict::kPresent), surface, kNow, kVisitGapS, &evidence);
   EXPECT_EQ(evidence.ConfirmedAt(leaf), kNow);
-  AddEvidence(OneCell(Verdict::kPresent), surface, Later(1.9), &evidence);
+  AddEvidence(OneCell(Verdict::kPresent), surface, Later(1.9), kVisitGapS, &evidence);
   EXPECT_EQ(evidence.ConfirmedAt(leaf), kNow);
-  AddEvidence(OneCell(Verdict::kPresent), surface, Later(2.0), &evidence);
+  AddEvidence(OneCell(Verdict::kPresent), surface, Later(2.0), kVisitGapS, &evidence);
   EXPECT_EQ(evidence.ConfirmedAt(leaf), Later(2.0));
   EXPECT_EQ(evidence.ConfirmedAt(surface.leaves()[0].origin), Timestamp());
+}
+
+TEST(AddEvidence, ForgetsWhatWasFoundOnAnEarlierVisitAndNotCounted) {
+  const ObjectSurface surface = TwoLeaves();
+  ObjectVerdict found = OneCell(Verdict::kPresent);
+  found.change_m = 0.1;
+  ObjectEvidence evidence;
+  AddEvidence(found, surface, kNow, kVisitGapS, &evidence);
+  AddEvidence(OneCell(Verdict::kSeenThrough), surface, Later(19.0), kVisitGapS, &evidence);
+  EXPECT_EQ(evidence.present_cells, 1.0) << "the same visit";
+  for (int i = 1; i <= 3; ++i) {
+    AddEvidence(OneCell(Verdict::kSeenThrough), surface, Later(20.0 + i), kVisitGapS, &evidence);
+    EXPECT_EQ(evidence.present_cells, 0.0);
+    EXPECT_EQ(evidence.change_sum_m, 0.0);
+    EXPECT_EQ(evidence.absent_cells, 1.0 + i);
+  }
+  AddEvidence(found, surface, Later(30.0), kVisitGapS, &evidence);
+  AddEvidence(found, surface, Later(31.0), kVisitGapS, &evidence);
+  EXPECT_EQ(evidence.present_cells, 2.0);
+  EXPECT_DOUBLE_EQ(evidence.change_sum_m, 0.2);
+}
+
+TEST(AddEvidence, GathersNothingAgainstWhatRareLooksFind) {
+  const ObjectSurface surface = TwoLeaves();
+  ObjectVerdict mostly_found = OneCell(Verdict::kPresent);
+  mostly_found.present = 9;
+  mostly_found.seen_through = 2;
+  ObjectEvidence evidence;
+  for (int i = 0; i < 20; ++i) {
+    AddEvidence(mostly_found, surface, Later(30.0 * i), kVisitGapS, &evidence);
+    EXPECT_EQ(evidence.present_cells, 9.0);
+    EXPECT_EQ(evidence.absent_cells, 2.0);
+  }
 }
 
 TEST(AddEvidence, SaysNothingWithoutJudgedCells) {
   ObjectEvidence evidence;
   evidence.absent_streak_cells = 5.0;
   const ObjectEvidence before = evidence;
-  AddEvidence(ObjectVerdict(), TwoLeaves(), kNow, &evidence);
+  AddEvidence(ObjectVerdict(), TwoLeaves(), kNow, kVisitGapS, &evidence);
   EXPECT_EQ(evidence, before);
 }
 
 TEST(AddEvidence, WeighsChangesByTheCellsTheyWereMeasuredOn) {
   ObjectEvidence evidence;
-  ObjectVerdict found;
+  ObjectVerdict found = OneCell(Verdict::kPresent);
   found.present = 5;
   found.seen_through = 9;
   found.change_m = 0.1;
-  AddEvidence(found, TwoLeaves(), kNow, &evidence);
+  AddEvidence(found, TwoLeaves(), kNow, kVisitGapS, &evidence);
   found.present = 10;
   found.change_m = -0.02;
-  AddEvidence(found, TwoLeaves(), kNow, &evidence);
+  AddEvidence(found, TwoLeaves(), kNow, kVisitGapS, &evidence);
   found.change_m.reset();
-  AddEvidence(found, TwoLeaves(), kNow, &evidence);
+  AddEvidence(found, TwoLeaves(), kNow, kVisitGapS, &evidence);
   EXPECT_NEAR(evidence.change_sum_m, 0.3, 1e-12);
 }
 

@@ -269,7 +269,11 @@ double SettledChange(double seen_depth_m) {
   std::mt19937_64 random(5);
   for (int i = 0; i < 30; ++i) {
     const ObjectVerdict verdict = JudgeFirst({wall.get()}, WithDepthNoise(frame, 0.0176, &random));
-    AddEvidence(verdict, wall->surface(), frame.capture_time, &object.evidence);
+    AddEvidence(verdict,
+                wall->surface(),
+                frame.capture_time,
+                JudgementParameters().visit_gap_s,
+                &object.evidence);
     UpdateBelief(StationarityPrior::kStays, frame.capture_time, JudgementParameters(), &object);
   }
   EXPECT_GT(object.belief.stationarity(), 0.9);
