@@ -93,20 +93,58 @@ double PlanOverlapM2(const Cuboid& a, const Cuboid& b) {
   return Area(shared);
 }
 
-/// Heading of the major axis of the points seen from above, radians in (-pi/2, pi/2].
-double MajorAxisYaw(std::span<const Eigen::Vector3d> points_world) {
-  if (points_world.empty()) return 0.0;
-  Eigen::Vector2d mean_world = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector3d& point_world : points_world) mean_world += point_world.head<2>();
-  mean_world /= static_cast<double>(points_world.size());
-  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const Eigen::Vector3d& point_world : points_world) {
-    const Eigen::Vector2d offset_m = point_world.head<2>() - mean_world;
-    scatter += offset_m * offset_m.transpose();
+/// Points seen from above, metres, a column each.
+using PlanPoints = Eigen::Array<float, 2, Eigen::Dynamic, Eigen::RowMajor>;
+
+// More points than these tell no more of the heading.
+constexpr std::size_t kMaxHeadingPoints = 1024;
+
+/// Some of the points, evenly chosen, relative to the first.
+PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world) {
+  const std::size_t stride = (points_world.size() + kMaxHeadingPoints - 1) / kMaxHeadingPoints;
+  const std::size_t count = (points_world.size() + stride - 1) / stride;
+  PlanPoints points(2, static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d offset_m = points_world[i * stride] - points_world.front();
+    points.col(static_cast<Eigen::Index>(i)) = offset_m.head<2>().cast<float>();
   }
-  const double yaw_rad = 0.5 * std::atan2(2.0 * scatter(0, 1), scatter(0, 0) - scatter(1, 1));
-  // atan2 tells -0 from 0, a heading does not.
-  return yaw_rad > -0.5 * std::numbers::pi ? yaw_rad : 0.5 * std::numbers::pi;
+  return points;
+}
+
+/// Mean distance of points from the nearest side of the least rectangle around them that has a
+/// heading, metres.
+double MeanDistanceFromSides(const PlanPoints& points, double yaw_rad) {
+  const auto cosine = static_cast<float>(std::cos(yaw_rad));
+  const auto sine = static_cast<float>(std::sin(yaw_rad));
+  const Eigen::ArrayXf x = cosine * points.row(0) + sine * points.row(1);
+  const Eigen::ArrayXf y = cosine * points.row(1) - sine * points.row(0);
+  const Eigen::ArrayXf from_x_side = (x - x.minCoeff()).min(x.maxCoeff() - x);
+  const Eigen::ArrayXf from_y_side = (y - y.minCoeff()).min(y.maxCoeff() - y);
+  return static_cast<double>(from_x_side.min(from_y_side).mean());
+}
+
+/// The best heading of a number of them, `step_rad` apart, from `first_rad` on.
+double FindBestHeading(const PlanPoints& points, double first_rad, double step_rad, int count) {
+  double best_rad = first_rad;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < count; ++i) {
+    const double yaw_rad = first_rad + i * step_rad;
+    const double distance_m = MeanDistanceFromSides(points, yaw_rad);
+    if (distance_m >= least_m) continue;
+    best_rad = yaw_rad;
+    least_m = distance_m;
+  }
+  return best_rad;
+}
+
+/// Heading of one of the sides, to an eighth of a degree.
+double FindSideYaw(std::span<const Eigen::Vector3d> points_world) {
+  if (points_world.size() < 2) return 0.0;
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const PlanPoints points = ChoosePlanPoints(points_world);
+  double yaw_rad = FindBestHeading(points, 0.0, 5.0 * kDegree, 18);
+  yaw_rad = FindBestHeading(points, yaw_rad - 4.0 * kDegree, kDegree, 9);
+  return FindBestHeading(points, yaw_rad - 0.75 * kDegree, 0.25 * kDegree, 7);
 }
 
 }  // namespace
@@ -149,7 +187,12 @@ double OverlapM3(const Cuboid& a, const Cuboid& b) {
 }
 
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world) {
-  return FitCuboid(points_world, MajorAxisYaw(points_world));
+  const double yaw_rad = FindSideYaw(points_world);
+  const Cuboid cuboid = FitCuboid(points_world, yaw_rad);
+  if (cuboid.size_m.x() >= cuboid.size_m.y()) return cuboid;
+  const double quarter_turn_rad = 0.5 * std::numbers::pi;
+  return FitCuboid(points_world,
+                   yaw_rad > 0.0 ? yaw_rad - quarter_turn_rad : yaw_rad + quarter_turn_rad);
 }
 
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, double yaw_rad) {

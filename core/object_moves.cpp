@@ -31,9 +31,11 @@ Eigen::Vector3d SidesOf(const Cuboid& cuboid) {
 bool IsAlike(const Cuboid& a, const Cuboid& b, const MoveParameters& parameters) {
   const Eigen::Array3d sides_a = SidesOf(a);
   const Eigen::Array3d sides_b = SidesOf(b);
-  const Eigen::Array3d tolerance_m = (parameters.size_tolerance_share * sides_a.max(sides_b))
-                                         .max(parameters.least_size_tolerance_m)
-                                         .min(parameters.size_tolerance_m);
+  Eigen::Array3d tolerance_m = (parameters.size_tolerance_share * sides_a.max(sides_b))
+                                   .max(parameters.least_size_tolerance_m)
+                                   .min(parameters.size_tolerance_m);
+  // From one side, nobody knows how deep a thing is.
+  tolerance_m.x() = parameters.size_tolerance_m;
   return ((sides_a - sides_b).abs() <= tolerance_m).all();
 }
 

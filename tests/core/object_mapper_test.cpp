@@ -248,7 +248,7 @@ TEST(ObjectMapper, TakesALittleTurnForPoseError) {
 
 TEST(ObjectMapper, KeepsWhatItKnewOfABoxThatMovedFarAway) {
   MapStory story(PocdConfig());
-  story.Look({FarWall(), Goods(-0.8)}, 45);
+  story.Look({FarWall(), Goods(-0.55)}, 45);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   const MapObject before = *story.Present(kGoodsClass)[0];
   story.Look({FarWall()}, 25);
@@ -322,7 +322,7 @@ TEST(ObjectMapper, TellsWhatStayedOfAnObjectThatWentAsNoNewThing) {
 
 TEST(ObjectMapper, TakesAHandsBreadthBesideARackForAPartOfIt) {
   const SceneBody rack = Body(kRackClass, {1.6, -0.8, -0.8}, {2.0, 0.0, 0.8});
-  const SceneBody board = Body(kRackClass, {1.6, 0.15, 0.0}, {2.0, 0.55, 0.15});
+  const SceneBody board = Body(kRackClass, {1.6, 0.15, 0.0}, {1.8, 0.55, 0.15});
   MapStory story(PocdConfig());
   story.Look({FarWall(), rack}, 60);
   story.Look({FarWall(), rack, board}, 20);
