@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/map_config.h"
+#include "tests/support/analytic_map.h"
 #include "tests/support/analytic_solid.h"
 
 namespace steadymap {
@@ -15,6 +16,7 @@ namespace {
 
 using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::Solid;
+using ::steadymap::testing::WallVolume;
 
 constexpr double kRecentS = 20.0;
 
@@ -81,6 +83,22 @@ TEST_F(FindMovesTest, TellsAPileThatWasPushedAside) {
   EXPECT_EQ(events[0].related, found);
   EXPECT_NEAR(events[0].old_center_world.value().y(), 0.0, 0.05);
   EXPECT_NEAR(events[0].center_world.y(), 0.7, 0.05);
+}
+
+TEST_F(FindMovesTest, TellsAMoveOfWhatHadShownItsFrontAlone) {
+  const Eigen::Vector3d middle(2.0, 0.0, 0.5);
+  TrackedObject* front = PutMissed({Box(middle, middle)});
+  front->MutableVolume() = WallVolume(0.0, map_.scale());
+  front->RebuildSurface();
+  ASSERT_LT(front->cuboid().size_m.y(), 0.05);
+  map_.MarkChanged(front);
+  const ObjectId missed = front->id();
+  // Its sides lie where the front knows nothing.
+  Put({Box(Eigen::Vector3d(1.4, -0.56, -0.06), Eigen::Vector3d(1.58, 0.56, 1.06))}, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, missed);
 }
 
 TEST_F(FindMovesTest, TellsNoMoveOntoAnotherBoard) {
