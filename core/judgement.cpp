@@ -84,11 +84,13 @@ bool IsContradicted(const ObjectVerdict& verdict,
                     Timestamp now,
                     const ContradictionParameters& parameters,
                     const TrackedObject& object) {
-  const double unseen_s = now.seconds() - object.state().last_seen.seconds();
-  if (unseen_s > parameters.visit_s || verdict.absent() >= parameters.cells) return true;
   const DoubtedCells cells = CountDoubtedCells(object, -1);
   const std::size_t contradicted = std::max(cells.doubted, verdict.absent());
-  return contradicted >= parameters.cells ||
+  const auto found = static_cast<double>(
+      CountFoundCells(object, Timestamp::FromSeconds(now.seconds() - parameters.found_s)));
+  if (found > parameters.found_ratio * static_cast<double>(contradicted)) return false;
+  const double unseen_s = now.seconds() - object.state().last_seen.seconds();
+  return unseen_s > parameters.visit_s || contradicted >= parameters.cells ||
          static_cast<double>(contradicted) >= parameters.share * static_cast<double>(cells.all);
 }
 

@@ -34,6 +34,10 @@ struct ContradictionParameters {
   double share = 0.1;
   /// A visit takes that long, seconds.
   double visit_s = 60.0;
+  /// On any visit, an object of which so many times more cells were found in the last `found_s`
+  /// seconds stands: from nearby, little more than a missed edge may be in view for a while.
+  double found_ratio = 4.0;
+  double found_s = 20.0;
 };
 
 /// What the class of a thing says about its staying: unlisted classes stay.
@@ -58,7 +62,8 @@ bool UpdateBelief(StationarityPrior prior,
                   ObjectState* object);
 
 /// Whether enough speaks against an object for its belief to decide: of what was found on the visit
-/// of `now`, enough cells are missed by the frame, or were missed oftener than found.
+/// of `now`, enough cells are missed by the frame, or were missed oftener than found; and not too
+/// many were found a moment ago.
 bool IsContradicted(const ObjectVerdict& verdict,
                     Timestamp now,
                     const ContradictionParameters& parameters,

@@ -190,6 +190,19 @@ DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
   return cells;
 }
 
+std::size_t CountFoundCells(const TrackedObject& object, Timestamp since) {
+  std::size_t found = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr || evidence->confirmed < since) continue;
+    const std::uint64_t occupied = OccupiedCells(leaf);
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if ((occupied >> cell & 1) != 0 && evidence->score[cell] > 0) ++found;
+    }
+  }
+  return found;
+}
+
 std::size_t CountConnectedCells(const TrackedObject& object) {
   std::set<CellPlace> unvisited;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {

@@ -39,6 +39,10 @@ struct DoubtedCells {
 
 DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score);
 
+/// Cells of an object's surface that were found oftener than missed, in leaves where something was
+/// found at `since` or later.
+std::size_t CountFoundCells(const TrackedObject& object, Timestamp since);
+
 /// Cells of the largest group of an object's surface that are connected, by their corners at least.
 std::size_t CountConnectedCells(const TrackedObject& object);
 

@@ -327,6 +327,28 @@ TEST(IsContradicted, CountsWhatEarlierFramesMissed) {
   EXPECT_FALSE(IsContradicted(verdict, Later(20.0), ContradictionParameters(), object));
 }
 
+TEST(IsContradicted, LeavesWhatWasFoundAMomentAgoButForAnEdge) {
+  TrackedObject object = FoundNow();
+  ObjectVerdict verdict;
+  verdict.seen_through = 11;
+  const Timestamp next_visit = Later(90.0);
+  std::size_t found = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    LeafEvidence& evidence = object.state().evidence.MutableLeaf(leaf.origin);
+    evidence.confirmed = Later(80.0);
+    for (const SurfaceVoxel& point : leaf.points) {
+      found += evidence.score[point.cell] == 0 ? 1U : 0U;
+      evidence.score[point.cell] = 1;
+    }
+  }
+  ContradictionParameters parameters;
+  parameters.found_ratio = static_cast<double>(found) / 11.0 - 0.1;
+  EXPECT_FALSE(IsContradicted(verdict, next_visit, parameters, object));
+  EXPECT_TRUE(IsContradicted(verdict, Later(101.0), parameters, object)) << "too long ago";
+  parameters.found_ratio = static_cast<double>(found) / 11.0 + 0.1;
+  EXPECT_TRUE(IsContradicted(verdict, next_visit, parameters, object)) << "too few";
+}
+
 TEST(IsContradicted, TakesAShareOfSmallObjects) {
   TrackedObject object = FoundNow();
   const auto cells = static_cast<double>(object.surface().point_count()) / 4.0;

@@ -167,6 +167,17 @@ TEST(CountDoubtedCells, CountsCellsWithSurfaceAlone) {
   EXPECT_EQ(CountDoubtedCells(object, -3).gone, 16U);
 }
 
+TEST(CountFoundCells, CountsCellsWithSurfaceInLeavesFoundLately) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  EXPECT_EQ(CountFoundCells(object, Timestamp()), 0U) << "no evidence";
+  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  evidence.confirmed = Timestamp::FromSeconds(50.0);
+  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.0)), 0U);
+  evidence.score.fill(2);
+  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.0)), 16U);
+  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.1)), 0U);
+}
+
 TEST(CountConnectedCells, CountsTheLargestGroup) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   EXPECT_EQ(CountConnectedCells(object), 16U);
