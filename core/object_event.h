@@ -29,7 +29,7 @@ enum class EventType {
 /// Why the map decided so.
 enum class EventReason {
   kNewSurface,    ///< Surface was seen where nothing was known.
-  kSeenThrough,   ///< Depth was measured behind where the surface should be.
+  kSeenThrough,   ///< Depth, or labels of what is out of reach, tell of what is behind it.
   kDisplaced,     ///< The surface was found next to where it should be.
   kReplaced,      ///< Something newer stands in front of it, closer than anything fits between.
   kShapeMatched,  ///< Its shape was found at the new place.
