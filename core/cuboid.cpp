@@ -188,7 +188,7 @@ double OverlapM3(const Cuboid& a, const Cuboid& b) {
 
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world) {
   const double yaw_rad = FindSideYaw(points_world);
-  const Cuboid cuboid = FitCuboid(points_world, yaw_rad);
+  Cuboid cuboid = FitCuboid(points_world, yaw_rad);
   if (cuboid.size_m.x() >= cuboid.size_m.y()) return cuboid;
   const double quarter_turn_rad = 0.5 * std::numbers::pi;
   return FitCuboid(points_world,
