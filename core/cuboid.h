@@ -51,7 +51,7 @@ double OverlapM3(const Cuboid& a, const Cuboid& b);
 ///
 /// Points are finite. Zero size at the origin for no points, zero size at the point for one; points
 /// without a heading (all in one place, or round) get one that rounding decides, the same for the
-/// same points in the same order. Cost: 30 us for 1024 points; of more, so many tell the heading.
+/// same points in the same order. Cost: 40 us for 1024 points; of more, so many tell the heading.
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world);
 
 /// The least box with that heading around finite points; zero size at the origin for no points.
