@@ -88,7 +88,10 @@ bool IsContradicted(const ObjectVerdict& verdict,
   const std::size_t contradicted = std::max(cells.doubted, verdict.absent());
   const auto found = static_cast<double>(
       CountFoundCells(object, Timestamp::FromSeconds(now.seconds() - parameters.found_s)));
-  if (found > parameters.found_ratio * static_cast<double>(contradicted)) return false;
+  if (found > parameters.found_ratio * static_cast<double>(contradicted) &&
+      object.state().belief.stationarity() >= parameters.least_stationarity) {
+    return false;
+  }
   const double unseen_s = now.seconds() - object.state().last_seen.seconds();
   return unseen_s > parameters.visit_s || contradicted >= parameters.cells ||
          static_cast<double>(contradicted) >= parameters.share * static_cast<double>(cells.all);

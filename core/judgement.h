@@ -38,6 +38,8 @@ struct ContradictionParameters {
   /// seconds stands: from nearby, little more than a missed edge may be in view for a while.
   double found_ratio = 4.0;
   double found_s = 20.0;
+  /// Not so when it is believed less than this: what was found may be of what took its place.
+  double least_stationarity = 0.2;
 };
 
 /// What the class of a thing says about its staying: unlisted classes stay.

@@ -345,6 +345,10 @@ TEST(IsContradicted, LeavesWhatWasFoundAMomentAgoButForAnEdge) {
   parameters.found_ratio = static_cast<double>(found) / 11.0 - 0.1;
   EXPECT_FALSE(IsContradicted(verdict, next_visit, parameters, object));
   EXPECT_TRUE(IsContradicted(verdict, Later(101.0), parameters, object)) << "too long ago";
+  object.state().belief = InitialBelief(0.19);
+  EXPECT_TRUE(IsContradicted(verdict, next_visit, parameters, object)) << "hardly believed";
+  object.state().belief = InitialBelief(0.21);
+  EXPECT_FALSE(IsContradicted(verdict, next_visit, parameters, object));
   parameters.found_ratio = static_cast<double>(found) / 11.0 + 0.1;
   EXPECT_TRUE(IsContradicted(verdict, next_visit, parameters, object)) << "too few";
 }
