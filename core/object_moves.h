@@ -15,7 +15,8 @@ struct MoveParameters {
   std::uint64_t views = 10;
   /// Sides of things that may be mistaken for each other differ by no more than this, metres.
   double size_tolerance_m = 0.2;
-  /// Those of the same thing, too, and by no more than this share of the longer one, ...
+  /// Those of the same thing, too; its height and the longer side of its base by no more than this
+  /// share of the longer one as well (how deep it is, a front alone does not show), ...
   double size_tolerance_share = 0.2;
   /// ... but they always may by as much as this, metres.
   double least_size_tolerance_m = 0.1;
