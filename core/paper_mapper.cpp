@@ -6,7 +6,6 @@
 #include "core/assignment.h"
 #include "core/class_votes.h"
 #include "core/judgement.h"
-#include "core/tsdf_sample.h"
 
 namespace steadymap {
 namespace {
@@ -73,50 +72,29 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
   segments_.Fuse();
 }
 
-/// Share of the points that find no surface of the object once they are registered to it.
-double PaperMapper::Dissimilarity(const std::vector<Eigen::Vector3d>& points_world,
-                                  const Registration& registration,
-                                  const TrackedObject& object) const {
-  const Eigen::Isometry3d T_object_corrected =
-      object.state().T_world_object.ToIsometry().inverse() * registration.T_correction;
-  TsdfSampler sampler(object.volume(), map_->scale());
-  std::size_t outliers = 0;
-  for (const Eigen::Vector3d& point_world : points_world) {
-    const Eigen::Vector3d point = T_object_corrected * point_world;
-    double distance_m = 0.0;
-    const bool is_known =
-        sampler.SampleDistance(point, &distance_m) || sampler.SampleNearest(point, &distance_m);
-    if (!is_known || std::abs(distance_m) > parameters_.outlier_distance_m) ++outliers;
-  }
-  return static_cast<double>(outliers) / static_cast<double>(points_world.size());
-}
-
 /// Matches segments with objects: registers the pairs within the gate, then assigns at the least
 /// cost (pocd.md section 2, step 4, "Paper").
 std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
   const std::vector<ObjectInView>& in_view = segments_.in_view();
   const std::vector<Observation>& segments = segments_.segments();
+  std::vector<std::vector<Eigen::Vector3d>> points_world;
+  for (const Observation& segment : segments) points_world.push_back(segments_.PointsOf(segment));
   std::vector<AssignmentPair> pairs;
-  for (std::size_t row = 0; row < segments.size(); ++row) {
-    const std::vector<Eigen::Vector3d> points_world = segments_.PointsOf(segments[row]);
-    const Eigen::Vector3d center_world = BoundsOf(points_world).center();
-    for (std::size_t column = 0; column < in_view.size(); ++column) {
-      const TrackedObject& object = *in_view[column].object;
+  for (std::size_t column = 0; column < in_view.size(); ++column) {
+    const TrackedObject& object = *in_view[column].object;
+    std::optional<IcpTarget> target;
+    for (std::size_t row = 0; row < segments.size(); ++row) {
+      const Eigen::Vector3d center_world = BoundsOf(points_world[row]).center();
       const double apart_m = (object.cuboid().center_world - center_world).norm();
       if (apart_m > parameters_.association_distance_m) continue;
-      const Registration registration = RegisterPoints(points_world,
-                                                       object.volume(),
-                                                       map_->scale(),
-                                                       object.state().T_world_object,
-                                                       parameters_.registration);
-      if (Dissimilarity(points_world, registration, object) > parameters_.max_dissimilarity) {
-        continue;
-      }
+      if (!target.has_value()) target.emplace(object, parameters_.icp);
+      const IcpFit fit = target->Align(points_world[row]);
+      if (fit.outlier_share > parameters_.max_dissimilarity) continue;
       const bool is_other_class = object.state().class_id.value() != segments[row].label;
       pairs.push_back({row,
                        column,
-                       parameters_.position_weight * registration.shift_world.norm() +
-                           parameters_.orientation_weight * std::abs(registration.yaw_rad) +
+                       parameters_.position_weight * fit.shift_world.norm() +
+                           parameters_.orientation_weight * std::abs(fit.yaw_rad) +
                            parameters_.class_weight * (is_other_class ? 1.0 : 0.0)});
     }
   }

@@ -6,9 +6,9 @@
 
 #include "core/change_estimate.h"
 #include "core/frame.h"
+#include "core/icp.h"
 #include "core/map_config.h"
 #include "core/map_updater.h"
-#include "core/registration.h"
 #include "core/segment_fusion.h"
 #include "core/stationarity.h"
 
@@ -17,10 +17,7 @@ namespace steadymap {
 /// The paper's parameters (pocd.md section 5, TorWIC).
 struct PaperParameters {
   SegmentFusionParameters segments{.overlap = {}, .max_depth_m = 3.0};
-  RegistrationParameters registration;
-  /// A registered point that finds no surface within this is an outlier, metres: what is not mapped
-  /// yet is one, too.
-  double outlier_distance_m = 0.10;
+  IcpParameters icp;
   /// No cap on what a belief gathers.
   StationarityParameters stationarity{.max_evidence = 1e9};
   /// Centres of an object and its observation lie no further apart, metres (theta_dist).
@@ -43,9 +40,9 @@ struct PaperParameters {
 };
 
 /// POCD as its paper has it, without what steadymap adds (pocd.md, "Paper"; Qian et al., RSS 2022):
-/// clusters of one label are registered to the objects whose centres are near and matched one to
-/// one at the least cost; an object in the frustum that is not matched is contradicted, hidden or
-/// not; new objects are believed at once. The `pocd_paper` policy, to compare with.
+/// clusters of one label are registered by ICP to the objects whose centres are near and matched
+/// one to one at the least cost; an object in the frustum that is not matched is contradicted,
+/// hidden or not; new objects are believed at once. The `pocd_paper` policy, to compare with.
 class PaperMapper final : public MapUpdater {
  public:
   PaperMapper(const MapConfig& config, const PaperParameters& parameters);
@@ -54,9 +51,6 @@ class PaperMapper final : public MapUpdater {
 
  private:
   std::vector<std::optional<std::size_t>> Associate();
-  double Dissimilarity(const std::vector<Eigen::Vector3d>& points_world,
-                       const Registration& registration,
-                       const TrackedObject& object) const;
   std::optional<double> MeasureChange(std::size_t place, const SemanticCloud& cloud) const;
   bool IsExpectedInView(const TrackedObject& object, const SemanticCloud& cloud) const;
   void Update(TrackedObject* object, double change_m);
