@@ -44,19 +44,23 @@ float VisibilityTest::DepthAlong(const Eigen::Vector3f& point_world,
   return depth_m * sample.normal_world.dot(camera_world_ - sample.position_world) / along_normal_m;
 }
 
-/// The sample around a place of the grid that shows the surface at a point; null if none does. The
-/// one at the place itself comes first, since it was measured along the point's ray.
+/// The sample around a place of the grid that shows the surface at a point; null if none does: each
+/// lies in the plane of the other, lest the side of another thing stands for a front. The one at the
+/// place itself comes first, since it was measured along the point's ray.
 const SurfaceSample* VisibilityTest::FindPresent(const TrackedObject& object,
                                                  int column,
                                                  int row,
                                                  const Eigen::Vector3f& point_world,
+                                                 const Eigen::Vector3f& normal_world,
                                                  float depth_m) const {
   const float reach_m = kPresentReachM + kPresentReachPerMetre * depth_m;
   const auto fit_m = static_cast<float>(FitTolerance(depth_m, parameters_.truncation_m));
   const auto shows_point = [&](const SurfaceSample& sample) {
     if (!sample.is_valid() || sample.label != object.state().class_id.value()) return false;
     const Eigen::Vector3f way = point_world - sample.position_world;
-    return way.squaredNorm() < reach_m * reach_m && std::abs(way.dot(sample.normal_world)) < fit_m;
+    return way.squaredNorm() < reach_m * reach_m &&
+           std::abs(way.dot(sample.normal_world)) < fit_m &&
+           std::abs(way.dot(normal_world)) < fit_m;
   };
   if (shows_point(frame_.samples.At(column, row))) return &frame_.samples.At(column, row);
   for (int v = std::max(row - 1, 0); v <= std::min(row + 1, frame_.samples.height() - 1); ++v) {
@@ -173,7 +177,8 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
   const std::optional<Place> place = FindPlace(point_camera);
   if (!place.has_value()) return std::nullopt;
   const auto [column, row] = *place;
-  if (const SurfaceSample* sample = FindPresent(object, column, row, point_world, depth_m)) {
+  if (const SurfaceSample* sample =
+          FindPresent(object, column, row, point_world, normal_world, depth_m)) {
     sums->change.AddRay(static_cast<double>(depth_m),
                         static_cast<double>(DepthAlong(point_world, depth_m, *sample)));
     const float offset_m = normal_world.dot(sample->position_world - point_world);

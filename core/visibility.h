@@ -124,6 +124,7 @@ class VisibilityTest {
                                    int column,
                                    int row,
                                    const Eigen::Vector3f& point_world,
+                                   const Eigen::Vector3f& normal_world,
                                    float depth_m) const;
   float DepthAlong(const Eigen::Vector3f& point_world,
                    float depth_m,

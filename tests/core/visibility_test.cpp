@@ -154,6 +154,16 @@ TEST(VisibilityTest, SaysNothingOfAWallInPlaceWithAnotherClass) {
   EXPECT_EQ(JudgeWallAt2m(RenderScene({SeenWall(2.0, kGoodsClass)}, {})).judged(), 0U);
 }
 
+// The side of a box that ends close before the wall lies in line with its edge, but faces another
+// way.
+TEST(VisibilityTest, TheSideOfAThingInFrontDoesNotShowAWall) {
+  const Scene scene = {SeenWall(2.6), Body(kWallClass, {1.3, -4.0, -4.0}, {1.93, -0.46, 4.0})};
+  const SceneLook look{.eye_world = {0.6, 0.9, 0.0}, .target_world = {2.0, -0.3, 0.0}};
+  const ObjectVerdict verdict = JudgeWallAt2m(RenderScene(scene, look));
+  EXPECT_GT(verdict.seen_through, CellsOfWallAt2m() / 2);
+  EXPECT_EQ(verdict.present, 0U);
+}
+
 TEST(VisibilityTest, SaysNothingOfAWallSeenFromBehind) {
   const Frame frame = RenderScene({SeenWall(-3.0)},
                                   {.eye_world = {4.0, 0.0, 0.0}, .target_world = {0.0, 0.0, 0.0}});
