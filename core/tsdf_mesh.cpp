@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/tsdf_sample.h"
+
 namespace steadymap {
 namespace {
 
@@ -111,6 +113,11 @@ struct CellVertex {
   Rgb color;
 };
 
+/// Whether the surface lies between two neighbouring voxels with these distances.
+bool IsCrossing(float a_m, float b_m, float max_jump_m) {
+  return (a_m <= 0.0F) != (b_m <= 0.0F) && std::abs(a_m - b_m) <= max_jump_m;
+}
+
 /// The twelve edges of a cell as pairs of corners; corner `x * 4 + y * 2 + z`.
 constexpr std::array<std::array<int, 2>, 12> kCellEdges = {{{0, 4},
                                                             {1, 5},
@@ -144,7 +151,8 @@ Eigen::Vector3f CellNormal(const std::array<float, 8>& distance_m) {
 }
 
 /// The vertex of the cell with lowest corner (`x`, `y`, `z`); false if no surface crosses it.
-bool MakeCellVertex(const VoxelPatch& patch, int x, int y, int z, CellVertex* vertex) {
+bool MakeCellVertex(
+    const VoxelPatch& patch, float max_jump_m, int x, int y, int z, CellVertex* vertex) {
   std::array<float, 8> distance_m;
   int inside = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -163,7 +171,7 @@ bool MakeCellVertex(const VoxelPatch& patch, int x, int y, int z, CellVertex* ve
   for (const auto& [low, high] : kCellEdges) {
     const float low_m = distance_m[static_cast<std::size_t>(low)];
     const float high_m = distance_m[static_cast<std::size_t>(high)];
-    if ((low_m <= 0.0F) == (high_m <= 0.0F)) continue;
+    if (!IsCrossing(low_m, high_m, max_jump_m)) continue;
     const float share = low_m / (low_m - high_m);
     sum += CornerPlace(low) + share * (CornerPlace(high) - CornerPlace(low));
     ++crossings;
@@ -174,6 +182,7 @@ bool MakeCellVertex(const VoxelPatch& patch, int x, int y, int z, CellVertex* ve
     color.Add(color_at(low), 1.0F - share);
     color.Add(color_at(high), share);
   }
+  if (crossings == 0) return false;
   *vertex = {sum / static_cast<float>(crossings), CellNormal(distance_m), color.mean()};
   return true;
 }
@@ -182,7 +191,10 @@ bool MakeCellVertex(const VoxelPatch& patch, int x, int y, int z, CellVertex* ve
 class SurfaceNet {
  public:
   SurfaceNet(const VoxelReader& reader, const VoxelScale& scale, const Box* box)
-      : reader_(reader), scale_(scale), box_(box) {}
+      : reader_(reader),
+        scale_(scale),
+        box_(box),
+        max_jump_m_(static_cast<float>(kMaxSurfaceSlope * scale.voxel_size_m)) {}
 
   Mesh Extract() {
     std::vector<LeafOrigin> leaves;
@@ -203,7 +215,7 @@ class SurfaceNet {
     CellVertices* cells = nullptr;
     ForEachVoxelOfLeaf([&](int x, int y, int z) {
       CellVertex vertex;
-      if (!MakeCellVertex(patch_, x, y, z, &vertex)) return;
+      if (!MakeCellVertex(patch_, max_jump_m_, x, y, z, &vertex)) return;
       const Eigen::Vector3d voxel =
           Eigen::Vector3d(origin.x + x, origin.y + y, origin.z + z) + vertex.place.cast<double>();
       const Eigen::Vector3d point_m = voxel * scale_.voxel_size_m;
@@ -234,12 +246,13 @@ class SurfaceNet {
 
   /// Two triangles for every edge from a voxel of this leaf along +x, +y or +z that changes sign.
   void AddQuadsAt(LeafOrigin origin, const Eigen::Vector3i& voxel) {
-    const bool inside = patch_.distance_m(voxel.x(), voxel.y(), voxel.z()) <= 0.0F;
+    const float distance_m = patch_.distance_m(voxel.x(), voxel.y(), voxel.z());
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3i next = voxel + Eigen::Vector3i::Unit(axis);
       if (!patch_.known(next.x(), next.y(), next.z())) continue;
-      if (inside == (patch_.distance_m(next.x(), next.y(), next.z()) <= 0.0F)) continue;
-      AddQuad(Eigen::Vector3i(origin.x, origin.y, origin.z) + voxel, axis, inside);
+      const float next_m = patch_.distance_m(next.x(), next.y(), next.z());
+      if (!IsCrossing(distance_m, next_m, max_jump_m_)) continue;
+      AddQuad(Eigen::Vector3i(origin.x, origin.y, origin.z) + voxel, axis, distance_m <= 0.0F);
     }
   }
 
@@ -263,6 +276,7 @@ class SurfaceNet {
   const VoxelReader& reader_;
   const VoxelScale scale_;
   const Box* box_;
+  float max_jump_m_;
   VoxelPatch patch_;
   Mesh mesh_;
   bool any_color_ = false;

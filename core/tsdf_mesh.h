@@ -12,8 +12,9 @@ namespace steadymap {
 /// One vertex a cell of 2 x 2 x 2 voxels that the surface crosses, at the mean of its crossings
 /// (surface nets: Gibson 1998, "Constrained Elastic Surface Nets"), two triangles an edge between
 /// voxels of opposite sign. Cells with an unobserved voxel have no surface, so the back of a
-/// truncation band never shows. Colours are given if any voxel of the volume has one; vertices
-/// without a coloured voxel near are then mid-grey.
+/// truncation band never shows; nor has it any where the distance jumps (`kMaxSurfaceSlope`).
+/// Colours are given if any voxel of the volume has one; vertices without a coloured voxel near are
+/// then mid-grey.
 ///
 /// `box`, where given, keeps the cells whose vertex lies within it. The result depends on the
 /// volume's voxels alone. Cost: about 10 us a leaf with surface.

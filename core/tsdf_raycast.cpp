@@ -48,7 +48,8 @@ RayHit CastRay(TsdfSampler& sampler,
     if (known && distance_m <= 0.0 && in_front) {
       const double zero_m = FindZero(sampler, origin_m, unit_direction, previous_range_m, range_m);
       const Eigen::Vector3d hit_m = origin_m + zero_m * unit_direction;
-      return {true, zero_m, hit_m, sampler.Sample(hit_m).gradient};
+      const DistanceSample at_hit = sampler.Sample(hit_m);
+      if (at_hit.slope <= kMaxSurfaceSlope) return {true, zero_m, hit_m, at_hit.gradient};
     }
     in_front = known && distance_m > 0.0;
     previous_range_m = range_m;

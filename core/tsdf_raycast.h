@@ -15,7 +15,8 @@ struct RayHit {
 };
 
 /// The first surface that a ray meets from its front, in the volume's frame. `unit_direction` must
-/// have length one (asserted). Unknown space does not stop a ray.
+/// have length one (asserted). Neither unknown space nor a jump of the distance
+/// (`kMaxSurfaceSlope`) stops a ray.
 ///
 /// Accuracy: the zero of the interpolated distance, to a thousandth of a voxel. Cost: about 0.1 us
 /// a leaf that the ray crosses, 0.1 us a voxel within leaves.

@@ -132,6 +132,7 @@ DistanceSample TsdfSampler::Sample(const Eigen::Vector3d& point_m) {
   const Eigen::Vector3d gradient = InterpolantGradient(cell.distance_m, cell.fraction);
   const double norm = gradient.norm();
   if (norm > 0.0) sample.gradient = gradient / norm;
+  sample.slope = norm / scale_.voxel_size_m;
   return sample;
 }
 

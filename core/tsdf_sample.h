@@ -9,6 +9,11 @@
 
 namespace steadymap {
 
+/// The distance from a surface changes by a metre a metre, and a little more by noise. Where its
+/// sign changes faster than this, there is no surface, but the space behind a thin thing, seen from
+/// one side, meets the space before it, seen from another.
+inline constexpr double kMaxSurfaceSlope = 2.0;
+
 /// A volume at one point.
 struct DistanceSample {
   bool known = false;       ///< Whether all eight voxels around the point were observed.
@@ -16,6 +21,7 @@ struct DistanceSample {
   /// Gradient of the distance, unit length, in the volume's frame: points away from the surface.
   /// Zero where not known or where the field is flat.
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double slope = 0.0;   ///< Length of the gradient, about 1 at a surface. 0 where not known.
   double weight = 0.0;  ///< Interpolated weight of the evidence.
 };
 

@@ -45,8 +45,8 @@ float VisibilityTest::DepthAlong(const Eigen::Vector3f& point_world,
 }
 
 /// The sample around a place of the grid that shows the surface at a point; null if none does: each
-/// lies in the plane of the other, lest the side of another thing stands for a front. The one at the
-/// place itself comes first, since it was measured along the point's ray.
+/// lies in the plane of the other, lest the side of another thing stands for a front. The one at
+/// the place itself comes first, since it was measured along the point's ray.
 const SurfaceSample* VisibilityTest::FindPresent(const TrackedObject& object,
                                                  int column,
                                                  int row,

@@ -1,6 +1,7 @@
 // Closed-form oracles of fusion, sampling, ray casting and meshing: a plane and a sphere, whose
 // distance is known everywhere, seen from several poses.
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/tsdf_raycast.h"
 #include "core/tsdf_sample.h"
 #include "tests/support/analytic_depth.h"
+#include "tests/support/analytic_solid.h"
 
 namespace steadymap {
 namespace {
@@ -178,6 +180,39 @@ TEST_P(TsdfAccuracy, MeshVerticesLieOnTheSurfaceAndFaceOutwards) {
   }
   // Slivers of no area have no side.
   EXPECT_GT(static_cast<double>(outward), 0.99 * static_cast<double>(mesh.triangles.size()));
+}
+
+/// What lies between the planes x = 0 and x = `gap_m` takes the distance from one to that from the
+/// other.
+TsdfGrid StepOf(double before_m, double behind_m, double gap_m) {
+  return testing::MakeVolume(
+      [=](const Eigen::Vector3d& point) {
+        const double share = std::clamp(point.x() / gap_m, 0.0, 1.0);
+        return before_m + share * (behind_m - before_m);
+      },
+      Box(Eigen::Vector3d::Constant(-0.5), Eigen::Vector3d::Constant(0.5)),
+      VoxelScale(),
+      [](const Eigen::Vector3d&) { return true; });
+}
+
+bool HasSurface(const TsdfGrid& volume) {
+  TsdfSampler sampler(volume, VoxelScale());
+  const bool is_hit = CastRay(sampler, {-0.4, 0.02, 0.03}, Eigen::Vector3d::UnitX(), 0.8).hit;
+  EXPECT_EQ(is_hit, !ExtractMesh(volume, VoxelScale(), nullptr).triangles.empty());
+  return is_hit;
+}
+
+// The space behind a thin thing, seen from one side, meets the space before it, seen from another.
+TEST(TsdfSurface, IsNotWhereTheDistanceJumps) {
+  EXPECT_FALSE(HasSurface(StepOf(0.12, -0.12, 0.05)));
+  EXPECT_FALSE(HasSurface(StepOf(0.02, -0.14, 0.05)));
+  EXPECT_FALSE(HasSurface(StepOf(0.14, -0.02, 0.05)));
+}
+
+TEST(TsdfSurface, IsWhereTheDistanceFallsALittleTooFast) {
+  EXPECT_TRUE(HasSurface(StepOf(0.025, -0.025, 0.05)));
+  EXPECT_TRUE(HasSurface(StepOf(0.045, -0.045, 0.05)));
+  EXPECT_TRUE(HasSurface(StepOf(0.12, -0.12, 0.15)));
 }
 
 TEST(CastRay, LooksThroughUnknownSpaceAndStopsAtItsRange) {
