@@ -1,6 +1,7 @@
 #include "core/confirmation.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/judgement.h"
 #include "core/object_merge.h"
@@ -40,6 +41,7 @@ bool Confirmation::Confirm(TrackedObject* object) {
   const double seen_m2 =
       static_cast<double>(object->state().views) * SurfaceArea(*object, map_->scale());
   if (seen_m2 < static_cast<double>(parameters_.views) * parameters_.min_area_m2) return false;
+  if (object->state().views < parameters_.views_beside && IsBesideRecent(*object)) return false;
   Enter(EventType::kCreated, EventReason::kNewSurface, ObjectId(), object);
   return true;
 }
@@ -67,6 +69,21 @@ bool Confirmation::TakePlace(TrackedObject* object) {
     }
   }
   return false;
+}
+
+/// Whether another thing of its class came close to it lately, of which it may be a part.
+bool Confirmation::IsBesideRecent(const TrackedObject& object) {
+  if (!parameters_.recognises_pieces) return false;
+  const PieceParameters& piece = parameters_.recognition.thing;
+  const std::vector<TrackedObject*> around = ObjectsAround(object, piece.distance_m);
+  return std::any_of(around.begin(), around.end(), [&](const TrackedObject* other) {
+    const ObjectState& state = other->state();
+    const double apart_s =
+        std::abs(object.state().standing_since.seconds() - state.standing_since.seconds());
+    return other != &object && state.standing == ObjectStanding::kPresent &&
+           state.class_id == object.state().class_id && apart_s <= piece.apart_s &&
+           DistanceBetween(object.cuboid(), other->cuboid()) <= piece.distance_m;
+  });
 }
 
 void Confirmation::Enter(EventType type,

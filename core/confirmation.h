@@ -20,6 +20,9 @@ struct ConfirmationParameters {
   std::uint64_t views = 4;
   /// and how much surface it must show, square metres; what shows less must be seen longer.
   double min_area_m2 = 0.06;
+  /// Beside a thing of its class that came lately (`recognition.thing`), so many frames must: until
+  /// then it may turn out to be connected.
+  std::uint64_t views_beside = 12;
   /// One that was not seen for so long is forgotten, seconds.
   double max_unseen_s = 10.0;
   /// What stands for less long than that is new, seconds.
@@ -51,6 +54,7 @@ class Confirmation {
  private:
   bool Confirm(TrackedObject* object);
   bool TakePlace(TrackedObject* object);
+  bool IsBesideRecent(const TrackedObject& object);
   void Enter(EventType type, EventReason reason, ObjectId related, TrackedObject* object);
   void TakeBack(TrackedObject* known, TrackedObject* object);
   void Return(TrackedObject* object, EventReason reason, const Belief& belief);

@@ -7,6 +7,13 @@
 #include "core/object_parts.h"
 
 namespace steadymap {
+namespace {
+
+bool IsPresent(const TrackedObject& object) {
+  return object.state().standing == ObjectStanding::kPresent;
+}
+
+}  // namespace
 
 void MergeObjects(TrackedObject* into, TrackedObject* from, WorkingMap* map) {
   ObjectState& state = into->state();
@@ -46,8 +53,8 @@ void MergeConnected(const SampleGrid& samples,
         std::abs(apart_s) > parameters.recent_s || !ShareLattice(a->state(), b->state())) {
       continue;
     }
-    const bool a_is_older = a->id() < b->id();
-    MergeObjects(a_is_older ? a : b, a_is_older ? b : a, map);
+    const bool keeps_a = IsPresent(*a) == IsPresent(*b) ? a->id() < b->id() : IsPresent(*a);
+    MergeObjects(keeps_a ? a : b, keeps_a ? b : a, map);
   }
 }
 

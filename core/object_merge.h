@@ -28,8 +28,8 @@ void MergeObjects(TrackedObject* into, TrackedObject* from, WorkingMap* map);
 /// Tells that an object of the map turned out to be part of another one.
 void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into, WorkingMap* map);
 
-/// Merges the objects in view of one class and one visit whose surfaces are connected in the frame;
-/// the older one stays.
+/// Merges the objects in view of one class and one visit whose surfaces are connected in the frame.
+/// Of two the one stays that the map shows, of equals the older.
 void MergeConnected(const SampleGrid& samples,
                     const Association& association,
                     const std::vector<ObjectInView>& in_view,
