@@ -41,7 +41,10 @@ bool Confirmation::Confirm(TrackedObject* object) {
   const double seen_m2 =
       static_cast<double>(object->state().views) * SurfaceArea(*object, map_->scale());
   if (seen_m2 < static_cast<double>(parameters_.views) * parameters_.min_area_m2) return false;
-  if (object->state().views < parameters_.views_beside && IsBesideRecent(*object)) return false;
+  const bool is_in_view = object->state().last_seen == map_->now();
+  if (is_in_view && object->state().views < parameters_.views_beside && IsBesideRecent(*object)) {
+    return false;
+  }
   Enter(EventType::kCreated, EventReason::kNewSurface, ObjectId(), object);
   return true;
 }

@@ -20,6 +20,18 @@ constexpr float kPresentReachPerMetre = 0.025F;
 constexpr float kReplacedFromM = 0.08F;
 constexpr float kReplacedCosine = 0.7F;
 
+// A thing thinner than that was seen from one side, and nobody knows how deep it is.
+constexpr double kKnownDepthM = 0.2;
+
+// As near as that to what was seen of a thing may still be within it: its far end shows last.
+constexpr double kWithinM = 0.2;
+
+/// Whether surface at a point can stand behind a thing.
+bool LeavesRoom(const Cuboid& cuboid, const Eigen::Vector3d& point_world) {
+  return cuboid.size_m.head<2>().minCoeff() >= kKnownDepthM &&
+         DistanceTo(cuboid, point_world) > kWithinM;
+}
+
 }  // namespace
 
 VisibilityTest::VisibilityTest(const JudgedFrame& frame,
@@ -90,6 +102,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
       sample.normal_world.dot(normal_world) < kReplacedCosine) {
     return false;
   }
+  if (LeavesRoom(objects_[owner - 1].object->cuboid(), point_world.cast<double>())) return false;
   const Timestamp confirmed = object.state().evidence.ConfirmedAt(leaf);
   return newer.standing_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
 }

@@ -69,7 +69,8 @@ struct VisibilityParameters {
   bool is_by_depth = true;
   /// ... which is this share (theta_vis).
   double min_visible_share = 0.20;
-  /// Surface this far behind a newer surface of its class is taken as replaced, metres; 0: never.
+  /// Surface this far behind a newer surface of its class is taken as replaced, metres, unless the
+  /// newer thing was seen to end before it; 0: never.
   double replaced_within_m = 0.45;
   /// An object of which what was found present is turned stands otherwise than known.
   TurnParameters turn;

@@ -17,6 +17,7 @@
 #include "core/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
+#include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
 
 namespace steadymap {
@@ -210,6 +211,31 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
   newer->state().standing_since = Timestamp::FromSeconds(95.0);
   newer->state().class_id = ClassId(kGoodsClass);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
+}
+
+/// What the front of a newer box, seen alone, says about the known wall that it hides.
+ObjectVerdict JudgeWallBehindBox(double front_m, double back_m) {
+  const std::unique_ptr<TrackedObject> older = KnownWall(ObjectId(1), 2.0);
+  for (const SurfaceLeaf& leaf : older->surface().leaves()) {
+    older->state().evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
+  }
+  const std::unique_ptr<TrackedObject> newer = KnownWall(ObjectId(2), front_m);
+  const testing::Solid box = {
+      Box(Eigen::Vector3d(front_m, -0.5, -0.5), Eigen::Vector3d(back_m, 0.5, 0.5))};
+  newer->MutableVolume() = testing::MakeVolume(
+      [&](const Eigen::Vector3d& point) { return testing::DistanceFrom(box, point); },
+      Box(Eigen::Vector3d::Constant(-0.7), Eigen::Vector3d(back_m + 0.2, 0.7, 0.7)),
+      kScale,
+      [](const Eigen::Vector3d&) { return true; });
+  newer->RebuildSurface();
+  newer->state().standing_since = Timestamp::FromSeconds(95.0);
+  return JudgeFirst({older.get(), newer.get()}, RenderScene({SeenWall(front_m)}, {}));
+}
+
+TEST(VisibilityTest, SaysNothingOfSurfaceBehindANewerThingThatEndsBeforeIt) {
+  EXPECT_GT(JudgeWallBehindBox(1.6, 1.95).replaced, CellsOfWallAt2m() / 2);
+  EXPECT_GT(JudgeWallBehindBox(1.6, 1.82).replaced, CellsOfWallAt2m() / 2) << "may be deeper";
+  EXPECT_EQ(JudgeWallBehindBox(1.55, 1.76).judged(), 0U);
 }
 
 /// The known wall, turned about its middle by `yaw_rad` against the one that is seen.
