@@ -94,8 +94,9 @@ ShapeMatch MatchShapes(const TrackedObject& before,
 /// One search through the objects of a map.
 class MoveSearch {
  public:
-  MoveSearch(const MoveParameters& parameters, WorkingMap* map)
-      : parameters_(parameters), map_(map) {}
+  /// What went no more than `recent_s` before the other thing came went on the same visit.
+  MoveSearch(const MoveParameters& parameters, double recent_s, WorkingMap* map)
+      : parameters_(parameters), recent_s_(recent_s), map_(map) {}
 
   /// The object in view that `after` was pushed aside from; null if none was, or if it may as well
   /// have been another one.
@@ -140,11 +141,11 @@ class MoveSearch {
 
   bool IsLookalike(const TrackedObject& other, const TrackedObject& after) const {
     return &other != &after && other.state().class_id == after.state().class_id &&
-           MayBeAlike(other.cuboid(), after.cuboid(), parameters_.size_tolerance_m);
+           MayBeAlike(other.cuboid(), after.cuboid(), parameters_.lookalike_tolerance_m);
   }
 
-  /// Whether another thing that is alike, and was not seen in its place since `after` came, stood
-  /// hardly further off than `before`.
+  /// Whether another thing that is alike, and went on the visit on which `after` came or was not
+  /// seen in its place since, stood hardly further off than `before`.
   bool HasRival(const TrackedObject& before, double distance_m, const TrackedObject& after) const {
     const double reach_m = parameters_.rival_distance * distance_m;
     const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(reach_m);
@@ -154,7 +155,7 @@ class MoveSearch {
          map_->ObjectsNear({center_world - margin_m, center_world + margin_m})) {
       const ObjectState& state = other->state();
       const bool is_unaccounted = other->is_history()
-                                      ? state.standing_since >= came
+                                      ? state.standing_since.seconds() > came.seconds() - recent_s_
                                       : state.standing == ObjectStanding::kPresent &&
                                             state.standing_since < came && state.last_seen < came;
       if (other != &before && is_unaccounted && IsLookalike(*other, after) &&
@@ -211,6 +212,7 @@ class MoveSearch {
   }
 
   const MoveParameters& parameters_;
+  double recent_s_;
   WorkingMap* map_;
 };
 
@@ -220,7 +222,7 @@ void FindMoves(const std::vector<ObjectInView>& in_view,
                double recent_s,
                const MoveParameters& parameters,
                WorkingMap* map) {
-  MoveSearch search(parameters, map);
+  MoveSearch search(parameters, recent_s, map);
   for (const ObjectInView& view : in_view) {
     TrackedObject* after = view.object;
     const ObjectState& state = after->state();

@@ -13,10 +13,13 @@ namespace steadymap {
 struct MoveParameters {
   /// Frames that must have seen the thing in its new place: before, its shape is not known.
   std::uint64_t views = 10;
-  /// Sides of things that may be mistaken for each other differ by no more than this, metres.
+  /// Sides of things that may be mistaken for each other differ by no more than this, metres: boxes
+  /// around what was seen in passing are that wrong.
+  double lookalike_tolerance_m = 0.3;
+  /// Those of the same thing by no more than this, ...
   double size_tolerance_m = 0.2;
-  /// Those of the same thing, too; its height and the longer side of its base by no more than this
-  /// share of the longer one as well (how deep it is, a front alone does not show), ...
+  /// ... and its height and the longer side of its base by no more than this share of the longer
+  /// one (how deep it is, a front alone does not show), ...
   double size_tolerance_share = 0.2;
   /// ... but they always may by as much as this, metres.
   double least_size_tolerance_m = 0.1;

@@ -128,6 +128,26 @@ TEST_F(FindMovesTest, NeverGuessesWhichOfTwoMissedPilesWasPushed) {
   EXPECT_TRUE(Find().empty());
 }
 
+TEST_F(FindMovesTest, NeverGuessesWhetherAPileWasPushedOrOneThatWasGivenUpBefore) {
+  PutMissed(0.0);
+  TrackedObject* given_up = PutMissed(1.4);
+  given_up->state().standing = ObjectStanding::kArchived;
+  given_up->state().standing_since = Timestamp::FromSeconds(93.0);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, LeavesOutANeighbourThatWentLongBefore) {
+  const ObjectId missed = PutMissed(0.0)->id();
+  TrackedObject* given_up = PutMissed(1.4);
+  given_up->state().standing = ObjectStanding::kArchived;
+  given_up->state().standing_since = Timestamp::FromSeconds(40.0);
+  Put(0.7, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].object, missed);
+}
+
 TEST_F(FindMovesTest, LeavesOutANeighbourThatStillStands) {
   const ObjectId missed = PutMissed(0.0)->id();
   Put(1.4, 10.0, 100.0);
