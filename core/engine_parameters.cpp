@@ -70,6 +70,7 @@ ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitch
   const double finer = std::min(1.0, config.truncation_m / VoxelScale().truncation_m);
   parameters.confirmation.min_area_m2 *= finer * finer;
   parameters.min_seen_area_m2 *= finer * finer;
+  parameters.max_mislabelled_area_m2 *= finer * finer;
   RecognitionParameters& recognition = parameters.confirmation.recognition;
   recognition.fixture = Shrink(recognition.fixture, finer);
   recognition.thing = Shrink(recognition.thing, finer);

@@ -197,15 +197,21 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
          parameters_.confirmation.free_share * static_cast<double>(observation.samples.size());
 }
 
+/// Whether surface with a label of the background is of a thing: on its edge, or in the middle of
+/// it. It would stay in the background when the thing goes.
+bool ObjectMapper::IsMislabelled(const Observation& observation) const {
+  if (observation.contacts.empty()) return observation.area_m2 < parameters_.min_seen_area_m2;
+  const double max_area_m2 = observation.TouchesBackground() ? parameters_.confirmation.min_area_m2
+                                                             : parameters_.max_mislabelled_area_m2;
+  return observation.TouchesObject() && observation.area_m2 < max_area_m2;
+}
+
 std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
   const bool is_whole = observation.instance != 0;
   const bool is_small = observation.area_m2 < parameters_.confirmation.min_area_m2;
   const bool is_tiny = observation.area_m2 < parameters_.min_seen_area_m2;
   if (!is_whole && config_.IsInBackground(ClassId(observation.label))) {
-    // A wrong label on the edge of a thing would stay in the background when the thing goes.
-    const bool is_sliver =
-        observation.contacts.empty() ? is_tiny : is_small && observation.TouchesObject();
-    return is_sliver ? Association::kNone : kBackgroundOwner;
+    return IsMislabelled(observation) ? Association::kNone : kBackgroundOwner;
   }
   const bool is_free = IsInFreeSpace(observation);
   std::uint32_t same_class = Association::kNone;

@@ -41,6 +41,9 @@ struct ObjectMapperParameters {
   /// Smallest surface that a frame must show of a new object, square metres. Thin things show
   /// little at a time.
   double min_seen_area_m2 = 0.02;
+  /// Surface with a label of the background that borders on things alone is of a thing, unless it
+  /// is larger than this, square metres: a wall whose surroundings were not mapped yet.
+  double max_mislabelled_area_m2 = 0.5;
   ContradictionParameters contradiction;
   /// A part of an object is cut off when its cells were found gone in so many more frames than not.
   int gone_score = 5;
@@ -82,6 +85,7 @@ class ObjectMapper final : public MapUpdater {
   void RemoveGoneParts(TrackedObject* object);
   void PlaceObservations();
   bool IsInFreeSpace(const Observation& observation) const;
+  bool IsMislabelled(const Observation& observation) const;
   std::uint32_t ChooseOwner(const Observation& observation);
   std::uint32_t AddObject(const Observation& observation);
   bool IsRecent(const ObjectState& state) const;

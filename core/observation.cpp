@@ -85,6 +85,12 @@ bool Observation::TouchesObject() const {
   });
 }
 
+bool Observation::TouchesBackground() const {
+  return std::any_of(contacts.begin(), contacts.end(), [](const BorderContact& contact) {
+    return contact.owner == kBackgroundOwner;
+  });
+}
+
 std::vector<Observation> FindObservations(const SampleGrid& samples,
                                           const Association& association) {
   return SampleComponentSearch(samples, association).Run();

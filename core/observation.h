@@ -24,6 +24,9 @@ struct Observation {
 
   /// Whether it borders on anything but the background.
   bool TouchesObject() const;
+
+  /// Whether it borders on the background.
+  bool TouchesBackground() const;
 };
 
 /// Groups the samples that have no owner. Samples with instance ids group by instance instead of

@@ -431,6 +431,32 @@ TEST(ObjectMapper, LeavesNothingOfAThingWhoseEdgesHadTheLabelOfTheGround) {
   EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
 }
 
+/// Takes the pixels of goods right of their middle for ground, or leaves them out.
+void SpoilHalfOfGoods(Frame* frame, bool leaves_out) {
+  for (int v = 0; v < frame->camera.height_px; ++v) {
+    int first = frame->camera.width_px;
+    int last = -1;
+    for (int u = 0; u < frame->camera.width_px; ++u) {
+      if (frame->labels.At(u, v) != kGoodsClass) continue;
+      first = std::min(first, u);
+      last = u;
+    }
+    for (int u = (first + last) / 2; u <= last; ++u) {
+      frame->labels.At(u, v) = 1;
+      if (leaves_out) frame->depth.units.At(u, v) = 0;
+    }
+  }
+}
+
+TEST(ObjectMapper, LeavesNothingOfAThingOfWhichHalfHadTheLabelOfTheGround) {
+  const SceneBody box = Goods(0.0);
+  std::vector<Frame> frames = LookAtScene({FarWall(), box}, 0, 24);
+  for (std::size_t i = 0; i < 10; ++i) SpoilHalfOfGoods(&frames[i], i < 8);
+  MapStory story(PocdConfig());
+  story.Tell(frames);
+  EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
+}
+
 /// A box that comes, is moved and goes.
 std::vector<Frame> EventfulFrames() {
   std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 6);

@@ -107,6 +107,8 @@ TEST(FindObservations, LeavesOutWhatIsOwnedAndNamesWhomItTouches) {
   EXPECT_EQ(found[0].contacts[0].owner, 3U) << "the longer border first";
   EXPECT_EQ(found[0].contacts[1].owner, kBackgroundOwner);
   EXPECT_GT(found[0].contacts[0].samples, found[0].contacts[1].samples);
+  EXPECT_TRUE(found[0].TouchesObject());
+  EXPECT_TRUE(found[0].TouchesBackground());
 }
 
 TEST(FindObservations, FindsNothingWithoutReturns) {
