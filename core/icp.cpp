@@ -22,8 +22,8 @@ constexpr std::size_t kMinIcpPoints = 10;
 // normals feigns as much.
 constexpr double kMinIcpDirectionShare = 0.015;
 
-// Squared metres, of the last step: a tenth of a millimetre.
-constexpr double kIcpTransformationEpsilon = 1e-8;
+// Squared metres, of the last step: a millimetre.
+constexpr double kIcpTransformationEpsilon = 1e-6;
 
 using PointToPlane =
     pcl::registration::TransformationEstimationPointToPlaneLLS<pcl::PointNormal, pcl::PointNormal>;
