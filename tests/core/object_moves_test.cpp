@@ -57,6 +57,14 @@ class FindMovesTest : public ::testing::Test {
   /// A thing that was there long ago, and is not found any more.
   TrackedObject* PutMissed(double y_m) { return PutMissed(PileAt(y_m)); }
 
+  /// The same of one that was given up at a time.
+  void PutGivenUp(double y_m, double given_up_s) {
+    TrackedObject* pile = PutMissed(y_m);
+    pile->state().standing = ObjectStanding::kArchived;
+    pile->state().standing_since = Timestamp::FromSeconds(given_up_s);
+    map_.MarkChanged(pile);
+  }
+
   TrackedObject* PutMissed(const Solid& solid_world) {
     TrackedObject* pile = Put(solid_world, 10.0, 30.0);
     pile->state().evidence.absent_streak_cells = 12.0;
@@ -130,18 +138,14 @@ TEST_F(FindMovesTest, NeverGuessesWhichOfTwoMissedPilesWasPushed) {
 
 TEST_F(FindMovesTest, NeverGuessesWhetherAPileWasPushedOrOneThatWasGivenUpBefore) {
   PutMissed(0.0);
-  TrackedObject* given_up = PutMissed(1.4);
-  given_up->state().standing = ObjectStanding::kArchived;
-  given_up->state().standing_since = Timestamp::FromSeconds(93.0);
+  PutGivenUp(1.4, 93.0);
   Put(0.7, 95.0, 100.0);
   EXPECT_TRUE(Find().empty());
 }
 
 TEST_F(FindMovesTest, LeavesOutANeighbourThatWentLongBefore) {
   const ObjectId missed = PutMissed(0.0)->id();
-  TrackedObject* given_up = PutMissed(1.4);
-  given_up->state().standing = ObjectStanding::kArchived;
-  given_up->state().standing_since = Timestamp::FromSeconds(40.0);
+  PutGivenUp(1.4, 40.0);
   Put(0.7, 95.0, 100.0);
   const std::vector<ObjectEvent> events = Find();
   ASSERT_EQ(events.size(), 1U);
