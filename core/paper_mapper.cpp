@@ -78,6 +78,7 @@ std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
   const std::vector<ObjectInView>& in_view = segments_.in_view();
   const std::vector<Observation>& segments = segments_.segments();
   std::vector<std::vector<Eigen::Vector3d>> points_world;
+  points_world.reserve(segments.size());
   for (const Observation& segment : segments) points_world.push_back(segments_.PointsOf(segment));
   std::vector<AssignmentPair> pairs;
   for (std::size_t column = 0; column < in_view.size(); ++column) {

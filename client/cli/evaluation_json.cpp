@@ -55,6 +55,7 @@ void WriteEvents(const EventScore& score, JsonWriter* json) {
   WriteDetections("lenient", score.lenient, json);
   WriteDetections("one_to_one", score.one_to_one, json);
   json->Key("median_latency_frames").Number(score.median_latency_frames());
+  json->Key("max_latency_frames").Number(score.max_latency_frames());
   json->Key("false_removals").Integer(score.false_removals);
   json->Key("false_removals_per_1000_frames").Number(score.false_removals_per_1000_frames());
   json->EndObject();

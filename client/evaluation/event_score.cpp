@@ -165,6 +165,11 @@ double EventScore::median_latency_frames() const {
   return static_cast<double>(latency_frames[latency_frames.size() / 2]);
 }
 
+double EventScore::max_latency_frames() const {
+  if (latency_frames.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(latency_frames.back());
+}
+
 double EventScore::false_removals_per_1000_frames() const {
   return 1000.0 * static_cast<double>(false_removals) / static_cast<double>(frame_count);
 }

@@ -64,6 +64,9 @@ struct EventScore {
   /// The middle of `latency_frames`; NaN for none.
   double median_latency_frames() const;
 
+  /// The last of them; NaN for none.
+  double max_latency_frames() const;
+
   /// NaN without frames.
   double false_removals_per_1000_frames() const;
 

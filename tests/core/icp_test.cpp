@@ -108,8 +108,8 @@ TEST(IcpTarget, DoesNotMoveAlongAPlane) {
   const Solid wall = {Box(Eigen::Vector3d(1.0, -1.5, 0.0), Eigen::Vector3d(1.3, 1.5, 2.0))};
   IcpTarget target(Thing(wall, Eigen::Vector3d::Zero()));
   std::vector<Eigen::Vector3d> points;
-  for (double y = -0.8; y <= 0.8; y += 0.05) {
-    for (double z = 0.5; z <= 1.5; z += 0.05) points.emplace_back(0.95, y, z);
+  for (int column = -16; column <= 16; ++column) {
+    for (int row = 10; row <= 30; ++row) points.emplace_back(0.95, 0.05 * column, 0.05 * row);
   }
   const IcpFit fit = target.Align(points);
   EXPECT_LT((fit.shift_world - Eigen::Vector3d(0.05, 0.0, 0.0)).norm(), 0.01);

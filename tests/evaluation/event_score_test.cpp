@@ -68,11 +68,19 @@ TEST(ScoreEvents, PerfectEventsHaveNoFault) {
   EXPECT_EQ(score.median_latency_frames(), 3.0);
 }
 
+TEST(EventScore, TellsTheMiddleAndTheLastLatency) {
+  EventScore score;
+  score.latency_frames = {1, 4, 20};
+  EXPECT_EQ(score.median_latency_frames(), 4.0);
+  EXPECT_EQ(score.max_latency_frames(), 20.0);
+}
+
 TEST(ScoreEvents, WithoutEventsNothingIsFound) {
   const EventScore score = ScoreEvents(Truth(), {});
   EXPECT_EQ(score.lenient.all().recall(), 0.0);
   EXPECT_TRUE(std::isnan(score.lenient.all().precision()));
   EXPECT_TRUE(std::isnan(score.median_latency_frames()));
+  EXPECT_TRUE(std::isnan(score.max_latency_frames()));
   EXPECT_EQ(score.false_removals_per_1000_frames(), 0.0);
 }
 
