@@ -90,6 +90,15 @@ class UprightPointToPlane final : public PointToPlane {
   }
 };
 
+/// PCL prints what is no error here: that points lie too far away to be paired. Once, since its
+/// level is a global that threads of other maps read.
+void Silence() {
+  [[maybe_unused]] static const bool is_silent = [] {
+    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+    return true;
+  }();
+}
+
 /// PCL keeps single precision; near the origin it has enough of it.
 IcpPoints::Ptr CloudOfSurface(const TrackedObject& object, const Eigen::Vector3d& origin_world) {
   IcpPoints::Ptr cloud(new IcpPoints);
@@ -128,8 +137,7 @@ class IcpTarget::Implementation {
  public:
   Implementation(const TrackedObject& object, const IcpParameters& parameters)
       : parameters_(parameters), origin_world_(object.state().T_world_object.position_world) {
-    // PCL prints what is no error here: that points lie too far away to be paired.
-    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+    Silence();
     const IcpPoints::Ptr surface = CloudOfSurface(object, origin_world_);
     size_ = surface->size();
     if (size_ < kMinIcpPoints) return;
