@@ -1,7 +1,6 @@
 #include "core/confirmation.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/judgement.h"
 #include "core/object_merge.h"
@@ -80,12 +79,7 @@ bool Confirmation::IsBesideRecent(const TrackedObject& object) {
   const PieceParameters& piece = parameters_.recognition.thing;
   const std::vector<TrackedObject*> around = ObjectsAround(object, piece.distance_m);
   return std::any_of(around.begin(), around.end(), [&](const TrackedObject* other) {
-    const ObjectState& state = other->state();
-    const double apart_s =
-        std::abs(object.state().standing_since.seconds() - state.standing_since.seconds());
-    return other != &object && state.standing == ObjectStanding::kPresent &&
-           state.class_id == object.state().class_id && apart_s <= piece.apart_s &&
-           DistanceBetween(object.cuboid(), other->cuboid()) <= piece.distance_m;
+    return MayBeOneThing(object, *other, piece);
   });
 }
 

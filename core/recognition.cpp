@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/object_parts.h"
@@ -213,22 +214,29 @@ TrackedObject* FindWhole(const TrackedObject& object,
       });
 }
 
+bool MayBeOneThing(const TrackedObject& object,
+                   const TrackedObject& other,
+                   const PieceParameters& parameters) {
+  const ObjectState& state = other.state();
+  const double apart_s = object.state().standing_since.seconds() - state.standing_since.seconds();
+  return &other != &object && state.standing == ObjectStanding::kPresent &&
+         state.class_id == object.state().class_id && apart_s <= parameters.apart_s &&
+         ShareLattice(state, object.state()) &&
+         DistanceBetween(object.cuboid(), other.cuboid()) <= parameters.distance_m;
+}
+
 TrackedObject* FindHost(const TrackedObject& object,
                         const PieceParameters& parameters,
                         const std::vector<TrackedObject*>& candidates) {
   if (SecondSide(object) > parameters.size_m) return nullptr;
   TrackedObject* host = nullptr;
-  double nearest_m = parameters.distance_m;
+  double nearest_m = std::numeric_limits<double>::infinity();
   for (TrackedObject* other : candidates) {
-    const ObjectState& state = other->state();
-    const double apart_s = object.state().standing_since.seconds() - state.standing_since.seconds();
-    if (other == &object || state.standing != ObjectStanding::kPresent ||
-        state.class_id != object.state().class_id || apart_s > parameters.apart_s ||
-        !ShareLattice(state, object.state()) || SecondSide(*other) <= parameters.size_m) {
+    if (!MayBeOneThing(object, *other, parameters) || SecondSide(*other) <= parameters.size_m) {
       continue;
     }
     const double distance_m = DistanceBetween(object.cuboid(), other->cuboid());
-    if (distance_m > nearest_m || (distance_m == nearest_m && host != nullptr)) continue;
+    if (distance_m >= nearest_m) continue;
     nearest_m = distance_m;
     host = other;
   }

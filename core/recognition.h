@@ -91,6 +91,12 @@ TrackedObject* FindWhole(const TrackedObject& object,
                          const RecognitionParameters& parameters,
                          const std::vector<TrackedObject*>& candidates);
 
+/// Whether `object` may turn out to be one thing with `other`, which the map shows: of its class,
+/// near enough, and not much older.
+bool MayBeOneThing(const TrackedObject& object,
+                   const TrackedObject& other,
+                   const PieceParameters& parameters);
+
 /// The present candidate of the same class that `object` is a piece of: the nearest that is near
 /// enough, if the object is small enough; null if there is none. Of equals the first. Candidates
 /// further away need not be among them.
