@@ -3,7 +3,6 @@
 //
 // STEADYMAP_LAW_SEEDS (default 2) and STEADYMAP_LAW_OPERATIONS (default 250) make it longer.
 
-#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <iostream>
@@ -56,18 +55,25 @@ class FleetHistory {
     server_.AwaitIntegrated();
   }
 
-  /// Whether every watcher comes to the newest revision in time.
-  bool AwaitWatchers() {
+  /// Waits until all come to the newest revision; who did not in time, and how far they came.
+  std::vector<std::string> AwaitWatchers() {
     const auto deadline = std::chrono::steady_clock::now() + kCatchUpTime;
-    const auto catches_up = [&](const auto& watcher) {
-      while (watcher->revision() < server_.history().head()) {
-        if (std::chrono::steady_clock::now() > deadline) return false;
-        std::this_thread::yield();
+    const Revision head = server_.history().head();
+    std::vector<std::string> behind;
+    const auto await = [&](const auto& watchers, const std::string& kind) {
+      for (std::size_t i = 0; i < watchers.size(); ++i) {
+        while (watchers[i]->revision() < head && std::chrono::steady_clock::now() <= deadline) {
+          std::this_thread::yield();
+        }
+        const Revision revision = watchers[i]->revision();
+        if (revision >= head) continue;
+        behind.push_back(kind + " " + std::to_string(i) + " at revision " +
+                         std::to_string(revision.value()) + " of " + std::to_string(head.value()));
       }
-      return true;
     };
-    return std::all_of(watchers_.begin(), watchers_.end(), catches_up) &&
-           std::all_of(mirrors_.begin(), mirrors_.end(), catches_up);
+    await(watchers_, "watcher");
+    await(mirrors_, "mirror");
+    return behind;
   }
 
   WatchLife Conclude() {
@@ -151,7 +157,7 @@ TEST(WatchLaw, HoldsOverRandomHistories) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     FleetHistory fleet(static_cast<std::uint32_t>(seed));
     fleet.Run(operations);
-    ASSERT_TRUE(fleet.AwaitWatchers());
+    ASSERT_THAT(fleet.AwaitWatchers(), IsEmpty());
     const WatchLife life = fleet.Conclude();
     const MirrorLife mirrored = fleet.ConcludeMirrors();
     EXPECT_THAT(life.broken, IsEmpty());
