@@ -29,7 +29,7 @@ class WatchMessages {
  public:
   /// What a step's messages are made of besides the step.
   struct Source {
-    Store* store = nullptr;  ///< Outlives the messages.
+    Store* store = nullptr;  ///< Outlives the messages; null for a step without events.
     WatchScope scope;
     MapFilter filter;
     WatchPosition before;  ///< What the watcher has.

@@ -238,8 +238,7 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
                             "takes_patches",
                             "a watch from now on has no leaves that patches could be of");
       }
-      position_ = {snapshot->revision, snapshot->last_event};
-      shown_ = ShownBy(filter_, *snapshot);
+      BeginFrom(snapshot);
       return absl::OkStatus();
     case v1::WATCH_START_SNAPSHOT_THEN_FOLLOW:
       position_.revision = snapshot->revision;
@@ -248,6 +247,18 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
     default:
       return InvalidField(reason::kBadValue, "start", "a watch needs `start` or a `resume_token`");
   }
+}
+
+/// With an empty step: who is cut off before anything happens has a token to go on behind.
+void WatchStream::BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot) {
+  position_ = {snapshot->revision, snapshot->last_event};
+  StepPlan nothing;
+  nothing.from = snapshot->revision;
+  nothing.shown = ShownBy(filter_, *snapshot);
+  nothing.snapshot = snapshot;
+  step_ = std::make_shared<WatchMessages>(
+      WatchMessages::Source{nullptr, scope_, filter_, position_, position_, max_message_bytes_},
+      std::move(nothing));
 }
 
 absl::Status WatchStream::ResumeBehindToken(const std::shared_ptr<const MapSnapshot>& snapshot) {

@@ -70,6 +70,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
 
   absl::Status Open();
   absl::Status ChooseStart(const std::shared_ptr<const MapSnapshot>& snapshot);
+  void BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot);
   absl::Status ResumeBehindToken(const std::shared_ptr<const MapSnapshot>& snapshot);
   absl::StatusOr<Message> Next(bool draining);
   absl::StatusOr<Message> NextOfStep();

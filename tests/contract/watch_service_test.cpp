@@ -195,6 +195,24 @@ TEST_P(WatchServiceTest, FromNowTellsNothingOfBefore) {
   EXPECT_EQ(step->delta[0].previous_revision(), before);
 }
 
+TEST_P(WatchServiceTest, FromNowHasATokenFromTheFirst) {
+  const std::uint64_t before = Upload();
+  auto watch = Watch(Request(v1::WATCH_START_NOW));
+  ASSERT_TRUE(watch->Read().has_value());
+  Upload();
+  const auto first = watch->ReadStep();
+  ASSERT_TRUE(first.has_value());
+  EXPECT_EQ(first->progress.revision(), before);
+  EXPECT_TRUE(first->progress.has_last_capture_time());
+  EXPECT_THAT(first->delta, IsEmpty());
+  EXPECT_THAT(first->events, IsEmpty());
+  watch.reset();
+  const auto step = Watch(ResumeBehind(first->progress))->ReadStep();
+  ASSERT_TRUE(step.has_value());
+  ASSERT_THAT(step->delta, SizeIs(Ge(1U)));
+  EXPECT_EQ(step->delta[0].previous_revision(), before);
+}
+
 TEST_P(WatchServiceTest, StepsNameTheRevisionsTheyLeadBetween) {
   const auto watch = Watch(Request());
   std::uint64_t reached = watch->ReadStep()->progress.revision();

@@ -166,10 +166,11 @@ class Watch(Iterator[WatchItem]):
     """An iterator over what happens to a map; made by `Client.watch`. Begins with the first `next`,
     and ends when it is closed.
 
-    Yields Created, then Snapshot chunks where they were asked for, then steps: Delta and Events
-    items, closed by a Progress. A cut stream is opened anew behind the last Progress, and nothing
-    is yielded twice or left out; where that cannot be, Created or Resync tells to start over. What
-    retrying does not heal is raised. A context manager; `close` may be called from any thread.
+    Yields Created, Snapshot chunks where they were asked for, and a Progress; then steps: Delta and
+    Events items, closed by a Progress. A cut stream is opened anew behind the last Progress, and
+    nothing is yielded twice or left out; where that cannot be, Created or Resync tells to start
+    over. What retrying does not heal is raised. A context manager; `close` may be called from any
+    thread.
     """
 
     def __init__(self, channel: grpc.Channel, map_name: str, options: WatchOptions) -> None:
