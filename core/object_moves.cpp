@@ -110,7 +110,8 @@ class MoveSearch {
           old.evidence.absent_streak_cells < parameters_.pushed_absent_cells ||
           old.standing_since >= after.state().standing_since ||
           !IsAlike(view.object->cuboid(), after.cuboid(), parameters_) ||
-          HeightBetween(*view.object, after) > parameters_.pushed_height_m) {
+          HeightBetween(*view.object, after) > parameters_.pushed_height_m ||
+          Stands(*view.object, after)) {
         continue;
       }
       const double distance_m = DistanceOfCenters(*view.object, after);
@@ -137,6 +138,15 @@ class MoveSearch {
       }
     }
     return found;
+  }
+
+  /// Whether most of `before`, which stood clear of `after`, was found a moment ago.
+  bool Stands(const TrackedObject& before, const TrackedObject& after) const {
+    if (DistanceBetween(before.cuboid(), after.cuboid()) <= 0.0) return false;
+    const Timestamp lately = Timestamp::FromSeconds(map_->now().seconds() - recent_s_);
+    const auto found = static_cast<double>(CountFoundCells(before, lately));
+    const auto all = static_cast<double>(CountDoubtedCells(before, 0).all);
+    return found > parameters_.pushed_found_share * all;
   }
 
   bool IsLookalike(const TrackedObject& other, const TrackedObject& after) const {

@@ -31,6 +31,10 @@ struct MoveParameters {
   double pushed_absent_cells = 8.0;
   /// It stays on its board: heights of both middles differ by no more than this, metres.
   double pushed_height_m = 0.2;
+  /// A thing of which more than this share was found a moment ago stands where it stood: an edge
+  /// alone is missed. Where the new place overlaps the old one, it may be the new thing that was
+  /// found.
+  double pushed_found_share = 0.5;
   /// Where `known_share` of the new surface can be compared with the old shape, so much of that
   /// must lie on it: another thing took the place beside it otherwise.
   double pushed_fit_share = 0.95;

@@ -71,6 +71,15 @@ class FindMovesTest : public ::testing::Test {
     return pile;
   }
 
+  /// Every cell of its surface was found at that time.
+  static void FindAllOf(TrackedObject* pile, double found_s) {
+    for (const SurfaceLeaf& leaf : pile->surface().leaves()) {
+      LeafEvidence& evidence = pile->state().evidence.MutableLeaf(leaf.origin);
+      evidence.confirmed = Timestamp::FromSeconds(found_s);
+      evidence.score.fill(1);
+    }
+  }
+
   std::vector<ObjectEvent> Find() {
     FindMoves(in_view_, kRecentS, MoveParameters(), &map_);
     map_.EndFrame();
@@ -127,6 +136,24 @@ TEST_F(FindMovesTest, TellsNoMoveOfWhatHasAnotherShape) {
                       Box(Eigen::Vector3d(2.0, 0.45, 0.0), Eigen::Vector3d(2.2, 0.95, 0.8))};
   Put(step, 95.0, 100.0);
   EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOfWhatWasFoundAMomentAgo) {
+  FindAllOf(PutMissed(0.0), 90.0);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty()) << "an edge alone is missed";
+}
+
+TEST_F(FindMovesTest, TellsAMoveOfWhatWasFoundLongAgo) {
+  FindAllOf(PutMissed(0.0), 70.0);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_EQ(Find().size(), 1U);
+}
+
+TEST_F(FindMovesTest, TellsAMoveToAPlaceThatOverlapsTheOldOne) {
+  FindAllOf(PutMissed(0.0), 90.0);
+  Put(0.3, 95.0, 100.0);
+  EXPECT_EQ(Find().size(), 1U) << "it is the new surface that was found";
 }
 
 TEST_F(FindMovesTest, NeverGuessesWhichOfTwoMissedPilesWasPushed) {
