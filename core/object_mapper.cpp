@@ -158,7 +158,8 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   const std::optional<int> score = FindGoneScore(*object);
   if (!score.has_value()) return;
   TrackedObject& part = map_->AddPart(*object);
-  const std::vector<LeafOrigin> moved = MoveGoneVoxels(*score, object, &part);
+  const std::vector<LeafOrigin> moved =
+      MoveGoneVoxels({*score, -parameters_.beside_gone_score}, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
   if (object->state().standing != ObjectStanding::kPresent ||

@@ -47,6 +47,8 @@ struct ObjectMapperParameters {
   ContradictionParameters contradiction;
   /// A part of an object is cut off when its cells were found gone in so many more frames than not.
   int gone_score = 5;
+  /// With it go cells beside them that were in so many more: they may not come into view again.
+  int beside_gone_score = 3;
   /// Fewest cells that are cut off, ...
   std::size_t min_gone_cells = 8;
   /// ... but that any are which were found gone in so many more frames than not: edges of what

@@ -112,6 +112,26 @@ void TakeNeighbours(const CellPlace& cell,
   }
 }
 
+/// The cells of an object that are gone.
+std::set<CellPlace> FindGoneCells(const TrackedObject& object, const GoneScores& scores) {
+  std::vector<CellPlace> gone;
+  std::set<CellPlace> doubted;
+  for (const LeafEvidence& leaf : object.state().evidence.leaves) {
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      const CellPlace place = PlaceOf(leaf.origin, static_cast<std::uint8_t>(cell));
+      if (leaf.score[cell] <= scores.gone) {
+        gone.push_back(place);
+      } else if (leaf.score[cell] <= scores.beside_gone) {
+        doubted.insert(place);
+      }
+    }
+  }
+  for (std::size_t next = 0; next < gone.size(); ++next) {
+    TakeNeighbours(CellPlace(gone[next]), &doubted, &gone);
+  }
+  return {gone.begin(), gone.end()};
+}
+
 }  // namespace
 
 bool ShareLattice(const ObjectState& a, const ObjectState& b) {
@@ -221,19 +241,24 @@ std::size_t CountConnectedCells(const TrackedObject& object) {
   return most;
 }
 
-std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part) {
+std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
+                                       TrackedObject* object,
+                                       TrackedObject* part) {
+  const std::set<CellPlace> gone_cells = FindGoneCells(*object, scores);
   TsdfGrid& volume = object->MutableVolume();
   TsdfGrid& part_volume = part->MutableVolume();
   std::vector<LeafOrigin> changed;
   LeafVoxels voxels;
   for (LeafEvidence& leaf : object->state().evidence.leaves) {
+    std::array<bool, kEvidenceCells> is_gone{};
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      is_gone[cell] = gone_cells.contains(PlaceOf(leaf.origin, static_cast<std::uint8_t>(cell)));
+    }
     LeafVoxels gone{};
     volume.LoadLeaf(leaf.origin, &voxels);
     gone.has_color = voxels.has_color;
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-      if (leaf.score[EvidenceCellOf(offset)] > max_score || !IsSet(voxels.observed, offset)) {
-        continue;
-      }
+      if (!is_gone[EvidenceCellOf(offset)] || !IsSet(voxels.observed, offset)) continue;
       const std::uint64_t bit = std::uint64_t{1} << (offset & 63);
       gone.distance_m[offset] = std::exchange(voxels.distance_m[offset], 0.0F);
       gone.weight[offset] = std::exchange(voxels.weight[offset], 0.0F);
@@ -244,7 +269,7 @@ std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, Tra
     // Cells without voxels forget their scores, too: what comes to stand there is something else.
     std::array<std::int8_t, kEvidenceCells> gone_score{};
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
-      if (leaf.score[cell] > max_score) continue;
+      if (!is_gone[cell]) continue;
       gone_score[cell] = std::exchange(leaf.score[cell], std::int8_t{0});
     }
     if (gone.observed == LeafMask{}) continue;

@@ -46,8 +46,17 @@ std::size_t CountFoundCells(const TrackedObject& object, Timestamp since);
 /// Cells of the largest group of an object's surface that are connected, by their corners at least.
 std::size_t CountConnectedCells(const TrackedObject& object);
 
-/// Moves the evidence cells with scores of at most `max_score` to `part`, which must have the same
-/// frame as `object`: their voxels and their scores. The leaves that changed.
-std::vector<LeafOrigin> MoveGoneVoxels(int max_score, TrackedObject* object, TrackedObject* part);
+/// Up to which scores cells are gone.
+struct GoneScores {
+  int gone = 0;
+  /// Beside cells that are gone, and beside those that are gone for that reason.
+  int beside_gone = 0;
+};
+
+/// Moves the evidence cells that are gone to `part`, which must have the same frame as `object`:
+/// their voxels and their scores. The leaves that changed.
+std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
+                                       TrackedObject* object,
+                                       TrackedObject* part);
 
 }  // namespace steadymap

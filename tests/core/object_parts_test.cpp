@@ -1,5 +1,6 @@
 #include "core/object_parts.h"
 
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -136,7 +137,7 @@ TEST(MoveGoneVoxels, MovesExactlyTheGoneCells) {
   }
   TrackedObject part(ObjectId(2), {0.4, 0.0, 0.0}, kScale);
   const std::size_t points_before = object.surface().point_count();
-  EXPECT_EQ(MoveGoneVoxels(-5, &object, &part), (std::vector<LeafOrigin>{{0, 0, 0}}));
+  EXPECT_EQ(MoveGoneVoxels({-5, -5}, &object, &part), (std::vector<LeafOrigin>{{0, 0, 0}}));
 
   auto after = VoxelsOf(object.volume());
   const auto moved = VoxelsOf(part.volume());
@@ -153,6 +154,25 @@ TEST(MoveGoneVoxels, MovesExactlyTheGoneCells) {
     EXPECT_EQ(left->score[cell], cell % 4 < 2 ? 0 : -4);
     EXPECT_EQ(taken->score[cell], cell % 4 < 2 ? -5 : 0);
   }
+}
+
+TEST(MoveGoneVoxels, TakesDoubtedCellsThatGoneOnesAreConnectedTo) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  // Along z, one is gone, one missed, one found, and behind that one missed.
+  const std::array<std::int8_t, 4> scores = {-5, -3, 2, -3};
+  for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) evidence.score[cell] = scores[cell % 4];
+  TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  MoveGoneVoxels({-5, -3}, &object, &part);
+  for (const auto& [place, voxel] : VoxelsOf(part.volume())) {
+    EXPECT_LT(EvidenceCellOf(place.second) % 4, 2);
+  }
+  for (const auto& [place, voxel] : VoxelsOf(object.volume())) {
+    EXPECT_GE(EvidenceCellOf(place.second) % 4, 2);
+  }
+  const LeafEvidence* taken = part.state().evidence.FindLeaf({0, 0, 0});
+  ASSERT_NE(taken, nullptr);
+  EXPECT_EQ(taken->score[1], -3);
 }
 
 TEST(CountDoubtedCells, CountsCellsWithSurfaceAlone) {
@@ -194,7 +214,7 @@ TEST(MoveGoneVoxels, TakesAWholeLeafAway) {
   const auto before = VoxelsOf(object.volume());
   object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  MoveGoneVoxels(-5, &object, &part);
+  MoveGoneVoxels({-5, -5}, &object, &part);
   EXPECT_EQ(object.volume().leaf_count(), 0U);
   EXPECT_EQ(object.surface().point_count(), 0U);
   EXPECT_TRUE(object.bounds_object().isEmpty());
@@ -206,7 +226,7 @@ TEST(MoveGoneVoxels, ChangesNothingWhereNothingIsGone) {
   const auto before = VoxelsOf(object.volume());
   object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-4);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  EXPECT_TRUE(MoveGoneVoxels(-5, &object, &part).empty());
+  EXPECT_TRUE(MoveGoneVoxels({-5, -5}, &object, &part).empty());
   EXPECT_EQ(VoxelsOf(object.volume()), before);
   EXPECT_EQ(part.volume().leaf_count(), 0U);
 }
@@ -215,7 +235,7 @@ TEST(MoveGoneVoxels, ForgetsTheScoresOfCellsWithoutVoxels) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   object.state().evidence.MutableLeaf({80, 0, 0}).score.fill(-9);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  EXPECT_TRUE(MoveGoneVoxels(-5, &object, &part).empty());
+  EXPECT_TRUE(MoveGoneVoxels({-5, -5}, &object, &part).empty());
   EXPECT_EQ(object.state().evidence.FindLeaf({80, 0, 0})->score[0], 0);
   EXPECT_EQ(part.state().evidence.FindLeaf({80, 0, 0}), nullptr);
 }
@@ -226,7 +246,7 @@ TEST(MoveGoneVoxels, LeavesAPublishedVolumeAlone) {
   const auto before = VoxelsOf(*published->volume);
   object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  MoveGoneVoxels(-5, &object, &part);
+  MoveGoneVoxels({-5, -5}, &object, &part);
   EXPECT_EQ(VoxelsOf(*published->volume), before);
 }
 
