@@ -4,6 +4,7 @@ import socket
 import threading
 import unittest
 
+import grpc
 import numpy as np
 from daemon_process import DaemonTest
 from wall_frame import LOOK_ALONG_X, wall_frame
@@ -149,6 +150,53 @@ class Upload(DaemonTest):
                     client.upload("hall", [wall_frame()], options)
         self.assertGreaterEqual(len(retries), 2)
         self.assertIsInstance(retries[0][0], errors.UnavailableError)
+
+
+class _Cancelled(grpc.RpcError):
+    def code(self):
+        return grpc.StatusCode.CANCELLED
+
+    def details(self):
+        return "cancelled"
+
+    def trailing_metadata(self):
+        return ()
+
+
+class _CallThatNeverEnds:
+    """Until it is cancelled."""
+
+    def __init__(self):
+        self._cancelled = threading.Event()
+
+    def cancel(self):
+        self._cancelled.set()
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        if not self._cancelled.wait(20.0):
+            raise AssertionError("nobody cancelled the call")
+        raise _Cancelled
+
+
+class _LateStub:
+    """Sends all requests before it returns the call, as gRPC may on a busy machine."""
+
+    def UploadFrames(self, requests):  # As gRPC names it.
+        for _ in requests:
+            pass
+        return _CallThatNeverEnds()
+
+
+class AnUploadWhoseServerHangs(unittest.TestCase):
+    def test_ends_if_its_time_is_over_before_there_is_a_call(self):
+        options = steadymap.UploadOptions(open_timeout_s=0.01, backoff=IMPATIENT)
+        with self.assertRaises(errors.DeadlineExceededError):
+            uploader = steadymap.Uploader(_LateStub(), "tenants/default/maps/hall", options)
+            uploader.push(wall_frame())
+            uploader.finish()
 
 
 class AnUploader(DaemonTest):

@@ -184,7 +184,7 @@ class Uploader:
         with self._changed:
             stream.call = call
             self._stream = stream
-            if self._cancelled:
+            if self._cancelled or stream.error is not None:  # Before there was a call to cancel.
                 call.cancel()
         error: Optional[SteadymapError] = None
         try:
