@@ -61,7 +61,8 @@ BatchIntake::BatchIntake(WorkerPool* pool, UploadRoute route, v1::FrameBatch bat
       route_(std::move(route)),
       batch_(std::move(batch)),
       batch_bytes_(batch_.ByteSizeLong()),
-      done_(std::move(done)) {}
+      done_(std::move(done)),
+      predecessor_(route_.predecessor) {}
 
 BatchIntake::~BatchIntake() {
   const absl::Status status = route_.map->CheckUploads();
@@ -157,6 +158,7 @@ absl::Status BatchIntake::HandOver(bool last_piece) {
   piece.session = route_.session;
   piece.in_order = route_.in_order;
   piece.last = SequenceAt(next_ - 1);
+  piece.predecessor = std::exchange(predecessor_, piece.last);
   piece.frames = std::exchange(frames_, {});
   for (const RefusedFrame& refused : refused_) piece.refused.push_back(refused.sequence);
   piece.credit_frames = static_cast<std::size_t>(next_ - handed_over_);

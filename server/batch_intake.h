@@ -18,7 +18,8 @@ namespace steadymap {
 struct UploadRoute {
   std::shared_ptr<MapRuntime> map;
   SessionName session;
-  bool in_order = false;  ///< As in PendingBatch.
+  bool in_order = false;       ///< As in PendingBatch.
+  ClientSequence predecessor;  ///< Of the batch's first piece, as in PendingBatch.
   std::shared_ptr<UploadObserver> observer;
 };
 
@@ -67,6 +68,7 @@ class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
 
   int next_ = 0;                          ///< Frame to be looked at next.
   int handed_over_ = 0;                   ///< Frames before this one are in the queue.
+  ClientSequence predecessor_;            ///< Of the next piece.
   FrameBudget::Reservation reservation_;  ///< For the next frame, where it had to be waited for.
   std::vector<PendingFrame> frames_;
   std::vector<RefusedFrame> refused_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <absl/strings/str_cat.h>
 #include <absl/time/time.h>
 #include <spdlog/spdlog.h>
 
@@ -74,6 +75,11 @@ void LogWriter::MapGroup::Stage(PendingBatch batch, Timestamp now) {
 
 absl::Status LogWriter::MapGroup::Settle(const PendingBatch& batch, SessionRecord* session) const {
   if (batch.in_order) {
+    if (session->settled.contiguous_end() < batch.predecessor) {
+      return absl::AbortedError(absl::StrCat("the frames up to client sequence ",
+                                             batch.predecessor.value(),
+                                             ", which come before these, were not stored"));
+    }
     session->settled.InsertThrough(batch.last);
     return absl::OkStatus();
   }

@@ -68,6 +68,9 @@ struct PendingBatch {
   /// Sequences of the upload come in order (a stream): those that are left out below `last` never
   /// will.
   bool in_order = false;
+  /// In order: the last sequence of the stream's piece before; 0: there was none. Where that piece
+  /// was not stored, this one must not be either: acknowledging it would acknowledge both.
+  ClientSequence predecessor;
   ClientSequence last;
   std::vector<PendingFrame> frames;
   std::vector<ClientSequence> refused;

@@ -66,7 +66,7 @@ absl::Status UploadCall::TakeIn(const UploadStream::Surroundings& surroundings,
                          static_cast<std::uint64_t>(request.batch().frames_size()) - 1);
   const std::shared_ptr<UploadCall> self = shared_from_this();
   BatchIntake::Start(surroundings.decoders,
-                     {map_, target->session, /*in_order=*/false, self},
+                     {map_, target->session, /*in_order=*/false, ClientSequence(), self},
                      request.batch(),
                      [self](const absl::Status& status) {
                        if (!status.ok()) return self->Finish(WithFieldPrefix(status, "batch"));

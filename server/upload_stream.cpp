@@ -227,6 +227,7 @@ void UploadStream::Perform(Action action) {
 
 void UploadStream::TakeIn() {
   v1::FrameBatch batch;
+  ClientSequence predecessor;
   {
     const absl::MutexLock lock(&mutex_);
     // A drain may have emptied it meanwhile.
@@ -236,10 +237,14 @@ void UploadStream::TakeIn() {
     }
     batch.Swap(&inbox_.front());
     inbox_.pop_front();
+    predecessor =
+        std::exchange(last_in_intake_,
+                      ClientSequence(batch.first_client_seq() +
+                                     static_cast<std::uint64_t>(batch.frames_size()) - 1));
   }
   const std::shared_ptr<UploadStream> self = shared_from_this();
   BatchIntake::Start(surroundings_.decoders,
-                     {map_, session_, /*in_order=*/true, self},
+                     {map_, session_, /*in_order=*/true, predecessor, self},
                      std::move(batch),
                      [self](const absl::Status& status) {
                        {

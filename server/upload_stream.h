@@ -107,8 +107,9 @@ class UploadStream final : public UploadObserver,
   bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;            ///< A batch is being decoded.
   bool commit_requested_ ABSL_GUARDED_BY(mutex_) = false;
 
-  ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);   ///< Of the newest batch.
-  ClientSequence last_taken_ ABSL_GUARDED_BY(mutex_);  ///< Of what is in the queue, or further.
+  ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Of the newest batch.
+  ClientSequence last_in_intake_ ABSL_GUARDED_BY(mutex_);  ///< Of the newest batch in intake.
+  ClientSequence last_taken_ ABSL_GUARDED_BY(mutex_);      ///< Of what is in the queue, or further.
   BatchProgress durable_ ABSL_GUARDED_BY(mutex_);
   ClientSequence integrated_ ABSL_GUARDED_BY(mutex_);
 

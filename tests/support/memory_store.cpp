@@ -129,10 +129,11 @@ struct MemoryStore::Content {
   bool fail_append ABSL_GUARDED_BY(mutex) = false;
   bool fail_commit ABSL_GUARDED_BY(mutex) = false;
   bool disk_low ABSL_GUARDED_BY(mutex) = false;
+  std::function<bool()> is_low_for_append ABSL_GUARDED_BY(mutex);
   std::function<void()> write_hook ABSL_GUARDED_BY(mutex);
 
   absl::Status CheckDisk() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
-    if (!disk_low) return absl::OkStatus();
+    if (!disk_low && !(is_low_for_append && is_low_for_append())) return absl::OkStatus();
     return MakeError(absl::StatusCode::kResourceExhausted, reason::kDiskLow, "the disk is full");
   }
 
@@ -192,6 +193,11 @@ void MemoryStore::Repair() {
 void MemoryStore::SetDiskLow(bool low) {
   const absl::MutexLock lock(&content_->mutex);
   content_->disk_low = low;
+}
+
+void MemoryStore::SetDiskLowFor(std::function<bool()> is_low) {
+  const absl::MutexLock lock(&content_->mutex);
+  content_->is_low_for_append = std::move(is_low);
 }
 
 void MemoryStore::DamageMap(MapKey map) {

@@ -36,6 +36,10 @@ class MemoryStore final : public Store {
   /// Appends and new maps are refused with `DISK_LOW` while `low`.
   void SetDiskLow(bool low);
 
+  /// Asks `is_low` (none: null) before every append; true refuses that one with `DISK_LOW`. Called
+  /// under the store's lock.
+  void SetDiskLowFor(std::function<bool()> is_low);
+
   /// Makes a map's volumes unreadable: `LoadMap` answers `DataLoss`.
   void DamageMap(MapKey map);
 

@@ -1,0 +1,98 @@
+// What a stream that does not wait for acknowledgements may rely on when the store refuses some of
+// its frames: whatever is acknowledged as durable is in the log, once and in order.
+
+#include <algorithm>
+#include <cstdint>
+#include <future>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/contract/test_service.h"
+#include "tests/contract/upload_client.h"
+
+namespace steadymap {
+namespace {
+
+class PipelinedUpload : public ::testing::Test {
+ protected:
+  /// Capture times of the frames in the log, seconds, in their order: `MakeBatch` gives frame n the
+  /// time 100 + n.
+  std::vector<std::int64_t> LoggedFrames() {
+    const MapKey key = service_.store().ListMaps()->front().key;
+    std::vector<std::int64_t> frames;
+    const absl::Status status =
+        service_.store().ReadLog(key, MapSequence(1), [&frames](const LogFrame& frame) {
+          frames.push_back(static_cast<std::int64_t>(frame.capture_time.seconds()) - 100);
+          return absl::OkStatus();
+        });
+    EXPECT_TRUE(status.ok()) << status;
+    return frames;
+  }
+
+  /// Sends all batches that follow the resume point without waiting; returns the last client
+  /// sequence that was acknowledged as durable before the stream ended.
+  std::uint64_t SendWithoutWaiting(std::uint64_t last_frame, int batch_frames) {
+    UploadClient client(&service_);
+    const absl::StatusOr<v1::UploadOpened> opened = client.Open(session_, {v1::ACK_LEVEL_DURABLE});
+    if (!opened.ok()) return 0;
+    std::uint64_t next = opened->resume_client_seq() + 1;
+    const std::uint64_t window_end =
+        std::min(last_frame, opened->resume_client_seq() + opened->credit().frames());
+    while (next <= window_end && client.Send(MakeBatch(next, batch_frames))) {
+      next += static_cast<std::uint64_t>(batch_frames);
+    }
+    client.Close().IgnoreError();
+    return std::max(opened->resume_client_seq(), client.newest(v1::ACK_LEVEL_DURABLE).client_seq());
+  }
+
+  TestService service_{Transport::kLoopback};
+  const std::string map_ = service_.CreateMap("hall");
+  const UploadSession session_{map_};
+};
+
+TEST_F(PipelinedUpload, BatchBehindARefusedOneIsRefusedToo) {
+  std::promise<void> release;
+  std::shared_future<void> released = release.get_future().share();
+  service_.store().SetWriteHook([released] { released.wait(); });
+  int appends = 0;
+  service_.store().SetDiskLowFor([&appends] { return ++appends == 1; });
+  UploadClient client(&service_);
+  ASSERT_TRUE(client.Open(session_, {v1::ACK_LEVEL_RECEIVED, v1::ACK_LEVEL_DURABLE}).ok());
+  ASSERT_TRUE(client.Send(MakeBatch(1, 2)));
+  ASSERT_TRUE(client.ReadUntil(v1::ACK_LEVEL_RECEIVED, 2));
+  // The second batch waits in the queue while the log refuses the first.
+  ASSERT_TRUE(client.Send(MakeBatch(3, 2)));
+  ASSERT_TRUE(client.ReadUntil(v1::ACK_LEVEL_RECEIVED, 4));
+  release.set_value();
+  EXPECT_EQ(ReasonOf(client.Finish()), "DISK_LOW");
+  UploadClient again(&service_);
+  EXPECT_EQ(again.Open(session_)->resume_client_seq(), 0U);
+  EXPECT_TRUE(LoggedFrames().empty());
+  service_.store().SetWriteHook(nullptr);
+}
+
+TEST_F(PipelinedUpload, AcknowledgedFramesAreInTheLogOnceWhicheverAppendsAreRefused) {
+  constexpr std::uint64_t kFrames = 120;
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    std::mt19937 random(seed);
+    std::bernoulli_distribution refuses(0.02 * seed);
+    service_.store().SetDiskLowFor([&] { return refuses(random); });
+    const std::uint64_t first = LoggedFrames().size();
+    std::uint64_t acknowledged = first;
+    while (acknowledged < first + kFrames) {
+      acknowledged = std::max(acknowledged, SendWithoutWaiting(first + kFrames, 3));
+      const std::vector<std::int64_t> logged = LoggedFrames();
+      ASSERT_GE(logged.size(), acknowledged) << "seed " << seed;
+      for (std::size_t i = 0; i < logged.size(); ++i) {
+        ASSERT_EQ(logged[i], static_cast<std::int64_t>(i + 1)) << "seed " << seed;
+      }
+    }
+  }
+  service_.store().SetDiskLowFor(nullptr);
+}
+
+}  // namespace
+}  // namespace steadymap
