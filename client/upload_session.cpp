@@ -138,6 +138,7 @@ v1::UploadFramesRequest FrameUploader::Session::OpenMessage() const {
   v1::UploadOpen& open = *message.mutable_open();
   open.set_map(map_);
   open.set_robot(options_.robot);
+  open.set_sensor(options_.sensor);
   open.set_session(options_.session);
   open.add_ack_levels(v1::ACK_LEVEL_DURABLE);
   open.add_ack_levels(v1::ACK_LEVEL_INTEGRATED);
@@ -225,6 +226,7 @@ absl::Status FrameUploader::Session::ConfirmIntegration() {
   v1::GetUploadStateRequest request;
   request.set_map(map_);
   request.set_robot(options_.robot);
+  request.set_sensor(options_.sensor);
   request.set_session(options_.session);
   v1::UploadState state;
   const grpc::Status status = stub_->GetUploadState(&context, request, &state);

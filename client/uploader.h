@@ -24,6 +24,10 @@ struct UploaderOptions {
   /// Id of the robot that the frames come from, matching `[a-z][a-z0-9-]{0,62}`.
   std::string robot = "robot";
 
+  /// Id of the sensor on it. Two sensors of one robot upload at the same time, each in its own
+  /// session.
+  std::string sensor = "camera";
+
   /// Id of the upload session, of the same form. Empty: a random one. Naming it lets a later
   /// process that pushes the same frames in the same order go on where this one stopped.
   std::string session;

@@ -28,14 +28,6 @@ class Background final : public VoxelReader {
   /// background is copied.
   TsdfGrid& MutableTile(LeafOrigin origin);
 
-  std::size_t tile_count() const { return tiles_.size(); }
-
-  /// Observed voxels of all tiles.
-  std::size_t CountObservedVoxels() const;
-
-  std::size_t memory_bytes() const;
-
- private:
   /// Lowest voxel of a tile; ordered, so that iteration is deterministic.
   struct TileOrigin {
     std::int32_t x = 0;
@@ -44,6 +36,17 @@ class Background final : public VoxelReader {
     friend constexpr auto operator<=>(const TileOrigin&, const TileOrigin&) = default;
   };
 
+  /// The tiles, each the same object as long as it does not change and is held by somebody else.
+  const std::map<TileOrigin, std::shared_ptr<TsdfGrid>>& tiles() const { return tiles_; }
+
+  std::size_t tile_count() const { return tiles_.size(); }
+
+  /// Observed voxels of all tiles.
+  std::size_t CountObservedVoxels() const;
+
+  std::size_t memory_bytes() const;
+
+ private:
   static TileOrigin TileOf(LeafOrigin origin);
 
   std::map<TileOrigin, std::shared_ptr<TsdfGrid>> tiles_;

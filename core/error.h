@@ -39,6 +39,8 @@ inline constexpr std::string_view kDiskLow = "DISK_LOW";
 inline constexpr std::string_view kMessageTooLarge = "MESSAGE_TOO_LARGE";
 inline constexpr std::string_view kDraining = "DRAINING";
 inline constexpr std::string_view kStoreReadOnly = "STORE_READ_ONLY";
+inline constexpr std::string_view kMapOpening = "MAP_OPENING";
+inline constexpr std::string_view kMapQuarantined = "MAP_QUARANTINED";
 inline constexpr std::string_view kChecksum = "CHECKSUM";
 inline constexpr std::string_view kInternal = "INTERNAL";
 }  // namespace reason

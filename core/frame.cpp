@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <absl/strings/str_cat.h>
 
@@ -46,17 +47,23 @@ absl::Status CheckSizes(const Frame& frame) {
   return status;
 }
 
-absl::Status CheckLabels(const Image<std::uint16_t>& labels, std::size_t class_count) {
-  // An empty image means class 0 everywhere, which needs a class 0.
+absl::Status CheckLabels(const Image<std::uint16_t>& labels, const KnownLabels& known) {
   std::uint16_t highest = 0;
   const std::uint16_t* pixels = labels.data();
   // A plain reduction, so that the compiler makes it a vector loop.
   for (std::size_t i = 0; i < labels.size(); ++i) highest = std::max(highest, pixels[i]);
-  if (highest < class_count) return absl::OkStatus();
-  return InvalidField(
-      reason::kLabelOutOfRange,
-      "labels",
-      absl::StrCat("labels must be below ", class_count, ", the number of classes, got ", highest));
+  std::optional<std::uint16_t> unknown;
+  if (highest >= known.limit()) {
+    unknown = highest;
+  } else if (!known.is_dense()) {
+    for (std::size_t i = 0; i < labels.size() && !unknown; ++i) {
+      if (!known.Contains(pixels[i])) unknown = pixels[i];
+    }
+  }
+  if (!unknown) return absl::OkStatus();
+  return InvalidField(reason::kLabelOutOfRange,
+                      "labels",
+                      absl::StrCat("labels must be in the map's class table or 0, got ", *unknown));
 }
 
 absl::Status CheckPose(const Eigen::Isometry3d& T_world_camera) {
@@ -92,7 +99,7 @@ absl::Status CheckPose(const Eigen::Isometry3d& T_world_camera) {
 
 }  // namespace
 
-absl::Status ValidateFrame(const Frame& frame, std::size_t class_count) {
+absl::Status ValidateFrame(const Frame& frame, const KnownLabels& labels) {
   absl::Status status = WithFieldPrefix(ValidateCamera(frame.camera), "intrinsics");
   if (!status.ok()) return status;
   // NaN fails the comparisons.
@@ -109,7 +116,7 @@ absl::Status ValidateFrame(const Frame& frame, std::size_t class_count) {
   }
   status = CheckPose(frame.T_world_camera);
   if (status.ok()) status = CheckSizes(frame);
-  if (status.ok()) status = CheckLabels(frame.labels, class_count);
+  if (status.ok()) status = CheckLabels(frame.labels, labels);
   return status;
 }
 

@@ -9,6 +9,8 @@
 #include <absl/status/status.h>
 
 #include "core/geometry.h"
+#include "core/identifiers.h"
+#include "core/map_config.h"
 #include "core/timestamp.h"
 
 namespace steadymap {
@@ -71,7 +73,7 @@ inline constexpr std::uint16_t kInvalidDepth = 65535;
 
 /// What one robot saw at one moment: the only input of a map.
 struct Frame {
-  std::string robot;       ///< Id of the robot that took it.
+  SensorName source;       ///< What took it.
   Timestamp capture_time;  ///< When it was taken, by the robot's clock.
   PinholeCamera camera;    ///< Intrinsics of every image of the frame.
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
@@ -81,10 +83,10 @@ struct Frame {
   Image<Rgb> color;                ///< Aligned with depth; empty: not recorded.
 };
 
-/// OK if a frame can be integrated into a map whose class table holds `class_count` classes:
-/// usable camera, every image that is present as large as the camera says, labels below
-/// `class_count`, depth unit in range, finite pose within `kMaxPositionM`.
+/// OK if a frame can be integrated into a map whose label images may hold `labels`: usable camera,
+/// every image that is present as large as the camera says, no other label, depth unit in range,
+/// finite pose within `kMaxPositionM`.
 /// Errors: `InvalidArgument` with the reason and field path of the service contract.
-absl::Status ValidateFrame(const Frame& frame, std::size_t class_count);
+absl::Status ValidateFrame(const Frame& frame, const KnownLabels& labels);
 
 }  // namespace steadymap

@@ -40,7 +40,7 @@ using ClassId = StrongInteger<struct ClassIdTag, std::uint16_t>;
 /// The number of an atomic commit of a map; 0 is the empty map before the first.
 using Revision = StrongInteger<struct RevisionTag, std::uint64_t>;
 
-/// The place of a durable frame in its map's log, gap-free from 1; 0 is "none yet".
+/// The place of an entry, mostly a frame, in its map's log, gap-free from 1; 0 is "none yet".
 using MapSequence = StrongInteger<struct MapSequenceTag, std::uint64_t>;
 
 /// The place of a frame in its upload session, from 1; 0 is "none yet".
@@ -53,7 +53,21 @@ using EventNumber = StrongInteger<struct EventNumberTag, std::uint64_t>;
 /// with its predecessor.
 using MapKey = StrongInteger<struct MapKeyTag, std::uint64_t>;
 
-/// Whether `text` may be a tenant, map, robot or session id: `[a-z][a-z0-9-]{0,62}`.
+/// What takes frames: a sensor, by its id and that of the robot that carries it.
+struct SensorName {
+  std::string robot;
+  std::string sensor;
+
+  /// What a robot's only sensor is called where nobody says.
+  static constexpr char kDefaultSensor[] = "camera";
+
+  /// `robot/sensor`, for people.
+  std::string ToString() const { return robot + "/" + sensor; }
+
+  friend auto operator<=>(const SensorName&, const SensorName&) = default;
+};
+
+/// Whether `text` may be a tenant, map, robot, sensor or session id: `[a-z][a-z0-9-]{0,62}`.
 bool IsValidId(std::string_view text);
 
 /// The name of a map on the wire: `tenants/{tenant}/maps/{map}`.

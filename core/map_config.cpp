@@ -96,11 +96,19 @@ std::vector<SemanticClass> TorwicClasses() {
 }
 
 std::size_t MapConfig::label_limit() const {
-  std::size_t limit = 0;
+  std::size_t limit = 1;
   for (const SemanticClass& row : classes) {
     limit = std::max(limit, static_cast<std::size_t>(row.id.value()) + 1);
   }
   return limit;
+}
+
+KnownLabels::KnownLabels(const std::vector<SemanticClass>& classes) : is_known_(1, true) {
+  for (const SemanticClass& row : classes) {
+    if (row.id.value() >= is_known_.size()) is_known_.resize(std::size_t{row.id.value()} + 1);
+    is_known_[row.id.value()] = true;
+  }
+  is_dense_ = std::find(is_known_.begin(), is_known_.end(), false) == is_known_.end();
 }
 
 const SemanticClass* MapConfig::FindClass(ClassId id) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -56,11 +57,11 @@ struct MapConfig {
 
   UpdatePolicy policy = UpdatePolicy::kStatic;
 
-  /// Classes that label images may hold; unique ids. Ids that are not listed but lie below the
-  /// largest count as unnamed static classes. Never empty in a valid configuration.
+  /// Classes that label images may hold besides 0, which means no label; unique ids. Never empty in
+  /// a valid configuration.
   std::vector<SemanticClass> classes = TorwicClasses();
 
-  /// Labels of a valid frame lie below this: the largest id plus one.
+  /// The largest id plus one, at least 1: labels of a valid frame lie below this.
   std::size_t label_limit() const;
 
   /// The row of a class; null if it has none. Valid until the table changes.
@@ -70,6 +71,25 @@ struct MapConfig {
   bool IsInBackground(ClassId id) const;
 
   friend bool operator==(const MapConfig&, const MapConfig&) = default;
+};
+
+/// The values that label images of a map may hold: the ids of its class table, and 0, which means
+/// no label. Any thread.
+class KnownLabels {
+ public:
+  explicit KnownLabels(const std::vector<SemanticClass>& classes);
+
+  bool Contains(std::uint16_t label) const { return label < is_known_.size() && is_known_[label]; }
+
+  /// Every known label lies below this; at least 1.
+  std::size_t limit() const { return is_known_.size(); }
+
+  /// Whether all labels below `limit()` are known.
+  bool is_dense() const { return is_dense_; }
+
+ private:
+  std::vector<bool> is_known_;
+  bool is_dense_ = true;
 };
 
 /// OK if a map can be built so; else `InvalidArgument` with reason `BAD_VALUE` and the field path

@@ -1,26 +1,41 @@
 #include "core/map_counts.h"
 
+#include <utility>
+
 namespace steadymap {
 
-MapCounts CountMap(const MapSnapshot& snapshot) {
+MapCounts MapCounter::Count(const MapSnapshot& snapshot) {
   MapCounts counts;
-  counts.leaves = snapshot.background.leaf_count();
-  counts.voxels = snapshot.background.CountObservedVoxels();
-  counts.memory_bytes = VolumeBytes(snapshot);
-  for (const auto& [id, object] : snapshot.objects) {
-    if (object->standing == ObjectStanding::kArchived) ++counts.archived_objects;
-    if (object->standing != ObjectStanding::kPresent) continue;
-    ++counts.present_objects;
-    counts.leaves += object->volume->leaf_count();
-    counts.voxels += object->volume->CountObservedVoxels();
+  const auto add = [&counts](const CountedVolume& volume, bool is_shown) {
+    counts.memory_bytes += volume.memory_bytes;
+    if (!is_shown) return;
+    counts.leaves += volume.leaves;
+    counts.voxels += volume.voxels;
+  };
+  // What is no longer there is left behind.
+  std::map<Background::TileOrigin, CountedVolume> tiles;
+  for (const auto& [origin, tile] : snapshot.background.tiles()) {
+    CountedVolume& counted = tiles[origin] = std::move(tiles_[origin]);
+    Update(tile, &counted);
+    add(counted, /*is_shown=*/true);
   }
+  tiles_ = std::move(tiles);
+  std::map<ObjectId, CountedVolume> objects;
+  for (const auto& [id, object] : snapshot.objects) {
+    CountedVolume& counted = objects[id] = std::move(objects_[id]);
+    Update(object->volume, &counted);
+    const bool is_present = object->standing == ObjectStanding::kPresent;
+    add(counted, is_present);
+    counts.present_objects += is_present ? 1 : 0;
+    counts.archived_objects += object->standing == ObjectStanding::kArchived ? 1 : 0;
+  }
+  objects_ = std::move(objects);
   return counts;
 }
 
-std::size_t VolumeBytes(const MapSnapshot& snapshot) {
-  std::size_t bytes = snapshot.background.memory_bytes();
-  for (const auto& [id, object] : snapshot.objects) bytes += object->volume->memory_bytes();
-  return bytes;
+void MapCounter::Update(const std::shared_ptr<const TsdfGrid>& volume, CountedVolume* counted) {
+  if (counted->volume == volume) return;
+  *counted = {volume, volume->leaf_count(), volume->CountObservedVoxels(), volume->memory_bytes()};
 }
 
 }  // namespace steadymap

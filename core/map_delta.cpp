@@ -70,7 +70,7 @@ std::vector<FreeBlockChange> DiffFreeSpace(const FreeSpace& before, const FreeSp
 }
 
 std::vector<RobotChange> DiffRobots(const MapSnapshot& before, const MapSnapshot& after) {
-  std::map<std::string, std::optional<RobotState>> changes;
+  std::map<SensorName, std::optional<RobotState>> changes;
   for (const auto& [robot, state] : before.robots) changes[robot] = std::nullopt;
   for (const auto& [robot, state] : after.robots) {
     const auto old = before.robots.find(robot);
@@ -112,6 +112,7 @@ MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after) {
           .last_capture_time = after.last_capture_time,
           .newest_object = after.newest_object,
           .last_event = after.last_event,
+          .added_classes = after.added_classes,
           .objects = DiffObjects(before, after),
           .leaves = DiffLeaves(before, after),
           .free_blocks = DiffFreeSpace(before.free_space, after.free_space),
@@ -146,15 +147,16 @@ absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
   }
   for (const RobotChange& change : delta.robots) {
     if (change.state.has_value()) {
-      snapshot->robots[change.robot] = *change.state;
+      snapshot->robots[change.sensor] = *change.state;
     } else {
-      snapshot->robots.erase(change.robot);
+      snapshot->robots.erase(change.sensor);
     }
   }
   snapshot->revision = delta.to;
   snapshot->last_capture_time = delta.last_capture_time;
   snapshot->newest_object = delta.newest_object;
   snapshot->last_event = delta.last_event;
+  snapshot->added_classes = delta.added_classes;
   return absl::OkStatus();
 }
 
@@ -166,6 +168,7 @@ MapDelta Merge(const MapDelta& first, const MapDelta& second) {
       .last_capture_time = second.last_capture_time,
       .newest_object = second.newest_object,
       .last_event = second.last_event,
+      .added_classes = second.added_classes,
       .objects = MergeSorted(
           first.objects, second.objects, [](const ObjectChange& change) { return change.id; }),
       .leaves = MergeSorted(
@@ -174,7 +177,7 @@ MapDelta Merge(const MapDelta& first, const MapDelta& second) {
                                  second.free_blocks,
                                  [](const FreeBlockChange& change) { return change.origin; }),
       .robots = MergeSorted(
-          first.robots, second.robots, [](const RobotChange& change) { return change.robot; }),
+          first.robots, second.robots, [](const RobotChange& change) { return change.sensor; }),
       .events = first.events};
   merged.events.insert(merged.events.end(), second.events.begin(), second.events.end());
   return merged;

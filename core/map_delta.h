@@ -7,6 +7,7 @@
 #include <absl/status/status.h>
 
 #include "core/identifiers.h"
+#include "core/map_config.h"
 #include "core/map_object.h"
 #include "core/map_snapshot.h"
 #include "core/object_event.h"
@@ -42,7 +43,7 @@ struct FreeBlockChange {
 
 /// The new state of one robot; none if it is forgotten.
 struct RobotChange {
-  std::string robot;
+  SensorName sensor;
   std::optional<RobotState> state;
 
   friend bool operator==(const RobotChange&, const RobotChange&) = default;
@@ -56,6 +57,7 @@ struct MapDelta {
   Timestamp last_capture_time;                 ///< Of the newest frame in `to`.
   ObjectId newest_object{};                    ///< As in `MapSnapshot`, in `to`.
   EventNumber last_event{};                    ///< As in `MapSnapshot`, in `to`.
+  std::vector<SemanticClass> added_classes{};  ///< As in `MapSnapshot`, in `to`: all of them.
   std::vector<ObjectChange> objects{};         ///< By rising id, no id twice.
   std::vector<LeafChange> leaves{};            ///< Sorted by key, no key twice.
   std::vector<FreeBlockChange> free_blocks{};  ///< Sorted by origin, no origin twice.

@@ -42,7 +42,7 @@ bool MapFilter::ShowsBackgroundLeaf(LeafOrigin origin, const VoxelScale& scale) 
 }
 
 bool MapFilter::Shows(const ObjectEvent& event) const {
-  if (!event.robot.empty()) return objects.empty() && classes.empty() && boxes_world.empty();
+  if (event.IsOfRobot()) return objects.empty() && classes.empty() && boxes_world.empty();
   const bool is_related = event.related != kBackgroundId && objects.contains(event.related);
   if (!is_related && !IsWanted(objects, event.object)) return false;
   if (!IsWanted(classes, event.class_id)) return false;

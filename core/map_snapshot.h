@@ -1,11 +1,12 @@
 #pragma once
 
 #include <map>
-#include <string>
+#include <vector>
 
 #include "core/background.h"
 #include "core/free_space.h"
 #include "core/identifiers.h"
+#include "core/map_config.h"
 #include "core/object_library.h"
 #include "core/robot_state.h"
 #include "core/timestamp.h"
@@ -25,8 +26,9 @@ struct LeafKey {
 /// read one while the mapper goes on. Copying shares objects and volumes, and costs next to
 /// nothing.
 ///
-/// A revision is the sequence number of the newest frame in it, so the same frames lead to the same
-/// revision wherever commits or restarts fell.
+/// A revision is the sequence number of the newest log entry in it, so the same entries lead to the
+/// same revision wherever commits or restarts fell. Nobody outside of the mapper and the store
+/// relies on that: to them it is a number that rises.
 struct MapSnapshot {
   /// An empty map.
   explicit MapSnapshot(const VoxelScale& voxel_scale = {})
@@ -35,15 +37,21 @@ struct MapSnapshot {
   /// Voxels of a side of a free-space cell.
   static constexpr double kFreeCellVoxels = 2.0;
 
+  /// The newest log entry that is part of the map.
+  MapSequence integrated() const { return MapSequence(revision.value()); }
+
   Revision revision;
   Timestamp last_capture_time;  ///< Of the newest frame; the epoch while there is none.
   VoxelScale scale;
   Background background;
-  ObjectLibrary objects;                     ///< Archived ones included.
-  ObjectId newest_object;                    ///< The last id given away; ids are never given twice.
-  EventNumber last_event;                    ///< Of the map's history; 0: nothing happened yet.
-  FreeSpace free_space;                      ///< For the mapper alone: no query asks for it.
-  std::map<std::string, RobotState> robots;  ///< By id; for the mapper alone, too.
+  ObjectLibrary objects;   ///< Archived ones included.
+  ObjectId newest_object;  ///< The last id given away; ids are never given twice.
+  EventNumber last_event;  ///< Of the map's history; 0: nothing happened yet.
+  /// Classes that the map's table has gained since it was created, in their order.
+  std::vector<SemanticClass> added_classes;
+  FreeSpace free_space;  ///< For the mapper alone: no query asks for it.
+  std::map<SensorName, RobotState>
+      robots;  ///< By what takes the frames; for the mapper alone, too.
 };
 
 /// The leaf in the background or in an object; null where there is none.

@@ -19,33 +19,60 @@ absl::StatusOr<std::unique_ptr<Mapper>> Mapper::Create(const MapConfig& config,
 }
 
 Mapper::Mapper(const MapConfig& config, const MapperOptions& options)
-    : config_(config),
+    : created_classes_(config.classes),
+      config_(config),
+      options_(options),
       stages_(options.stages),
-      cloud_(config, DropsDynamicClasses(config, options.switches)),
-      updater_(MakeMapUpdater(config, options)),
-      map_(config) {}
+      map_(config) {
+  UseClasses();
+}
+
+/// What lasts stands in the map, so everything else can be made anew.
+void Mapper::UseClasses() {
+  config_.classes = created_classes_;
+  const std::vector<SemanticClass>& added = map_.added_classes();
+  config_.classes.insert(config_.classes.end(), added.begin(), added.end());
+  cloud_ =
+      std::make_unique<SemanticCloud>(config_, DropsDynamicClasses(config_, options_.switches));
+  updater_ = MakeMapUpdater(config_, options_);
+}
 
 void Mapper::Restore(const MapSnapshot& snapshot) {
-  assert(uncommitted_frames_ == 0);
+  assert(uncommitted_entries_ == 0);
   map_.Restore(snapshot);
+  if (!snapshot.added_classes.empty()) UseClasses();
+}
+
+void Mapper::AddClasses(MapSequence sequence, const std::vector<SemanticClass>& classes) {
+  assert(sequence == head().Next());
+  map_.AddClasses(Revision(sequence.value()), classes);
+  UseClasses();
+  assert(ValidateMapConfig(config_).ok());
+  ++uncommitted_entries_;
+}
+
+void Mapper::Skip(MapSequence sequence) {
+  assert(sequence == head().Next());
+  map_.Advance(Revision(sequence.value()));
+  ++uncommitted_entries_;
 }
 
 void Mapper::Integrate(MapSequence sequence, const Frame& frame) {
   assert(sequence == head().Next());
-  assert(ValidateFrame(frame, config_.label_limit()).ok());
+  assert(ValidateFrame(frame, KnownLabels(config_.classes)).ok());
   stages_.Enter(MapperStage::kCloud);
-  cloud_.Compute(frame);
+  cloud_->Compute(frame);
   map_.BeginFrame(Revision(sequence.value()), frame.capture_time);
   stages_.Enter(MapperStage::kPolicy);
-  updater_->Process(frame, &cloud_, &map_);
+  updater_->Process(frame, cloud_.get(), &map_);
   stages_.Enter(MapperStage::kFrameEnd);
   map_.EndFrame();
   stages_.Leave();
-  ++uncommitted_frames_;
+  ++uncommitted_entries_;
 }
 
 MapCommit Mapper::Commit() {
-  uncommitted_frames_ = 0;
+  uncommitted_entries_ = 0;
   stages_.Enter(MapperStage::kCommit);
   MapCommit commit = map_.Commit();
   stages_.Leave();

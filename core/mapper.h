@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -17,8 +18,8 @@
 
 namespace steadymap {
 
-/// Builds one map from its frames. A function of the frames alone: the same frames in the same
-/// order give the same map, bit for bit, wherever commits and restarts fall.
+/// Builds one map from the entries of its log. A function of the entries alone: the same ones in
+/// the same order give the same map, bit for bit, wherever commits and restarts fall.
 ///
 /// One thread at a time. Snapshots that it handed out are never touched again.
 class Mapper {
@@ -35,24 +36,35 @@ class Mapper {
   /// frame must have passed `ValidateFrame` (asserted).
   void Integrate(MapSequence sequence, const Frame& frame);
 
-  /// The newest frame taken in, committed or not.
+  /// Adds classes to the map's table: the entry with sequence number `sequence`, as above. Together
+  /// with the table they must be a valid one (asserted).
+  void AddClasses(MapSequence sequence, const std::vector<SemanticClass>& classes);
+
+  /// Passes over an entry that is not to be integrated.
+  void Skip(MapSequence sequence);
+
+  /// The newest entry taken in, committed or not.
   MapSequence head() const { return MapSequence(map_.revision().value()); }
 
-  /// Frames taken in since the last commit.
-  std::size_t uncommitted_frames() const { return uncommitted_frames_; }
+  /// Entries taken in since the last commit.
+  std::size_t uncommitted_entries() const { return uncommitted_entries_; }
 
-  /// Closes the work since the last commit. With no frame since then: an empty delta.
+  /// Closes the work since the last commit. With no entry since then: an empty delta.
   MapCommit Commit();
 
  private:
   Mapper(const MapConfig& config, const MapperOptions& options);
 
-  MapConfig config_;
+  void UseClasses();
+
+  const std::vector<SemanticClass> created_classes_;  ///< Of the configuration.
+  MapConfig config_;                                  ///< With the classes that were added.
+  const MapperOptions options_;
   StageTeller stages_;
-  SemanticCloud cloud_;  ///< Of the frame at hand.
+  std::unique_ptr<SemanticCloud> cloud_;  ///< Of the frame at hand.
   std::unique_ptr<MapUpdater> updater_;
   WorkingMap map_;  ///< Ahead of the last commit.
-  std::size_t uncommitted_frames_ = 0;
+  std::size_t uncommitted_entries_ = 0;
 };
 
 }  // namespace steadymap

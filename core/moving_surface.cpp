@@ -24,11 +24,11 @@ Eigen::Vector3d PositionAt(const SemanticCloud& cloud, int column, int row) {
 MovingSurface::MovingSurface(const MapConfig& config, const MovingSurfaceParameters& parameters)
     : parameters_(parameters), cell_size_m_(MapSnapshot::kFreeCellVoxels * config.voxel_size_m) {}
 
-void MovingSurface::Hide(const std::string& robot,
+void MovingSurface::Hide(const SensorName& sensor,
                          const WorkingMap& map,
                          SemanticCloud* cloud) const {
   if (!parameters_.is_on) return;
-  const RobotState* state = map.FindRobot(robot);
+  const RobotState* state = map.FindRobot(sensor);
   if (state == nullptr) return;
   std::vector<CellIndex> cells;
   Eigen::AlignedBox3d around_world;
@@ -53,11 +53,11 @@ void MovingSurface::Hide(const std::string& robot,
   }
 }
 
-void MovingSurface::Remember(const std::string& robot,
+void MovingSurface::Remember(const SensorName& sensor,
                              const SemanticCloud& cloud,
                              WorkingMap* map) const {
   if (!parameters_.is_on) return;
-  const RobotState* known = map->FindRobot(robot);
+  const RobotState* known = map->FindRobot(sensor);
   const std::vector<CellIndex> seen = CellsInSight(cloud);
   if (seen.empty() && (known == nullptr || known->moving.empty())) return;
   RobotState state = known == nullptr ? RobotState() : *known;
@@ -74,7 +74,7 @@ void MovingSurface::Remember(const std::string& robot,
   merged.insert(merged.end(), old, state.moving.end());
   if (merged.size() > kMaxCells) merged.resize(kMaxCells);
   state.moving = std::move(merged);
-  map->StoreRobot(robot, state);
+  map->StoreRobot(sensor, state);
 }
 
 /// Frames may come late; the future of another is as far away as its past.

@@ -29,12 +29,12 @@ class MovingSurface {
  public:
   MovingSurface(const MapConfig& config, const MovingSurfaceParameters& parameters);
 
-  /// Takes its weight from what lies where `robot` saw something move.
+  /// Takes its weight from what lies where `sensor` saw something move.
   /// Cost: nothing where nothing moved; with `Remember` 0.25 ms a frame on the people route.
-  void Hide(const std::string& robot, const WorkingMap& map, SemanticCloud* cloud) const;
+  void Hide(const SensorName& sensor, const WorkingMap& map, SemanticCloud* cloud) const;
 
-  /// Notes where `robot` sees something move, in the map.
-  void Remember(const std::string& robot, const SemanticCloud& cloud, WorkingMap* map) const;
+  /// Notes where `sensor` sees something move, in the map.
+  void Remember(const SensorName& sensor, const SemanticCloud& cloud, WorkingMap* map) const;
 
  private:
   bool IsFresh(const MovingCell& cell, const WorkingMap& map) const;

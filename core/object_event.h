@@ -55,7 +55,10 @@ struct ObjectEvent {
   std::uint64_t views = 0;     ///< Frames that had agreed with it.
   std::uint64_t absences = 0;  ///< Times that the evidence had spoken against it.
   ObjectId related;            ///< The other object of a move, merge or split; else 0.
-  std::string robot;           ///< For events of robots: whom they are about; else empty.
+  SensorName source;           ///< For events of robots: whom they are about; else empty.
+
+  /// Whether it is about a robot, not about an object.
+  bool IsOfRobot() const { return !source.robot.empty(); }
 
   friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;
 };

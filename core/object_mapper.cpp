@@ -43,12 +43,12 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   map_ = map;
   cloud_ = cloud;
   stages_.Enter(MapperStage::kGuard);
-  moving_.Hide(frame.robot, *map, cloud);
+  moving_.Hide(frame.source, *map, cloud);
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
   far_tiles_.Compute(frame);
   if (!guard_.Admit(frame, {*cloud, samples_, tiles_}, map)) return;
-  moving_.Remember(frame.robot, *cloud, map);
+  moving_.Remember(frame.source, *cloud, map);
   FindOwners();
   JudgeObjects();
   stages_.Enter(MapperStage::kObservations);

@@ -32,7 +32,7 @@ Eigen::Isometry3d MotionOf(const RobotState& robot, double elapsed_s) {
 
 bool RobotGuard::Admit(const Frame& frame, const FrameSurface& surface, WorkingMap* map) const {
   if (!parameters_.is_on) return true;
-  const RobotState* known = map->FindRobot(frame.robot);
+  const RobotState* known = map->FindRobot(frame.source);
   RobotState robot;
   if (known == nullptr) {
     robot.claimed = PlaceOf(frame.T_world_camera);
@@ -43,8 +43,8 @@ bool RobotGuard::Admit(const Frame& frame, const FrameSurface& surface, WorkingM
   }
   robot.last_capture_time = frame.capture_time;
   const bool counts = robot.trust == Trust::kTrusted ||
-                      Settle(Judge(surface, robot, *map), frame.robot, &robot, map);
-  map->StoreRobot(frame.robot, robot);
+                      Settle(Judge(surface, robot, *map), frame.source, &robot, map);
+  map->StoreRobot(frame.source, robot);
   return counts;
 }
 
@@ -118,7 +118,7 @@ RobotGuard::Verdict RobotGuard::Judge(const FrameSurface& surface,
 
 /// Draws the consequences; returns whether the frame counts.
 bool RobotGuard::Settle(Verdict verdict,
-                        const std::string& name,
+                        const SensorName& name,
                         RobotState* robot,
                         WorkingMap* map) const {
   const bool was_lost = robot->trust == Trust::kLost;

@@ -70,7 +70,7 @@ class RobotGuard {
   bool IsJump(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to, double elapsed_s) const;
   void FollowMotion(const Frame& frame, RobotState* robot) const;
   Verdict Judge(const FrameSurface& surface, const RobotState& robot, const WorkingMap& map) const;
-  bool Settle(Verdict verdict, const std::string& name, RobotState* robot, WorkingMap* map) const;
+  bool Settle(Verdict verdict, const SensorName& name, RobotState* robot, WorkingMap* map) const;
 
   RobotGuardParameters parameters_;
 };

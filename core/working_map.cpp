@@ -53,6 +53,11 @@ void WorkingMap::BeginFrame(Revision revision, Timestamp capture_time) {
   map_.last_capture_time = capture_time;
 }
 
+void WorkingMap::AddClasses(Revision revision, const std::vector<SemanticClass>& classes) {
+  map_.revision = revision;
+  map_.added_classes.insert(map_.added_classes.end(), classes.begin(), classes.end());
+}
+
 void WorkingMap::EndFrame() {
   for (const ObjectId id : forgotten_) {
     objects_.erase(id);
@@ -197,14 +202,14 @@ void WorkingMap::MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector
   map_.free_space.MarkRay(from_world, to_world, &changed_blocks_);
 }
 
-const RobotState* WorkingMap::FindRobot(const std::string& robot) const {
-  const auto found = map_.robots.find(robot);
+const RobotState* WorkingMap::FindRobot(const SensorName& sensor) const {
+  const auto found = map_.robots.find(sensor);
   return found == map_.robots.end() ? nullptr : &found->second;
 }
 
-void WorkingMap::StoreRobot(const std::string& robot, const RobotState& state) {
-  map_.robots[robot] = state;
-  changed_robots_.insert(robot);
+void WorkingMap::StoreRobot(const SensorName& sensor, const RobotState& state) {
+  map_.robots[sensor] = state;
+  changed_robots_.insert(sensor);
   if (map_.robots.size() <= kMaxRobots) return;
   const auto longest_ago =
       std::min_element(map_.robots.begin(), map_.robots.end(), [](const auto& a, const auto& b) {
@@ -216,13 +221,13 @@ void WorkingMap::StoreRobot(const std::string& robot, const RobotState& state) {
 
 ObjectEvent WorkingMap::MakeRobotEvent(EventType type,
                                        EventReason reason,
-                                       const std::string& robot) const {
+                                       const SensorName& sensor) const {
   ObjectEvent event;
   event.type = type;
   event.reason = reason;
   event.time = now();
   event.revision = revision();
-  event.robot = robot;
+  event.source = sensor;
   return event;
 }
 
@@ -281,9 +286,9 @@ void WorkingMap::CommitFreeSpace(MapDelta* delta) {
 }
 
 void WorkingMap::CommitRobots(MapDelta* delta) {
-  for (const std::string& robot : changed_robots_) {
-    const RobotState* state = FindRobot(robot);
-    delta->robots.push_back({robot, state ? std::optional(*state) : std::nullopt});
+  for (const SensorName& sensor : changed_robots_) {
+    const RobotState* state = FindRobot(sensor);
+    delta->robots.push_back({sensor, state ? std::optional(*state) : std::nullopt});
   }
   changed_robots_.clear();
 }
@@ -294,6 +299,7 @@ MapCommit WorkingMap::Commit() {
   commit.delta.to = map_.revision;
   commit.delta.last_capture_time = map_.last_capture_time;
   commit.delta.newest_object = map_.newest_object;
+  commit.delta.added_classes = map_.added_classes;
   commit.delta.events = std::exchange(events_, {});
   map_.last_event = EventNumber(map_.last_event.value() + commit.delta.events.size());
   commit.delta.last_event = map_.last_event;

@@ -49,6 +49,15 @@ class WorkingMap {
   /// Closes it: objects forgotten meanwhile are gone now.
   void EndFrame();
 
+  /// Leads to `revision` with nothing but more classes.
+  void AddClasses(Revision revision, const std::vector<SemanticClass>& classes);
+
+  /// Leads to `revision` with nothing changed.
+  void Advance(Revision revision) { map_.revision = revision; }
+
+  /// Classes that were added since the map was created.
+  const std::vector<SemanticClass>& added_classes() const { return map_.added_classes; }
+
   /// The frame at hand, or the last one.
   Revision revision() const { return map_.revision; }
 
@@ -112,20 +121,20 @@ class WorkingMap {
   void MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);
 
   /// What is remembered of a robot; null if nothing is. Valid until one is stored.
-  const RobotState* FindRobot(const std::string& robot) const;
+  const RobotState* FindRobot(const SensorName& sensor) const;
 
   /// Remembers a robot, and forgets the one seen longest ago where that makes too many.
-  void StoreRobot(const std::string& robot, const RobotState& state);
+  void StoreRobot(const SensorName& sensor, const RobotState& state);
 
   /// An event about an object as it stands now; add what it lacks and `Tell` it.
   ObjectEvent MakeEvent(EventType type, EventReason reason, const TrackedObject& object) const;
 
   /// An event about a robot.
-  ObjectEvent MakeRobotEvent(EventType type, EventReason reason, const std::string& robot) const;
+  ObjectEvent MakeRobotEvent(EventType type, EventReason reason, const SensorName& sensor) const;
 
   void Tell(const ObjectEvent& event) { events_.push_back(event); }
 
-  /// Closes the work since the last commit. With no frame since then: an empty delta.
+  /// Closes the work since the last commit. With nothing since then: an empty delta.
   MapCommit Commit();
 
  private:
@@ -150,7 +159,7 @@ class WorkingMap {
   std::vector<LeafKey> changed_leaves_;     ///< With repetitions.
   std::set<ObjectId> changed_objects_;      ///< Forgotten ones included.
   std::vector<LeafOrigin> changed_blocks_;  ///< Of free space; with repetitions.
-  std::set<std::string> changed_robots_;    ///< Forgotten ones included.
+  std::set<SensorName> changed_robots_;     ///< Forgotten ones included.
   std::vector<ObjectEvent> events_;
   std::vector<ObjectId> forgotten_;  ///< In the frame at hand.
 };

@@ -147,7 +147,8 @@ absl::StatusOr<ObjectEvent> FromProto(const v1::ObjectEvent& message) {
   absl::Status status = ReadPlaces(message, &event);
   if (status.ok()) status = ReadBeliefs(message, &event);
   if (!status.ok()) return status;
-  if (!message.robot().empty() && !IsValidId(message.robot())) {
+  const bool is_named = !message.robot().empty() || !message.sensor().empty();
+  if (is_named && (!IsValidId(message.robot()) || !IsValidId(message.sensor()))) {
     return InvalidField(reason::kBadValue, "robot", "robot must be empty or an id");
   }
   event.object = ObjectId(message.object_id());
@@ -155,7 +156,7 @@ absl::StatusOr<ObjectEvent> FromProto(const v1::ObjectEvent& message) {
   event.revision = Revision(message.revision());
   event.views = message.views();
   event.absences = message.absences();
-  event.robot = message.robot();
+  event.source = {message.robot(), message.sensor()};
   return event;
 }
 
@@ -178,7 +179,8 @@ v1::ObjectEvent ToProto(EventNumber number, const ObjectEvent& event) {
   message.set_related_object_id(event.related.value());
   message.set_views(event.views);
   message.set_absences(event.absences);
-  message.set_robot(event.robot);
+  message.set_robot(event.source.robot);
+  message.set_sensor(event.source.sensor);
   return message;
 }
 

@@ -128,13 +128,13 @@ absl::Status ReadHeader(const v1::Frame& message, Frame* frame) {
 }  // namespace
 
 absl::StatusOr<Frame> FromProto(const v1::Frame& message,
-                                const std::string& robot,
-                                std::size_t class_count) {
+                                const SensorName& source,
+                                const KnownLabels& labels) {
   Frame frame;
-  frame.robot = robot;
+  frame.source = source;
   absl::Status status = ReadHeader(message, &frame);
   if (status.ok()) status = DecodeImages(message, &frame);
-  if (status.ok()) status = ValidateFrame(frame, class_count);
+  if (status.ok()) status = ValidateFrame(frame, labels);
   // A pose that leaves MakePose passes ValidateFrame, so its field paths are proto paths.
   if (!status.ok()) return status;
   return frame;

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <string>
-
 #include <absl/status/statusor.h>
 
 #include "core/frame.h"
@@ -11,16 +8,16 @@
 
 namespace steadymap {
 
-/// Decodes and validates an uploaded frame of `robot` for a map whose labels lie below
-/// `class_count`. The image sizes that the intrinsics declare are checked before anything is
+/// Decodes and validates a frame that `source` uploaded for a map whose label images may hold
+/// `labels`. The image sizes that the intrinsics declare are checked before anything is
 /// allocated, and every image must have them.
 ///
 /// Errors: `InvalidArgument` with the reason of the service contract and the field path relative to
 /// the frame, such as `depth.data`.
 /// Cost: decoding, 2 to 3 ms for PNG depth and labels of 640 x 360. Pure, any thread.
 absl::StatusOr<Frame> FromProto(const v1::Frame& message,
-                                const std::string& robot,
-                                std::size_t class_count);
+                                const SensorName& source,
+                                const KnownLabels& labels);
 
 /// The camera of a frame. Errors: as `ValidateCamera`, with the field of the message.
 absl::StatusOr<PinholeCamera> FromProto(const v1::CameraIntrinsics& message);

@@ -142,7 +142,7 @@ bool BatchIntake::TakeFrame(const v1::Frame& message, ClientSequence sequence) {
 }
 
 void BatchIntake::Decode(const v1::Frame& message, ClientSequence sequence) {
-  absl::StatusOr<Frame> frame = FromProto(message, route_.session.robot, route_.map->label_limit());
+  absl::StatusOr<Frame> frame = FromProto(message, route_.session.sensor, *route_.map->labels());
   if (frame.ok()) {
     frames_.push_back(
         {sequence, *std::move(frame), message.SerializeAsString(), std::move(reservation_)});

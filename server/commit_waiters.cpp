@@ -11,7 +11,7 @@ void CommitWaiters::Add(std::shared_ptr<UploadObserver> observer, const BatchPro
   {
     const absl::MutexLock lock(&mutex_);
     integrated.revision = revision_;
-    if (progress.map_seq.value() > revision_.value()) {
+    if (progress.map_seq > integrated_) {
       if (failure_.ok()) {
         waiters_.emplace(progress.map_seq, Waiter{std::move(observer), progress});
         return;
@@ -26,12 +26,13 @@ void CommitWaiters::Add(std::shared_ptr<UploadObserver> observer, const BatchPro
   }
 }
 
-void CommitWaiters::Notify(Revision revision) {
+void CommitWaiters::Notify(Revision revision, MapSequence integrated) {
   std::vector<Waiter> done;
   {
     const absl::MutexLock lock(&mutex_);
     revision_ = revision;
-    const auto end = waiters_.upper_bound(MapSequence(revision.value()));
+    integrated_ = integrated;
+    const auto end = waiters_.upper_bound(integrated);
     for (auto waiter = waiters_.begin(); waiter != end; ++waiter) {
       done.push_back(std::move(waiter->second));
     }
@@ -51,6 +52,11 @@ void CommitWaiters::Fail(const absl::Status& status) {
     failed.swap(waiters_);
   }
   for (const auto& [sequence, waiter] : failed) waiter.observer->OnFailed(status);
+}
+
+void CommitWaiters::Restart() {
+  const absl::MutexLock lock(&mutex_);
+  failure_ = absl::OkStatus();
 }
 
 std::size_t CommitWaiters::size() const {

@@ -15,19 +15,19 @@ namespace steadymap {
 /// Those who wait until a map has a revision that shows their frames. Thread-safe.
 class CommitWaiters {
  public:
-  /// `revision` is the map's present one.
-  explicit CommitWaiters(Revision revision) : revision_(revision) {}
+  CommitWaiters() = default;
 
   /// Calls `observer->OnIntegrated` once the map shows `progress.map_seq`, maybe before this
   /// returns; or `OnFailed` if it never will.
   void Add(std::shared_ptr<UploadObserver> observer, const BatchProgress& progress)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The map has come to `revision`.
-  void Notify(Revision revision) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// The map has come to `revision`, which holds the entries up to `integrated`.
+  void Notify(Revision revision, MapSequence integrated) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// There will be no further revision: everybody, now and later, gets `status`.
+  /// There will be no further revision until `Restart`: everybody, now and later, gets `status`.
   void Fail(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Restart() ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Pieces that wait.
   std::size_t size() const ABSL_LOCKS_EXCLUDED(mutex_);
@@ -40,6 +40,7 @@ class CommitWaiters {
 
   mutable absl::Mutex mutex_;
   Revision revision_ ABSL_GUARDED_BY(mutex_);
+  MapSequence integrated_ ABSL_GUARDED_BY(mutex_);
   absl::Status failure_ ABSL_GUARDED_BY(mutex_);
   std::multimap<MapSequence, Waiter> waiters_ ABSL_GUARDED_BY(mutex_);
 };

@@ -2,8 +2,6 @@
 
 #include <cerrno>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -14,7 +12,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include "core/absl_text.h"
 #include "core/error.h"
+#include "server/posix_file.h"
+#include "server/twin_file.h"
 
 namespace steadymap {
 namespace {
@@ -34,22 +35,16 @@ absl::Status CannotUse(const std::filesystem::path& path, const std::error_code&
 
 std::error_code LastError() { return {errno, std::generic_category()}; }
 
-// Written under another name first: a crash leaves no half a mark.
-absl::Status WriteSchema(const std::filesystem::path& file) {
-  const std::string text = absl::StrCat(
-      absl::string_view(kSchemaPrefix.data(), kSchemaPrefix.size()), kFolderSchema, "\n");
-  const std::filesystem::path fresh = file.string() + ".new";
-  const int descriptor = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
-  if (descriptor < 0) return CannotUse(file.parent_path(), LastError());
-  const bool written =
-      ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-      ::fsync(descriptor) == 0;
-  const std::error_code error = LastError();
-  ::close(descriptor);
-  if (!written) return CannotUse(file.parent_path(), error);
-  std::error_code rename_error;
-  std::filesystem::rename(fresh, file, rename_error);
-  return rename_error ? CannotUse(file.parent_path(), rename_error) : absl::OkStatus();
+std::string SchemaText() { return absl::StrCat(Absl(kSchemaPrefix), kFolderSchema, "\n"); }
+
+/// The schema that a mark names; 0 if it names none.
+int SchemaOf(std::string_view text) {
+  int schema = 0;
+  if (text.starts_with(kSchemaPrefix)) {
+    text.remove_prefix(kSchemaPrefix.size());
+    std::from_chars(text.data(), text.data() + text.size(), schema);
+  }
+  return schema;
 }
 
 }  // namespace
@@ -81,31 +76,44 @@ FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   return *this;
 }
 
-absl::Status CheckSchema(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / kSchemaFile;
+absl::Status CheckSchema(const std::filesystem::path& folder,
+                         const std::filesystem::path& content) {
+  const TwinFile mark(folder / kSchemaFile);
+  absl::StatusOr<std::string> text = mark.Read();
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) return WriteSchema(file);
-  std::ifstream stream(file);
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
-  int schema = 0;
-  if (text.starts_with(kSchemaPrefix)) {
-    std::from_chars(text.data() + kSchemaPrefix.size(), text.data() + text.size(), schema);
+  const bool has_content = std::filesystem::is_directory(content, error);
+  if (absl::IsNotFound(text.status())) {
+    if (absl::Status status = MakeFolder(content); !status.ok()) return status;
+    if (absl::Status status = SyncFolder(folder); !status.ok()) return status;
+    return mark.Write(SchemaText());
   }
+  // The first schema had its mark in a single file, as it stands.
+  if (!text.ok()) text = ReadWholeFile(mark.path());
+  const int schema = text.ok() ? SchemaOf(*text) : 0;
   if (schema <= 0) {
-    return MakeError(absl::StatusCode::kDataLoss,
-                     reason::kChecksum,
-                     absl::StrCat("file ", file.string(), " does not name the store's schema"));
+    return MakeError(
+        absl::StatusCode::kDataLoss,
+        reason::kChecksum,
+        absl::StrCat("file ", mark.path().string(), " does not name the store's schema"));
   }
-  if (schema > kFolderSchema) {
-    return absl::FailedPreconditionError(absl::StrCat("data folder ",
-                                                      folder.string(),
-                                                      " was written by a newer server: schema ",
-                                                      schema,
-                                                      ", this one knows ",
-                                                      kFolderSchema));
+  if (schema != kFolderSchema) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("data folder ",
+                     folder.string(),
+                     schema > kFolderSchema ? " was written by a newer server: schema "
+                                            : " was written before the first release: schema ",
+                     schema,
+                     ", this one knows ",
+                     kFolderSchema));
   }
-  return absl::OkStatus();
+  if (has_content) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kDataLoss,
+                   reason::kChecksum,
+                   absl::StrCat("data folder ",
+                                folder.string(),
+                                " holds a store, but its folder ",
+                                content.filename().string(),
+                                " is missing"));
 }
 
 }  // namespace steadymap

@@ -27,12 +27,15 @@ class FolderLock {
 };
 
 /// Checks that `folder` holds nothing or a store of this schema, and marks it as one of ours. Read
-/// before anything else in the folder, so that a newer store is left exactly as it is.
-/// Errors: `FailedPrecondition` for a newer schema; `DataLoss` for a mark that says something else;
-/// `PermissionDenied` or `NotFound` if the mark cannot be written.
-absl::Status CheckSchema(const std::filesystem::path& folder);
+/// before anything else in the folder, so that a newer store is left exactly as it is. `content` is
+/// the folder that a store cannot be without: made with the mark, and missed where the mark is.
+/// Errors: `FailedPrecondition` for another schema; `DataLoss` for a mark that says something else,
+/// and for a store without its content; `PermissionDenied` or `NotFound` if the mark cannot be
+/// written.
+absl::Status CheckSchema(const std::filesystem::path& folder, const std::filesystem::path& content);
 
 /// Schema of the folder that this server writes. Rises when an older server could not read it.
-inline constexpr int kFolderSchema = 1;
+/// 1: one RocksDB for all maps, never released. 2: a folder a map.
+inline constexpr int kFolderSchema = 2;
 
 }  // namespace steadymap

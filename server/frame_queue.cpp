@@ -20,18 +20,20 @@ absl::Status FrameQueue::Push(PendingBatch batch) {
         absl::StrCat("the map's queue is full: ", waiting_frames_, " frames wait for the log"));
   }
   waiting_frames_ += count;
-  std::deque<PendingBatch>& queue = batches_[batch.session.robot];
+  std::deque<PendingBatch>& queue = batches_[batch.session.sensor.robot];
   queue.push_back(std::move(batch));
   return absl::OkStatus();
 }
 
-std::vector<PendingBatch> FrameQueue::PopFair(std::size_t max_frames) {
+std::vector<PendingBatch> FrameQueue::PopFair(std::size_t max_frames, std::size_t max_bytes) {
   std::vector<PendingBatch> taken;
   const absl::MutexLock lock(&mutex_);
   std::size_t frames = 0;
-  while (!batches_.empty() && frames < max_frames) {
+  std::size_t bytes = 0;
+  while (!batches_.empty() && frames < max_frames && bytes < max_bytes) {
     taken.push_back(PopNext());
     frames += CountOf(taken.back());
+    for (const PendingFrame& frame : taken.back().frames) bytes += frame.packed.size();
   }
   return taken;
 }
@@ -42,6 +44,11 @@ std::vector<PendingBatch> FrameQueue::Close(const absl::Status& status) {
   closed_ = status;
   while (!batches_.empty()) left.push_back(PopNext());
   return left;
+}
+
+void FrameQueue::Open() {
+  const absl::MutexLock lock(&mutex_);
+  closed_ = absl::OkStatus();
 }
 
 std::size_t FrameQueue::waiting_frames() const {

@@ -15,7 +15,7 @@
 namespace steadymap {
 
 /// The frames of one map that wait for the log, fair between robots: they take turns, batch by
-/// batch, and a robot's own batches keep their order.
+/// batch, and a robot's own batches keep their order, whatever sensors they are of.
 ///
 /// Bounded in frames here, and in bytes by the budget that each frame holds a part of. Thread-safe.
 class FrameQueue {
@@ -27,12 +27,14 @@ class FrameQueue {
   /// with; the batch is then dropped.
   absl::Status Push(PendingBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Takes batches in turn until they hold `max_frames` frames or there are no more; at least one
-  /// if any waits.
-  std::vector<PendingBatch> PopFair(std::size_t max_frames) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Takes batches in turn until they hold `max_frames` frames or `max_bytes` packed bytes, or
+  /// there are no more; at least one if any waits.
+  std::vector<PendingBatch> PopFair(std::size_t max_frames, std::size_t max_bytes)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Refuses from now on, with `status`, and gives back what waited.
+  /// Refuses from now on until `Open`, with `status`, and gives back what waited.
   std::vector<PendingBatch> Close(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Open() ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Frames that wait.
   std::size_t waiting_frames() const ABSL_LOCKS_EXCLUDED(mutex_);

@@ -1,22 +1,22 @@
 #include "server/housekeeper.h"
 
-#include <algorithm>
 #include <chrono>
 
 #include <absl/time/time.h>
 #include <spdlog/spdlog.h>
 
-#include "server/system_clock.h"
+#include "server/worker_pool.h"
 
 namespace steadymap {
+namespace {
 
-Housekeeper::Housekeeper(const MapDirectory* maps,
-                         WatchHub* watches,
-                         Store* store,
-                         const RetentionOptions& options)
-    : maps_(maps), watches_(watches), store_(store), options_(options), thread_([this] {
-        Run();
-      }) {}
+// Between trims of a low disk.
+constexpr std::chrono::seconds kLowDiskInterval{5};
+
+}  // namespace
+
+Housekeeper::Housekeeper(const Dependencies& dependencies, const RetentionOptions& options)
+    : dependencies_(dependencies), options_(options), thread_([this] { Run(); }) {}
 
 Housekeeper::~Housekeeper() {
   {
@@ -27,29 +27,35 @@ Housekeeper::~Housekeeper() {
 }
 
 void Housekeeper::Run() {
+  NameThread("housekeeper");
   Heartbeat::Clock::time_point due = Heartbeat::Clock::now() + options_.trim_interval;
+  Heartbeat::Clock::time_point low_disk_due = Heartbeat::Clock::now();
   while (!AwaitStop()) {
     heartbeat_.Beat();
-    watches_->CancelStalled();
-    if (Heartbeat::Clock::now() < due) continue;
-    TrimAll();
-    due = Heartbeat::Clock::now() + options_.trim_interval;
+    dependencies_.watches->CancelStalled();
+    const Heartbeat::Clock::time_point now = Heartbeat::Clock::now();
+    const bool disk_is_low = now >= low_disk_due && !dependencies_.store->CheckDisk().ok();
+    if (now < due && !disk_is_low) continue;
+    if (disk_is_low) low_disk_due = now + kLowDiskInterval;
+    TrimAll(disk_is_low);
+    if (now >= due) due = Heartbeat::Clock::now() + options_.trim_interval;
   }
 }
 
-void Housekeeper::TrimAll() {
-  const Timestamp now = Now();
-  const auto idle = std::chrono::duration_cast<std::chrono::nanoseconds>(options_.session_idle);
-  const Timestamp forget_before = Timestamp::FromNanoseconds(now.nanoseconds() - idle.count());
-  for (const std::shared_ptr<MapRuntime>& map : maps_->All()) {
+void Housekeeper::TrimAll(bool disk_is_low) {
+  for (const std::shared_ptr<MapRuntime>& map : dependencies_.maps->All()) {
     heartbeat_.Beat();
-    if (!map->condition().ok()) continue;
-    map->sessions().ForgetIdle(forget_before);
-    const MapSequence integrated(map->snapshot()->revision.value());
-    const absl::Status status = store_->Trim(
-        map->record(), {integrated, now, forget_before, watches_->OldestWatched(map->key())});
-    // A map that was deleted meanwhile is nothing to worry about.
-    if (!status.ok() && !absl::IsNotFound(status)) {
+    if (!map->CheckReads().ok()) continue;
+    TrimBounds bounds;
+    bounds.uptime = map->clock().Now();
+    bounds.forget_sessions_before = bounds.uptime - options_.session_idle;
+    bounds.sessions_in_use = dependencies_.uploads->SessionsOf(map->key());
+    bounds.oldest_watched = dependencies_.watches->OldestWatched(map->key());
+    bounds.disk_is_low = disk_is_low;
+    map->sessions().ForgetIdle(bounds.forget_sessions_before, bounds.sessions_in_use);
+    const absl::Status status = dependencies_.store->Trim(map->record(), bounds);
+    // A map that was deleted meanwhile is nothing to worry about, and a low disk is known.
+    if (!status.ok() && !absl::IsNotFound(status) && !disk_is_low) {
       spdlog::warn("map {}: its log could not be trimmed: {}",
                    map->name().ToString(),
                    std::string(status.message()));

@@ -9,20 +9,26 @@
 #include "server/map_directory.h"
 #include "server/server_config.h"
 #include "server/store.h"
+#include "server/upload_roster.h"
 #include "server/watch_hub.h"
 
 namespace steadymap {
 
 /// Does now and then what no call does: one thread goes through all maps, drops from their logs
-/// what is integrated and no longer wanted, forgets upload sessions that have been idle for too
-/// long, and cancels watches that have stalled.
+/// what is integrated and no longer wanted, at once where the disk is low, forgets upload sessions
+/// that have been idle for too long, and cancels watches that have stalled.
 class Housekeeper {
  public:
-  /// Starts the thread. What it is given must outlive it.
-  Housekeeper(const MapDirectory* maps,
-              WatchHub* watches,
-              Store* store,
-              const RetentionOptions& options);
+  /// What the housekeeper looks after; all of it outlives it.
+  struct Dependencies {
+    const MapDirectory* maps = nullptr;
+    const UploadRoster* uploads = nullptr;
+    WatchHub* watches = nullptr;
+    Store* store = nullptr;
+  };
+
+  /// Starts the thread.
+  Housekeeper(const Dependencies& dependencies, const RetentionOptions& options);
 
   /// Ends the thread.
   ~Housekeeper();
@@ -34,12 +40,10 @@ class Housekeeper {
 
  private:
   void Run() ABSL_LOCKS_EXCLUDED(mutex_);
-  void TrimAll();
+  void TrimAll(bool disk_is_low);
   bool AwaitStop() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  const MapDirectory* const maps_;
-  WatchHub* const watches_;
-  Store* const store_;
+  const Dependencies dependencies_;
   const RetentionOptions options_;
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

@@ -8,14 +8,10 @@
 namespace steadymap {
 namespace {
 
-absl::Status AnswerUploadState(const MapDirectory& maps,
-                               const v1::GetUploadStateRequest& request,
-                               v1::UploadState* response) {
-  const absl::StatusOr<UploadTarget> target =
-      FindUploadTarget(maps, request.map(), request.robot(), request.session());
-  if (!target.ok()) return target.status();
+absl::Status AnswerUploadState(const UploadTarget& target, v1::UploadState* response) {
+  if (absl::Status status = target.map->CheckReads(); !status.ok()) return status;
   const SessionState state =
-      target->map->sessions().State(target->session, target->map->snapshot()->revision);
+      target.map->sessions().State(target.session, target.map->snapshot()->integrated());
   response->set_resume_client_seq(state.durable.value());
   response->set_integrated_client_seq(state.integrated.value());
   if (state.last_active != Timestamp()) {
@@ -41,7 +37,15 @@ grpc::ServerUnaryReactor* IngestService::GetUploadState(grpc::CallbackServerCont
                                                         const v1::GetUploadStateRequest* request,
                                                         v1::UploadState* response) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(ToGrpcStatus(AnswerUploadState(*surroundings_.maps, *request, response)));
+  const absl::StatusOr<UploadTarget> target = FindUploadTarget(
+      *surroundings_.maps, request->map(), request->robot(), request->sensor(), request->session());
+  if (!target.ok()) {
+    reactor->Finish(ToGrpcStatus(target.status()));
+    return reactor;
+  }
+  target->map->WhenOpened([reactor, target = *target, response] {
+    reactor->Finish(ToGrpcStatus(AnswerUploadState(target, response)));
+  });
   return reactor;
 }
 

@@ -22,6 +22,7 @@
 #include "server/command_line.h"
 #include "server/config_file.h"
 #include "server/exit_deadline.h"
+#include "server/integration_note.h"
 #include "server/logging.h"
 #include "server/server.h"
 #include "server/service_manager_notifier.h"
@@ -91,12 +92,12 @@ void Reload(const CommandLine& command_line, ServerConfig* config, Server* serve
   spdlog::info("log level and limits reloaded");
 }
 
-// Serves until a signal ends it (OK) or the store can no longer be written (its error).
-absl::Status Serve(const sigset_t& signals,
-                   const CommandLine& command_line,
-                   ServerConfig* config,
-                   Server* server,
-                   ServiceManagerNotifier* service_manager) {
+// Serves until a signal ends it.
+void Serve(const sigset_t& signals,
+           const CommandLine& command_line,
+           ServerConfig* config,
+           Server* server,
+           ServiceManagerNotifier* service_manager) {
   const std::chrono::microseconds watchdog =
       service_manager->watchdog_interval().value_or(kLongestWait * 4);
   const auto wait = std::clamp(std::chrono::duration_cast<std::chrono::milliseconds>(watchdog / 4),
@@ -106,15 +107,15 @@ absl::Status Serve(const sigset_t& signals,
     const int signal = WaitForSignal(signals, wait);
     if (signal == SIGTERM || signal == SIGINT) {
       spdlog::info("{} received, draining", signal == SIGTERM ? "SIGTERM" : "SIGINT");
-      return absl::OkStatus();
+      return;
     }
     if (signal == SIGHUP) {
       service_manager->Reloading();
       Reload(command_line, config, server);
       service_manager->Ready();
     }
-    if (absl::Status health = server->health(); !health.ok()) return health;
-    // A mapping thread that hangs stops the progress, and then systemd restarts the daemon.
+    IntegrationNote::AgeAll();
+    // A thread that hangs stops the progress, and then systemd restarts the daemon.
     if (Clock::now() - server->last_progress() < watchdog) service_manager->FeedWatchdog();
   }
 }
@@ -124,6 +125,7 @@ int Run(const CommandLine& command_line, ServerConfig config) {
   ::gpr_set_log_function(LogForGrpc);
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockSignals();
+  IntegrationNote::CatchCrashes();
   absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(config.data_dir, config.store);
   if (!store.ok()) {
     spdlog::error("{}", std::string(store.status().message()));
@@ -145,19 +147,13 @@ int Run(const CommandLine& command_line, ServerConfig config) {
   spdlog::info("listening on {}", WithPort(config.listen, server->port()));
   ServiceManagerNotifier service_manager;
   service_manager.Ready();
-  const absl::Status ended = Serve(signals, command_line, &config, server.get(), &service_manager);
+  Serve(signals, command_line, &config, server.get(), &service_manager);
 
   // The order of shutdown:
   // 1. The service manager learns of it, and the time starts to run.
   service_manager.Stopping();
   const Clock::time_point end = Clock::now() + config.drain_timeout;
   const ExitDeadline deadline(config.drain_timeout);
-  if (!ended.ok()) {
-    // A store that failed to sync can store no more: nothing to wait for.
-    spdlog::critical("stopping: {}", std::string(ended.message()));
-    server->Shutdown(std::chrono::milliseconds(0));
-    return EXIT_FAILURE;
-  }
   // 2. Health says NOT_SERVING, no new uploads; what was taken is integrated and acknowledged.
   server->Drain();
   // 3. Streams and calls end, what is integrated is committed, threads are joined. Some of the time

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <absl/synchronization/blocking_counter.h>
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
@@ -16,14 +17,14 @@ absl::Status MapNotFound(const MapName& name, std::string_view field) {
                    field);
 }
 
-MapDirectory::MapDirectory(MapRuntime::Surroundings surroundings)
-    : surroundings_(std::move(surroundings)) {}
+MapDirectory::MapDirectory(MapRuntime::Dependencies dependencies)
+    : dependencies_(std::move(dependencies)) {}
 
 absl::Status MapDirectory::Load() {
-  absl::StatusOr<std::vector<MapRecord>> records = surroundings_.store->ListMaps();
+  absl::StatusOr<std::vector<MapRecord>> records = dependencies_.store->ListMaps();
   if (!records.ok()) return records.status();
   for (const MapRecord& record : *records) {
-    std::shared_ptr<MapRuntime> map = MapRuntime::Load(record, surroundings_);
+    std::shared_ptr<MapRuntime> map = MapRuntime::Open(record, dependencies_);
     const absl::MutexLock lock(&mutex_);
     maps_.emplace(record.name, std::move(map));
   }
@@ -44,10 +45,7 @@ absl::StatusOr<std::shared_ptr<MapRuntime>> MapDirectory::Find(const std::string
   if (!parsed.ok()) {
     return InvalidField(ReasonOf(parsed.status()), field, std::string(parsed.status().message()));
   }
-  absl::StatusOr<std::shared_ptr<MapRuntime>> map = Get(*parsed, field);
-  if (!map.ok()) return map;
-  if (absl::Status condition = (*map)->condition(); !condition.ok()) return condition;
-  return map;
+  return Get(*parsed, field);
 }
 
 std::vector<std::shared_ptr<MapRuntime>> MapDirectory::List(const std::string& tenant,
@@ -71,34 +69,33 @@ std::vector<std::shared_ptr<MapRuntime>> MapDirectory::All() const {
 }
 
 absl::StatusOr<std::shared_ptr<MapRuntime>> MapDirectory::Create(const MapRecord& record) {
-  const absl::StatusOr<MapRecord> created = surroundings_.store->CreateMap(record);
+  const absl::StatusOr<MapRecord> created = dependencies_.store->CreateMap(record);
   if (!created.ok()) return created.status();
-  std::shared_ptr<MapRuntime> map = MapRuntime::Load(*created, surroundings_);
-  if (absl::Status condition = map->condition(); !condition.ok()) return condition;
+  std::shared_ptr<MapRuntime> map = MapRuntime::Open(*created, dependencies_);
   const absl::MutexLock lock(&mutex_);
   maps_.insert_or_assign(record.name, map);
   return map;
 }
 
 absl::Status MapDirectory::Update(MapRuntime& map, const MapRecord& record) {
-  if (absl::Status status = surroundings_.store->UpdateMap(record); !status.ok()) return status;
+  if (absl::Status status = dependencies_.store->UpdateMap(record); !status.ok()) return status;
   map.SetRecord(record);
   return absl::OkStatus();
 }
 
 absl::Status MapDirectory::Delete(const std::shared_ptr<MapRuntime>& map,
                                   const std::function<void(const absl::Status&)>& end_streams) {
-  // A store that cannot delete would bring the map back at the next start.
-  if (absl::Status health = surroundings_.store->health(); !health.ok()) return health;
+  if (absl::Status status = dependencies_.store->DeleteMap(map->key()); !status.ok()) return status;
   {
     const absl::MutexLock lock(&mutex_);
-    maps_.erase(map->name());
+    const auto entry = maps_.find(map->name());
+    if (entry != maps_.end() && entry->second == map) maps_.erase(entry);
   }
   const absl::Status gone = MapNotFound(map->name(), {});
   end_streams(gone);
-  map->Close(gone, /*commit=*/false);
+  map->Close(gone, /*commit=*/false, [store = dependencies_.store] { store->Reclaim(); });
   spdlog::info("map {}: deleted", map->name().ToString());
-  return surroundings_.store->DeleteMap(map->key());
+  return absl::OkStatus();
 }
 
 void MapDirectory::Close(const absl::Status& status) {
@@ -107,7 +104,11 @@ void MapDirectory::Close(const absl::Status& status) {
     const absl::MutexLock lock(&mutex_);
     closed.swap(maps_);
   }
-  for (const auto& [name, map] : closed) map->Close(status, /*commit=*/true);
+  absl::BlockingCounter open(static_cast<int>(closed.size()));
+  for (const auto& [name, map] : closed) {
+    map->Close(status, /*commit=*/true, [&open] { open.DecrementCount(); });
+  }
+  open.Wait();
 }
 
 }  // namespace steadymap

@@ -21,23 +21,22 @@ namespace steadymap {
 /// The error for a map that does not exist.
 absl::Status MapNotFound(const MapName& name, std::string_view field);
 
-/// All maps of the server, by name. Looking up is for any thread; `Create`, `Update` and `Delete`
-/// write to disk and are for one thread at a time.
+/// All maps of the server, by name. Thread-safe. What creates, changes or deletes a map writes to
+/// disk.
 class MapDirectory {
  public:
-  /// `surroundings` is what every map gets.
-  explicit MapDirectory(MapRuntime::Surroundings surroundings);
+  /// `dependencies` are what every map gets.
+  explicit MapDirectory(MapRuntime::Dependencies dependencies);
 
-  /// Loads all maps of the store. Maps that cannot be loaded are there, in quarantine.
-  /// Errors: what the store's list ends with.
+  /// Finds all maps of the store and begins to open them. Errors: what the store's list ends with.
   absl::Status Load() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The map `name`, usable or in quarantine. Errors: `NotFound`, with `field`.
+  /// The map `name`, whatever its condition. Errors: `NotFound`, with `field`.
   absl::StatusOr<std::shared_ptr<MapRuntime>> Get(const MapName& name, std::string_view field) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The usable map that a request calls `name` in its field `field`. Errors: `InvalidArgument`
-  /// with reason `BAD_NAME`; `NotFound`; the condition of a map in quarantine.
+  /// The map that a request calls `name` in its field `field`, whatever its condition. Errors:
+  /// `InvalidArgument` with reason `BAD_NAME`; `NotFound`.
   absl::StatusOr<std::shared_ptr<MapRuntime>> Find(const std::string& name,
                                                    std::string_view field) const
       ABSL_LOCKS_EXCLUDED(mutex_);
@@ -51,24 +50,25 @@ class MapDirectory {
   /// Every map.
   std::vector<std::shared_ptr<MapRuntime>> All() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Creates a map. Errors: `AlreadyExists`, or what the store answers.
+  /// Creates a map and begins to open it. Errors: `AlreadyExists`, or what the store answers.
   absl::StatusOr<std::shared_ptr<MapRuntime>> Create(const MapRecord& record)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Replaces the record of a map. Errors: what the store answers.
   absl::Status Update(MapRuntime& map, const MapRecord& record);
 
-  /// Deletes a map. `end_streams` is called once nobody finds the map any more.
-  /// Errors: what the store answers; the map is then closed all the same.
+  /// Deletes a map, for good once this returns; what is under way for it ends soon after.
+  /// `end_streams` is called once nobody finds the map any more. Errors: what the store answers;
+  /// the map is then as it was.
   absl::Status Delete(const std::shared_ptr<MapRuntime>& map,
                       const std::function<void(const absl::Status&)>& end_streams)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Closes all maps after a last commit; nothing may be looked up afterwards.
+  /// Closes all maps after a last commit, and waits for that; nothing may be looked up afterwards.
   void Close(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  const MapRuntime::Surroundings surroundings_;
+  const MapRuntime::Dependencies dependencies_;
   mutable absl::Mutex mutex_;
   std::map<MapName, std::shared_ptr<MapRuntime>> maps_ ABSL_GUARDED_BY(mutex_);
 };

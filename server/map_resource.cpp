@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <absl/random/random.h>
 #include <absl/strings/str_cat.h>
 #include <google/protobuf/util/field_mask_util.h>
 #include <google/protobuf/util/time_util.h>
@@ -11,6 +10,7 @@
 #include "core/error.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_map.h"
+#include "server/map_folder.h"
 #include "server/system_clock.h"
 
 namespace steadymap {
@@ -70,27 +70,44 @@ absl::StatusOr<std::chrono::milliseconds> ReadCommitDelay(const v1::Map& map) {
   return std::chrono::milliseconds(milliseconds);
 }
 
-std::string RandomToken() {
-  absl::BitGen random;
-  return absl::StrCat(absl::Hex(absl::Uniform<std::uint64_t>(random), absl::kZeroPad16));
+v1::MapCondition ToProto(MapRuntime::Condition condition) {
+  switch (condition) {
+    case MapRuntime::Condition::kOpening:
+      return v1::MAP_CONDITION_OPENING;
+    case MapRuntime::Condition::kReady:
+      return v1::MAP_CONDITION_READY;
+    case MapRuntime::Condition::kReadOnly:
+      return v1::MAP_CONDITION_READ_ONLY;
+    case MapRuntime::Condition::kQuarantined:
+      return v1::MAP_CONDITION_QUARANTINED;
+    case MapRuntime::Condition::kDamaged:
+      return v1::MAP_CONDITION_DAMAGED;
+    case MapRuntime::Condition::kDeleted:
+      break;
+  }
+  return v1::MAP_CONDITION_UNSPECIFIED;
 }
 
-void FillState(MapRuntime& map, v1::MapState* state) {
-  // The head first: it must not be behind the revision.
-  const std::shared_ptr<const MapSnapshot> snapshot = map.snapshot();
-  const std::uint64_t head = std::max(map.durable_head().value(), snapshot->revision.value());
-  const MapCounts counts = map.Count();
-  state->set_revision(snapshot->revision.value());
+void FillState(const MapRuntime& map, v1::MapState* state) {
+  const MapRuntime::Health health = map.health();
+  state->set_condition(ToProto(health.condition));
+  if (!health.reason.ok()) state->set_condition_reason(std::string(health.reason.message()));
+  // The revision first: the head must not be behind it.
+  const PublishedRevision published = map.published();
+  const MapSnapshot& snapshot = *published.snapshot;
+  const std::uint64_t integrated = snapshot.integrated().value();
+  const std::uint64_t head = std::max(map.durable_head().value(), integrated);
+  state->set_revision(snapshot.revision.value());
   state->set_durable_map_seq(head);
-  state->set_lag_frames(head - snapshot->revision.value());
+  state->set_lag_frames(head - integrated);
   state->set_refused_frames(map.refused_frames());
-  state->set_leaves(counts.leaves);
-  state->set_voxels(counts.voxels);
-  state->set_memory_bytes(counts.memory_bytes);
-  state->set_present_objects(counts.present_objects);
-  state->set_archived_objects(counts.archived_objects);
-  if (snapshot->revision.value() > 0) {
-    *state->mutable_last_capture_time() = ToProto(snapshot->last_capture_time);
+  state->set_leaves(published.counts.leaves);
+  state->set_voxels(published.counts.voxels);
+  state->set_memory_bytes(published.counts.memory_bytes);
+  state->set_present_objects(published.counts.present_objects);
+  state->set_archived_objects(published.counts.archived_objects);
+  if (snapshot.last_capture_time != Timestamp()) {
+    *state->mutable_last_capture_time() = ToProto(snapshot.last_capture_time);
   }
 }
 
@@ -144,12 +161,13 @@ std::string TenantOf(const std::string& parent) {
   return parent.starts_with(kPrefix) ? parent.substr(kPrefix.size()) : std::string();
 }
 
-v1::Map MakeMapResource(MapRuntime& map) {
+v1::Map MakeMapResource(const MapRuntime& map) {
   const MapRecord record = map.record();
   v1::Map resource;
   resource.set_name(record.name.ToString());
   resource.set_etag(EtagOf(record));
-  if (!map.condition().ok()) return resource;
+  FillState(map, resource.mutable_state());
+  if (!record.condition.ok()) return resource;
   resource.set_display_name(record.display_name);
   *resource.mutable_config() = ToProto(record.config);
   resource.mutable_retention()->mutable_frame_log_age()->set_seconds(record.frame_log_age.count());
@@ -161,7 +179,6 @@ v1::Map MakeMapResource(MapRuntime& map) {
   }
   *resource.mutable_create_time() = ToProto(record.create_time);
   resource.set_incarnation(record.incarnation);
-  FillState(map, resource.mutable_state());
   return resource;
 }
 
@@ -209,7 +226,7 @@ absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
     if (status = ApplyPath(path, request.map(), defaults, &record); !status.ok()) return status;
   }
   record.create_time = Now();
-  record.incarnation = RandomToken();
+  record.incarnation = NewIncarnation();
   record.request_id = request.request_id();
   return record;
 }

@@ -17,7 +17,7 @@ namespace steadymap {
 std::string TenantOf(const std::string& parent);
 
 /// The map as a resource, with what it holds now. A map in quarantine has a name and an etag only.
-v1::Map MakeMapResource(MapRuntime& map);
+v1::Map MakeMapResource(const MapRuntime& map);
 
 /// Changes with every change of the record, and with every map of the same name.
 std::string EtagOf(const MapRecord& record);

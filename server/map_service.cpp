@@ -18,77 +18,89 @@ constexpr std::uint32_t kMaxPageSize = 1000;
 
 }  // namespace
 
-grpc::ServerUnaryReactor* MapService::CreateMap(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* MapService::CreateMap(grpc::CallbackServerContext* /*context*/,
                                                 const v1::CreateMapRequest* request,
                                                 v1::Map* response) {
-  return AnswerOnPool(surroundings_.clerk, context, [this, request, response] {
-    return Create(*request, response);
+  return AnswerLaterOnPool(surroundings_.pool, [this, request, response](const FinishCall& finish) {
+    Create(*request, response, finish);
   });
 }
 
-grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* /*context*/,
                                              const v1::GetMapRequest* request,
                                              v1::Map* response) {
-  return AnswerOnPool(
-      surroundings_.clerk, context, [this, request, response] { return Get(*request, response); });
+  const auto map = surroundings_.maps->Find(request->name(), "name");
+  return AnswerOnPoolAfter(
+      [&map](std::function<void()> go_on) {
+        if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
+        go_on();
+      },
+      surroundings_.pool,
+      [map, request, response](const Cancellation&) {
+        if (!map.ok()) return map.status();
+        *response = MakeMapResource(**map);
+        return ApplyReadMask(request->read_mask(), response);
+      });
 }
 
-grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* /*context*/,
                                                const v1::ListMapsRequest* request,
                                                v1::ListMapsResponse* response) {
-  return AnswerOnPool(
-      surroundings_.clerk, context, [this, request, response] { return List(*request, response); });
+  return AnswerOnPool(surroundings_.pool, [this, request, response](const Cancellation&) {
+    return List(*request, response);
+  });
 }
 
-grpc::ServerUnaryReactor* MapService::UpdateMap(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* MapService::UpdateMap(grpc::CallbackServerContext* /*context*/,
                                                 const v1::UpdateMapRequest* request,
                                                 v1::Map* response) {
-  return AnswerOnPool(surroundings_.clerk, context, [this, request, response] {
+  return AnswerOnPool(surroundings_.pool, [this, request, response](const Cancellation&) {
     return Update(*request, response);
   });
 }
 
-grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* /*context*/,
                                                 const v1::DeleteMapRequest* request,
                                                 google::protobuf::Empty* /*response*/) {
-  return AnswerOnPool(surroundings_.clerk, context, [this, request] { return Delete(*request); });
+  return AnswerOnPool(surroundings_.pool,
+                      [this, request](const Cancellation&) { return Delete(*request); });
 }
 
-absl::Status MapService::Create(const v1::CreateMapRequest& request, v1::Map* response) {
+/// Finishes the call once the map is open.
+void MapService::Create(const v1::CreateMapRequest& request,
+                        v1::Map* response,
+                        const FinishCall& finish) {
   const absl::StatusOr<MapRecord> record = ReadNewMap(request, surroundings_.retention);
-  if (!record.ok()) return record.status();
-  const absl::StatusOr<std::shared_ptr<MapRuntime>> present =
-      surroundings_.maps->Get(record->name, "map_id");
-  if (present.ok()) {
-    const MapRecord existing = (*present)->record();
-    const bool same = !record->request_id.empty() && (*present)->condition().ok() &&
-                      existing.request_id == record->request_id &&
-                      existing.config == record->config;
-    if (!same) {
-      return MakeError(absl::StatusCode::kAlreadyExists,
-                       reason::kAlreadyExists,
-                       absl::StrCat("the map ", record->name.ToString(), " is there already"),
-                       "map_id");
+  if (!record.ok()) return finish(record.status());
+  absl::StatusOr<std::shared_ptr<MapRuntime>> map = absl::NotFoundError("");
+  {
+    const WriteTurn::Held turn(&changes_);
+    map = surroundings_.maps->Get(record->name, "map_id");
+    if (map.ok()) {
+      const MapRecord existing = (*map)->record();
+      const bool same = !record->request_id.empty() && existing.condition.ok() &&
+                        existing.request_id == record->request_id &&
+                        existing.config == record->config;
+      if (!same) {
+        return finish(
+            MakeError(absl::StatusCode::kAlreadyExists,
+                      reason::kAlreadyExists,
+                      absl::StrCat("the map ", record->name.ToString(), " is there already"),
+                      "map_id"));
+      }
+    } else {
+      map = surroundings_.maps->Create(*record);
+      if (!map.ok()) return finish(map.status());
+      spdlog::info("map {}: created, voxel size {} m, truncation {} m",
+                   record->name.ToString(),
+                   record->config.voxel_size_m,
+                   record->config.truncation_m);
     }
-    *response = MakeMapResource(**present);
-    return absl::OkStatus();
   }
-  const absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Create(*record);
-  if (!map.ok()) return map.status();
-  spdlog::info("map {}: created, voxel size {} m, truncation {} m",
-               record->name.ToString(),
-               record->config.voxel_size_m,
-               record->config.truncation_m);
-  *response = MakeMapResource(**map);
-  return absl::OkStatus();
-}
-
-absl::Status MapService::Get(const v1::GetMapRequest& request, v1::Map* response) {
-  const absl::StatusOr<std::shared_ptr<MapRuntime>> map =
-      surroundings_.maps->Find(request.name(), "name");
-  if (!map.ok()) return map.status();
-  *response = MakeMapResource(**map);
-  return ApplyReadMask(request.read_mask(), response);
+  (*map)->WhenOpened([map = *map, response, finish] {
+    *response = MakeMapResource(*map);
+    finish(absl::OkStatus());
+  });
 }
 
 absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response) {
@@ -117,10 +129,12 @@ absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsRe
 }
 
 absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* response) {
+  const WriteTurn::Held turn(&changes_);
   const absl::StatusOr<std::shared_ptr<MapRuntime>> map =
       surroundings_.maps->Find(request.map().name(), "map.name");
   if (!map.ok()) return map.status();
   MapRecord record = (*map)->record();
+  if (!record.condition.ok()) return record.condition;
   absl::Status status = CheckEtag(record, request.map().etag(), "map.etag");
   if (status.ok()) {
     status = ApplyUpdate(request.map(), request.update_mask(), surroundings_.retention, &record);
@@ -135,7 +149,7 @@ absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* re
 absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
   const absl::StatusOr<MapName> name = MapName::Parse(request.name());
   if (!name.ok()) return name.status();
-  // A map in quarantine can be deleted, too.
+  const WriteTurn::Held turn(&changes_);
   const absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Get(*name, "name");
   if (!map.ok()) return map.status();
   if (absl::Status status = CheckEtag((*map)->record(), request.etag(), "etag"); !status.ok()) {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "server/map_directory.h"
+#include "server/pool_call.h"
 #include "server/server_config.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
 #include "server/worker_pool.h"
+#include "server/write_turn.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"
 
@@ -18,7 +20,7 @@ class MapService final : public v1::MapService::CallbackService {
     MapDirectory* maps = nullptr;
     UploadRoster* roster = nullptr;
     WatchHub* watches = nullptr;
-    WorkerPool* clerk = nullptr;  ///< Of one thread, so that changes come one after another.
+    WorkerPool* pool = nullptr;
     RetentionOptions retention;
   };
 
@@ -41,13 +43,13 @@ class MapService final : public v1::MapService::CallbackService {
                                       google::protobuf::Empty* response) override;
 
  private:
-  absl::Status Create(const v1::CreateMapRequest& request, v1::Map* response);
-  absl::Status Get(const v1::GetMapRequest& request, v1::Map* response);
+  void Create(const v1::CreateMapRequest& request, v1::Map* response, const FinishCall& finish);
   absl::Status List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response);
   absl::Status Update(const v1::UpdateMapRequest& request, v1::Map* response);
   absl::Status Delete(const v1::DeleteMapRequest& request);
 
   const Surroundings surroundings_;
+  WriteTurn changes_;  ///< Changes of maps come one after another.
 };
 
 }  // namespace steadymap

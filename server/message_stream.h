@@ -33,12 +33,16 @@ class MessageStream final : public grpc::ServerWriteReactor<Message> {
  public:
   using Source = MessageSource<Message>;
 
-  /// `open` makes the source, on the pool too; `on_done` is called when the call is over.
-  static MessageStream* Start(WorkerPool* pool,
+  /// `wait` is called at once and calls what it is given when the work may begin; `open` then makes
+  /// the source, on the pool too; `on_done` is called when the call is over.
+  static MessageStream* Start(const std::function<void(std::function<void()>)>& wait,
+                              WorkerPool* pool,
                               std::function<absl::StatusOr<std::unique_ptr<Source>>()> open,
                               std::function<void()> on_done) {
     auto* stream = new MessageStream(pool, std::move(open), std::move(on_done));
-    if (!pool->TrySubmit([stream] { stream->MakeNext(); })) stream->End(PoolFullError());
+    wait([stream, pool] {
+      if (!pool->TrySubmit([stream] { stream->MakeNext(); })) stream->End(PoolFullError());
+    });
     return stream;
   }
 

@@ -18,9 +18,7 @@ constexpr std::uint32_t kEventReasons = static_cast<std::uint32_t>(EventReason::
 constexpr std::uint32_t kMaxClassId = 0xFFFF;
 constexpr std::int32_t kMaxLeafIndex = 1 << 27;
 
-// Numbers of evidence in a record, and before changes were measured.
 constexpr int kEvidenceNumbers = 4;
-constexpr int kOldEvidenceNumbers = 3;
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
@@ -83,9 +81,7 @@ absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence*
   evidence->present_cells = proto.evidence_cells(0);
   evidence->absent_cells = proto.evidence_cells(1);
   evidence->absent_streak_cells = proto.evidence_cells(2);
-  if (proto.evidence_cells_size() == kEvidenceNumbers) {
-    evidence->change_sum_m = proto.evidence_cells(3);
-  }
+  evidence->change_sum_m = proto.evidence_cells(3);
   if (!std::isfinite(evidence->change_sum_m)) {
     return Impossible("an object record holds an impossible change");
   }
@@ -135,8 +131,7 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
 absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectState& proto) {
   if (proto.standing() < 1 || proto.standing() > kStandings || proto.class_id() > kMaxClassId ||
       proto.pose_size() != 4 || proto.cuboid_size() != 7 ||
-      proto.evidence_cells_size() < kOldEvidenceNumbers ||
-      proto.evidence_cells_size() > kEvidenceNumbers) {
+      proto.evidence_cells_size() != kEvidenceNumbers) {
     return Impossible("an object record holds no object");
   }
   ObjectState state;
@@ -178,7 +173,8 @@ storage::v1::EventRecord ToProto(const ObjectEvent& event) {
   record.set_related(event.related.value());
   record.set_views(event.views);
   record.set_absences(event.absences);
-  record.set_robot(event.robot);
+  record.set_robot(event.source.robot);
+  record.set_sensor(event.source.sensor);
   return record;
 }
 
@@ -204,7 +200,7 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
   event.related = ObjectId{record.related()};
   event.views = record.views();
   event.absences = record.absences();
-  event.robot = record.robot();
+  event.source = {record.robot(), record.sensor()};
   return event;
 }
 

@@ -1,23 +1,70 @@
 #include "server/pool_call.h"
 
 #include <exception>
+#include <memory>
 #include <utility>
 
-#include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
 #include "proto/grpc_status.h"
 
 namespace steadymap {
+namespace {
 
-grpc::ServerUnaryReactor* AnswerOnPool(WorkerPool* pool,
-                                       grpc::CallbackServerContext* context,
-                                       std::function<absl::Status()> work) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const bool submitted = pool->TrySubmit(
-      [reactor, work = std::move(work)] { reactor->Finish(ToGrpcStatus(RunGuarded(work))); });
+/// What gRPC holds of a unary call.
+class UnaryReactor final : public grpc::ServerUnaryReactor {
+ public:
+  const Cancellation& cancellation() const { return cancellation_; }
+
+  void OnCancel() override { cancellation_.Cancel(); }
+
+  void OnDone() override { delete this; }
+
+ private:
+  const Cancellation cancellation_;
+};
+
+void RunOrRefuse(WorkerPool* pool, UnaryReactor* reactor, CallWork work) {
+  const bool submitted = pool->TrySubmit([reactor, work = std::move(work)] {
+    const Cancellation& cancellation = reactor->cancellation();
+    absl::Status status = cancellation.Check();
+    if (status.ok()) status = RunGuarded([&] { return work(cancellation); });
+    reactor->Finish(ToGrpcStatus(status));
+  });
   if (!submitted) reactor->Finish(ToGrpcStatus(PoolFullError()));
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* AnswerOnPool(WorkerPool* pool, CallWork work) {
+  auto* reactor = new UnaryReactor();
+  RunOrRefuse(pool, reactor, std::move(work));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* AnswerOnPoolAfter(const std::function<void(std::function<void()>)>& wait,
+                                            WorkerPool* pool,
+                                            CallWork work) {
+  auto* reactor = new UnaryReactor();
+  wait([pool, reactor, work = std::move(work)] { RunOrRefuse(pool, reactor, work); });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* AnswerLaterOnPool(WorkerPool* pool,
+                                            std::function<void(FinishCall)> work) {
+  auto* reactor = new UnaryReactor();
+  const FinishCall finish = [reactor](const absl::Status& status) {
+    reactor->Finish(ToGrpcStatus(status));
+  };
+  const bool submitted = pool->TrySubmit([work = std::move(work), finish] {
+    const absl::Status status = RunGuarded([&] {
+      work(finish);
+      return absl::OkStatus();
+    });
+    if (!status.ok()) finish(status);
+  });
+  if (!submitted) finish(PoolFullError());
   return reactor;
 }
 
@@ -31,9 +78,10 @@ absl::Status RunGuarded(const std::function<absl::Status()>& work) {
 }
 
 absl::Status PoolFullError() {
-  return MakeError(absl::StatusCode::kResourceExhausted,
-                   reason::kQueueFull,
-                   "too many calls of this kind wait already");
+  return WithRetryDelay(MakeError(absl::StatusCode::kResourceExhausted,
+                                  reason::kQueueFull,
+                                  "too many calls of this kind wait already"),
+                        1000);
 }
 
 }  // namespace steadymap

@@ -120,19 +120,20 @@ absl::Status AnswerListFramePoses(Store& store,
   const std::string scope = absl::StrCat("poses of ", map.key().value(), " behind ");
   const absl::StatusOr<std::uint64_t> last = ReadNumberToken(scope, request.page_token());
   if (!last.ok()) return last.status();
-  const Revision revision = map.snapshot()->revision;
+  const std::shared_ptr<const MapSnapshot> snapshot = map.snapshot();
   // One more than asked for tells whether there is another page.
-  absl::StatusOr<std::vector<FramePose>> poses = store.ReadPoses(
-      map.key(), MapSequence(*last).Next(), MapSequence(revision.value()), *page_size + 1);
+  absl::StatusOr<std::vector<FramePose>> poses =
+      store.ReadPoses(map.key(), MapSequence(*last).Next(), snapshot->integrated(), *page_size + 1);
   if (!poses.ok()) return poses.status();
   const bool more = poses->size() > *page_size;
   if (more) poses->pop_back();
-  response->set_revision(revision.value());
+  response->set_revision(snapshot->revision.value());
   for (const FramePose& pose : *poses) {
     v1::FramePose* message = response->add_poses();
     message->set_map_seq(pose.sequence.value());
     *message->mutable_capture_time() = ToProto(pose.capture_time);
-    message->set_robot(pose.robot);
+    message->set_robot(pose.source.robot);
+    message->set_sensor(pose.source.sensor);
     *message->mutable_world_from_camera() = ToProto(pose.T_world_camera);
   }
   if (more) {

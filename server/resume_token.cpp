@@ -8,25 +8,20 @@
 
 #include "core/crc32c.h"
 #include "core/error.h"
+#include "server/history_hash.h"
 
 namespace steadymap {
 namespace {
 
-// Version, then map, incarnation, filter, revision and event, then the checksum of all that.
-constexpr char kTokenVersion = 1;
-constexpr std::size_t kTokenNumbers = 5;
+// Version, then map, incarnation, filter, revision, event and history, then the checksum of all
+// that.
+constexpr char kTokenVersion = 2;
+constexpr std::size_t kTokenNumbers = 6;
 constexpr std::size_t kNumberBytes = 8;
 constexpr std::size_t kChecksumBytes = 4;
 constexpr std::size_t kTokenBytes = 1 + kTokenNumbers * kNumberBytes + kChecksumBytes;
 
-/// FNV-1a.
-std::uint64_t HashOf(std::string_view text) {
-  std::uint64_t hash = 0xCBF29CE484222325ULL;
-  for (const char letter : text) {
-    hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001B3ULL;
-  }
-  return hash;
-}
+std::uint64_t HashOf(std::string_view text) { return ExtendHash(kEmptyHash, text); }
 
 void AppendInteger(std::uint64_t value, std::size_t bytes, std::string* text) {
   for (std::size_t i = 0; i < bytes; ++i) text->push_back(static_cast<char>(value >> (8 * i)));
@@ -63,7 +58,8 @@ std::string MakeResumeToken(const WatchScope& scope, const WatchPosition& positi
                                                             HashOf(scope.incarnation),
                                                             scope.filter,
                                                             position.revision.value(),
-                                                            position.last_event.value()};
+                                                            position.last_event.value(),
+                                                            position.history_hash};
   for (const std::uint64_t number : numbers) AppendInteger(number, kNumberBytes, &token);
   AppendInteger(ExtendCrc32c(0, token), kChecksumBytes, &token);
   return token;
@@ -88,7 +84,7 @@ absl::StatusOr<WatchPosition> ReadResumeToken(const WatchScope& scope, std::stri
   if (numbers[2] != scope.filter) {
     return BadToken("filter", "the resume token was given to a watch with another filter");
   }
-  return WatchPosition{Revision(numbers[3]), EventNumber(numbers[4])};
+  return WatchPosition{Revision(numbers[3]), EventNumber(numbers[4]), numbers[5]};
 }
 
 }  // namespace steadymap

@@ -7,6 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/identifiers.h"
+#include "server/store.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 
@@ -25,6 +26,9 @@ struct WatchScope {
 struct WatchPosition {
   Revision revision;
   EventNumber last_event;
+  std::uint64_t history_hash = 0;  ///< As in `CommitMark`.
+
+  CommitMark commit() const { return {revision, history_hash}; }
 
   friend bool operator==(const WatchPosition&, const WatchPosition&) = default;
 };

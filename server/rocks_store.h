@@ -1,50 +1,65 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include <absl/base/thread_annotations.h>
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 #include <absl/synchronization/mutex.h>
-#include <rocksdb/write_batch.h>
+#include <absl/synchronization/notification.h>
+#include <rocksdb/env.h>
 
+#include "server/disk_space_gate.h"
+#include "server/folder_lock.h"
+#include "server/map_database.h"
+#include "server/map_folder.h"
 #include "server/store.h"
-#include "server/store_database.h"
-#include "server/store_records.h"
-#include "server/write_turns.h"
-
-#include "steadymap/storage/v1/records.pb.h"
+#include "server/store_catalog.h"
 
 namespace steadymap {
 
-/// The store in RocksDB. Private to the server: everybody else uses `Store`.
+/// The store on disk. Private to the server: everybody else uses `Store`.
 ///
-/// In memory it keeps each map's record and heads, a few hundred bytes a map; they change after the
-/// disk did.
+/// The folder holds `lock`, `schema`, `catalog` (which maps there are), and `maps/KEY/` for each
+/// map
+/// (`map_folder.h`). In memory it keeps each map's record, and an open map's database.
 class RocksStore final : public Store {
  public:
-  /// `Store::Open` with a file system to put faults in; null: the real one.
+  /// What a test may put in place of the machine's own.
+  struct Platform {
+    std::shared_ptr<rocksdb::FileSystem> file_system = rocksdb::FileSystem::Default();
+    /// Free bytes for the daemon's user on a folder's disk.
+    std::function<absl::StatusOr<std::uint64_t>(const std::filesystem::path&)> free_disk_bytes =
+        FreeDiskBytes;
+  };
+
+  /// `Store::Open` on another platform.
   static absl::StatusOr<std::unique_ptr<RocksStore>> Open(const std::filesystem::path& folder,
                                                           const StoreOptions& options,
-                                                          rocksdb::Env* environment);
+                                                          const Platform& platform);
+
+  /// Waits for everybody who still reads a map.
+  ~RocksStore() override;
 
   absl::StatusOr<MapRecord> CreateMap(const MapRecord& record) override;
   absl::Status UpdateMap(const MapRecord& record) override;
   absl::Status DeleteMap(MapKey map) override;
   absl::StatusOr<std::vector<MapRecord>> ListMaps() override;
   absl::StatusOr<StoredState> LoadMap(const MapRecord& record) override;
-  absl::Status AppendFrames(const std::vector<LogAppend>& appends) override;
-  absl::Status CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) override;
+  absl::Status Append(const LogAppend& append) override;
+  absl::StatusOr<CommitMark> CommitRevision(MapKey map,
+                                            const MapDelta& delta,
+                                            const CommitDetails& details) override;
   absl::Status ReadLog(MapKey map,
                        MapSequence first,
-                       const std::function<absl::Status(LogFrame)>& visit) override;
+                       const std::function<absl::Status(LogEntry)>& visit) override;
   absl::StatusOr<std::vector<FramePose>> ReadPoses(MapKey map,
                                                    MapSequence first,
                                                    MapSequence last,
@@ -52,107 +67,71 @@ class RocksStore final : public Store {
   absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
                                                       EventNumber first,
                                                       std::size_t limit) override;
-  absl::StatusOr<ChangeList> ReadChanges(MapKey map, Revision from, Revision to) override;
+  absl::StatusOr<ChangeList> ReadChanges(MapKey map, CommitMark from, Revision to) override;
   absl::Status Trim(const MapRecord& map, const TrimBounds& bounds) override;
-  absl::Status health() const override;
+  absl::Status health(MapKey map) const override;
+  absl::Status CheckDisk() const override;
 
-  /// For tests that damage what is stored.
-  StoreDatabase& database_for_test() { return *database_; }
+  void Reclaim() override { RemoveDeleted(); }
+
+  bool IsWaitingForDisk() const override;
+  void StopWaitingForDisk() override;
+
+  /// For tests that damage what is stored; the map must be open.
+  StateDatabase& state_for_test(MapKey map);
 
  private:
-  /// What is known of a map without reading the disk.
+  /// A map as the store holds it.
   struct MapEntry {
     MapRecord record;
-    storage::v1::LogHead log_head;
-    storage::v1::RevisionHead revision_head;
+    std::shared_ptr<MapDatabase> database;  ///< Null until it is opened.
+    /// Notified once the last user of the database that was open has let go of it; null: none was.
+    std::shared_ptr<absl::Notification> closed;
+    std::shared_ptr<WriteTurn> opening = std::make_shared<WriteTurn>();
   };
 
-  RocksStore(std::unique_ptr<StoreDatabase> database, const StoreOptions& options);
+  RocksStore(FolderLock lock,
+             std::filesystem::path folder,
+             const StoreOptions& options,
+             const Platform& platform);
 
-  /// Reads all map records and heads. A damaged one is marked, not an error.
-  absl::Status LoadEntries();
-  absl::StatusOr<MapEntry> LoadEntry(MapKey key, const rocksdb::Snapshot* snapshot) const;
-  absl::StatusOr<std::map<MapKey, MapName>> LoadNameIndex() const;
+  static absl::StatusOr<std::uint64_t> FreeDiskBytes(const std::filesystem::path& folder);
+  absl::Status LoadCatalog();
+  void AdoptFolder(const std::filesystem::path& folder);
+  MapEntry LoadEntry(const StoreCatalog::Map& map);
+  void RemoveDeleted();
+  absl::Status WriteCatalog() ABSL_EXCLUSIVE_LOCKS_REQUIRED(catalog_mutex_);
 
-  /// A copy of the map's entry. Errors: `NotFound`; `DataLoss` for a quarantined map.
-  absl::StatusOr<MapEntry> Find(MapKey map) const;
+  /// The database of an open map. Errors: `NotFound`; `DataLoss` for a quarantined map.
+  absl::StatusOr<std::shared_ptr<MapDatabase>> Find(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Errors: `ResourceExhausted` with reason `DISK_LOW`.
-  absl::Status CheckDisk() const;
+  /// The database of a map, opened if it is not open or has failed.
+  absl::StatusOr<std::shared_ptr<MapDatabase>> OpenDatabase(const MapRecord& record)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Checks one append and puts it into `batch`; `*head` becomes the map's new head.
-  absl::Status PutAppend(const LogAppend& append,
-                         storage::v1::LogHead* head,
-                         rocksdb::WriteBatch* batch) const;
+  MapDatabase::Surroundings DatabaseSurroundings() const;
+  MapFolder FolderOf(MapKey map) const;
 
-  /// Puts a commit into `batch`; `head` is the map's new one.
-  void PutCommit(MapKey map,
-                 const MapDelta& delta,
-                 const storage::v1::RevisionHead& head,
-                 rocksdb::WriteBatch* batch) const;
-
-  /// Puts events into `batch`, numbered from `first` on.
-  void PutEvents(MapKey map,
-                 const std::vector<ObjectEvent>& events,
-                 EventNumber first,
-                 rocksdb::WriteBatch* batch) const;
-
-  /// Puts a sealed record into `batch`.
-  void PutSealed(Family family,
-                 const std::string& key,
-                 const google::protobuf::MessageLite& record,
-                 rocksdb::WriteBatch* batch) const;
-
-  /// Calls `visit` for every value of a map in `snapshot`, until it returns an error.
-  using RecordVisitor = std::function<absl::Status(const ValuePlace&, std::string_view)>;
-  absl::Status ForEachRecord(Family family,
-                             MapKey map,
-                             const rocksdb::Snapshot* snapshot,
-                             const RecordVisitor& visit) const;
-
-  /// All sessions, and the volumes, objects and free space, of a map in `snapshot`.
-  absl::Status LoadSessions(MapKey map,
-                            const rocksdb::Snapshot* snapshot,
-                            StoredState* state) const;
-  absl::Status LoadContent(MapKey map,
-                           const rocksdb::Snapshot* snapshot,
-                           MapSnapshot* content) const;
-
-  /// The parts of a trim: each puts what goes into `batch`. `entry` is the map as it stands.
-  absl::Status TrimLog(const MapEntry& entry,
-                       MapSequence last,
-                       Timestamp now,
-                       rocksdb::WriteBatch* batch,
-                       std::uint64_t* dropped_bytes) const;
-  absl::Status TrimChangeLists(const MapEntry& entry,
-                               const TrimBounds& bounds,
-                               rocksdb::WriteBatch* batch) const;
-  absl::Status TrimEvents(const MapEntry& entry, rocksdb::WriteBatch* batch) const;
-  absl::Status TrimSessions(MapKey map, Timestamp forget_before, rocksdb::WriteBatch* batch) const;
-
-  /// Packed bytes of all frames before `sequence`, whose pose must be there unless it lies beyond
-  /// the head.
-  absl::StatusOr<std::uint64_t> BytesBefore(const MapEntry& entry, MapSequence sequence) const;
-
-  /// The first frame from `first` on that retention wants, or the one after `last`.
-  absl::StatusOr<MapSequence> FindLogCut(const MapEntry& entry,
-                                         MapSequence first,
-                                         MapSequence last,
-                                         Timestamp now) const;
-
-  /// The number in the first key of `map` in `log`, `pose` or `event`; none if there is none.
-  absl::StatusOr<std::optional<std::uint64_t>> FirstNumber(Family family, MapKey map) const;
-
-  std::unique_ptr<StoreDatabase> database_;
+  const FolderLock lock_;
+  const std::filesystem::path folder_;
   const StoreOptions options_;
-  std::atomic<std::uint64_t> unreclaimed_bytes_ = 0;  ///< Trimmed from the log, still on disk.
-  WriteTurns append_turns_;  ///< Log, poses, sessions, map records. Key 0: creation of maps.
-  WriteTurns commit_turns_;  ///< Leaves, change lists, revisions. Taken after `append_turns_`.
+  const Platform platform_;
+  const std::shared_ptr<DiskSpaceGate> gate_;
+  const std::unique_ptr<rocksdb::Env> environment_;
+  const SharedResources shared_;
+  const TwinFile catalog_file_;
+
+  /// Whoever creates, changes or deletes a map; held while the disk syncs, by nobody who is in a
+  /// hurry.
+  absl::Mutex catalog_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
 
   mutable absl::Mutex mutex_;
-  std::map<MapKey, MapEntry> entries_ ABSL_GUARDED_BY(mutex_);
+  std::map<MapKey, MapEntry> maps_ ABSL_GUARDED_BY(mutex_);
   std::map<MapName, MapKey> names_ ABSL_GUARDED_BY(mutex_);
   MapKey next_key_ ABSL_GUARDED_BY(mutex_){1};
+  /// Maps that are deleted, whose folders go once nobody uses them.
+  std::list<std::pair<MapKey, std::shared_ptr<absl::Notification>>> deleted_
+      ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace steadymap

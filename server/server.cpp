@@ -22,7 +22,6 @@
 #include "server/housekeeper.h"
 #include "server/ingest_service.h"
 #include "server/live_limits.h"
-#include "server/log_writer.h"
 #include "server/map_directory.h"
 #include "server/map_service.h"
 #include "server/query_service.h"
@@ -58,7 +57,13 @@ constexpr char kMapServiceName[] = "steadymap.v1.MapService";
 constexpr char kQueryServiceName[] = "steadymap.v1.QueryService";
 constexpr char kWatchServiceName[] = "steadymap.v1.WatchService";
 
-std::size_t DecoderCount() { return std::max(2U, std::thread::hardware_concurrency()); }
+// Threads that compute: one a core, and one more than one so that a long piece of work never stands
+// alone in the way.
+std::size_t ComputingThreads() { return std::max(2U, std::thread::hardware_concurrency()); }
+
+// Threads that wait for the disk: what they write is synced by many at once.
+constexpr std::size_t kLogThreads = 4;
+constexpr std::size_t kAdminThreads = 4;
 
 }  // namespace
 
@@ -74,8 +79,6 @@ class Server::Parts {
   void Drain();
   void Shutdown(std::chrono::milliseconds deadline);
 
-  absl::Status health() const { return store_->health(); }
-
   Heartbeat::Clock::time_point last_progress() const;
   void SetLimits(const LimitOptions& limits);
 
@@ -87,6 +90,7 @@ class Server::Parts {
   absl::Status Listen();
   void Configure(grpc::ServerBuilder* builder);
   void UpdateHealth();
+  std::vector<const WorkerPool*> pools() const;
 
   const ServerConfig config_;
   const std::unique_ptr<Store> store_;
@@ -94,10 +98,11 @@ class Server::Parts {
   FrameBudget budget_;
   UploadRoster roster_;
   WatchHub watch_hub_;
-  LogWriter log_writer_;
+  WorkerPool log_pool_;
+  WorkerPool map_pool_;
   MapDirectory maps_;
   WorkerPool decoders_;
-  WorkerPool clerk_;
+  WorkerPool admin_pool_;
   WorkerPool readers_;
   WorkerPool watchers_;
   IngestService ingest_service_;
@@ -119,26 +124,28 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       budget_(config.limits.queue_bytes_total),
       watch_hub_(
           {store_.get(), config.watch.max_watches, absl::FromChrono(config.watch.stall_timeout)}),
-      log_writer_(store_.get(), [this](const absl::Status&) { UpdateHealth(); }),
+      log_pool_("log", kLogThreads, kMaxWaitingCalls),
+      map_pool_("map", ComputingThreads(), kMaxWaitingCalls),
       maps_({store_.get(),
              &budget_,
+             &log_pool_,
+             &map_pool_,
              config.commit,
              config.limits.queue_bytes_per_map,
-             [this](const std::shared_ptr<MapRuntime>& map) { log_writer_.Notify(map); },
-             [this](MapKey map) { watch_hub_.OnCommit(map); },
-             [this](const absl::Status&) { UpdateHealth(); }}),
-      decoders_("decoders", DecoderCount(), kMaxWaitingBatches),
-      clerk_("clerk", 1, kMaxWaitingCalls),
-      readers_("readers", 2, kMaxWaitingCalls),
-      watchers_("watchers", 2, config.watch.max_watches + kMaxWaitingCalls),
+             [this](MapKey map) { watch_hub_.OnCommit(map); }}),
+      decoders_("decode", ComputingThreads(), kMaxWaitingBatches),
+      admin_pool_("admin", kAdminThreads, kMaxWaitingCalls),
+      readers_("read", ComputingThreads(), kMaxWaitingCalls),
+      watchers_("watch", 2, config.watch.max_watches + kMaxWaitingCalls),
       ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
-      map_service_({&maps_, &roster_, &watch_hub_, &clerk_, config.retention}),
+      map_service_({&maps_, &roster_, &watch_hub_, &admin_pool_, config.retention}),
       query_service_({&maps_, store_.get(), &readers_}),
       watch_service_({&maps_, &watch_hub_, &watchers_}) {}
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
-  housekeeper_.emplace(&maps_, &watch_hub_, store_.get(), config_.retention);
+  housekeeper_.emplace(Housekeeper::Dependencies{&maps_, &roster_, &watch_hub_, store_.get()},
+                       config_.retention);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
   UpdateHealth();
@@ -187,14 +194,13 @@ void Server::Parts::Configure(grpc::ServerBuilder* builder) {
 void Server::Parts::UpdateHealth() {
   grpc::HealthCheckServiceInterface* health = health_service_;
   if (health == nullptr) return;
-  const bool stopping = draining_;
-  const bool writable = !stopping && store_->health().ok();
-  health->SetServingStatus("", writable);
-  health->SetServingStatus(kIngestServiceName, writable);
-  health->SetServingStatus(kMapServiceName, writable);
-  // What is published can be read all the same.
-  health->SetServingStatus(kQueryServiceName, !stopping);
-  health->SetServingStatus(kWatchServiceName, !stopping);
+  // What fails one map fails that map alone; its condition says so.
+  const bool serves = !draining_;
+  health->SetServingStatus("", serves);
+  for (const char* service :
+       {kIngestServiceName, kMapServiceName, kQueryServiceName, kWatchServiceName}) {
+    health->SetServingStatus(service, serves);
+  }
 }
 
 void Server::Parts::Drain() {
@@ -220,17 +226,24 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (grpc_server_ != nullptr) grpc_server_->Shutdown(absl::ToChronoTime(end));
   housekeeper_.reset();
   decoders_.Stop();
-  clerk_.Stop();
+  admin_pool_.Stop();
   readers_.Stop();
   watchers_.Stop();
-  log_writer_.Stop();
   maps_.Close(DrainingError());
+  log_pool_.Stop();
+  map_pool_.Stop();
+}
+
+std::vector<const WorkerPool*> Server::Parts::pools() const {
+  return {&log_pool_, &map_pool_, &decoders_, &admin_pool_, &readers_, &watchers_};
 }
 
 Heartbeat::Clock::time_point Server::Parts::last_progress() const {
-  Heartbeat::Clock::time_point oldest = log_writer_.heartbeat().last();
-  for (const std::shared_ptr<MapRuntime>& map : maps_.All()) {
-    if (const auto progress = map->last_progress()) oldest = std::min(oldest, *progress);
+  // Who waits for a disk without room waits rightly, and would wait again after a restart.
+  if (store_->IsWaitingForDisk()) return Heartbeat::Clock::now();
+  Heartbeat::Clock::time_point oldest = housekeeper_->heartbeat().last();
+  for (const WorkerPool* pool : pools()) {
+    if (const auto start = pool->oldest_start()) oldest = std::min(oldest, *start);
   }
   return oldest;
 }
@@ -262,8 +275,6 @@ std::shared_ptr<grpc::Channel> Server::InProcessChannel(const grpc::ChannelArgum
 void Server::Drain() { parts_->Drain(); }
 
 void Server::Shutdown(std::chrono::milliseconds deadline) { parts_->Shutdown(deadline); }
-
-absl::Status Server::health() const { return parts_->health(); }
 
 std::chrono::steady_clock::time_point Server::last_progress() const {
   return parts_->last_progress();

@@ -16,8 +16,8 @@ namespace steadymap {
 /// The daemon without its main function: all maps of a store, served over gRPC. Thread-safe.
 class Server {
  public:
-  /// Loads the maps, starts to listen and to integrate. `config` must have passed
-  /// `ValidateServerConfig`.
+  /// Starts to listen, to open the maps and to integrate; calls for a map wait until it is open.
+  /// `config` must have passed `ValidateServerConfig`.
   /// Errors: `Unavailable` if the address cannot be listened on; what the store answers.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
                                                        std::unique_ptr<Store> store);
@@ -44,11 +44,8 @@ class Server {
   /// by then are at the next start. Only the first call does anything.
   void Shutdown(std::chrono::milliseconds deadline);
 
-  /// OK, or the failure that keeps the server from taking frames until it is started anew.
-  absl::Status health() const;
-
-  /// When every thread that must go on had last shown that it does. Older than a few seconds:
-  /// something hangs.
+  /// When every thread that has something to do had last shown that it goes on. Older than some
+  /// seconds: something hangs.
   std::chrono::steady_clock::time_point last_progress() const;
 
   /// Limits that hold from now on; `max_message_bytes` and the queue bytes of maps that are there

@@ -1,6 +1,5 @@
 #include "server/session_table.h"
 
-#include <iterator>
 #include <utility>
 
 namespace steadymap {
@@ -9,13 +8,24 @@ namespace {
 // Milestones beyond this many are merged: a session that nobody asks about must not grow.
 constexpr std::size_t kMaxMilestones = 1024;
 
+// Sessions of which every frame so far was refused. Many more than robots make, few enough for one
+// who makes them up.
+constexpr std::size_t kMaxFrameless = 256;
+
 }  // namespace
 
-SessionTable::SessionTable(const std::vector<SessionRecord>& sessions, Revision revision) {
+SessionTable::SessionTable(const std::vector<SessionRecord>& sessions, MapSequence integrated) {
+  Reset(sessions, integrated);
+}
+
+void SessionTable::Reset(const std::vector<SessionRecord>& sessions, MapSequence integrated) {
+  const absl::MutexLock lock(&mutex_);
+  sessions_.clear();
+  frameless_.clear();
   for (const SessionRecord& record : sessions) {
     Session session{record, ClientSequence(0), {}};
     AddMilestone(&session);
-    Advance(&session, revision);
+    Advance(&session, integrated);
     sessions_.emplace(record.name, std::move(session));
   }
 }
@@ -37,27 +47,39 @@ bool SessionTable::IsSettled(const SessionName& name, ClientSequence sequence) c
 
 void SessionTable::Update(const SessionRecord& record) {
   const absl::MutexLock lock(&mutex_);
-  Session& session = sessions_[record.name];
-  session.record = record;
-  AddMilestone(&session);
+  const auto [entry, is_new] = sessions_.try_emplace(record.name);
+  entry->second.record = record;
+  AddMilestone(&entry->second);
+  if (!is_new || record.last_map_seq > MapSequence(0)) return;
+  frameless_.push_back(record.name);
+  DropSurplus();
 }
 
-SessionState SessionTable::State(const SessionName& name, Revision revision) {
+void SessionTable::DropSurplus() {
+  while (frameless_.size() > kMaxFrameless) {
+    const auto oldest = sessions_.find(frameless_.front());
+    if (oldest != sessions_.end() && oldest->second.record.last_map_seq == MapSequence(0)) {
+      sessions_.erase(oldest);
+    }
+    frameless_.pop_front();
+  }
+}
+
+SessionState SessionTable::State(const SessionName& name, MapSequence integrated) {
   const absl::MutexLock lock(&mutex_);
   const auto session = sessions_.find(name);
   if (session == sessions_.end()) return {};
-  Advance(&session->second, revision);
+  Advance(&session->second, integrated);
   return {session->second.record.settled.contiguous_end(),
           session->second.integrated,
-          session->second.record.last_active};
+          session->second.record.last_active_time};
 }
 
-void SessionTable::ForgetIdle(Timestamp before) {
+void SessionTable::ForgetIdle(MapUptime before, const std::set<SessionName>& in_use) {
   const absl::MutexLock lock(&mutex_);
-  for (auto session = sessions_.begin(); session != sessions_.end();) {
-    const bool idle = session->second.record.last_active < before;
-    session = idle ? sessions_.erase(session) : std::next(session);
-  }
+  std::erase_if(sessions_, [&](const auto& session) {
+    return session.second.record.last_active < before && !in_use.contains(session.first);
+  });
 }
 
 std::size_t SessionTable::size() const {
@@ -65,9 +87,8 @@ std::size_t SessionTable::size() const {
   return sessions_.size();
 }
 
-void SessionTable::Advance(Session* session, Revision revision) {
-  while (!session->milestones.empty() &&
-         session->milestones.front().map_seq.value() <= revision.value()) {
+void SessionTable::Advance(Session* session, MapSequence integrated) {
+  while (!session->milestones.empty() && session->milestones.front().map_seq <= integrated) {
     session->integrated = session->milestones.front().through;
     session->milestones.pop_front();
   }

@@ -1,36 +1,23 @@
 #include "server/store.h"
 
 #include <algorithm>
+#include <charconv>
+#include <system_error>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "server/posix_file.h"
 #include "server/rocks_store.h"
-#include "server/store_keys.h"
-#include "server/store_records.h"
 
 namespace steadymap {
 namespace {
 
-constexpr MapKey kCreationTurn{0};
-
-void PutRecord(StoreDatabase* database, const MapRecord& record, rocksdb::WriteBatch* batch) {
-  const std::string key = MapRecordKey(record.key);
-  batch->Put(database->handle(Family::kMeta),
-             key,
-             SealRecord({NameOf(Family::kMeta), key}, ToProto(record)));
-}
-
-void PutKey(StoreDatabase* database,
-            const std::string& key,
-            MapKey value,
-            rocksdb::WriteBatch* batch) {
-  storage::v1::KeyRecord record;
-  record.set_key(value.value());
-  batch->Put(
-      database->handle(Family::kMeta), key, SealRecord({NameOf(Family::kMeta), key}, record));
-}
+constexpr char kMapsFolder[] = "maps";
+constexpr char kUnfinished[] = ".new";
 
 absl::Status UnknownMap(MapKey map) {
   return MakeError(absl::StatusCode::kNotFound,
@@ -38,120 +25,398 @@ absl::Status UnknownMap(MapKey map) {
                    absl::StrCat("the store has no map with key ", map.value()));
 }
 
-// A record or head that was never written is an empty one; anything else wrong with it is damage.
-template <typename Proto>
-absl::Status ReadOptional(const StoreDatabase& database,
-                          const std::string& key,
-                          const rocksdb::Snapshot* snapshot,
-                          Proto* record) {
-  const absl::StatusOr<std::string> value = database.Read(Family::kMeta, key, snapshot);
-  if (absl::IsNotFound(value.status())) return absl::OkStatus();
-  if (!value.ok()) return value.status();
-  return UnsealRecord({NameOf(Family::kMeta), key}, *value, record);
+absl::Status NotOpen(MapKey map) {
+  return MakeError(absl::StatusCode::kNotFound,
+                   reason::kNotFound,
+                   absl::StrCat("map ", map.value(), " is not open"));
 }
+
+/// Names the map in an error that so far names a place only.
+absl::Status OfMap(const MapRecord& record, const absl::Status& status) {
+  return MakeError(
+      status.code(),
+      ReasonOf(status),
+      absl::StrCat("map ", record.name.ToString(), ": ", std::string(status.message())));
+}
+
+/// The name of a map that lost its own.
+MapName NameOfLost(MapKey key) { return {"lost", absl::StrCat("map-", key.value())}; }
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Store>> Store::Open(const std::filesystem::path& folder,
                                                    const StoreOptions& options) {
-  absl::StatusOr<std::unique_ptr<RocksStore>> store = RocksStore::Open(folder, options, nullptr);
+  absl::StatusOr<std::unique_ptr<RocksStore>> store =
+      RocksStore::Open(folder, options, RocksStore::Platform());
   if (!store.ok()) return store.status();
   return std::unique_ptr<Store>(*std::move(store));
 }
 
 absl::StatusOr<std::unique_ptr<RocksStore>> RocksStore::Open(const std::filesystem::path& folder,
                                                              const StoreOptions& options,
-                                                             rocksdb::Env* environment) {
-  absl::StatusOr<std::unique_ptr<StoreDatabase>> database =
-      StoreDatabase::Open(folder, options, environment);
-  if (!database.ok()) return database.status();
-  std::unique_ptr<RocksStore> store(new RocksStore(*std::move(database), options));
-  if (absl::Status status = store->LoadEntries(); !status.ok()) return status;
+                                                             const Platform& platform) {
+  absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
+  if (!lock.ok()) return lock.status();
+  if (absl::Status status = CheckSchema(folder, folder / kMapsFolder); !status.ok()) return status;
+  std::unique_ptr<RocksStore> store(new RocksStore(*std::move(lock), folder, options, platform));
+  if (absl::Status status = store->LoadCatalog(); !status.ok()) return status;
+  store->RemoveDeleted();
   return store;
 }
 
-RocksStore::RocksStore(std::unique_ptr<StoreDatabase> database, const StoreOptions& options)
-    : database_(std::move(database)), options_(options) {}
+RocksStore::RocksStore(FolderLock lock,
+                       std::filesystem::path folder,
+                       const StoreOptions& options,
+                       const Platform& platform)
+    : lock_(std::move(lock)),
+      folder_(std::move(folder)),
+      options_(options),
+      platform_(platform),
+      gate_(std::make_shared<DiskSpaceGate>(platform.file_system)),
+      environment_(rocksdb::NewCompositeEnv(gate_)),
+      shared_(options_, environment_.get()),
+      catalog_file_(folder_ / "catalog") {}
 
-absl::Status RocksStore::LoadEntries() {
-  absl::StatusOr<std::map<MapKey, MapName>> names = LoadNameIndex();
-  if (!names.ok()) return names.status();
-  storage::v1::KeyRecord next;
-  if (absl::Status status = ReadOptional(*database_, NextMapKeyKey(), nullptr, &next);
-      !status.ok()) {
-    return status;
-  }
-  const absl::MutexLock lock(&mutex_);
-  next_key_ = MapKey{std::max<std::uint64_t>(next.key(), 1)};
-  for (const auto& [key, name] : *names) {
-    absl::StatusOr<MapEntry> entry = LoadEntry(key, nullptr);
-    if (absl::IsFailedPrecondition(entry.status())) return entry.status();
-    if (!entry.ok()) {
-      MapEntry damaged;
-      damaged.record.key = key;
-      damaged.record.condition = entry.status();
-      entry = std::move(damaged);
+RocksStore::~RocksStore() {
+  std::vector<std::shared_ptr<absl::Notification>> closing;
+  {
+    const absl::MutexLock lock(&mutex_);
+    for (auto& [key, entry] : maps_) {
+      entry.database.reset();
+      if (entry.closed != nullptr) closing.push_back(entry.closed);
     }
-    entry->record.name = name;
-    entries_.emplace(key, *std::move(entry));
-    names_.emplace(name, key);
+    for (const auto& [key, closed] : deleted_) {
+      if (closed != nullptr) closing.push_back(closed);
+    }
   }
-  return absl::OkStatus();
+  for (const auto& closed : closing) closed->WaitForNotification();
+  RemoveDeleted();
 }
 
-absl::StatusOr<std::map<MapKey, MapName>> RocksStore::LoadNameIndex() const {
-  std::map<MapKey, MapName> names;
-  const std::string prefix = NameIndexPrefix();
-  const std::unique_ptr<rocksdb::Iterator> scan = database_->Scan(Family::kMeta, nullptr);
-  for (scan->Seek(prefix); scan->Valid() && scan->key().starts_with(prefix); scan->Next()) {
-    const std::string key = scan->key().ToString();
-    const std::optional<MapName> name = NameOfIndexKey(key);
-    storage::v1::KeyRecord record;
-    const ValuePlace place{NameOf(Family::kMeta), key};
-    if (absl::Status status = UnsealRecord(place, scan->value().ToStringView(), &record);
-        !status.ok()) {
-      return status;
-    }
-    if (!name) return DamagedValue(place, "is filed under no map's name");
-    names.emplace(MapKey{record.key()}, *name);
+/// Finds the maps: those of the catalog, and those whose folders are there though no catalog knows
+/// of them, as when it was lost.
+absl::Status RocksStore::LoadCatalog() {
+  StoreCatalog catalog;
+  const absl::StatusOr<std::string> bytes = catalog_file_.Read();
+  if (bytes.ok()) {
+    absl::StatusOr<StoreCatalog> read = StoreCatalog::Unpack(*bytes);
+    if (!read.ok()) return read.status();
+    catalog = *std::move(read);
+  } else if (!absl::IsNotFound(bytes.status())) {
+    spdlog::error("{}; the maps are found by their folders", std::string(bytes.status().message()));
   }
-  if (!scan->status().ok()) return FromRocksdb(scan->status(), "reading the list of maps");
-  return names;
+  for (const StoreCatalog::Map& map : catalog.maps) {
+    MapEntry entry = LoadEntry(map);
+    const absl::MutexLock lock(&mutex_);
+    names_.emplace(entry.record.name, map.key);
+    maps_.emplace(map.key, std::move(entry));
+  }
+  {
+    const absl::MutexLock lock(&mutex_);
+    next_key_ = std::max(next_key_, catalog.next_key);
+  }
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / kMapsFolder, error)) {
+    AdoptFolder(entry.path());
+  }
+  return error ? SystemError(error.value(), "list", folder_ / kMapsFolder) : absl::OkStatus();
 }
 
-absl::StatusOr<RocksStore::MapEntry> RocksStore::LoadEntry(
-    MapKey key, const rocksdb::Snapshot* snapshot) const {
-  storage::v1::MapRecord proto;
-  const std::string record_key = MapRecordKey(key);
-  const absl::StatusOr<std::string> value = database_->Read(Family::kMeta, record_key, snapshot);
-  if (!value.ok()) return value.status();
-  const ValuePlace place{NameOf(Family::kMeta), record_key};
-  if (absl::Status status = UnsealRecord(place, *value, &proto); !status.ok()) return status;
-  absl::StatusOr<MapRecord> record = FromProto(proto);
-  if (!record.ok()) return record.status();
-  MapEntry entry{*std::move(record), {}, {}};
-  if (absl::Status status = ReadOptional(*database_, LogHeadKey(key), snapshot, &entry.log_head);
-      !status.ok()) {
-    return status;
+RocksStore::MapEntry RocksStore::LoadEntry(const StoreCatalog::Map& map) {
+  const MapFolder folder = FolderOf(map.key);
+  MapEntry entry;
+  absl::StatusOr<MapRecord> record = folder.ReadRecord();
+  if (record.ok() && folder.IsCopy()) {
+    spdlog::warn("map {}: its folder is a copy; it gets another incarnation",
+                 record->name.ToString());
+    record = folder.Adopt(*std::move(record));
   }
-  if (absl::Status status =
-          ReadOptional(*database_, RevisionHeadKey(key), snapshot, &entry.revision_head);
-      !status.ok()) {
-    return status;
+  if (record.ok()) {
+    entry.record = *std::move(record);
+  } else {
+    entry.record.condition = record.status();
   }
+  entry.record.key = map.key;
+  entry.record.name = map.name;
   return entry;
 }
 
-absl::StatusOr<RocksStore::MapEntry> RocksStore::Find(MapKey map) const {
+void RocksStore::AdoptFolder(const std::filesystem::path& folder) {
+  std::uint64_t number = 0;
+  const std::string name = folder.filename().string();
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  const MapKey key(number);
+  if (std::string_view(end) == kUnfinished) {
+    // A map that a crash kept from coming to be.
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+    return;
+  }
+  if (error != std::errc() || end != name.data() + name.size() || FolderOf(key).path() != folder) {
+    spdlog::warn("{} is no map's folder; it is left alone", folder.string());
+    return;
+  }
+  const bool is_deleted = FolderOf(key).IsDeleted();
   const absl::MutexLock lock(&mutex_);
-  const auto entry = entries_.find(map);
-  if (entry == entries_.end()) return UnknownMap(map);
+  next_key_ = std::max(next_key_, key.Next());
+  const auto known = maps_.find(key);
+  if (is_deleted) {
+    if (known != maps_.end()) {
+      names_.erase(known->second.record.name);
+      maps_.erase(known);
+    }
+    deleted_.emplace_back(key, nullptr);
+    return;
+  }
+  if (known != maps_.end()) return;
+  const absl::StatusOr<MapRecord> record = FolderOf(key).ReadRecord();
+  MapEntry entry = LoadEntry({key, record.ok() ? record->name : NameOfLost(key)});
+  // Its name may have been given to another map since.
+  if (names_.contains(entry.record.name)) entry.record.name = NameOfLost(key);
+  names_.emplace(entry.record.name, key);
+  maps_.emplace(key, std::move(entry));
+}
+
+absl::Status RocksStore::WriteCatalog() {
+  StoreCatalog catalog;
+  {
+    const absl::MutexLock lock(&mutex_);
+    catalog.next_key = next_key_;
+    for (const auto& [key, entry] : maps_) catalog.maps.push_back({key, entry.record.name});
+  }
+  return catalog_file_.Write(catalog.Pack());
+}
+
+/// Gives the space of deleted maps back, as far as nobody uses them any more.
+void RocksStore::RemoveDeleted() {
+  const absl::MutexLock catalog_lock(&catalog_mutex_);
+  std::vector<MapKey> unused;
+  {
+    const absl::MutexLock lock(&mutex_);
+    for (const auto& [key, closed] : deleted_) {
+      if (closed == nullptr || closed->HasBeenNotified()) unused.push_back(key);
+    }
+  }
+  if (unused.empty()) return;
+  // The catalog first: a map that it names and that has no folder is a loss.
+  absl::Status status = WriteCatalog();
+  for (const MapKey key : unused) {
+    if (status.ok()) status = FolderOf(key).Remove();
+    if (!status.ok()) break;
+    const absl::MutexLock lock(&mutex_);
+    deleted_.remove_if([key](const auto& deleted) { return deleted.first == key; });
+  }
+  if (!status.ok()) {
+    spdlog::warn("the space of a deleted map is not given back yet: {}",
+                 std::string(status.message()));
+  }
+}
+
+absl::StatusOr<MapRecord> RocksStore::CreateMap(const MapRecord& record) {
+  if (!IsValidId(record.name.tenant) || !IsValidId(record.name.map)) {
+    return InvalidField(reason::kBadName, "name", "a map's name must be made of two valid ids");
+  }
+  if (absl::Status status = CheckDisk(); !status.ok()) return status;
+  const absl::MutexLock catalog_lock(&catalog_mutex_);
+  MapEntry entry;
+  entry.record = record;
+  entry.record.condition = absl::OkStatus();
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (names_.contains(record.name)) {
+      return MakeError(absl::StatusCode::kAlreadyExists,
+                       reason::kAlreadyExists,
+                       absl::StrCat("map ", record.name.ToString(), " exists already"));
+    }
+    entry.record.key = next_key_;
+    next_key_ = next_key_.Next();
+  }
+  // Whole under another name first.
+  const std::filesystem::path place = FolderOf(entry.record.key).path();
+  const MapFolder unfinished(place.string() + kUnfinished, entry.record.key);
+  absl::Status status = unfinished.Create(entry.record);
+  if (status.ok()) status = MapDatabase::Create(unfinished.path(), DatabaseSurroundings());
+  if (status.ok()) status = RenameDurably(unfinished.path(), place);
+  if (!status.ok()) {
+    unfinished.Remove().IgnoreError();
+    return status;
+  }
+  {
+    const absl::MutexLock lock(&mutex_);
+    names_.emplace(record.name, entry.record.key);
+    maps_.emplace(entry.record.key, entry);
+  }
+  if (status = WriteCatalog(); !status.ok()) return status;
+  return entry.record;
+}
+
+absl::Status RocksStore::UpdateMap(const MapRecord& record) {
+  const absl::MutexLock catalog_lock(&catalog_mutex_);
+  {
+    const absl::MutexLock lock(&mutex_);
+    const auto entry = maps_.find(record.key);
+    if (entry == maps_.end()) return UnknownMap(record.key);
+    const MapRecord& known = entry->second.record;
+    if (!known.condition.ok()) return known.condition;
+    if (known.name != record.name || known.config != record.config) {
+      return absl::FailedPreconditionError("the name and the config of a map never change");
+    }
+  }
+  if (absl::Status status = FolderOf(record.key).WriteRecord(record); !status.ok()) return status;
+  const absl::MutexLock lock(&mutex_);
+  const auto entry = maps_.find(record.key);
+  if (entry != maps_.end()) entry->second.record = record;
+  return absl::OkStatus();
+}
+
+absl::Status RocksStore::DeleteMap(MapKey map) {
+  {
+    const absl::MutexLock catalog_lock(&catalog_mutex_);
+    const MapFolder folder = FolderOf(map);
+    {
+      const absl::MutexLock lock(&mutex_);
+      if (!maps_.contains(map)) return UnknownMap(map);
+    }
+    absl::Status status = folder.MarkDeleted();
+    if (ReasonOf(status) == reason::kDiskLow) {
+      // What is deleted makes room for the mark.
+      std::error_code ignored;
+      std::filesystem::remove_all(folder.path() / "log", ignored);
+      status = folder.MarkDeleted();
+    }
+    // A folder that is gone needs no mark.
+    if (!status.ok() && !absl::IsNotFound(status)) return status;
+    const absl::MutexLock lock(&mutex_);
+    const auto entry = maps_.find(map);
+    names_.erase(entry->second.record.name);
+    deleted_.emplace_back(map, entry->second.closed);
+    maps_.erase(entry);
+  }
+  RemoveDeleted();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<MapRecord>> RocksStore::ListMaps() {
+  std::vector<MapRecord> records;
+  const absl::MutexLock lock(&mutex_);
+  records.reserve(names_.size());
+  for (const auto& [name, key] : names_) records.push_back(maps_.at(key).record);
+  return records;
+}
+
+absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::Find(MapKey map) const {
+  const absl::MutexLock lock(&mutex_);
+  const auto entry = maps_.find(map);
+  if (entry == maps_.end()) return UnknownMap(map);
   if (!entry->second.record.condition.ok()) return entry->second.record.condition;
-  return entry->second;
+  if (entry->second.database == nullptr) return NotOpen(map);
+  return entry->second.database;
+}
+
+absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::OpenDatabase(const MapRecord& record) {
+  std::shared_ptr<WriteTurn> opening;
+  {
+    const absl::MutexLock lock(&mutex_);
+    const auto entry = maps_.find(record.key);
+    if (entry == maps_.end()) return UnknownMap(record.key);
+    opening = entry->second.opening;
+  }
+  const WriteTurn::Held turn(opening.get());
+  std::shared_ptr<absl::Notification> closing;
+  {
+    const absl::MutexLock lock(&mutex_);
+    const auto entry = maps_.find(record.key);
+    if (entry == maps_.end()) return UnknownMap(record.key);
+    if (!entry->second.record.condition.ok()) return entry->second.record.condition;
+    if (entry->second.database != nullptr && entry->second.database->health().ok()) {
+      return entry->second.database;
+    }
+    entry->second.database.reset();
+    closing = entry->second.closed;
+  }
+  // One database a folder: those who still read the old one finish first.
+  if (closing != nullptr) closing->WaitForNotification();
+  absl::StatusOr<std::unique_ptr<MapDatabase>> opened =
+      MapDatabase::Open(FolderOf(record.key).path(), record, DatabaseSurroundings());
+  if (!opened.ok()) return opened.status();
+  auto closed = std::make_shared<absl::Notification>();
+  const std::shared_ptr<MapDatabase> database(opened->release(), [closed](MapDatabase* last) {
+    delete last;
+    closed->Notify();
+  });
+  const absl::MutexLock lock(&mutex_);
+  const auto entry = maps_.find(record.key);
+  if (entry == maps_.end()) return UnknownMap(record.key);
+  entry->second.database = database;
+  entry->second.closed = std::move(closed);
+  return database;
+}
+
+absl::StatusOr<StoredState> RocksStore::LoadMap(const MapRecord& record) {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = OpenDatabase(record);
+  if (absl::IsNotFound(database.status())) return database.status();
+  if (!database.ok()) return OfMap(record, database.status());
+  absl::StatusOr<StoredState> state = (*database)->Load();
+  if (!state.ok()) return OfMap(record, state.status());
+  return state;
+}
+
+absl::Status RocksStore::Append(const LogAppend& append) {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(append.map);
+  return database.ok() ? (*database)->Append(append) : database.status();
+}
+
+absl::StatusOr<CommitMark> RocksStore::CommitRevision(MapKey map,
+                                                      const MapDelta& delta,
+                                                      const CommitDetails& details) {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(map);
+  if (!database.ok()) return database.status();
+  return (*database)->Commit(delta, details);
+}
+
+absl::Status RocksStore::ReadLog(MapKey map,
+                                 MapSequence first,
+                                 const std::function<absl::Status(LogEntry)>& visit) {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(map);
+  return database.ok() ? (*database)->ReadLog(first, visit) : database.status();
+}
+
+absl::StatusOr<std::vector<FramePose>> RocksStore::ReadPoses(MapKey map,
+                                                             MapSequence first,
+                                                             MapSequence last,
+                                                             std::size_t limit) {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(map);
+  if (!database.ok()) return database.status();
+  return (*database)->ReadPoses(first, last, limit);
+}
+
+absl::StatusOr<std::vector<StoredEvent>> RocksStore::ReadEvents(MapKey map,
+                                                                EventNumber first,
+                                                                std::size_t limit) {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(map);
+  if (!database.ok()) return database.status();
+  return (*database)->ReadEvents(first, limit);
+}
+
+absl::StatusOr<ChangeList> RocksStore::ReadChanges(MapKey map, CommitMark from, Revision to) {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(map);
+  if (!database.ok()) return database.status();
+  return (*database)->ReadChanges(from, to);
+}
+
+absl::Status RocksStore::Trim(const MapRecord& map, const TrimBounds& bounds) {
+  RemoveDeleted();
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(map.key);
+  return database.ok() ? (*database)->Trim(map, bounds) : database.status();
+}
+
+absl::Status RocksStore::health(MapKey map) const {
+  const absl::StatusOr<std::shared_ptr<MapDatabase>> database = Find(map);
+  return database.ok() ? (*database)->health() : database.status();
 }
 
 absl::Status RocksStore::CheckDisk() const {
-  const absl::StatusOr<std::uint64_t> free_bytes = database_->FreeDiskBytes();
+  const absl::StatusOr<std::uint64_t> free_bytes = platform_.free_disk_bytes(folder_);
   if (!free_bytes.ok()) return free_bytes.status();
   if (*free_bytes >= options_.min_free_disk_bytes) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
@@ -163,86 +428,27 @@ absl::Status RocksStore::CheckDisk() const {
                                 " that are kept free"));
 }
 
-absl::StatusOr<MapRecord> RocksStore::CreateMap(const MapRecord& record) {
-  if (!IsValidId(record.name.tenant) || !IsValidId(record.name.map)) {
-    return InvalidField(reason::kBadName, "name", "a map's name must be made of two valid ids");
-  }
-  if (absl::Status status = CheckDisk(); !status.ok()) return status;
-  const WriteTurns::Turn turn(&append_turns_, {kCreationTurn});
-  MapEntry entry{record, {}, {}};
-  entry.record.condition = absl::OkStatus();
-  {
-    const absl::MutexLock lock(&mutex_);
-    if (names_.contains(record.name)) {
-      return MakeError(absl::StatusCode::kAlreadyExists,
-                       reason::kAlreadyExists,
-                       absl::StrCat("map ", record.name.ToString(), " exists already"));
-    }
-    entry.record.key = next_key_;
-  }
-  rocksdb::WriteBatch batch;
-  PutRecord(database_.get(), entry.record, &batch);
-  PutKey(database_.get(), NameIndexKey(record.name), entry.record.key, &batch);
-  PutKey(database_.get(), NextMapKeyKey(), entry.record.key.Next(), &batch);
-  if (absl::Status status = database_->Write(&batch); !status.ok()) return status;
-  const absl::MutexLock lock(&mutex_);
-  next_key_ = entry.record.key.Next();
-  names_.emplace(record.name, entry.record.key);
-  return entries_.emplace(entry.record.key, std::move(entry)).first->second.record;
+bool RocksStore::IsWaitingForDisk() const { return gate_->waiting() > 0; }
+
+void RocksStore::StopWaitingForDisk() { gate_->Stop(); }
+
+StateDatabase& RocksStore::state_for_test(MapKey map) {
+  return Find(map).value()->state_for_test();
 }
 
-absl::Status RocksStore::UpdateMap(const MapRecord& record) {
-  const WriteTurns::Turn turn(&append_turns_, {record.key});
-  const absl::StatusOr<MapEntry> entry = Find(record.key);
-  if (!entry.ok()) return entry.status();
-  if (entry->record.name != record.name || entry->record.config != record.config) {
-    return absl::FailedPreconditionError("the name and the config of a map never change");
-  }
-  rocksdb::WriteBatch batch;
-  PutRecord(database_.get(), record, &batch);
-  if (absl::Status status = database_->Write(&batch); !status.ok()) return status;
-  const absl::MutexLock lock(&mutex_);
-  entries_.at(record.key).record = record;
-  return absl::OkStatus();
+absl::StatusOr<std::uint64_t> RocksStore::FreeDiskBytes(const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  if (error) return SystemError(error.value(), "tell the free space of", folder);
+  return space.available;
 }
 
-absl::Status RocksStore::DeleteMap(MapKey map) {
-  const WriteTurns::Turn append_turn(&append_turns_, {map});
-  const WriteTurns::Turn commit_turn(&commit_turns_, {map});
-  MapName name;
-  {
-    const absl::MutexLock lock(&mutex_);
-    const auto entry = entries_.find(map);
-    if (entry == entries_.end()) return UnknownMap(map);
-    name = entry->second.record.name;
-  }
-  rocksdb::WriteBatch batch;
-  const KeyRange range = MapRange(map);
-  for (const Family family : kMapFamilies) {
-    batch.DeleteRange(database_->handle(family), range.begin, range.end);
-  }
-  for (const std::string& key :
-       {MapRecordKey(map), LogHeadKey(map), RevisionHeadKey(map), NameIndexKey(name)}) {
-    batch.Delete(database_->handle(Family::kMeta), key);
-  }
-  if (absl::Status status = database_->Write(&batch); !status.ok()) return status;
-  {
-    const absl::MutexLock lock(&mutex_);
-    names_.erase(name);
-    entries_.erase(map);
-  }
-  for (const Family family : {Family::kLog, Family::kLeaf}) database_->Reclaim(family);
-  return absl::OkStatus();
+MapDatabase::Surroundings RocksStore::DatabaseSurroundings() const {
+  return {&shared_, &options_, [this] { return platform_.free_disk_bytes(folder_); }};
 }
 
-absl::StatusOr<std::vector<MapRecord>> RocksStore::ListMaps() {
-  std::vector<MapRecord> records;
-  const absl::MutexLock lock(&mutex_);
-  records.reserve(names_.size());
-  for (const auto& [name, key] : names_) records.push_back(entries_.at(key).record);
-  return records;
+MapFolder RocksStore::FolderOf(MapKey map) const {
+  return {folder_ / kMapsFolder / absl::StrFormat("%020d", map.value()), map};
 }
-
-absl::Status RocksStore::health() const { return database_->health(); }
 
 }  // namespace steadymap

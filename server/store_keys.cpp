@@ -1,18 +1,20 @@
 #include "server/store_keys.h"
 
+#include <array>
+
 #include <absl/strings/escaping.h>
 
 namespace steadymap {
 namespace {
 
-constexpr std::size_t kMapKeyBytes = 8;
-constexpr std::size_t kNumberKeyBytes = 16;
+constexpr std::size_t kNumberKeyBytes = 9;
 constexpr std::size_t kOriginBytes = 12;
-constexpr char kMapRecordLetter = 'm';
-constexpr char kLogHeadLetter = 'h';
-constexpr char kRevisionHeadLetter = 'r';
-constexpr char kNameIndexLetter = 'n';
-constexpr char kNextMapKeyLetter = 'k';
+
+/// By `Family`; leaves have none.
+constexpr std::array<char, kFamilyNames.size()> kLetters = {
+    '\0', 's', 'o', 'e', 'f', 'r', 'c', 'p', 'm'};
+
+constexpr char LetterOf(Family family) { return kLetters[static_cast<std::size_t>(family)]; }
 
 template <typename Integer>
 void AppendBigEndian(Integer value, std::string* key) {
@@ -52,79 +54,79 @@ std::optional<LeafOrigin> ReadOrigin(std::string_view bytes) {
   return origin;
 }
 
-std::string MapPrefix(MapKey map) {
-  std::string key;
-  AppendBigEndian(map.value(), &key);
-  return key;
-}
-
-std::string NumberKey(MapKey map, std::uint64_t number) {
-  std::string key = MapPrefix(map);
+std::string NumberKey(Family family, std::uint64_t number) {
+  std::string key(1, LetterOf(family));
   AppendBigEndian(number, &key);
   return key;
 }
 
 template <typename Number>
-std::optional<Number> StrongNumberOfKey(std::string_view key) {
+std::optional<Number> StrongNumberOfKey(Family family, std::string_view key) {
+  if (key.empty() || key.front() != LetterOf(family)) return std::nullopt;
   const std::optional<std::uint64_t> number = NumberOfKey(key);
   return number ? std::optional<Number>(Number{*number}) : std::nullopt;
 }
 
-std::string MetaKey(char letter, MapKey map) { return letter + MapPrefix(map); }
-
 }  // namespace
 
-KeyRange MapRange(MapKey map) { return {MapPrefix(map), MapPrefix(map.Next())}; }
+KeyRange RangeOf(Family family) {
+  if (family == Family::kLeaf) return {std::string(), std::string(8, '\xFF')};
+  const char letter = LetterOf(family);
+  return {std::string(1, letter), std::string(1, static_cast<char>(letter + 1))};
+}
 
 std::optional<std::uint64_t> NumberOfKey(std::string_view key) {
   if (key.size() != kNumberKeyBytes) return std::nullopt;
-  return ReadBigEndian<std::uint64_t>(key.substr(kMapKeyBytes));
+  return ReadBigEndian<std::uint64_t>(key.substr(1));
 }
 
-std::string FrameKey(MapKey map, MapSequence sequence) { return NumberKey(map, sequence.value()); }
+std::string PoseKey(MapSequence sequence) { return NumberKey(Family::kPose, sequence.value()); }
 
-std::optional<MapSequence> SequenceOfFrameKey(std::string_view key) {
-  return StrongNumberOfKey<MapSequence>(key);
+std::optional<MapSequence> SequenceOfPoseKey(std::string_view key) {
+  return StrongNumberOfKey<MapSequence>(Family::kPose, key);
 }
 
-std::string ChangeKey(MapKey map, Revision revision) { return NumberKey(map, revision.value()); }
+std::string ChangeKey(Revision revision) { return NumberKey(Family::kChange, revision.value()); }
 
-std::string ObjectKey(MapKey map, ObjectId object) { return NumberKey(map, object.value()); }
+std::string ObjectKey(ObjectId object) { return NumberKey(Family::kObject, object.value()); }
 
 std::optional<ObjectId> ObjectOfKey(std::string_view key) {
-  return StrongNumberOfKey<ObjectId>(key);
+  return StrongNumberOfKey<ObjectId>(Family::kObject, key);
 }
 
-std::string EventKey(MapKey map, EventNumber number) { return NumberKey(map, number.value()); }
+std::string EventKey(EventNumber number) { return NumberKey(Family::kEvent, number.value()); }
 
 std::optional<EventNumber> EventOfKey(std::string_view key) {
-  return StrongNumberOfKey<EventNumber>(key);
+  return StrongNumberOfKey<EventNumber>(Family::kEvent, key);
 }
 
-std::string FreeBlockKey(MapKey map, LeafOrigin origin) {
-  std::string key = MapPrefix(map);
+std::string FreeBlockKey(LeafOrigin origin) {
+  std::string key(1, LetterOf(Family::kFree));
   AppendOrigin(origin, &key);
   return key;
 }
 
 std::optional<LeafOrigin> FreeBlockOfKey(std::string_view key) {
-  if (key.size() != kMapKeyBytes + kOriginBytes) return std::nullopt;
-  return ReadOrigin(key.substr(kMapKeyBytes));
+  if (key.size() != 1 + kOriginBytes || key.front() != LetterOf(Family::kFree)) return std::nullopt;
+  return ReadOrigin(key.substr(1));
 }
 
-std::string RobotKey(MapKey map, const std::string& robot) { return MapPrefix(map) + robot; }
-
-std::optional<std::string> RobotOfKey(std::string_view key) {
-  if (key.size() < kMapKeyBytes) return std::nullopt;
-  return std::string(key.substr(kMapKeyBytes));
+// A zero byte between the ids sorts "a" before "a-b" whatever follows, as comparing them does.
+std::string RobotKey(const SensorName& sensor) {
+  return LetterOf(Family::kRobot) + sensor.robot + '\0' + sensor.sensor;
 }
 
-std::string SessionKey(MapKey map, const SessionName& name) {
-  return MapPrefix(map) + name.robot + '\0' + name.session;
+std::optional<SensorName> SensorOfRobotKey(std::string_view key) {
+  const std::size_t border = key.find('\0');
+  if (key.empty() || key.front() != LetterOf(Family::kRobot) || border == std::string_view::npos) {
+    return std::nullopt;
+  }
+  return SensorName{std::string(key.substr(1, border - 1)), std::string(key.substr(border + 1))};
 }
 
-std::string LeafStoreKey(MapKey map, const LeafKey& leaf) {
-  return MapPrefix(map) + PackLeafKey(leaf);
+std::string SessionKey(const SessionName& name) {
+  return LetterOf(Family::kSession) + name.sensor.robot + '\0' + name.sensor.sensor + '\0' +
+         name.session;
 }
 
 std::string PackLeafKey(const LeafKey& leaf) {
@@ -142,33 +144,9 @@ std::optional<LeafKey> UnpackLeafKey(std::string_view packed) {
   return LeafKey{ObjectId{ReadBigEndian<std::uint64_t>(packed)}, *origin};
 }
 
-std::optional<LeafKey> LeafOfStoreKey(std::string_view key) {
-  if (key.size() < kMapKeyBytes) return std::nullopt;
-  return UnpackLeafKey(key.substr(kMapKeyBytes));
-}
+std::string HeadKey() { return std::string(1, LetterOf(Family::kMeta)) + 'h'; }
 
-std::string MapRecordKey(MapKey map) { return MetaKey(kMapRecordLetter, map); }
-
-std::string LogHeadKey(MapKey map) { return MetaKey(kLogHeadLetter, map); }
-
-std::string RevisionHeadKey(MapKey map) { return MetaKey(kRevisionHeadLetter, map); }
-
-std::string NextMapKeyKey() { return {kNextMapKeyLetter}; }
-
-std::string NameIndexPrefix() { return {kNameIndexLetter}; }
-
-// A zero byte between the ids sorts "a" before "a-b" whatever follows, as comparing pairs does.
-std::string NameIndexKey(const MapName& name) {
-  return NameIndexPrefix() + name.tenant + '\0' + name.map;
-}
-
-std::optional<MapName> NameOfIndexKey(std::string_view key) {
-  const std::size_t border = key.find('\0');
-  if (key.empty() || key.front() != kNameIndexLetter || border == std::string_view::npos) {
-    return std::nullopt;
-  }
-  return MapName{std::string(key.substr(1, border - 1)), std::string(key.substr(border + 1))};
-}
+std::string ClassTableKey() { return std::string(1, LetterOf(Family::kMeta)) + 'c'; }
 
 std::string KeyForPeople(std::string_view key) {
   return absl::BytesToHexString(absl::string_view(key.data(), key.size()));

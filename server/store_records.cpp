@@ -73,32 +73,21 @@ absl::StatusOr<MapConfig> ConfigFromProto(const storage::v1::MapConfig& config) 
   result.max_depth_m = config.max_depth_m();
   result.classes.clear();
   for (const storage::v1::SemanticClass& row : config.classes()) {
-    if (row.motion() < 1 || row.motion() > 3 || row.id() > 0xFFFF) {
-      return Impossible("a map record holds an impossible class");
-    }
-    static constexpr std::array kMotions = {
-        ClassMotion::kStatic, ClassMotion::kSemiStatic, ClassMotion::kDynamic};
-    result.classes.push_back({ClassId{static_cast<std::uint16_t>(row.id())},
-                              row.name(),
-                              kMotions.at(row.motion() - 1),
-                              row.in_background()});
+    absl::StatusOr<SemanticClass> read = FromProto(row);
+    if (!read.ok()) return read.status();
+    result.classes.push_back(*std::move(read));
   }
   return result;
 }
 
 }  // namespace
 
-std::string SealHeader(const ValuePlace& place, std::string_view payload) {
-  std::string header(1, static_cast<char>(kRecordVersion));
-  const std::uint32_t crc = Checksum(place, header.front(), payload);
-  for (int shift = 0; shift < 32; shift += 8) {
-    header.push_back(static_cast<char>(static_cast<unsigned char>(crc >> shift)));
-  }
-  return header;
-}
-
 std::string Seal(const ValuePlace& place, std::string_view payload) {
-  std::string value = SealHeader(place, payload);
+  std::string value(1, static_cast<char>(kRecordVersion));
+  const std::uint32_t crc = Checksum(place, value.front(), payload);
+  for (int shift = 0; shift < 32; shift += 8) {
+    value.push_back(static_cast<char>(static_cast<unsigned char>(crc >> shift)));
+  }
   value.append(payload);
   return value;
 }
@@ -147,13 +136,7 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
   config.set_truncation_m(record.config.truncation_m);
   config.set_max_depth_m(record.config.max_depth_m);
   config.set_policy(ToNumber(record.config.policy));
-  for (const SemanticClass& row : record.config.classes) {
-    storage::v1::SemanticClass& added = *config.add_classes();
-    added.set_id(row.id.value());
-    added.set_name(row.name);
-    added.set_motion(ToNumber(row.motion));
-    added.set_in_background(row.in_background);
-  }
+  for (const SemanticClass& row : record.config.classes) *config.add_classes() = ToProto(row);
   proto.set_frame_log_age_s(record.frame_log_age.count());
   proto.set_frame_log_bytes(record.frame_log_bytes);
   proto.set_byte_budget(record.byte_budget);
@@ -186,45 +169,70 @@ absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
 
 storage::v1::SessionRecord ToProto(const SessionRecord& record) {
   storage::v1::SessionRecord proto;
-  proto.set_robot(record.name.robot);
+  proto.set_robot(record.name.sensor.robot);
+  proto.set_sensor(record.name.sensor.sensor);
   proto.set_session(record.name.session);
   proto.set_settled(record.settled.Pack());
   proto.set_last_map_seq(record.last_map_seq.value());
-  proto.set_last_active_ns(record.last_active.nanoseconds());
+  proto.set_last_active_uptime_ns(record.last_active.count());
+  proto.set_last_active_time_ns(record.last_active_time.nanoseconds());
   return proto;
 }
 
 absl::StatusOr<SessionRecord> FromProto(const storage::v1::SessionRecord& record) {
   absl::StatusOr<SequenceSet> settled = SequenceSet::Unpack(record.settled());
   if (!settled.ok()) return settled.status();
-  return SessionRecord{{record.robot(), record.session()},
+  return SessionRecord{{{record.robot(), record.sensor()}, record.session()},
                        *std::move(settled),
                        MapSequence{record.last_map_seq()},
-                       Timestamp::FromNanoseconds(record.last_active_ns())};
+                       MapUptime(record.last_active_uptime_ns()),
+                       Timestamp::FromNanoseconds(record.last_active_time_ns())};
 }
 
-void PoseToProto(const LogFrame& frame, storage::v1::PoseRecord* record) {
-  record->set_robot(frame.robot);
-  record->set_capture_time_ns(frame.capture_time.nanoseconds());
-  record->clear_t_world_camera();
+storage::v1::PoseRecord ToProto(const FramePose& pose) {
+  storage::v1::PoseRecord record;
+  record.set_robot(pose.source.robot);
+  record.set_sensor(pose.source.sensor);
+  record.set_capture_time_ns(pose.capture_time.nanoseconds());
   for (int i = 0; i < kPoseNumbers; ++i) {
-    record->add_t_world_camera(frame.T_world_camera.matrix()(i / kPoseColumns, i % kPoseColumns));
+    record.add_t_world_camera(pose.T_world_camera.matrix()(i / kPoseColumns, i % kPoseColumns));
   }
+  return record;
 }
 
-absl::StatusOr<FramePose> PoseFromProto(MapSequence sequence,
-                                        const storage::v1::PoseRecord& record) {
+absl::StatusOr<FramePose> FromProto(MapSequence sequence, const storage::v1::PoseRecord& record) {
   if (record.t_world_camera_size() != kPoseNumbers) {
     return Impossible("a pose record holds no rigid transform");
   }
   FramePose pose;
   pose.sequence = sequence;
-  pose.robot = record.robot();
+  pose.source = {record.robot(), record.sensor()};
   pose.capture_time = Timestamp::FromNanoseconds(record.capture_time_ns());
   for (int i = 0; i < kPoseNumbers; ++i) {
     pose.T_world_camera.matrix()(i / kPoseColumns, i % kPoseColumns) = record.t_world_camera(i);
   }
   return pose;
+}
+
+storage::v1::SemanticClass ToProto(const SemanticClass& row) {
+  storage::v1::SemanticClass proto;
+  proto.set_id(row.id.value());
+  proto.set_name(row.name);
+  proto.set_motion(ToNumber(row.motion));
+  proto.set_in_background(row.in_background);
+  return proto;
+}
+
+absl::StatusOr<SemanticClass> FromProto(const storage::v1::SemanticClass& row) {
+  if (row.motion() < 1 || row.motion() > 3 || row.id() > 0xFFFF) {
+    return Impossible("a record holds an impossible class");
+  }
+  static constexpr std::array kMotions = {
+      ClassMotion::kStatic, ClassMotion::kSemiStatic, ClassMotion::kDynamic};
+  return SemanticClass{ClassId{static_cast<std::uint16_t>(row.id())},
+                       row.name(),
+                       kMotions.at(row.motion() - 1),
+                       row.in_background()};
 }
 
 }  // namespace steadymap

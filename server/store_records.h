@@ -13,6 +13,7 @@
 namespace steadymap::storage::v1 {
 class MapRecord;
 class PoseRecord;
+class SemanticClass;
 class SessionRecord;
 }  // namespace steadymap::storage::v1
 
@@ -23,7 +24,8 @@ class SessionRecord;
 /// under a wrong key.
 namespace steadymap {
 
-/// Version of the records that this server writes; it reads this one and older ones.
+/// Version of the records that this server writes; it reads this one and older ones. A store of
+/// another schema (`folder_lock.h`) may have others.
 inline constexpr std::uint8_t kRecordVersion = 1;
 
 /// Where a value stands: what its checksum covers besides itself, and what an error names.
@@ -32,10 +34,7 @@ struct ValuePlace {
   std::string_view key;
 };
 
-/// The envelope's bytes for `payload`; the value is both joined.
-std::string SealHeader(const ValuePlace& place, std::string_view payload);
-
-/// The whole value.
+/// The value for `payload`: the envelope, then the payload.
 std::string Seal(const ValuePlace& place, std::string_view payload);
 
 /// The payload, which points into `value`.
@@ -70,9 +69,9 @@ absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record);
 storage::v1::SessionRecord ToProto(const SessionRecord& record);
 absl::StatusOr<SessionRecord> FromProto(const storage::v1::SessionRecord& record);
 
-/// The pose of the log frame; the record's running totals are left alone.
-void PoseToProto(const LogFrame& frame, storage::v1::PoseRecord* record);
-absl::StatusOr<FramePose> PoseFromProto(MapSequence sequence,
-                                        const storage::v1::PoseRecord& record);
+storage::v1::PoseRecord ToProto(const FramePose& pose);
+absl::StatusOr<FramePose> FromProto(MapSequence sequence, const storage::v1::PoseRecord& record);
+storage::v1::SemanticClass ToProto(const SemanticClass& row);
+absl::StatusOr<SemanticClass> FromProto(const storage::v1::SemanticClass& row);
 
 }  // namespace steadymap

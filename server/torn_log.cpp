@@ -14,6 +14,7 @@
 
 #include "core/crc32c.h"
 #include "core/error.h"
+#include "server/torn_write.h"
 
 namespace steadymap {
 namespace {
@@ -23,8 +24,6 @@ namespace {
 constexpr std::uint64_t kBlockBytes = 32768;
 constexpr std::uint64_t kHeaderBytes = 7;
 constexpr std::uint32_t kMaskDelta = 0xA282EAD8U;
-
-constexpr std::uint64_t kSectorBytes = 512;
 
 enum class FragmentType : unsigned char { kFull = 1, kFirst = 2, kMiddle = 3, kLast = 4 };
 
@@ -75,20 +74,6 @@ bool RecordBeginsBehind(std::string_view log, std::uint64_t place) {
     if (begins(fragment)) return true;
     const std::uint64_t next_block = (place / kBlockBytes + 1) * kBlockBytes;
     place = fragment && fragment->end + kHeaderBytes <= next_block ? fragment->end : next_block;
-  }
-  return false;
-}
-
-// Whether a sector of the file behind `begin` reads as zeros; the parts of sectors at both ends
-// count as sectors.
-bool LacksASector(std::string_view log, std::uint64_t begin) {
-  while (begin < log.size()) {
-    const std::uint64_t end =
-        std::min<std::uint64_t>(log.size(), (begin / kSectorBytes + 1) * kSectorBytes);
-    if (log.substr(begin, end - begin).find_first_not_of('\0') == std::string_view::npos) {
-      return true;
-    }
-    begin = end;
   }
   return false;
 }

@@ -54,8 +54,8 @@ absl::Status UploadCall::TakeIn(const UploadStream::Surroundings& surroundings,
                         absl::StrCat("the level must be one that is known, got ",
                                      static_cast<int>(request.wait_for())));
   }
-  absl::StatusOr<UploadTarget> target =
-      FindUploadTarget(*surroundings.maps, request.map(), request.robot(), request.session());
+  absl::StatusOr<UploadTarget> target = FindUploadTarget(
+      *surroundings.maps, request.map(), request.robot(), request.sensor(), request.session());
   if (!target.ok()) return target.status();
   if (absl::Status status = CheckNumbering(request.batch()); !status.ok()) {
     return WithFieldPrefix(status, "batch");
@@ -64,9 +64,20 @@ absl::Status UploadCall::TakeIn(const UploadStream::Surroundings& surroundings,
   if (request.wait_for() != v1::ACK_LEVEL_UNSPECIFIED) level_ = request.wait_for();
   last_ = ClientSequence(request.batch().first_client_seq() +
                          static_cast<std::uint64_t>(request.batch().frames_size()) - 1);
+  map_->WhenOpened([self = shared_from_this(), &surroundings, &request, session = target->session] {
+    self->StartIntake(surroundings, request, session);
+  });
+  return absl::OkStatus();
+}
+
+void UploadCall::StartIntake(const UploadStream::Surroundings& surroundings,
+                             const v1::UploadFrameBatchRequest& request,
+                             const SessionName& session) {
+  // gRPC keeps the request until the call is finished.
+  if (IsAbandoned()) return;
   const std::shared_ptr<UploadCall> self = shared_from_this();
   BatchIntake::Start(surroundings.decoders,
-                     {map_, target->session, /*in_order=*/false, ClientSequence(), self},
+                     {map_, session, /*in_order=*/false, ClientSequence(), self},
                      request.batch(),
                      [self](const absl::Status& status) {
                        if (!status.ok()) return self->Finish(WithFieldPrefix(status, "batch"));
@@ -76,7 +87,6 @@ absl::Status UploadCall::TakeIn(const UploadStream::Surroundings& surroundings,
                        }
                        self->AnswerIfDone();
                      });
-  return absl::OkStatus();
 }
 
 bool UploadCall::IsAbandoned() const {

@@ -35,6 +35,9 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
 
   absl::Status TakeIn(const UploadStream::Surroundings& surroundings,
                       const v1::UploadFrameBatchRequest& request);
+  void StartIntake(const UploadStream::Surroundings& surroundings,
+                   const v1::UploadFrameBatchRequest& request,
+                   const SessionName& session);
   void AnswerIfDone() ABSL_LOCKS_EXCLUDED(mutex_);
   void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

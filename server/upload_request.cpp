@@ -23,12 +23,15 @@ absl::Status CheckId(const char* field, const std::string& id) {
 absl::StatusOr<UploadTarget> FindUploadTarget(const MapDirectory& maps,
                                               const std::string& map,
                                               const std::string& robot,
+                                              const std::string& sensor,
                                               const std::string& session) {
   if (absl::Status status = CheckId("robot", robot); !status.ok()) return status;
+  const std::string named_sensor = sensor.empty() ? SensorName::kDefaultSensor : sensor;
+  if (absl::Status status = CheckId("sensor", named_sensor); !status.ok()) return status;
   if (absl::Status status = CheckId("session", session); !status.ok()) return status;
   absl::StatusOr<std::shared_ptr<MapRuntime>> found = maps.Find(map, "map");
   if (!found.ok()) return found.status();
-  return UploadTarget{*std::move(found), SessionName{robot, session}};
+  return UploadTarget{*std::move(found), SessionName{{robot, named_sensor}, session}};
 }
 
 absl::Status CheckMessageSize(const google::protobuf::MessageLite& message,

@@ -19,11 +19,12 @@ struct UploadTarget {
   SessionName session;
 };
 
-/// Finds what an upload names. Errors, with the fields `map`, `robot` and `session`: `NotFound`;
-/// `InvalidArgument` with reason `BAD_NAME`; `DataLoss` for a map in quarantine.
+/// Finds what an upload names; the map may still be opening. Errors, with the fields `map`,
+/// `robot`, `sensor` and `session`: `NotFound`; `InvalidArgument` with reason `BAD_NAME`.
 absl::StatusOr<UploadTarget> FindUploadTarget(const MapDirectory& maps,
                                               const std::string& map,
                                               const std::string& robot,
+                                              const std::string& sensor,
                                               const std::string& session);
 
 /// OK if a message is no larger than the server takes. gRPC itself lets a bit more in, so that the

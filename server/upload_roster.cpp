@@ -21,31 +21,33 @@ absl::Status DrainingError() {
 }
 
 absl::Status UploadRoster::Enter(MapKey map,
-                                 const std::string& robot,
+                                 const SessionName& session,
                                  std::shared_ptr<ActiveUpload> upload) {
   std::shared_ptr<ActiveUpload> before;
   {
     const absl::MutexLock lock(&mutex_);
     if (draining_) return DrainingError();
-    std::shared_ptr<ActiveUpload>& entry = streams_[Key(map, robot)];
-    before = std::exchange(entry, std::move(upload));
+    Stream& entry = streams_[Key(map, session.sensor)];
+    entry.session = session;
+    before = std::exchange(entry.upload, std::move(upload));
     if (before != nullptr) ++superseded_;
   }
   if (before != nullptr) {
-    before->End(
-        MakeError(absl::StatusCode::kAborted,
-                  reason::kUploadSuperseded,
-                  absl::StrCat("robot ", robot, " has opened another upload to the same map")));
+    before->End(MakeError(
+        absl::StatusCode::kAborted,
+        reason::kUploadSuperseded,
+        absl::StrCat(
+            "sensor ", session.sensor.ToString(), " has opened another upload to the same map")));
   }
   return absl::OkStatus();
 }
 
-void UploadRoster::Leave(MapKey map, const std::string& robot, const ActiveUpload* upload) {
+void UploadRoster::Leave(MapKey map, const SessionName& session, const ActiveUpload* upload) {
   std::shared_ptr<ActiveUpload> left;
   const absl::MutexLock lock(&mutex_);
-  const auto entry = streams_.find(Key(map, robot));
-  if (entry != streams_.end() && entry->second.get() == upload) {
-    left = std::move(entry->second);
+  const auto entry = streams_.find(Key(map, session.sensor));
+  if (entry != streams_.end() && entry->second.upload.get() == upload) {
+    left = std::move(entry->second.upload);
     streams_.erase(entry);
   } else {
     --superseded_;
@@ -69,14 +71,25 @@ void UploadRoster::LeaveCall() {
   --calls_;
 }
 
+std::set<SessionName> UploadRoster::SessionsOf(MapKey map) const {
+  std::set<SessionName> sessions;
+  const absl::MutexLock lock(&mutex_);
+  for (auto entry = streams_.lower_bound(Key(map, SensorName()));
+       entry != streams_.end() && entry->first.first == map;
+       ++entry) {
+    sessions.insert(entry->second.session);
+  }
+  return sessions;
+}
+
 void UploadRoster::EndMap(MapKey map, const absl::Status& status) {
   std::vector<std::shared_ptr<ActiveUpload>> ended;
   {
     const absl::MutexLock lock(&mutex_);
-    for (auto entry = streams_.lower_bound(Key(map, std::string()));
+    for (auto entry = streams_.lower_bound(Key(map, SensorName()));
          entry != streams_.end() && entry->first.first == map;
          ++entry) {
-      ended.push_back(entry->second);
+      ended.push_back(entry->second.upload);
     }
   }
   for (const std::shared_ptr<ActiveUpload>& upload : ended) upload->End(status);
@@ -87,7 +100,7 @@ void UploadRoster::Drain() {
   {
     const absl::MutexLock lock(&mutex_);
     draining_ = true;
-    for (const auto& [key, upload] : streams_) drained.push_back(upload);
+    for (const auto& [key, stream] : streams_) drained.push_back(stream.upload);
   }
   for (const std::shared_ptr<ActiveUpload>& upload : drained) upload->Drain(DrainingError());
 }

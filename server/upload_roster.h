@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
-#include <string>
+#include <set>
 #include <utility>
 
 #include <absl/base/thread_annotations.h>
@@ -12,6 +12,7 @@
 #include <absl/time/time.h>
 
 #include "core/identifiers.h"
+#include "server/store.h"
 
 namespace steadymap {
 
@@ -27,23 +28,26 @@ class ActiveUpload {
   virtual void Drain(const absl::Status& status) = 0;
 };
 
-/// All uploads under way. Sees to it that a robot has one stream a map, and lets the server drain.
+/// All uploads under way. Sees to it that a sensor has one stream a map, and lets the server drain.
 /// Thread-safe.
 class UploadRoster {
  public:
-  /// Enters a robot's stream; the one before it on the same map ends with `UPLOAD_SUPERSEDED`.
+  /// Enters a sensor's stream; the one before it on the same map ends with `UPLOAD_SUPERSEDED`.
   /// Errors: `Unavailable` with reason `DRAINING`.
-  absl::Status Enter(MapKey map, const std::string& robot, std::shared_ptr<ActiveUpload> upload)
+  absl::Status Enter(MapKey map, const SessionName& session, std::shared_ptr<ActiveUpload> upload)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Takes a stream off the list, if it is still on it.
-  void Leave(MapKey map, const std::string& robot, const ActiveUpload* upload)
+  void Leave(MapKey map, const SessionName& session, const ActiveUpload* upload)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Counts a call that uploads without a stream. Errors: `Unavailable` with reason `DRAINING`;
   /// `ResourceExhausted` with reason `QUEUE_FULL` if there are too many.
   absl::Status EnterCall() ABSL_LOCKS_EXCLUDED(mutex_);
   void LeaveCall() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// The sessions that streams of a map upload in.
+  std::set<SessionName> SessionsOf(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Ends the streams of a map.
   void EndMap(MapKey map, const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -57,14 +61,20 @@ class UploadRoster {
   std::size_t stream_count() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  using Key = std::pair<MapKey, std::string>;
+  using Key = std::pair<MapKey, SensorName>;
 
   bool IsEmpty() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return streams_.empty() && superseded_ == 0 && calls_ == 0;
   }
 
+  /// A stream under way.
+  struct Stream {
+    SessionName session;
+    std::shared_ptr<ActiveUpload> upload;
+  };
+
   mutable absl::Mutex mutex_;
-  std::map<Key, std::shared_ptr<ActiveUpload>> streams_ ABSL_GUARDED_BY(mutex_);
+  std::map<Key, Stream> streams_ ABSL_GUARDED_BY(mutex_);
   std::size_t superseded_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Replaced, but not left yet.
   std::size_t calls_ ABSL_GUARDED_BY(mutex_) = 0;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;

@@ -136,10 +136,10 @@ void UploadStream::OnGone() {
     if (end_) status = *end_;
   }
   if (!entered) return;
-  surroundings_.roster->Leave(map_->key(), session_.robot, this);
-  spdlog::debug("map {} robot {} session {}: upload ended: {}",
+  surroundings_.roster->Leave(map_->key(), session_, this);
+  spdlog::debug("map {} sensor {} session {}: upload ended: {}",
                 map_->name().ToString(),
-                session_.robot,
+                session_.sensor.ToString(),
                 session_.session,
                 status.ToString());
 }
@@ -189,7 +189,7 @@ UploadStream::Action UploadStream::Decide() {
     commit_requested_ = true;
     return Action::kRequestCommit;
   }
-  if (!ending_ && !reading_ && inbox_.empty()) {
+  if (!ending_ && !reading_ && !awaiting_map_ && inbox_.empty()) {
     reading_ = true;
     return Action::kRead;
   }
@@ -269,7 +269,7 @@ void UploadStream::RequestCommit() {
 
 /// Whether everything that was taken is integrated.
 bool UploadStream::IsSettled() const {
-  return inbox_.empty() && !taking_in_ && integrated_ >= last_taken_;
+  return inbox_.empty() && !taking_in_ && !awaiting_map_ && integrated_ >= last_taken_;
 }
 
 absl::Status UploadStream::HandleMessage() {
@@ -293,27 +293,33 @@ absl::Status UploadStream::HandleMessage() {
 }
 
 absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
-  absl::StatusOr<UploadTarget> target =
-      FindUploadTarget(*surroundings_.maps, open.map(), open.robot(), open.session());
+  absl::StatusOr<UploadTarget> target = FindUploadTarget(
+      *surroundings_.maps, open.map(), open.robot(), open.sensor(), open.session());
   if (!target.ok()) return target.status();
   {
     const absl::MutexLock lock(&mutex_);
     if (absl::Status status = answers_.ChooseLevels(open); !status.ok()) return status;
     entered_ = true;
+    awaiting_map_ = true;
     map_ = target->map;
     session_ = target->session;
   }
-  absl::Status status =
-      surroundings_.roster->Enter(map_->key(), session_.robot, shared_from_this());
+  absl::Status status = surroundings_.roster->Enter(map_->key(), session_, shared_from_this());
   if (!status.ok()) {
     const absl::MutexLock lock(&mutex_);
     entered_ = false;
     return status;
   }
-  const SessionState state = map_->sessions().State(session_, map_->snapshot()->revision);
-  spdlog::debug("map {} robot {} session {}: upload opened behind {}",
+  map_->WhenOpened([self = shared_from_this()] { self->OnMapOpened(); });
+  return absl::OkStatus();
+}
+
+void UploadStream::OnMapOpened() {
+  const absl::Status status = WithFieldPrefix(map_->CheckReads(), "open");
+  const SessionState state = map_->sessions().State(session_, map_->snapshot()->integrated());
+  spdlog::debug("map {} sensor {} session {}: upload opened behind {}",
                 map_->name().ToString(),
-                session_.robot,
+                session_.sensor.ToString(),
                 session_.session,
                 state.durable.value());
   v1::UploadFramesResponse response;
@@ -321,10 +327,17 @@ absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
   opened->set_resume_client_seq(state.durable.value());
   opened->set_max_message_bytes(limits_.max_message_bytes);
   opened->set_max_image_side_px(static_cast<std::uint32_t>(kMaxImageSidePx));
-  const absl::MutexLock lock(&mutex_);
-  *opened->mutable_credit() = answers_.initial_credit();
-  opened_ = std::move(response);
-  return absl::OkStatus();
+  {
+    const absl::MutexLock lock(&mutex_);
+    awaiting_map_ = false;
+    *opened->mutable_credit() = answers_.initial_credit();
+    if (status.ok()) {
+      opened_ = std::move(response);
+    } else if (!end_) {
+      end_ = status;
+    }
+  }
+  Drive();
 }
 
 absl::Status UploadStream::HandleBatch(v1::FrameBatch* batch) {

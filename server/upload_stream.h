@@ -81,6 +81,7 @@ class UploadStream final : public UploadObserver,
 
   absl::Status HandleMessage() ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleOpen(const v1::UploadOpen& open) ABSL_LOCKS_EXCLUDED(mutex_);
+  void OnMapOpened() ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleBatch(v1::FrameBatch* batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Surroundings surroundings_;
@@ -101,6 +102,7 @@ class UploadStream final : public UploadObserver,
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Nothing can be written any more.
 
   bool entered_ ABSL_GUARDED_BY(mutex_) = false;                            ///< On the roster.
+  bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;                       ///< It is not open yet.
   std::optional<v1::UploadFramesResponse> opened_ ABSL_GUARDED_BY(mutex_);  ///< To be written.
   UploadAnswers answers_ ABSL_GUARDED_BY(mutex_);
   std::deque<v1::FrameBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< Read; at most one.

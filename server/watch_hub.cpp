@@ -116,7 +116,7 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequ
                                request.scope,
                                request.filter,
                                request.before,
-                               {to, request.snapshot->last_event},
+                               {to, request.snapshot->last_event, request.history_hash},
                                request.max_message_bytes};
   if (request.as_snapshot) {
     return std::make_shared<WatchMessages>(std::move(source),
@@ -124,7 +124,7 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequ
   }
   ChangeList changes;
   if (request.filter.WantsObjects()) {
-    absl::StatusOr<ChangeList> read = store->ReadChanges(map, request.before.revision, to);
+    absl::StatusOr<ChangeList> read = store->ReadChanges(map, request.before.commit(), to);
     if (!read.ok()) return read.status();
     changes = *std::move(read);
   }

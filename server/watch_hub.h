@@ -100,6 +100,7 @@ class WatchHub {
     WatchPosition before;
     std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
     std::shared_ptr<const MapSnapshot> snapshot;
+    std::uint64_t history_hash = 0;  ///< Of the snapshot, as in `CommitMark`.
   };
 
   /// The messages that take a watcher to the snapshot; made once for all who ask the same.

@@ -178,7 +178,7 @@ v1::WatchMapResponse WatchMessages::MakeProgress() const {
   v1::WatchProgress* progress = message.mutable_progress();
   progress->set_revision(source_.after.revision.value());
   progress->set_resume_token(MakeResumeToken(source_.scope, source_.after));
-  if (const MapSnapshot& map = *step_.snapshot; map.revision > Revision()) {
+  if (const MapSnapshot& map = *step_.snapshot; map.last_capture_time != Timestamp()) {
     *progress->mutable_last_capture_time() = ToProto(map.last_capture_time);
   }
   return message;

@@ -206,17 +206,21 @@ void WatchStream::Finish(const absl::Status& status) {
   reactor_->Finish(ToGrpcStatus(status));
 }
 
-absl::Status WatchStream::Open() {
-  if (!is_request_whole_) {
-    return absl::InvalidArgumentError("the request is no WatchMapRequest");
-  }
+/// Wakes this stream once the map is open.
+absl::Status WatchStream::FindMap() {
   absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Find(request_.map(), "map");
   if (!map.ok()) return map.status();
+  map_ = *std::move(map);
+  map_->WhenOpened([self = shared_from_this()] { self->Schedule(); });
+  return absl::OkStatus();
+}
+
+absl::Status WatchStream::Open() {
+  if (absl::Status status = map_->CheckReads(); !status.ok()) return status;
   absl::StatusOr<MapFilter> filter = FromProto(request_.filter());
   if (!filter.ok()) return WithFieldPrefix(filter.status(), "filter");
   const absl::StatusOr<std::size_t> limit = ReadMessageLimit(request_.max_message_bytes());
   if (!limit.ok()) return limit.status();
-  map_ = *std::move(map);
   filter_ = *std::move(filter);
   max_message_bytes_ = *limit;
   scope_ = {map_->key(), map_->record().incarnation, FingerprintOf(request_.filter())};
@@ -226,11 +230,11 @@ absl::Status WatchStream::Open() {
   }
   // From here on no commit is missed.
   absl::Status status = surroundings_.hub->Enter(map_->key(), shared_from_this());
-  return status.ok() ? ChooseStart(map_->snapshot()) : status;
+  return status.ok() ? ChooseStart(map_->published()) : status;
 }
 
-absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  if (!request_.resume_token().empty()) return ResumeBehindToken(snapshot);
+absl::Status WatchStream::ChooseStart(const PublishedRevision& newest) {
+  if (!request_.resume_token().empty()) return ResumeBehindToken(newest);
   switch (request_.start()) {
     case v1::WATCH_START_NOW:
       if (request_.takes_patches()) {
@@ -238,11 +242,11 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
                             "takes_patches",
                             "a watch from now on has no leaves that patches could be of");
       }
-      BeginFrom(snapshot);
+      BeginFrom(newest);
       return absl::OkStatus();
     case v1::WATCH_START_SNAPSHOT_THEN_FOLLOW:
-      position_.revision = snapshot->revision;
-      next_snapshot_ = snapshot;
+      position_.revision = newest.commit.revision;
+      next_snapshot_ = newest;
       return absl::OkStatus();
     default:
       return InvalidField(reason::kBadValue, "start", "a watch needs `start` or a `resume_token`");
@@ -250,8 +254,9 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
 }
 
 /// With an empty step: who is cut off before anything happens has a token to go on behind.
-void WatchStream::BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  position_ = {snapshot->revision, snapshot->last_event};
+void WatchStream::BeginFrom(const PublishedRevision& newest) {
+  const std::shared_ptr<const MapSnapshot>& snapshot = newest.snapshot;
+  position_ = {snapshot->revision, snapshot->last_event, newest.commit.hash};
   StepPlan nothing;
   nothing.from = snapshot->revision;
   nothing.shown = ShownBy(filter_, *snapshot);
@@ -261,7 +266,8 @@ void WatchStream::BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot) 
       std::move(nothing));
 }
 
-absl::Status WatchStream::ResumeBehindToken(const std::shared_ptr<const MapSnapshot>& snapshot) {
+absl::Status WatchStream::ResumeBehindToken(const PublishedRevision& newest) {
+  const std::shared_ptr<const MapSnapshot>& snapshot = newest.snapshot;
   if (request_.start() != v1::WATCH_START_UNSPECIFIED) {
     return InvalidField(
         reason::kBadValue, "start", "`start` must not be set where there is a `resume_token`");
@@ -278,6 +284,11 @@ absl::Status WatchStream::ResumeBehindToken(const std::shared_ptr<const MapSnaps
                                   ", the map is at ",
                                   snapshot->revision.value()),
                      "resume_token");
+  } else if (position->revision == snapshot->revision && position->commit() != newest.commit) {
+    gap_ = MakeError(absl::StatusCode::kOutOfRange,
+                     reason::kRevisionCompacted,
+                     "the resume token is of another history of the map",
+                     "resume_token");
   } else {
     position_ = *position;
     if (position_.revision == snapshot->revision) shown_ = ShownBy(filter_, *snapshot);
@@ -286,7 +297,14 @@ absl::Status WatchStream::ResumeBehindToken(const std::shared_ptr<const MapSnaps
 }
 
 absl::StatusOr<WatchStream::Message> WatchStream::Next(bool draining) {
+  if (!is_request_whole_) {
+    return absl::InvalidArgumentError("the request is no WatchMapRequest");
+  }
+  if (map_ == nullptr) {
+    if (absl::Status status = FindMap(); !status.ok()) return status;
+  }
   if (!opened_) {
+    if (map_->condition() == MapRuntime::Condition::kOpening) return Message();
     if (absl::Status status = Open(); !status.ok()) return status;
     opened_ = true;
     return MakeCreated();
@@ -295,10 +313,10 @@ absl::StatusOr<WatchStream::Message> WatchStream::Next(bool draining) {
     absl::StatusOr<Message> message = NextOfStep();
     if (!message.ok() || message->has_value()) return message;
     // A map in quarantine or deleted says so.
-    if (absl::Status status = map_->condition(); !status.ok() && !draining) return status;
-    const std::shared_ptr<const MapSnapshot> snapshot = map_->snapshot();
-    if (next_snapshot_ == nullptr && gap_.ok() && snapshot->revision == position_.revision) break;
-    message = TakeStep(snapshot);
+    if (absl::Status status = map_->CheckReads(); !status.ok() && !draining) return status;
+    const PublishedRevision newest = map_->published();
+    if (!next_snapshot_ && gap_.ok() && newest.commit.revision == position_.revision) break;
+    message = TakeStep(newest);
     if (!message.ok() || message->has_value()) return message;
   }
   if (!draining) return Message();
@@ -323,9 +341,8 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextOfStep() {
 }
 
 /// Takes the step that leads to `snapshot`; or a message to be sent first.
-absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(
-    const std::shared_ptr<const MapSnapshot>& snapshot) {
-  if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), snapshot);
+absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(const PublishedRevision& newest) {
+  if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), newest);
   WatchHub::StepRequest wanted{scope_,
                                filter_,
                                max_message_bytes_,
@@ -333,28 +350,30 @@ absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(
                                false,
                                position_,
                                shown_,
-                               snapshot};
-  if (next_snapshot_ != nullptr) {
+                               newest.snapshot,
+                               newest.commit.hash};
+  if (next_snapshot_) {
     wanted.as_snapshot = true;
     wanted.before = {};
     wanted.shown = nullptr;
-    wanted.snapshot = next_snapshot_;
+    wanted.snapshot = next_snapshot_->snapshot;
+    wanted.history_hash = next_snapshot_->commit.hash;
   }
   absl::StatusOr<std::shared_ptr<WatchMessages>> step = surroundings_.hub->FindStep(wanted);
-  if (absl::IsOutOfRange(step.status())) return HandleGap(step.status(), snapshot);
+  if (absl::IsOutOfRange(step.status())) return HandleGap(step.status(), newest);
   if (!step.ok()) return step.status();
   step_ = *std::move(step);
   place_ = 0;
-  next_snapshot_ = nullptr;
+  next_snapshot_.reset();
   return Message();
 }
 
 /// The history between the watcher and the map is gone: begins anew where that was asked for.
-absl::StatusOr<WatchStream::Message> WatchStream::HandleGap(
-    const absl::Status& gap, const std::shared_ptr<const MapSnapshot>& snapshot) {
+absl::StatusOr<WatchStream::Message> WatchStream::HandleGap(const absl::Status& gap,
+                                                            const PublishedRevision& newest) {
   if (request_.resync_if_compacted()) {
-    next_snapshot_ = snapshot;
-    return MakeResync(snapshot->revision, ReasonOf(gap));
+    next_snapshot_ = newest;
+    return MakeResync(newest.commit.revision, ReasonOf(gap));
   }
   if (!following_) return gap;
   return MakeError(

@@ -68,15 +68,15 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   void Advance() ABSL_LOCKS_EXCLUDED(mutex_);
   void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
 
+  absl::Status FindMap();
   absl::Status Open();
-  absl::Status ChooseStart(const std::shared_ptr<const MapSnapshot>& snapshot);
-  void BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot);
-  absl::Status ResumeBehindToken(const std::shared_ptr<const MapSnapshot>& snapshot);
+  absl::Status ChooseStart(const PublishedRevision& newest);
+  void BeginFrom(const PublishedRevision& newest);
+  absl::Status ResumeBehindToken(const PublishedRevision& newest);
   absl::StatusOr<Message> Next(bool draining);
   absl::StatusOr<Message> NextOfStep();
-  absl::StatusOr<Message> TakeStep(const std::shared_ptr<const MapSnapshot>& snapshot);
-  absl::StatusOr<Message> HandleGap(const absl::Status& gap,
-                                    const std::shared_ptr<const MapSnapshot>& snapshot);
+  absl::StatusOr<Message> TakeStep(const PublishedRevision& newest);
+  absl::StatusOr<Message> HandleGap(const absl::Status& gap, const PublishedRevision& newest);
   grpc::ByteBuffer MakeCreated() const;
 
   const Surroundings surroundings_;
@@ -92,9 +92,9 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   WatchScope scope_;
   MapFilter filter_;
   std::size_t max_message_bytes_ = 0;
-  WatchPosition position_;                            ///< What the watcher has.
-  std::shared_ptr<const ShownObjects> shown_;         ///< At `position_`; null: not known.
-  std::shared_ptr<const MapSnapshot> next_snapshot_;  ///< To be sent whole; null: deltas follow.
+  WatchPosition position_;                          ///< What the watcher has.
+  std::shared_ptr<const ShownObjects> shown_;       ///< At `position_`; null: not known.
+  std::optional<PublishedRevision> next_snapshot_;  ///< To be sent whole; none: deltas follow.
   absl::Status gap_;  ///< Why the history behind the token is no use; to be told or resynced.
   std::shared_ptr<WatchMessages> step_;  ///< On its way; null between steps.
   std::size_t place_ = 0;                ///< Of the next message in it.

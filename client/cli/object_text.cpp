@@ -42,7 +42,7 @@ void WriteBeliefMembers(const v1::Belief& belief, JsonWriter* json) {
 
 // What happened to whom, as the rest of an event's line.
 std::string EventText(const v1::ObjectEvent& event, const ClassNames& classes) {
-  if (!event.robot().empty()) return absl::StrCat("robot ", event.robot());
+  if (!event.robot().empty()) return absl::StrCat("robot ", event.robot(), "/", event.sensor());
   if (event.object_id() == 0) return "";
   std::string text =
       absl::StrCat("object ", event.object_id(), " (", classes.NameOf(event.class_id()), ")");
@@ -206,7 +206,10 @@ void WriteEventJson(const v1::ObjectEvent& event, const ClassNames& classes, Jso
   }
   if (event.has_confidence()) json->Key("confidence").Number(event.confidence());
   if (event.related_object_id() != 0) json->Key("related").Integer(event.related_object_id());
-  if (!event.robot().empty()) json->Key("robot").Text(event.robot());
+  if (!event.robot().empty()) {
+    json->Key("robot").Text(event.robot());
+    json->Key("sensor").Text(event.sensor());
+  }
   if (event.has_before() && event.has_after()) {
     json->Key("views").Integer(event.views());
     json->Key("absences").Integer(event.absences());

@@ -28,16 +28,17 @@ constexpr char kRenderFooter[] =
     "broken outlines are the ghosts of what was removed or moved away.";
 
 std::vector<RobotPath> PathsOf(const std::vector<v1::FramePose>& poses) {
-  std::map<std::string, RobotPath> paths;
+  std::map<SensorName, RobotPath> paths;
   for (const v1::FramePose& pose : poses) {
-    RobotPath& path = paths[pose.robot()];
-    path.robot = pose.robot();
+    const SensorName source{pose.robot(), pose.sensor()};
+    RobotPath& path = paths[source];
+    path.robot = source.ToString();
     const v1::Vector3& position = pose.world_from_camera().position_m();
     path.positions_world.emplace_back(position.x(), position.y(), position.z());
   }
   std::vector<RobotPath> ordered;
   ordered.reserve(paths.size());
-  for (auto& [robot, path] : paths) ordered.push_back(std::move(path));
+  for (auto& [source, path] : paths) ordered.push_back(std::move(path));
   return ordered;
 }
 

@@ -24,7 +24,7 @@ std::string SimulateFooter() {
 }  // namespace
 
 SimulateCommand::SimulateCommand(CLI::App* app, CommandContext* context) : context_(context) {
-  options_.robot = simulation_.robot;
+  options_.source = simulation_.source;
   CLI::App* const command =
       app->add_subcommand("simulate", "Upload or write the frames of a simulated robot");
   command->footer(SimulateFooter());
@@ -46,7 +46,7 @@ SimulateCommand::SimulateCommand(CLI::App* app, CommandContext* context) : conte
 
 absl::Status SimulateCommand::Run() const {
   SimulationOptions simulation = simulation_;
-  simulation.robot = options_.robot;
+  simulation.source = options_.source;
   if (is_ideal_) simulation.sensor = SensorModel::Ideal();
   if (!directory_.empty()) return Write(simulation);
   if (options_.map.empty()) {

@@ -33,7 +33,7 @@ constexpr char kUploadFooter[] =
 }  // namespace
 
 UploadCommand::UploadCommand(CLI::App* app, CommandContext* context) : context_(context) {
-  options_.robot = "robot";
+  options_.source = {"robot", SensorName::kDefaultSensor};
   CLI::App* const command =
       app->add_subcommand("upload", "Upload a recording and wait until it is in the map");
   command->footer(kUploadFooter);

@@ -49,7 +49,8 @@ absl::Status EnsureMap(const MapName& name, bool no_create, CommandContext* cont
 
 UploaderOptions OptionsOfUploader(const UploadRunOptions& options, ProgressReport* report) {
   UploaderOptions uploader;
-  uploader.robot = options.robot;
+  uploader.robot = options.source.robot;
+  uploader.sensor = options.source.sensor;
   uploader.session = options.session;
   uploader.backoff.give_up_after =
       std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.retry_for_s));
@@ -139,7 +140,10 @@ absl::Status StatusOf(const UploadOutcome& outcome) {
 }  // namespace
 
 void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
-  command->add_option("--robot", options->robot, "Id of the robot that the frames come from")
+  command->add_option("--robot", options->source.robot, "Id of the robot that the frames come from")
+      ->type_name("ID")
+      ->capture_default_str();
+  command->add_option("--sensor", options->source.sensor, "Id of the sensor on the robot")
       ->type_name("ID")
       ->capture_default_str();
   command
@@ -163,7 +167,8 @@ absl::Status RunUpload(const UploadRunOptions& options,
                        CommandContext* context) {
   const absl::StatusOr<MapName> name = ParseMapArgument(options.map);
   if (!name.ok()) return name.status();
-  absl::Status status = CheckId("robot", options.robot);
+  absl::Status status = CheckId("robot", options.source.robot);
+  if (status.ok()) status = CheckId("sensor", options.source.sensor);
   if (status.ok() && !options.session.empty()) status = CheckId("session", options.session);
   if (status.ok()) status = EnsureMap(*name, options.no_create, context);
   if (!status.ok()) return status;

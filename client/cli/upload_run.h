@@ -17,7 +17,7 @@ namespace steadymap {
 /// What `upload` and `simulate` have in common.
 struct UploadRunOptions {
   std::string map;            ///< As on the command line.
-  std::string robot;          ///< Id of the robot.
+  SensorName source;          ///< What took the frames.
   std::string session;        ///< Id of the upload session; empty: a new one.
   bool no_create = false;     ///< A map that does not exist is an error instead of being created.
   bool as_json = false;       ///< The summary is JSON.

@@ -66,7 +66,7 @@ void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
   frame_ms_.push_back(elapsed.count());
-  if (mapper_->uncommitted_frames() >= kFramesACommit) Commit();
+  if (mapper_->uncommitted_entries() >= kFramesACommit) Commit();
 }
 
 void MethodRun::Commit() {
@@ -84,7 +84,7 @@ MethodOutcome MethodRun::Finish(double spacing_m) {
   return {.map = snapshot_,
           .surface = SampleMap(*snapshot_, spacing_m),
           .events = std::move(events_),
-          .cost = {.memory_bytes = VolumeBytes(*snapshot_),
+          .cost = {.memory_bytes = CountMap(*snapshot_).memory_bytes,
                    .bytes_per_object = BytesPerObject(*snapshot_),
                    .delta_bytes_per_frame = static_cast<double>(delta_bytes_) / frames,
                    .median_frame_ms = Median(std::move(frame_ms_)),

@@ -14,7 +14,7 @@
 namespace steadymap {
 namespace {
 
-constexpr char kRobot[] = "recording";
+const SensorName kSource{"recording", SensorName::kDefaultSensor};
 
 // Between the end of a sequence and the start of one whose times had to be moved.
 constexpr std::int64_t kPauseNs = 1'000'000'000;
@@ -25,6 +25,7 @@ class RecordingPlayer {
   RecordingPlayer(const RecordingEvaluationOptions& options, std::vector<MethodRun>* runs)
       : options_(options),
         config_(options.methods.front().config),
+        labels_(config_.classes),
         observed_(options.voxel_size_m, config_.max_depth_m),
         runs_(runs) {}
 
@@ -40,9 +41,8 @@ class RecordingPlayer {
     while (true) {
       absl::StatusOr<std::optional<v1::Frame>> message = (*source)->Next();
       if (message.ok() && !message->has_value()) break;
-      absl::StatusOr<Frame> frame = message.ok()
-                                        ? FromProto(**message, kRobot, config_.label_limit())
-                                        : absl::StatusOr<Frame>(message.status());
+      absl::StatusOr<Frame> frame = message.ok() ? FromProto(**message, kSource, labels_)
+                                                 : absl::StatusOr<Frame>(message.status());
       if (!frame.ok()) {
         ++skipped_count_;
         if (first_error.ok()) first_error = frame.status();
@@ -76,6 +76,7 @@ class RecordingPlayer {
 
   const RecordingEvaluationOptions& options_;
   const MapConfig& config_;
+  const KnownLabels labels_;
   ObservedSpace observed_;  // By the last sequence.
   std::vector<MethodRun>* runs_;
   std::int64_t end_ns_ = std::numeric_limits<std::int64_t>::min();

@@ -65,7 +65,7 @@ Frame Simulation::Render(std::size_t index) {
   view.noise_key = Combine(options_.seed, static_cast<std::uint64_t>(elapsed_ns));
   Frame frame = renderer_->Render(
       view, {options_.include_instances.value_or(route_.has_instances), options_.include_color});
-  frame.robot = options_.robot;
+  frame.source = options_.source;
   frame.capture_time = moment.capture_time;
   frame.T_world_camera = DriftPose(
       options_.sensor, options_.seed, static_cast<double>(elapsed_ns) * 1e-9, view.T_world_camera);

@@ -30,8 +30,8 @@ struct SimulationOptions {
   std::size_t stride = 1;   ///< Every how many frames one is kept, >= 1.
   LostStretch lost = {};    ///< Frames whose poses are wrong.
   bool include_color = false;
-  std::optional<bool> include_instances = std::nullopt;  ///< Unset: as the route says.
-  std::string robot = "simulator";                       ///< `Frame::robot` of every frame.
+  std::optional<bool> include_instances = std::nullopt;           ///< Unset: as the route says.
+  SensorName source = {"simulator", SensorName::kDefaultSensor};  ///< Of every frame.
   /// Capture time of the first frame. Later sequences start a minute after the end of the one
   /// before.
   Timestamp start_time = Timestamp::FromNanoseconds(1'650'000'000'000'000'000);

@@ -42,7 +42,8 @@ std::vector<Frame> LoadKitchenFrames(std::size_t count) {
   while (source.ok() && frames.size() < count) {
     const absl::StatusOr<std::optional<v1::Frame>> message = (*source)->Next();
     if (!message.ok() || !message->has_value()) break;
-    absl::StatusOr<Frame> frame = FromProto(**message, "robot", MapConfig().label_limit());
+    absl::StatusOr<Frame> frame = FromProto(
+        **message, {"robot", SensorName::kDefaultSensor}, KnownLabels(MapConfig().classes));
     if (!frame.ok()) break;
     CropToMiddle(&*frame);
     frames.push_back(*std::move(frame));

@@ -100,7 +100,7 @@ ObjectEvent RobotLost() {
   event.reason = EventReason::kDisagreement;
   event.time = Timestamp::FromSeconds(150.0);
   event.revision = Revision(40);
-  event.robot = "forklift-2";
+  event.source = {"forklift-2", "left"};
   return event;
 }
 
@@ -110,7 +110,7 @@ TEST(EventJson, AnEventOfARobotNamesIt) {
   EXPECT_EQ(Compact(json),
             R"({"number": 7,"type": "robot_lost","reason": "disagreement","object": 0,"class": 0,)"
             R"("class_name": "background","time": 150,"revision": 40,"center": [0,0,0],)"
-            R"("robot": "forklift-2"})");
+            R"("robot": "forklift-2","sensor": "left"})");
 }
 
 TEST(ObjectTable, HasALineAnObject) {
@@ -137,7 +137,7 @@ TEST(EventLines, SayWhichRobotIsLost) {
   WriteEventLines({ToProto(EventNumber(7), RobotLost())}, Torwic(), &out);
   EXPECT_EQ(out.str(),
             "     7  1970-01-01T00:02:30Z  revision 40  robot_lost (disagreement)  robot "
-            "forklift-2\n");
+            "forklift-2/left\n");
 }
 
 TEST(ClassNames, AClassIsKnownByItsNameAndItsId) {

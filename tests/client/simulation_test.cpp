@@ -72,7 +72,7 @@ TEST(MakeRoute, EveryRouteShowsSomethingInEverySequence) {
     std::set<std::size_t> sequences;
     for (std::size_t i = 0; i < simulation.frame_count(); i += name == "hall" ? 10 : 1) {
       const Frame frame = simulation.Render(i);
-      ASSERT_TRUE(ValidateFrame(frame, kSceneClassCount).ok());
+      ASSERT_TRUE(ValidateFrame(frame, KnownLabels(MapConfig().classes)).ok());
       const auto& units = frame.depth.units;
       const auto lost = std::count(units.data(), units.data() + units.size(), kNoDepth);
       EXPECT_LT(static_cast<double>(lost), 0.95 * static_cast<double>(units.size())) << name;
@@ -140,13 +140,13 @@ TEST(Simulation, TimesRiseAcrossSequences) {
   SimulationOptions options;
   options.stride = 50;
   options.sensor = SensorModel::Ideal();
-  options.robot = "forklift-7";
+  options.source = {"forklift-7", "left"};
   Simulation simulation(RouteOf("2-4-4"), options);
   Timestamp last = Timestamp::FromNanoseconds(options.start_time.nanoseconds() - 1);
   for (std::size_t i = 0; i < simulation.frame_count(); ++i) {
     const Frame frame = simulation.Render(i);
     EXPECT_GT(frame.capture_time, last);
-    EXPECT_EQ(frame.robot, "forklift-7");
+    EXPECT_EQ(frame.source, options.source);
     EXPECT_TRUE(frame.T_world_camera.matrix() == simulation.TruePose(i).matrix());
     last = frame.capture_time;
   }

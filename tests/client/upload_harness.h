@@ -41,6 +41,7 @@ struct UploadHarness {
   explicit UploadHarness(std::vector<FakeIngestService::Script> scripts)
       : service(std::move(scripts)) {
     options.robot = "robot-7";
+    options.sensor = "left";
     options.session = "session-1";
     options.seed = 5;
     options.sleep = [this](std::chrono::milliseconds delay) { delays.push_back(delay); };

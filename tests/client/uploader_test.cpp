@@ -29,6 +29,7 @@ TEST(FrameUploader, SendsEveryFrameOnceInOrderAndWaitsForIntegration) {
   EXPECT_EQ(received, Sequences(1, 50));
   EXPECT_EQ(open.map(), "tenants/default/maps/kitchen");
   EXPECT_EQ(open.robot(), "robot-7");
+  EXPECT_EQ(open.sensor(), "left");
   EXPECT_EQ(open.session(), "session-1");
   EXPECT_EQ(open.last_durable_client_seq(), 0U);
   EXPECT_EQ(summary->progress.pushed, 50U);

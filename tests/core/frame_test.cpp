@@ -13,11 +13,14 @@ namespace {
 
 using ::steadymap::testing::kNan;
 
-constexpr std::size_t kClassCount = 16;
+const KnownLabels& Labels() {
+  static const KnownLabels labels(MapConfig().classes);
+  return labels;
+}
 
 Frame ValidFrame() {
   Frame frame;
-  frame.robot = "robot-1";
+  frame.source = {"robot-1", SensorName::kDefaultSensor};
   frame.camera = {8, 6, 5.0, 5.0, 3.5, 2.5};
   frame.T_world_camera = Eigen::Translation3d(1.0, 2.0, 3.0) *
                          Eigen::AngleAxisd(0.3, Eigen::Vector3d(1.0, 2.0, 3.0).normalized());
@@ -30,18 +33,18 @@ Frame ValidFrame() {
 
 TEST(ValidateFrame, AcceptsAFrameWithAndWithoutItsOptionalImages) {
   Frame frame = ValidFrame();
-  EXPECT_TRUE(ValidateFrame(frame, kClassCount).ok());
+  EXPECT_TRUE(ValidateFrame(frame, Labels()).ok());
   frame.labels = {};
   frame.instances = {};
   frame.color = {};
-  EXPECT_TRUE(ValidateFrame(frame, kClassCount).ok());
+  EXPECT_TRUE(ValidateFrame(frame, Labels()).ok());
 }
 
 TEST(ValidateFrame, AcceptsTheEndsOfTheDepthUnit) {
   Frame frame = ValidFrame();
   for (const double metres_per_unit : {1e-6, 1e-1}) {
     frame.depth.metres_per_unit = metres_per_unit;
-    EXPECT_TRUE(ValidateFrame(frame, kClassCount).ok()) << metres_per_unit;
+    EXPECT_TRUE(ValidateFrame(frame, Labels()).ok()) << metres_per_unit;
   }
 }
 
@@ -92,7 +95,7 @@ TEST(ValidateFrame, NamesWhatIsWrongAndWhere) {
             }}}) {
     Frame frame = ValidFrame();
     c.spoil(&frame);
-    const absl::Status status = ValidateFrame(frame, kClassCount);
+    const absl::Status status = ValidateFrame(frame, Labels());
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << c.field;
     EXPECT_EQ(ReasonOf(status), c.reason) << status;
     EXPECT_EQ(FieldOf(status), c.field) << status;
@@ -104,7 +107,7 @@ TEST(ValidateFrame, FindsTheOneBadLabelWhereverItIs) {
     for (int u = 0; u < 8; ++u) {
       Frame frame = ValidFrame();
       frame.labels.At(u, v) = 65535;
-      EXPECT_EQ(ReasonOf(ValidateFrame(frame, kClassCount)), reason::kLabelOutOfRange);
+      EXPECT_EQ(ReasonOf(ValidateFrame(frame, Labels())), reason::kLabelOutOfRange);
     }
   }
 }

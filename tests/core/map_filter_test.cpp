@@ -109,7 +109,7 @@ TEST(MapFilter, AMergePassesByEitherObject) {
 TEST(MapFilter, EventsOfRobotsPassWhereNothingIsAskedOfObjects) {
   ObjectEvent event;
   event.type = EventType::kRobotLost;
-  event.robot = "r1";
+  event.source = {"r1", "camera"};
   MapFilter filter;
   EXPECT_TRUE(filter.Shows(event));
   filter.boxes_world = {kNearOrigin};

@@ -65,7 +65,7 @@ MapStory::MapStory(const MapConfig& config, const MapperOptions& options)
 void MapStory::Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
   for (const Frame& frame : frames) {
     mapper_->Integrate(mapper_->head().Next(), frame);
-    if (mapper_->uncommitted_frames() == frames_per_commit) Commit();
+    if (mapper_->uncommitted_entries() == frames_per_commit) Commit();
   }
   Commit();
 }

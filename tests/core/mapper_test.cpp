@@ -71,9 +71,9 @@ std::vector<MapCommit> Map(const std::vector<Frame>& frames, std::size_t frames_
   std::vector<MapCommit> commits;
   for (const Frame& frame : frames) {
     mapper->Integrate(mapper->head().Next(), frame);
-    if (mapper->uncommitted_frames() == frames_per_commit) commits.push_back(mapper->Commit());
+    if (mapper->uncommitted_entries() == frames_per_commit) commits.push_back(mapper->Commit());
   }
-  if (mapper->uncommitted_frames() > 0) commits.push_back(mapper->Commit());
+  if (mapper->uncommitted_entries() > 0) commits.push_back(mapper->Commit());
   return commits;
 }
 

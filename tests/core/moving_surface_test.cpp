@@ -47,8 +47,8 @@ class MovingSurfaceTest : public ::testing::Test {
     const Frame frame = RenderScene(scene, {.capture_time_s = 100.0 + time_s});
     cloud_.Compute(frame);
     map_.BeginFrame(map_.revision().Next(), frame.capture_time);
-    moving_.Hide(robot, map_, &cloud_);
-    moving_.Remember(robot, cloud_, &map_);
+    moving_.Hide({robot, SensorName::kDefaultSensor}, map_, &cloud_);
+    moving_.Remember({robot, SensorName::kDefaultSensor}, cloud_, &map_);
     map_.EndFrame();
     std::size_t count = 0;
     for (int row = 0; row < cloud_.cells_high(); ++row) {
@@ -99,7 +99,7 @@ TEST_F(MovingSurfaceTest, ForgetsSoonAfterwards) {
   SeePerson(kPersonClass, 0.0);
   SeePerson(kPersonClass, 0.1);
   EXPECT_GT(SeePerson(kGoodsClass, 0.7), 500U);
-  EXPECT_TRUE(map_.FindRobot("robot")->moving.empty());
+  EXPECT_TRUE(map_.FindRobot({"robot", SensorName::kDefaultSensor})->moving.empty());
 }
 
 TEST_F(MovingSurfaceTest, FramesFarApartConfirmNothing) {
@@ -119,7 +119,8 @@ TEST_F(MovingSurfaceTest, EachRobotRemembersWhatItSaw) {
   SeePerson(kPersonClass, 0.1, "one");
   EXPECT_GT(SeePerson(kGoodsClass, 0.2, "other"), 500U);
   EXPECT_EQ(SeePerson(kGoodsClass, 0.2, "one"), 0U);
-  EXPECT_EQ(map_.FindRobot("other"), nullptr) << "it has seen nothing to remember";
+  EXPECT_EQ(map_.FindRobot({"other", SensorName::kDefaultSensor}), nullptr)
+      << "it has seen nothing to remember";
 }
 
 MapConfig FineConfig() {
@@ -138,7 +139,8 @@ TEST_F(FineMovingSurfaceTest, ACameraThatSeesNothingButPeopleFillsNoMemory) {
   const SceneBody crowd = Body(kPersonClass, {2.6, -4.0, -3.0}, {3.0, 4.0, 3.0});
   See({crowd}, kPersonClass, 0.0);
   See({crowd}, kPersonClass, 0.1);
-  const std::vector<MovingCell>& moving = map_.FindRobot("robot")->moving;
+  const std::vector<MovingCell>& moving =
+      map_.FindRobot({"robot", SensorName::kDefaultSensor})->moving;
   EXPECT_EQ(moving.size(), 4096U);
   for (std::size_t i = 1; i < moving.size(); ++i) {
     EXPECT_LT(moving[i - 1].cell, moving[i].cell);
@@ -163,7 +165,7 @@ TEST(MovingSurface, AWrongLabelLeavesNoTrailWhereverARestartFalls) {
     take(told, 6, 4, kPersonClass);
   }
   EXPECT_EQ(CountSurfaceIn(story.map(), Around(Person(kPersonClass), 0.1)), 0U);
-  EXPECT_FALSE(story.map().robots.at("robot").moving.empty());
+  EXPECT_FALSE(story.map().robots.at({"robot", "camera"}).moving.empty());
   ExpectSameMap(restarted.map(), story.map());
   ExpectSameMap(story.told(), story.map());
 }

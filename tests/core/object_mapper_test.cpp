@@ -504,7 +504,7 @@ std::vector<MapCommit> Commits(const std::vector<Frame>& frames, std::size_t fra
   std::vector<MapCommit> commits;
   for (const Frame& frame : frames) {
     mapper->Integrate(mapper->head().Next(), frame);
-    if (mapper->uncommitted_frames() == frames_per_commit) commits.push_back(mapper->Commit());
+    if (mapper->uncommitted_entries() == frames_per_commit) commits.push_back(mapper->Commit());
   }
   return commits;
 }

@@ -48,7 +48,7 @@ std::vector<ObjectEvent> EventsOf(const MapStory& story, EventType type) {
 }
 
 Trust TrustIn(const MapStory& story, const std::string& robot = "robot") {
-  return story.map().robots.at(robot).trust;
+  return story.map().robots.at({robot, SensorName::kDefaultSensor}).trust;
 }
 
 /// Expects a map to hold what it held, but for the robots.
@@ -70,7 +70,7 @@ TEST(RobotGuard, ARobotThatJumpsChangesNothingUntilItIsBack) {
   const std::vector<ObjectEvent> lost = EventsOf(story, EventType::kRobotLost);
   ASSERT_EQ(lost.size(), 1U);
   EXPECT_EQ(lost[0].reason, EventReason::kDisagreement);
-  EXPECT_EQ(lost[0].robot, "robot");
+  EXPECT_EQ(lost[0].source.robot, "robot");
   EXPECT_EQ(lost[0].object, ObjectId());
   EXPECT_EQ(lost[0].revision, Revision(kMappingFrames + RobotGuardParameters().losing_frames));
 
@@ -78,7 +78,7 @@ TEST(RobotGuard, ARobotThatJumpsChangesNothingUntilItIsBack) {
   const std::vector<ObjectEvent> found = EventsOf(story, EventType::kRobotFound);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].reason, EventReason::kAgreement);
-  EXPECT_EQ(found[0].robot, "robot");
+  EXPECT_EQ(found[0].source.robot, "robot");
   EXPECT_EQ(found[0].revision,
             Revision(kMappingFrames + 12 + RobotGuardParameters().finding_frames));
   EXPECT_EQ(TrustIn(story), Trust::kTrusted);
@@ -127,7 +127,7 @@ TEST(RobotGuard, TheFramesOfOtherRobotsGoOnToCount) {
   const std::vector<Frame> others = From("other", Drive(RoomWithout(2), kMappingFrames, 30));
   for (std::size_t i = 0; i < misled.size(); ++i) story.Tell({misled[i], others[i]});
   ASSERT_EQ(EventsOf(story, EventType::kRobotLost).size(), 1U);
-  EXPECT_EQ(EventsOf(story, EventType::kRobotLost)[0].robot, "robot");
+  EXPECT_EQ(EventsOf(story, EventType::kRobotLost)[0].source.robot, "robot");
   EXPECT_EQ(TrustIn(story), Trust::kLost);
   EXPECT_EQ(TrustIn(story, "other"), Trust::kTrusted);
   EXPECT_GE(EventsOf(story, EventType::kRemoved).size(), 1U);
@@ -251,7 +251,7 @@ TEST(RobotGuard, GoesOnFromARestoredMapAsIfNeverStopped) {
       EXPECT_TRUE(Diff(stored, *commit.snapshot).robots == commit.delta.robots);
     }
     for (const ObjectEvent& event : commit.delta.events) {
-      events_of_robots += event.robot.empty() ? 0U : 1U;
+      events_of_robots += event.IsOfRobot() ? 1U : 0U;
     }
     ASSERT_TRUE(Apply(commit.delta, &stored).ok());
     ASSERT_TRUE(stored.robots == commit.snapshot->robots);
@@ -281,7 +281,7 @@ TEST(RobotGuard, TakesAnyPoseAtAnyTime) {
   frames[5].capture_time = frames[4].capture_time;
   frames[6].capture_time = Timestamp::FromNanoseconds(std::numeric_limits<std::int64_t>::max());
   frames[7].capture_time = Timestamp::FromNanoseconds(std::numeric_limits<std::int64_t>::min());
-  frames[8].robot.clear();
+  frames[8].source.robot.clear();
   frames[10].T_world_camera.translation().setConstant(-0.5 * limit_m);
   frames[9].capture_time = Timestamp::FromNanoseconds(frames[8].capture_time.nanoseconds() + 1);
   story.Tell(frames);
@@ -289,10 +289,10 @@ TEST(RobotGuard, TakesAnyPoseAtAnyTime) {
   EXPECT_EQ(story.map().robots.size(), 2U);
   ExpectSameMap(story.told(), story.map());
   for (const auto& [name, robot] : story.map().robots) {
-    EXPECT_TRUE(robot.claimed.position_world.allFinite()) << name;
-    EXPECT_TRUE(robot.likely.position_world.allFinite()) << name;
-    EXPECT_TRUE(robot.velocity_m_per_s.allFinite()) << name;
-    EXPECT_TRUE(robot.turn_rad_per_s.allFinite()) << name;
+    EXPECT_TRUE(robot.claimed.position_world.allFinite()) << name.ToString();
+    EXPECT_TRUE(robot.likely.position_world.allFinite()) << name.ToString();
+    EXPECT_TRUE(robot.velocity_m_per_s.allFinite()) << name.ToString();
+    EXPECT_TRUE(robot.turn_rad_per_s.allFinite()) << name.ToString();
   }
 }
 
@@ -303,7 +303,7 @@ TEST(WorkingMap, ForgetsTheRobotSeenLongestAgo) {
   const auto store = [&map](int i, double last_seen_s) {
     RobotState state;
     state.last_capture_time = Timestamp::FromSeconds(last_seen_s);
-    map.StoreRobot("robot-" + std::to_string(i), state);
+    map.StoreRobot({"robot-" + std::to_string(i), "camera"}, state);
   };
   for (int i = 0; i < kMostRobots; ++i) store(i, 1000.0 + (i == 7 ? -1 : i));
   const MapCommit full = map.Commit();
@@ -312,10 +312,10 @@ TEST(WorkingMap, ForgetsTheRobotSeenLongestAgo) {
   store(kMostRobots, 5000.0);
   const MapCommit next = map.Commit();
   EXPECT_EQ(next.snapshot->robots.size(), static_cast<std::size_t>(kMostRobots));
-  EXPECT_EQ(map.FindRobot("robot-7"), nullptr);
+  EXPECT_EQ(map.FindRobot({"robot-7", "camera"}), nullptr);
   ASSERT_EQ(next.delta.robots.size(), 2U);
-  EXPECT_EQ(next.delta.robots[0].robot, "robot-1000");
-  EXPECT_EQ(next.delta.robots[1], (RobotChange{"robot-7", std::nullopt}));
+  EXPECT_EQ(next.delta.robots[0].sensor.robot, "robot-1000");
+  EXPECT_EQ(next.delta.robots[1], (RobotChange{{"robot-7", "camera"}, std::nullopt}));
   EXPECT_TRUE(Diff(*full.snapshot, *next.snapshot).robots == next.delta.robots);
   MapSnapshot told(full.snapshot->scale);
   ASSERT_TRUE(Apply(Merge(full.delta, next.delta), &told).ok());

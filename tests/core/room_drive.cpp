@@ -61,7 +61,7 @@ std::vector<Frame> Mislead(std::vector<Frame> frames, double shift_m, double tur
 }
 
 std::vector<Frame> From(const std::string& robot, std::vector<Frame> frames) {
-  for (Frame& frame : frames) frame.robot = robot;
+  for (Frame& frame : frames) frame.source.robot = robot;
   return frames;
 }
 

@@ -40,7 +40,7 @@ ObjectEvent RandomEvent(std::mt19937* random) {
     event.views = large(*random);
     event.absences = large(*random);
   } else {
-    event.robot = "robot-" + std::to_string(large(*random) % 100);
+    event.source = {"robot-" + std::to_string(large(*random) % 100), "left"};
   }
   event.related = ObjectId(large(*random));
   return event;

@@ -9,19 +9,24 @@
 namespace steadymap {
 namespace {
 
-constexpr std::size_t kClasses = 16;
+const SensorName kSource{"robot", "left"};
+
+const KnownLabels& Labels() {
+  static const KnownLabels labels(MapConfig().classes);
+  return labels;
+}
 
 // Each refusal of a frame is tested through the service, in tests/contract/refused_frame_test.cpp.
 
 TEST(ConvertFrame, EveryDepthEncodingGivesTheSamePixels) {
-  const absl::StatusOr<Frame> raw = FromProto(MakeWallFrame(), "robot", kClasses);
+  const absl::StatusOr<Frame> raw = FromProto(MakeWallFrame(), kSource, Labels());
   ASSERT_TRUE(raw.ok()) << raw.status();
-  EXPECT_EQ(raw->robot, "robot");
+  EXPECT_EQ(raw->source, kSource);
   EXPECT_EQ(raw->depth.units.At(0, 0), 2000);
   EXPECT_EQ(raw->labels.At(63, 47), 4);
   EXPECT_EQ(raw->capture_time, Timestamp::FromSeconds(100.0));
   for (const auto encoding : {v1::DEPTH_ENCODING_PNG_UINT16, v1::DEPTH_ENCODING_ZSTD_UINT16}) {
-    const auto packed = FromProto(MakeWallFrame({.encoding = encoding}), "robot", kClasses);
+    const auto packed = FromProto(MakeWallFrame({.encoding = encoding}), kSource, Labels());
     ASSERT_TRUE(packed.ok()) << packed.status();
     EXPECT_EQ(packed->depth, raw->depth);
   }
@@ -40,7 +45,7 @@ TEST(ConvertFrame, EveryLabelEncodingGivesTheSamePixels) {
     message.mutable_labels()->set_encoding(wire);
     message.mutable_labels()->set_data(EncodePixels(labels, packing));
     *message.mutable_instances() = message.labels();
-    const auto frame = FromProto(message, "robot", kClasses);
+    const auto frame = FromProto(message, kSource, Labels());
     ASSERT_TRUE(frame.ok()) << frame.status();
     EXPECT_EQ(frame->labels, labels);
     EXPECT_EQ(frame->instances, labels);
@@ -48,7 +53,7 @@ TEST(ConvertFrame, EveryLabelEncodingGivesTheSamePixels) {
 }
 
 TEST(ConvertFrame, AbsentOptionalImagesStayEmpty) {
-  const auto frame = FromProto(MakeWallFrame({.with_labels = false}), "robot", kClasses);
+  const auto frame = FromProto(MakeWallFrame({.with_labels = false}), kSource, Labels());
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_TRUE(frame->labels.empty());
   EXPECT_TRUE(frame->instances.empty());
@@ -60,7 +65,7 @@ TEST(ConvertFrame, ColorIsDecoded) {
   v1::Frame message = MakeWallFrame();
   message.mutable_color()->set_encoding(v1::COLOR_ENCODING_PNG);
   message.mutable_color()->set_data(EncodeColorPng(color));
-  const auto frame = FromProto(message, "robot", kClasses);
+  const auto frame = FromProto(message, kSource, Labels());
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(frame->color, color);
 }
@@ -70,7 +75,7 @@ TEST(ConvertFrame, ZstdBombIsRefusedWithoutBeingUnpacked) {
   const Image<std::uint16_t> huge(4096, 4096, 1000);
   message.mutable_depth()->set_encoding(v1::DEPTH_ENCODING_ZSTD_UINT16);
   message.mutable_depth()->set_data(EncodePixels(huge, PixelEncoding::kZstdUint16));
-  EXPECT_EQ(ReasonOf(FromProto(message, "robot", kClasses).status()), "IMAGE_SIZE_MISMATCH");
+  EXPECT_EQ(ReasonOf(FromProto(message, kSource, Labels()).status()), "IMAGE_SIZE_MISMATCH");
 }
 
 TEST(ConvertCamera, ComesBack) {

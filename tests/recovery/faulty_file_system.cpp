@@ -10,13 +10,12 @@ class FaultyFile final : public rocksdb::FSWritableFileOwnerWrapper {
   FaultyFile(std::unique_ptr<rocksdb::FSWritableFile> file, FaultyFileSystem* faults)
       : FSWritableFileOwnerWrapper(std::move(file)), faults_(faults) {}
 
-  using FSWritableFileOwnerWrapper::Append;
-
-  rocksdb::IOStatus Append(const rocksdb::Slice& data,
-                           const rocksdb::IOOptions& options,
-                           rocksdb::IODebugContext* debug) override {
+  rocksdb::IOStatus Allocate(std::uint64_t offset,
+                             std::uint64_t length,
+                             const rocksdb::IOOptions& options,
+                             rocksdb::IODebugContext* debug) override {
     if (faults_->disk_full) return rocksdb::IOStatus::NoSpace("the test filled the disk");
-    return FSWritableFileOwnerWrapper::Append(data, options, debug);
+    return FSWritableFileOwnerWrapper::Allocate(offset, length, options, debug);
   }
 
   rocksdb::IOStatus Sync(const rocksdb::IOOptions& options,
@@ -45,7 +44,7 @@ rocksdb::IOStatus FaultyFileSystem::NewWritableFile(
     std::unique_ptr<rocksdb::FSWritableFile>* result,
     rocksdb::IODebugContext* debug) {
   rocksdb::IOStatus status = FileSystemWrapper::NewWritableFile(name, options, result, debug);
-  if (status.ok() && name.ends_with(".log")) {
+  if (status.ok()) {
     *result = std::make_unique<FaultyFile>(std::move(*result), this);
   }
   return status;

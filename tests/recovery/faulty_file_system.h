@@ -9,7 +9,7 @@
 
 namespace steadymap {
 
-/// A file system that fails the syncs, or the writes, of RocksDB's write-ahead log on demand.
+/// A file system that fails the syncs of RocksDB's files on demand, or finds no space for them.
 class FaultyFileSystem final : public rocksdb::FileSystemWrapper {
  public:
   FaultyFileSystem();
@@ -21,8 +21,8 @@ class FaultyFileSystem final : public rocksdb::FileSystemWrapper {
                                     std::unique_ptr<rocksdb::FSWritableFile>* result,
                                     rocksdb::IODebugContext* debug) override;
 
-  std::atomic<bool> fail_sync = false;  ///< Every sync of the log fails.
-  std::atomic<bool> disk_full = false;  ///< Every write to the log finds no space.
+  std::atomic<bool> fail_sync = false;  ///< Every sync fails.
+  std::atomic<bool> disk_full = false;  ///< No file finds space for what is to be written.
   std::atomic<int> syncs = 0;           ///< Syncs that were asked for.
 };
 

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <random>
 #include <string>
@@ -27,87 +26,122 @@ namespace {
 constexpr std::uint64_t kPageBytes = 4096;
 constexpr std::uint64_t kSectorBytes = 512;
 
-/// Where the write-ahead log of `folder` is being written.
-std::filesystem::path NewestLog(const std::filesystem::path& folder) {
+/// The newest file with the ending `.log` in one of the folders called `name` below `folder`.
+std::filesystem::path NewestLog(const std::filesystem::path& folder, const std::string& name) {
   std::filesystem::path newest;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "rocksdb")) {
-    if (entry.path().extension() == ".log") newest = std::max(newest, entry.path());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::filesystem::path& file = entry.path();
+    if (file.extension() != ".log" || file.parent_path().filename() != name) continue;
+    newest = std::max(newest, file);
   }
   return newest;
 }
 
-/// A store that was left in the middle of its work, with the length of its write-ahead log after
-/// each append. Tests open damaged copies of it.
+/// A store that was left in the middle of its work. Tests open copies of it in which one file is
+/// damaged: the newest of a map's log, or of its database's write-ahead log.
 class TornLog : public ::testing::Test {
  protected:
   void SetUp() override {
     const std::filesystem::path folder = folder_.path() / "original";
     std::unique_ptr<Store> store = Store::Open(folder, StoreOptions()).value();
     map_ = store->CreateMap(MakeMapRecord("acme", "hall")).value();
-    map_end_ = std::filesystem::file_size(NewestLog(folder));
+    ASSERT_TRUE(store->LoadMap(map_).ok());
     std::mt19937 random(5);
     for (std::uint64_t i = 1; i <= 30; ++i) {
-      LogAppend append{map_.key, Timestamp::FromSeconds(1000.0), {}, {MakeSession("s", i)}};
-      append.frames.push_back(MakeLogFrame(i, i == 30 ? 200'000 : random() % 20'000));
-      ASSERT_TRUE(store->AppendFrames({append}).ok());
-      append_ends_.push_back(std::filesystem::file_size(NewestLog(folder)));
-      sizes_.push_back(append.frames.front().packed_frame.size());
+      LogAppend append{map_.key, kStoreTime, {}, {MakeSession("s", 2 * i)}};
+      append.entries.push_back(MakeLogEntry(2 * i - 1, i == 30 ? 200'000 : random() % 20'000));
+      append.entries.push_back(MakeLogEntry(2 * i, 100));
+      ASSERT_TRUE(store->Append(append).ok());
+      append_ends_.push_back(std::filesystem::file_size(NewestLog(folder, "log")));
+      sizes_.push_back(append.entries.front().packed_frame.size());
     }
-    log_bytes_ = [&] {
-      std::ifstream stream(NewestLog(folder), std::ios::binary);
-      return std::string(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
-    }();
-    // As a crash leaves it: copied while the store is open.
+    for (std::uint64_t i = 1; i <= 10; ++i) {
+      const MapDelta delta = MakeDelta(i - 1, i, {MakeLeaf(static_cast<std::int32_t>(i), 0, 0, 1)});
+      ASSERT_TRUE(store->CommitRevision(map_.key, delta, MakeDetails(delta)).ok());
+      commit_ends_.push_back(std::filesystem::file_size(NewestLog(folder, "state")));
+    }
+    // As a crash leaves it: copied while the store is open. The note, which a power cut may set
+    // back, knows nothing.
     std::filesystem::copy(
         folder, folder_.path() / "crashed", std::filesystem::copy_options::recursive);
+    std::filesystem::remove(
+        NewestLog(folder_.path() / "crashed", "log").parent_path().parent_path() / "note");
+    log_bytes_ = ContentOf(NewestLog(folder, "log"));
+    wal_bytes_ = ContentOf(NewestLog(folder, "state"));
   }
 
-  /// Opens a copy of the crashed store whose log holds `bytes`.
-  absl::StatusOr<std::unique_ptr<Store>> OpenWithLog(const std::string& bytes) {
+  /// Opens the map in a copy of the crashed store whose newest log in the folder `name` holds
+  /// `bytes`.
+  absl::StatusOr<StoredState> LoadWith(const std::string& name, const std::string& bytes) {
     const std::filesystem::path copy = folder_.path() / "copy";
+    store_.reset();
     std::filesystem::remove_all(copy);
     std::filesystem::copy(
         folder_.path() / "crashed", copy, std::filesystem::copy_options::recursive);
-    std::ofstream(NewestLog(copy), std::ios::binary | std::ios::trunc) << bytes;
-    return Store::Open(copy, StoreOptions());
+    std::ofstream(NewestLog(copy, name), std::ios::binary | std::ios::trunc) << bytes;
+    store_ = Store::Open(copy, StoreOptions()).value();
+    return store_->LoadMap(map_);
   }
 
-  /// Expects exactly the first `count` appends, whole.
-  void ExpectAppends(Store* store, std::uint64_t count) {
-    const std::vector<LogFrame> frames = ReadAll(store, map_.key);
-    ASSERT_EQ(frames.size(), count);
+  /// Expects exactly the first `count` appends, whole. The database knows of ten entries, so five
+  /// appends are never missing unnoticed.
+  void ExpectAppends(const StoredState& state, std::uint64_t count) {
+    const std::vector<LogEntry> entries = ReadAll(store_.get(), map_.key);
+    ASSERT_EQ(entries.size(), 2 * count);
     for (std::uint64_t i = 0; i < count; ++i) {
-      EXPECT_TRUE(SameFrame(frames[i], MakeLogFrame(i + 1, sizes_[i]))) << i;
+      EXPECT_TRUE(SameEntry(entries[2 * i], MakeLogEntry(2 * i + 1, sizes_[i]))) << i;
     }
-    const StoredState state = store->LoadMap(map_).value();
-    EXPECT_EQ(state.durable_head.value(), count);
-    EXPECT_EQ(count == 0 ? 0 : state.sessions.front().settled.contiguous_end().value(), count);
+    EXPECT_EQ(state.durable_head.value(), 2 * count);
+    EXPECT_EQ(state.sessions.front().settled.contiguous_end().value(), 2 * count);
   }
 
-  std::uint64_t AppendsWithin(std::uint64_t bytes) const {
-    return static_cast<std::uint64_t>(
-        std::upper_bound(append_ends_.begin(), append_ends_.end(), bytes) - append_ends_.begin());
+  static std::uint64_t CountWithin(const std::vector<std::uint64_t>& ends, std::uint64_t bytes) {
+    return static_cast<std::uint64_t>(std::upper_bound(ends.begin(), ends.end(), bytes) -
+                                      ends.begin());
   }
 
   TemporaryFolder folder_;
   MapRecord map_;
-  std::uint64_t map_end_ = 0;
-  std::vector<std::uint64_t> append_ends_;  ///< Length of the log when the append returned.
+  std::vector<std::uint64_t> append_ends_;  ///< Length of the log when an append returned.
+  std::vector<std::uint64_t> commit_ends_;  ///< Of the write-ahead log when a commit returned.
   std::vector<std::size_t> sizes_;
   std::string log_bytes_;
+  std::string wal_bytes_;
+  std::unique_ptr<Store> store_;
 };
 
 TEST_F(TornLog, TruncatedAnywhereKeepsWhatWasSyncedBefore) {
   std::mt19937_64 random(6);
+  // The commits told the database of all appends: what it knows of and is not there is lost, not
+  // torn.
+  for (int i = 0; i < 10; ++i) {
+    const std::uint64_t length = random() % append_ends_.back();
+    const absl::StatusOr<StoredState> state = LoadWith("log", log_bytes_.substr(0, length));
+    EXPECT_EQ(ReasonOf(state.status()), reason::kChecksum) << state.status() << " at " << length;
+  }
+  // Without them every length is what a crash may leave.
+  std::filesystem::resize_file(NewestLog(folder_.path() / "crashed", "state"), commit_ends_[0] / 2);
   for (int i = 0; i < 25; ++i) {
-    const std::uint64_t length = map_end_ + random() % (log_bytes_.size() - map_end_ + 1);
-    absl::StatusOr<std::unique_ptr<Store>> store = OpenWithLog(log_bytes_.substr(0, length));
-    ASSERT_TRUE(store.ok()) << store.status() << " at " << length;
-    ASSERT_NO_FATAL_FAILURE(ExpectAppends(store->get(), AppendsWithin(length))) << length;
+    const std::uint64_t length = random() % (log_bytes_.size() + 1);
+    const absl::StatusOr<StoredState> state = LoadWith("log", log_bytes_.substr(0, length));
+    if (length < append_ends_[0]) continue;
+    ASSERT_TRUE(state.ok()) << state.status() << " at " << length;
+    ASSERT_NO_FATAL_FAILURE(ExpectAppends(*state, CountWithin(append_ends_, length))) << length;
+    EXPECT_TRUE(store_->Append(MakeAppend(map_.key, state->durable_head.value() + 1, 1)).ok());
   }
 }
 
-TEST_F(TornLog, TailOfLostSectorsKeepsWhatWasSyncedBefore) {
+/// As it was before the first commit: the database knows nothing of the log.
+class TornLogWithoutCommits : public TornLog {
+ protected:
+  void SetUp() override {
+    TornLog::SetUp();
+    std::filesystem::resize_file(NewestLog(folder_.path() / "crashed", "state"),
+                                 commit_ends_[0] / 2);
+  }
+};
+
+TEST_F(TornLogWithoutCommits, TailOfLostSectorsKeepsWhatWasSyncedBefore) {
   // What a power cut leaves of a write that had got its blocks but not its bytes.
   const std::uint64_t last_start = append_ends_[append_ends_.size() - 2];
   for (const std::uint64_t sectors : {0U, 1U, 7U, 8U, 100U, 300U}) {
@@ -115,13 +149,13 @@ TEST_F(TornLog, TailOfLostSectorsKeepsWhatWasSyncedBefore) {
         std::max(last_start, (last_start / kSectorBytes + sectors) * kSectorBytes);
     std::string bytes = log_bytes_.substr(0, length);
     bytes.resize(log_bytes_.size(), '\0');
-    absl::StatusOr<std::unique_ptr<Store>> store = OpenWithLog(bytes);
-    ASSERT_TRUE(store.ok()) << store.status() << " at " << length;
-    ASSERT_NO_FATAL_FAILURE(ExpectAppends(store->get(), append_ends_.size() - 1)) << length;
+    const absl::StatusOr<StoredState> state = LoadWith("log", bytes);
+    ASSERT_TRUE(state.ok()) << state.status() << " at " << length;
+    ASSERT_NO_FATAL_FAILURE(ExpectAppends(*state, append_ends_.size() - 1)) << length;
   }
 }
 
-TEST_F(TornLog, PagesLostFromTheLastWriteDropThatWriteOnly) {
+TEST_F(TornLogWithoutCommits, PagesLostFromTheLastWriteDropThatWriteOnly) {
   const std::uint64_t last_start = append_ends_[append_ends_.size() - 2];
   std::mt19937_64 random(8);
   for (int i = 0; i < 15; ++i) {
@@ -133,19 +167,62 @@ TEST_F(TornLog, PagesLostFromTheLastWriteDropThatWriteOnly) {
     std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(first),
               bytes.begin() + static_cast<std::ptrdiff_t>(last),
               '\0');
-    absl::StatusOr<std::unique_ptr<Store>> store = OpenWithLog(bytes);
-    ASSERT_TRUE(store.ok()) << store.status() << " at " << first;
-    ASSERT_NO_FATAL_FAILURE(ExpectAppends(store->get(), append_ends_.size() - 1)) << first;
+    const absl::StatusOr<StoredState> state = LoadWith("log", bytes);
+    ASSERT_TRUE(state.ok()) << state.status() << " at " << first;
+    ASSERT_NO_FATAL_FAILURE(ExpectAppends(*state, append_ends_.size() - 1)) << first;
   }
 }
 
-TEST_F(TornLog, FlippedBitIsDataLossNeverASilentlyShorterLog) {
+TEST_F(TornLogWithoutCommits, PagesLostFromAnEarlierWriteAreDamage) {
+  std::mt19937_64 random(9);
+  for (int i = 0; i < 15; ++i) {
+    std::string bytes = log_bytes_;
+    const std::uint64_t place = random() % (append_ends_[20] - kSectorBytes);
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(place), kSectorBytes, '\0');
+    if (bytes == log_bytes_) continue;
+    const absl::Status status = LoadWith("log", bytes).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << status << " at " << place;
+  }
+}
+
+TEST_F(TornLogWithoutCommits, FlippedBitIsDataLossNeverASilentlyShorterLog) {
   std::mt19937_64 random(9);
   for (int i = 0; i < 40; ++i) {
     std::string bytes = log_bytes_;
     const std::uint64_t place = random() % bytes.size();
     bytes[place] = static_cast<char>(bytes[place] ^ (1 << (random() % 8)));
-    const absl::Status status = OpenWithLog(bytes).status();
+    const absl::StatusOr<StoredState> state = LoadWith("log", bytes);
+    // Zeros that fill up a record say nothing.
+    if (state.ok()) {
+      ASSERT_NO_FATAL_FAILURE(ExpectAppends(*state, append_ends_.size())) << place;
+      continue;
+    }
+    EXPECT_EQ(state.status().code(), absl::StatusCode::kDataLoss) << " at " << place;
+    EXPECT_EQ(ReasonOf(state.status()), reason::kChecksum);
+  }
+}
+
+TEST_F(TornLog, TruncatedWriteAheadLogKeepsTheCommitsThatWereSyncedBefore) {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 25; ++i) {
+    const std::uint64_t length =
+        commit_ends_[0] + random() % (wal_bytes_.size() - commit_ends_[0] + 1);
+    const absl::StatusOr<StoredState> state = LoadWith("state", wal_bytes_.substr(0, length));
+    ASSERT_TRUE(state.ok()) << state.status() << " at " << length;
+    const std::uint64_t commits = CountWithin(commit_ends_, length);
+    EXPECT_EQ(state->snapshot.revision.value(), commits) << length;
+    EXPECT_EQ(LeavesOf(state->snapshot).size(), commits) << length;
+    ASSERT_NO_FATAL_FAILURE(ExpectAppends(*state, append_ends_.size())) << length;
+  }
+}
+
+TEST_F(TornLog, FlippedBitInTheWriteAheadLogIsDataLossNeverAnOlderMap) {
+  std::mt19937_64 random(10);
+  for (int i = 0; i < 40; ++i) {
+    std::string bytes = wal_bytes_;
+    const std::uint64_t place = random() % bytes.size();
+    bytes[place] = static_cast<char>(bytes[place] ^ (1 << (random() % 8)));
+    const absl::Status status = LoadWith("state", bytes).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << status << " at " << place;
     EXPECT_EQ(ReasonOf(status), reason::kChecksum);
   }
@@ -195,10 +272,10 @@ TEST(StoreKill, NothingThatWasReportedDurableIsLost) {
     const StoredState state = store->LoadMap(map).value();
     EXPECT_GE(state.durable_head.value(), reported.durable);
     EXPECT_GE(state.snapshot.revision.value(), reported.revision);
-    const std::vector<LogFrame> frames = ReadAll(store.get(), map.key);
-    ASSERT_EQ(frames.size(), state.durable_head.value());
-    for (const LogFrame& frame : frames) {
-      ASSERT_TRUE(SameFrame(frame, MakeLogFrame(frame.sequence.value())));
+    const std::vector<LogEntry> entries = ReadAll(store.get(), map.key);
+    ASSERT_EQ(entries.size(), state.durable_head.value());
+    for (const LogEntry& entry : entries) {
+      ASSERT_TRUE(SameEntry(entry, MakeLogEntry(entry.sequence.value())));
     }
     if (state.snapshot.revision.value() > 0) {
       const auto seed = static_cast<std::uint32_t>(state.snapshot.revision.value());

@@ -22,13 +22,14 @@ int Write(const char* folder) {
   const StoredState state = (*store)->LoadMap(maps.front()).value();
   std::uint64_t revision = state.snapshot.revision.value();
   for (std::uint64_t head = state.durable_head.value() + 1;; ++head) {
-    if (!(*store)->AppendFrames({MakeAppend(maps.front().key, head, 1)}).ok()) return EXIT_FAILURE;
+    if (!(*store)->Append(MakeAppend(maps.front().key, head, 1)).ok()) return EXIT_FAILURE;
     std::printf("durable %lu\n", head);
     std::fflush(stdout);
     if (head % kFramesPerCommit != 0) continue;
     const MapDelta delta =
         MakeDelta(revision, head, {MakeLeaf(0, 0, 0, static_cast<std::uint32_t>(head))});
-    if (!(*store)->CommitRevision(maps.front().key, delta, Timestamp()).ok()) return EXIT_FAILURE;
+    if (!(*store)->CommitRevision(maps.front().key, delta, MakeDetails(delta)).ok())
+      return EXIT_FAILURE;
     revision = head;
     std::printf("revision %lu\n", head);
     std::fflush(stdout);

@@ -18,18 +18,18 @@ class LongHistory : public ::testing::Test {
 
   LongHistory() {
     map_ = store_.CreateMap(MakeMapRecord("test", "hall"))->key;
-    EXPECT_TRUE(store_.AppendFrames({MakeAppend(map_, 1, 2)}).ok());
+    EXPECT_TRUE(store_.Append(MakeAppend(map_, 1, 2)).ok());
     MapDelta delta = MakeDelta(0, 1, {});
     ObjectEvent event = MakeEvent(EventType::kUpdated, 1, 1);
     event.revision = Revision(1);
     delta.events.assign(kEvents - 1, event);
     event.object = ObjectId(2);
     delta.events.push_back(event);
-    EXPECT_TRUE(store_.CommitRevision(map_, delta, Timestamp()).ok());
+    EXPECT_TRUE(store_.CommitRevision(map_, delta, {}).ok());
     MapDelta later = MakeDelta(1, 2, {});
     event.revision = Revision(2);
     later.events.push_back(event);
-    EXPECT_TRUE(store_.CommitRevision(map_, later, Timestamp()).ok());
+    EXPECT_TRUE(store_.CommitRevision(map_, later, {}).ok());
   }
 
   v1::ListEventsResponse List(const v1::ListEventsRequest& request, std::uint64_t revision) {

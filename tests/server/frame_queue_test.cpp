@@ -1,5 +1,6 @@
 #include "server/frame_queue.h"
 
+#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -9,9 +10,11 @@
 namespace steadymap {
 namespace {
 
+constexpr std::size_t kAnyBytes = std::numeric_limits<std::size_t>::max();
+
 PendingBatch MakeBatch(const std::string& robot, std::uint64_t last, std::size_t frames) {
   PendingBatch batch;
-  batch.session = {robot, "session"};
+  batch.session = {{robot, SensorName::kDefaultSensor}, "session"};
   batch.last = ClientSequence(last);
   batch.frames.resize(frames);
   return batch;
@@ -20,7 +23,7 @@ PendingBatch MakeBatch(const std::string& robot, std::uint64_t last, std::size_t
 std::string Order(const std::vector<PendingBatch>& batches) {
   std::string order;
   for (const PendingBatch& batch : batches) {
-    order += batch.session.robot + std::to_string(batch.last.value()) + " ";
+    order += batch.session.sensor.robot + std::to_string(batch.last.value()) + " ";
   }
   return order;
 }
@@ -30,7 +33,7 @@ TEST(FrameQueue, RobotsTakeTurnsAndKeepTheirOrder) {
   for (std::uint64_t i = 1; i <= 4; ++i) ASSERT_TRUE(queue.Push(MakeBatch("a", i, 1)).ok());
   ASSERT_TRUE(queue.Push(MakeBatch("b", 1, 1)).ok());
   ASSERT_TRUE(queue.Push(MakeBatch("c", 1, 1)).ok());
-  EXPECT_EQ(Order(queue.PopFair(100)), "a1 b1 c1 a2 a3 a4 ");
+  EXPECT_EQ(Order(queue.PopFair(100, kAnyBytes)), "a1 b1 c1 a2 a3 a4 ");
 }
 
 TEST(FrameQueue, TurnGoesOnWhereTheLastPopStopped) {
@@ -39,10 +42,10 @@ TEST(FrameQueue, TurnGoesOnWhereTheLastPopStopped) {
     ASSERT_TRUE(queue.Push(MakeBatch("a", i, 1)).ok());
     ASSERT_TRUE(queue.Push(MakeBatch("b", i, 1)).ok());
   }
-  EXPECT_EQ(Order(queue.PopFair(1)), "a1 ");
-  EXPECT_EQ(Order(queue.PopFair(1)), "b1 ");
-  EXPECT_EQ(Order(queue.PopFair(2)), "a2 b2 ");
-  EXPECT_TRUE(queue.PopFair(1).empty());
+  EXPECT_EQ(Order(queue.PopFair(1, kAnyBytes)), "a1 ");
+  EXPECT_EQ(Order(queue.PopFair(1, kAnyBytes)), "b1 ");
+  EXPECT_EQ(Order(queue.PopFair(2, kAnyBytes)), "a2 b2 ");
+  EXPECT_TRUE(queue.PopFair(1, kAnyBytes).empty());
 }
 
 TEST(FrameQueue, FullQueueRefuses) {
@@ -52,7 +55,7 @@ TEST(FrameQueue, FullQueueRefuses) {
   EXPECT_EQ(ReasonOf(status), "QUEUE_FULL");
   EXPECT_TRUE(queue.Push(MakeBatch("b", 1, 1)).ok());
   EXPECT_EQ(queue.waiting_frames(), 4U);
-  queue.PopFair(100);
+  queue.PopFair(100, kAnyBytes);
   EXPECT_EQ(queue.waiting_frames(), 0U);
 }
 
@@ -74,7 +77,7 @@ TEST(FrameQueue, ClosedQueueGivesBackWhatWaitedAndRefuses) {
   ASSERT_TRUE(queue.Push(MakeBatch("a", 1, 1)).ok());
   EXPECT_EQ(Order(queue.Close(absl::NotFoundError("gone"))), "a1 ");
   EXPECT_EQ(queue.Push(MakeBatch("a", 2, 1)).code(), absl::StatusCode::kNotFound);
-  EXPECT_TRUE(queue.PopFair(10).empty());
+  EXPECT_TRUE(queue.PopFair(10, kAnyBytes).empty());
 }
 
 }  // namespace

@@ -37,37 +37,53 @@ MapRecord MakeMapRecord(const std::string& tenant, const std::string& map) {
   return record;
 }
 
-LogFrame MakeLogFrame(std::uint64_t sequence, std::size_t bytes) {
+LogEntry MakeLogEntry(std::uint64_t sequence, std::size_t bytes) {
   std::mt19937_64 random(sequence);
-  LogFrame frame;
-  frame.sequence = MapSequence{sequence};
-  frame.robot = "robot-" + std::to_string(sequence % 3);
-  frame.capture_time = Timestamp::FromNanoseconds(static_cast<std::int64_t>(sequence) * 33'333'333);
-  frame.T_world_camera =
-      Eigen::Translation3d(0.1 * static_cast<double>(sequence), -2.0, 1.0 / 3.0) *
-      Eigen::AngleAxisd(0.01 * static_cast<double>(sequence),
-                        Eigen::Vector3d(1, 2, 3).normalized());
-  frame.packed_frame.resize(bytes);
-  for (char& byte : frame.packed_frame) byte = static_cast<char>(random());
-  return frame;
+  LogEntry entry;
+  entry.sequence = MapSequence{sequence};
+  entry.source = {"robot-" + std::to_string(sequence % 3), "camera"};
+  entry.packed_frame.resize(bytes);
+  for (char& byte : entry.packed_frame) byte = static_cast<char>(random());
+  return entry;
 }
 
-LogAppend MakeAppend(MapKey map, std::uint64_t first, std::uint64_t count, Timestamp append_time) {
-  LogAppend append{map, append_time, {}, {}};
-  for (std::uint64_t i = 0; i < count; ++i) append.frames.push_back(MakeLogFrame(first + i));
-  append.sessions.push_back(MakeSession("session-1", first + count - 1, append_time));
+FramePose MakePose(std::uint64_t sequence) {
+  FramePose pose;
+  pose.sequence = MapSequence{sequence};
+  pose.source = MakeLogEntry(sequence, 0).source;
+  pose.capture_time = Timestamp::FromNanoseconds(static_cast<std::int64_t>(sequence) * 33'333'333);
+  pose.T_world_camera = Eigen::Translation3d(0.1 * static_cast<double>(sequence), -2.0, 1.0 / 3.0) *
+                        Eigen::AngleAxisd(0.01 * static_cast<double>(sequence),
+                                          Eigen::Vector3d(1, 2, 3).normalized());
+  return pose;
+}
+
+LogAppend MakeAppend(MapKey map, std::uint64_t first, std::uint64_t count, MapUptime uptime) {
+  LogAppend append{map, uptime, {}, {}};
+  for (std::uint64_t i = 0; i < count; ++i) append.entries.push_back(MakeLogEntry(first + i));
+  append.sessions.push_back(MakeSession("session-1", first + count - 1, uptime));
   return append;
 }
 
 SessionRecord MakeSession(const std::string& session,
                           std::uint64_t settled,
-                          Timestamp last_active) {
+                          MapUptime last_active) {
   SessionRecord record;
-  record.name = {"robot-1", session};
+  record.name = {kStoreSensor, session};
   record.settled.InsertThrough(ClientSequence{settled});
   record.last_map_seq = MapSequence{settled};
   record.last_active = last_active;
+  record.last_active_time = Timestamp::FromSeconds(2e9);
   return record;
+}
+
+CommitDetails MakeDetails(const MapDelta& delta, MapUptime uptime) {
+  CommitDetails details;
+  for (std::uint64_t i = delta.from.value() + 1; i <= delta.to.value(); ++i) {
+    details.poses.push_back(MakePose(i));
+  }
+  details.uptime = uptime;
+  return details;
 }
 
 LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed) {
@@ -140,7 +156,7 @@ ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed) 
   event.related = ObjectId{random()};
   event.views = random();
   event.absences = random();
-  if (type == EventType::kRobotLost || type == EventType::kRobotFound) event.robot = "robot-1";
+  if (type == EventType::kRobotLost || type == EventType::kRobotFound) event.source = kStoreSensor;
   return event;
 }
 
@@ -195,19 +211,19 @@ std::vector<LeafChange> LeavesOf(const MapSnapshot& snapshot) {
   return leaves;
 }
 
-bool SameFrame(const LogFrame& a, const LogFrame& b) {
-  return a.sequence == b.sequence && a.robot == b.robot && a.capture_time == b.capture_time &&
-         a.T_world_camera.matrix() == b.T_world_camera.matrix() && a.packed_frame == b.packed_frame;
+bool SameEntry(const LogEntry& a, const LogEntry& b) {
+  return a.sequence == b.sequence && a.kind == b.kind && a.source == b.source &&
+         a.packed_frame == b.packed_frame && a.classes == b.classes;
 }
 
-std::vector<LogFrame> ReadAll(Store* store, MapKey map, std::uint64_t first) {
-  std::vector<LogFrame> frames;
-  const absl::Status status = store->ReadLog(map, MapSequence{first}, [&](LogFrame frame) {
-    frames.push_back(std::move(frame));
+std::vector<LogEntry> ReadAll(Store* store, MapKey map, std::uint64_t first) {
+  std::vector<LogEntry> entries;
+  const absl::Status status = store->ReadLog(map, MapSequence{first}, [&](LogEntry entry) {
+    entries.push_back(std::move(entry));
     return absl::OkStatus();
   });
   EXPECT_TRUE(status.ok()) << status;
-  return frames;
+  return entries;
 }
 
 }  // namespace steadymap

@@ -1,6 +1,7 @@
 // What commits changed, and how long a store knows it.
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -15,7 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr Timestamp kLater = Timestamp::FromSeconds(10'000.0);
+constexpr MapUptime kLater = std::chrono::seconds(10'000);
 
 class StoreChanges : public StoreContract {
  protected:
@@ -33,28 +34,34 @@ class StoreChanges : public StoreContract {
                     std::vector<ObjectChange> objects = {}) {
     MapDelta delta = MakeDelta(from, to, std::move(leaves));
     delta.objects = std::move(objects);
-    Commit(map_.key, delta);
+    marks_[Revision(to)] = Commit(map_.key, delta);
+  }
+
+  /// The commit at a revision, or one that never was.
+  CommitMark MarkOf(std::uint64_t revision) {
+    const auto mark = marks_.find(Revision(revision));
+    return mark != marks_.end() ? mark->second : CommitMark{Revision(revision), 0};
   }
 
   ChangeList Read(std::uint64_t from, std::uint64_t to) {
     const absl::StatusOr<ChangeList> changes =
-        store_->ReadChanges(map_.key, Revision(from), Revision(to));
+        store_->ReadChanges(map_.key, MarkOf(from), Revision(to));
     EXPECT_TRUE(changes.ok()) << changes.status();
     return changes.value_or(ChangeList());
   }
 
   void ExpectCompacted(std::uint64_t from, std::uint64_t to) {
-    const absl::Status status =
-        store_->ReadChanges(map_.key, Revision(from), Revision(to)).status();
+    const absl::Status status = store_->ReadChanges(map_.key, MarkOf(from), Revision(to)).status();
     EXPECT_TRUE(absl::IsOutOfRange(status)) << status;
     EXPECT_EQ(ReasonOf(status), reason::kRevisionCompacted);
   }
 
-  void TrimAt(Timestamp now, std::optional<Revision> watched = std::nullopt) {
-    ASSERT_TRUE(store_->Trim(map_, {MapSequence(50), now, kForgetNone, watched}).ok());
+  void TrimAt(MapUptime uptime, std::optional<Revision> watched = std::nullopt) {
+    ASSERT_TRUE(store_->Trim(map_, {uptime, kForgetNone, {}, watched}).ok());
   }
 
   MapRecord map_;
+  std::map<Revision, CommitMark> marks_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Stores,
@@ -97,6 +104,15 @@ TEST_P(StoreChanges, BetweenRevisionsThatWereNeverCommittedAreNotKnown) {
   ExpectCompacted(9, 12);
 }
 
+TEST_P(StoreChanges, BehindACommitOfAnotherHistoryAreNotKnown) {
+  CommitLeaves(0, 2, {MakeLeaf(0, 0, 0, 1)});
+  CommitLeaves(2, 4, {MakeLeaf(0, 0, 0, 2)});
+  EXPECT_EQ(Read(2, 4).leaves.size(), 1U);
+  ++marks_[Revision(2)].hash;
+  ExpectCompacted(2, 4);
+  EXPECT_EQ(Read(0, 4).commits, 2U);
+}
+
 TEST_P(StoreChanges, OfATrimmedSpanAreNeverGivenInPart) {
   options_.kept_change_lists = 2;
   if (GetParam() == StoreKind::kMemory) memory_ = nullptr;
@@ -116,7 +132,7 @@ TEST_P(StoreChanges, OfATrimmedSpanAreNeverGivenInPart) {
 TEST_P(StoreChanges, WaitForALiveWatcherWithinItsGrace) {
   CommitLeaves(0, 1, {MakeLeaf(0, 0, 0, 1)});
   CommitLeaves(1, 2, {MakeLeaf(1, 0, 0, 1)});
-  const Timestamp in_grace = Timestamp::FromSeconds(kStoreTime.seconds() + 4000.0);
+  const MapUptime in_grace = kStoreTime + std::chrono::seconds(4000);
   TrimAt(in_grace, Revision(1));
   EXPECT_EQ(Read(1, 2).leaves.size(), 1U);
   ExpectCompacted(0, 2);
@@ -131,7 +147,8 @@ TEST_P(StoreChanges, WaitForNobodyBeyondTheGrace) {
 }
 
 TEST_P(StoreChanges, OfAnUnknownMapAreNotFound) {
-  EXPECT_TRUE(absl::IsNotFound(store_->ReadChanges(MapKey(77), Revision(0), Revision(0)).status()));
+  EXPECT_TRUE(
+      absl::IsNotFound(store_->ReadChanges(MapKey(77), CommitMark(), Revision(0)).status()));
 }
 
 }  // namespace

@@ -17,40 +17,51 @@ namespace steadymap {
 /// Which store a case runs against.
 enum class StoreKind { kRocks, kMemory };
 
-inline constexpr Timestamp kForgetNone = Timestamp::FromNanoseconds(0);
+inline constexpr MapUptime kForgetNone{0};
 
 /// A store with small bounds that can be reopened, as after a restart.
 class StoreContract : public ::testing::TestWithParam<StoreKind> {
  protected:
   void SetUp() override { Reopen(); }
 
-  /// Ends the store and opens it again.
+  /// Ends the store and opens it again, with all its maps.
   void Reopen() {
     if (GetParam() == StoreKind::kMemory) {
       if (memory_ == nullptr) memory_ = std::make_unique<MemoryStore>(options_);
       store_ = memory_->Share();
-      return;
+    } else {
+      store_.reset();
+      absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(folder_.path() / "data", options_);
+      ASSERT_TRUE(store.ok()) << store.status();
+      store_ = *std::move(store);
     }
-    store_.reset();
-    absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(folder_.path() / "data", options_);
-    ASSERT_TRUE(store.ok()) << store.status();
-    store_ = *std::move(store);
+    const absl::StatusOr<std::vector<MapRecord>> maps = store_->ListMaps();
+    for (const MapRecord& map : *maps) Load(map);
   }
 
   MapRecord Create(const std::string& name) {
     absl::StatusOr<MapRecord> record = store_->CreateMap(MakeMapRecord("acme", name));
     EXPECT_TRUE(record.ok()) << record.status();
-    return record.ok() ? *record : MapRecord();
+    if (!record.ok()) return MapRecord();
+    Load(*record);
+    return *record;
   }
 
   void Append(const LogAppend& append) {
-    const absl::Status status = store_->AppendFrames({append});
+    const absl::Status status = store_->Append(append);
     ASSERT_TRUE(status.ok()) << status;
   }
 
-  void Commit(MapKey map, const MapDelta& delta, Timestamp now = kStoreTime) {
-    const absl::Status status = store_->CommitRevision(map, delta, now);
-    ASSERT_TRUE(status.ok()) << status;
+  CommitMark Commit(MapKey map, const MapDelta& delta, MapUptime uptime = kStoreTime) {
+    const absl::StatusOr<CommitMark> mark =
+        store_->CommitRevision(map, delta, MakeDetails(delta, uptime));
+    EXPECT_TRUE(mark.ok()) << mark.status();
+    return mark.value_or(CommitMark());
+  }
+
+  /// The error of a commit.
+  absl::Status TryCommit(MapKey map, const MapDelta& delta) {
+    return store_->CommitRevision(map, delta, MakeDetails(delta)).status();
   }
 
   StoredState Load(const MapRecord& record) {
@@ -63,6 +74,8 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     StoreOptions options;
     options.kept_poses = 10;
     options.kept_change_lists = 3;
+    // Every append gets a file of its own.
+    options.log_segment_bytes = 1;
     return options;
   }
 

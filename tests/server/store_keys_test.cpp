@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -27,7 +28,7 @@ TEST(StoreKeys, LeafKeysSortAsLeavesDoAndComeBack) {
     const LeafKey a = RandomLeafKey(&random);
     const LeafKey b = RandomLeafKey(&random);
     EXPECT_EQ(PackLeafKey(a) < PackLeafKey(b), a < b);
-    EXPECT_EQ(LeafOfStoreKey(LeafStoreKey(MapKey{random()}, a)), a);
+    EXPECT_EQ(UnpackLeafKey(PackLeafKey(a)), a);
   }
 }
 
@@ -45,55 +46,50 @@ TEST(StoreKeys, UnpackRefusesWhatIsNoLeafKey) {
   std::string off_grid = packed;
   off_grid.back() = 1;
   EXPECT_FALSE(UnpackLeafKey(off_grid));
-  EXPECT_FALSE(LeafOfStoreKey("short"));
-  EXPECT_FALSE(SequenceOfFrameKey("short"));
-  EXPECT_FALSE(NameOfIndexKey(""));
-  EXPECT_FALSE(NameOfIndexKey("nno-border"));
+  EXPECT_FALSE(SequenceOfPoseKey("short"));
+  EXPECT_FALSE(SequenceOfPoseKey(EventKey(EventNumber{3})));
 }
 
-TEST(StoreKeys, FrameKeysSortBySequenceAndComeBack) {
+TEST(StoreKeys, PoseKeysSortBySequenceAndComeBack) {
   std::mt19937_64 random(4);
   for (int i = 0; i < 1000; ++i) {
     const MapSequence a{random() >> (random() % 64)};
     const MapSequence b{random() >> (random() % 64)};
-    EXPECT_EQ(FrameKey(MapKey{7}, a) < FrameKey(MapKey{7}, b), a < b);
-    EXPECT_EQ(SequenceOfFrameKey(FrameKey(MapKey{random()}, a)), a);
+    EXPECT_EQ(PoseKey(a) < PoseKey(b), a < b);
+    EXPECT_EQ(SequenceOfPoseKey(PoseKey(a)), a);
   }
 }
 
-TEST(StoreKeys, RobotKeysSortByIdAndComeBack) {
-  EXPECT_EQ(RobotOfKey(RobotKey(MapKey{7}, "forklift-2")), "forklift-2");
-  EXPECT_EQ(RobotOfKey(RobotKey(MapKey{7}, "")), "");
-  EXPECT_LT(RobotKey(MapKey{7}, "a"), RobotKey(MapKey{7}, "a-b"));
-  EXPECT_EQ(RobotOfKey("short"), std::nullopt);
+TEST(StoreKeys, RobotKeysSortAsSensorsDoAndComeBack) {
+  std::vector<SensorName> sensors = {
+      {"a", "z"}, {"a-b", "a"}, {"a", "top"}, {"a", "top-2"}, {"ab", "a"}, {"a0", "q"}};
+  std::sort(sensors.begin(), sensors.end());
+  for (std::size_t i = 1; i < sensors.size(); ++i) {
+    EXPECT_LT(RobotKey(sensors[i - 1]), RobotKey(sensors[i]));
+    EXPECT_LT(SessionKey({sensors[i - 1], "z"}), SessionKey({sensors[i], "a"}));
+  }
+  for (const SensorName& sensor : sensors) EXPECT_EQ(SensorOfRobotKey(RobotKey(sensor)), sensor);
+  EXPECT_FALSE(SensorOfRobotKey(""));
+  EXPECT_FALSE(SensorOfRobotKey("rno-border"));
 }
 
-TEST(StoreKeys, MapRangeHoldsTheMapsKeysAndNoOther) {
-  for (const std::uint64_t map : {1ULL, 255ULL, 256ULL, 0xFFFFULL, 1ULL << 40}) {
-    const KeyRange range = MapRange(MapKey{map});
-    const auto holds = [&](const std::string& key) {
-      return range.begin <= key && key < range.end;
-    };
-    for (const MapKey other : {MapKey{map - 1}, MapKey{map}, MapKey{map + 1}}) {
-      const bool own = other.value() == map;
-      EXPECT_EQ(holds(FrameKey(other, MapSequence{0})), own);
-      EXPECT_EQ(holds(FrameKey(other, MapSequence{~0ULL})), own);
-      EXPECT_EQ(holds(SessionKey(other, {"zz", "zz"})), own);
-      EXPECT_EQ(holds(LeafStoreKey(other, {ObjectId{~0ULL}, {-8, -8, -8}})), own);
-      EXPECT_EQ(holds(ChangeKey(other, Revision{1})), own);
-      EXPECT_EQ(holds(RobotKey(other, "zz")), own);
+TEST(StoreKeys, RangeHoldsTheKeysOfItsFamilyAndNoOther) {
+  const std::vector<std::pair<Family, std::string>> keys = {
+      {Family::kSession, SessionKey({{"zz", "zz"}, "zz"})},
+      {Family::kObject, ObjectKey(ObjectId{~0ULL})},
+      {Family::kEvent, EventKey(EventNumber{0})},
+      {Family::kFree, FreeBlockKey({-8, -8, -8})},
+      {Family::kRobot, RobotKey({"zz", "zz"})},
+      {Family::kChange, ChangeKey(Revision{1})},
+      {Family::kPose, PoseKey(MapSequence{~0ULL})},
+      {Family::kMeta, HeadKey()}};
+  for (const auto& [family, key] : keys) {
+    for (const auto& [other, other_key] : keys) {
+      const KeyRange range = RangeOf(other);
+      EXPECT_EQ(range.begin <= key && key < range.end, family == other)
+          << NameOf(family) << " in " << NameOf(other);
     }
   }
-}
-
-TEST(StoreKeys, NameIndexSortsAsNamesDo) {
-  std::vector<MapName> names = {
-      {"a", "z"}, {"a-b", "a"}, {"a", "hall"}, {"a", "hall-2"}, {"ab", "a"}, {"a0", "q"}};
-  std::sort(names.begin(), names.end());
-  for (std::size_t i = 1; i < names.size(); ++i) {
-    EXPECT_LT(NameIndexKey(names[i - 1]), NameIndexKey(names[i]));
-  }
-  for (const MapName& name : names) EXPECT_EQ(NameOfIndexKey(NameIndexKey(name)), name);
 }
 
 }  // namespace

@@ -48,10 +48,10 @@ MapDelta FirstDelta() {
   delta.objects = {{ObjectId{1}, MakeObject(1, 11)}, {ObjectId{4}, MakeObject(4, 14)}};
   delta.free_blocks = {{{-64, 8, 0}, {1, 0, 0, 0, 0, 0, 0, ~std::uint64_t{0}}},
                        {{0, 0, 0}, {0, 2, 0, 0, 0, 0, 0, 0}}};
-  delta.robots = {{"robot-1", MakeRobot(Trust::kTrusted, 31)},
-                  {"robot-2", MakeRobot(Trust::kDoubted, 32)},
-                  {"robot-3", MakeRobot(Trust::kLost, 33)},
-                  {"robot-4", MakeRobot(Trust::kTrusted, 34)}};
+  delta.robots = {{{"robot-1", "camera"}, MakeRobot(Trust::kTrusted, 31)},
+                  {{"robot-2", "camera"}, MakeRobot(Trust::kDoubted, 32)},
+                  {{"robot-3", "camera"}, MakeRobot(Trust::kLost, 33)},
+                  {{"robot-4", "camera"}, MakeRobot(Trust::kTrusted, 34)}};
   delta.events = {MakeEvent(EventType::kCreated, 1, 21),
                   MakeEvent(EventType::kMoved, 4, 22),
                   MakeEvent(EventType::kRobotFound, 0, 23)};
@@ -67,7 +67,8 @@ TEST_P(StoreObjects, SurviveARestartBitForBit) {
   second.newest_object = ObjectId{7};
   second.objects = {{ObjectId{1}, MakeObject(1, 111)}, {ObjectId{4}, std::nullopt}};
   second.free_blocks = {{{0, 0, 0}, {0, 3, 0, 0, 0, 0, 0, 0}}};
-  second.robots = {{"robot-1", MakeRobot(Trust::kDoubted, 131)}, {"robot-4", std::nullopt}};
+  second.robots = {{{"robot-1", "camera"}, MakeRobot(Trust::kDoubted, 131)},
+                   {{"robot-4", "camera"}, std::nullopt}};
   second.events = {MakeEvent(EventType::kRemoved, 4, 24)};
   Commit(map.key, second);
   Reopen();
@@ -78,9 +79,10 @@ TEST_P(StoreObjects, SurviveARestartBitForBit) {
   const MapSnapshot loaded = Load(map).snapshot;
   EXPECT_EQ(loaded.newest_object, ObjectId{7});
   EXPECT_EQ(loaded.free_space, expected.free_space);
-  const std::map<std::string, RobotState> robots = {{"robot-1", MakeRobot(Trust::kDoubted, 131)},
-                                                    {"robot-2", MakeRobot(Trust::kDoubted, 32)},
-                                                    {"robot-3", MakeRobot(Trust::kLost, 33)}};
+  const std::map<SensorName, RobotState> robots = {
+      {{"robot-1", "camera"}, MakeRobot(Trust::kDoubted, 131)},
+      {{"robot-2", "camera"}, MakeRobot(Trust::kDoubted, 32)},
+      {{"robot-3", "camera"}, MakeRobot(Trust::kLost, 33)}};
   EXPECT_TRUE(loaded.robots == robots);
   EXPECT_TRUE(expected.robots == robots);
   ASSERT_EQ(loaded.objects.size(), 1U);
@@ -119,7 +121,7 @@ TEST_P(StoreObjects, OldEventsAreTrimmedAndNumbersGoOn) {
     delta.newest_object = ObjectId{6};
     delta.events = {MakeEvent(EventType::kUpdated, 1, 30)};
     Commit(map.key, delta);
-    ASSERT_TRUE(store_->Trim(map, {MapSequence{revision}, kStoreTime, kForgetNone}).ok());
+    ASSERT_TRUE(store_->Trim(map, {kStoreTime, kForgetNone}).ok());
   }
   Reopen();
   const std::vector<StoredEvent> events = Events(map.key);
@@ -161,16 +163,6 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::ObjectState* state) { *state->add_evidence() = state->evidence(0); });
 }
 
-TEST(ObjectRecords, TakeThoseWrittenBeforeChangesWereMeasured) {
-  ObjectState state = MakeObject(5, 1);
-  storage::v1::ObjectState old = ToProto(state);
-  old.mutable_evidence_cells()->RemoveLast();
-  state.evidence.change_sum_m = 0.0;
-  const absl::StatusOr<ObjectState> read = FromProto(ObjectId{5}, old);
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(*read, state);
-}
-
 TEST(EventRecords, RefuseWhatCannotHaveBeenWritten) {
   const storage::v1::EventRecord good = ToProto(MakeEvent(EventType::kMoved, 4, 1));
   ASSERT_TRUE(FromProto(good).ok());
@@ -186,16 +178,6 @@ TEST(EventRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::EventRecord* event) { event->set_class_id(65536); });
   refuse([](storage::v1::EventRecord* event) { event->clear_center(); });
   refuse([](storage::v1::EventRecord* event) { event->mutable_old_center()->RemoveLast(); });
-}
-
-TEST(EventRecords, TakeThoseWrittenBeforeRobotsWereNamed) {
-  ObjectEvent event = MakeEvent(EventType::kRobotLost, 0, 1);
-  storage::v1::EventRecord old = ToProto(event);
-  old.clear_robot();
-  event.robot.clear();
-  const absl::StatusOr<ObjectEvent> read = FromProto(old);
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(*read, event);
 }
 
 TEST(RobotRecords, RefuseWhatCannotHaveBeenWritten) {

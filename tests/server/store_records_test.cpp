@@ -21,7 +21,6 @@ constexpr ValuePlace kPlace{"leaf", "key"};
 TEST(Seal, UnsealGivesThePayloadBack) {
   for (const std::string& payload : {std::string(), std::string("x"), std::string(100'000, '\0')}) {
     const std::string value = Seal(kPlace, payload);
-    EXPECT_EQ(SealHeader(kPlace, payload) + payload, value);
     EXPECT_EQ(Unseal(kPlace, value).value(), payload);
   }
 }
@@ -77,11 +76,10 @@ TEST(MapRecordFromProto, RefusesNumbersThatMeanNothing) {
 }
 
 TEST(PoseFromProto, RefusesAPoseOfTheWrongLength) {
-  storage::v1::PoseRecord proto;
-  PoseToProto(LogFrame(), &proto);
-  EXPECT_TRUE(PoseFromProto(MapSequence{1}, proto).ok());
+  storage::v1::PoseRecord proto = ToProto(FramePose());
+  EXPECT_TRUE(FromProto(MapSequence{1}, proto).ok());
   proto.add_t_world_camera(1.0);
-  EXPECT_TRUE(absl::IsDataLoss(PoseFromProto(MapSequence{1}, proto).status()));
+  EXPECT_TRUE(absl::IsDataLoss(FromProto(MapSequence{1}, proto).status()));
 }
 
 }  // namespace

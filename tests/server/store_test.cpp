@@ -101,17 +101,18 @@ TEST_P(StoreContract, UpdateNeverChangesNameOrConfig) {
 TEST_P(StoreContract, UnknownMapsAreNotFound) {
   MapRecord nobody = MakeMapRecord("acme", "nobody");
   nobody.key = MapKey{99};
-  const auto visit = [](const LogFrame&) { return absl::OkStatus(); };
+  const auto visit = [](const LogEntry&) { return absl::OkStatus(); };
   for (const absl::Status& status :
        {store_->UpdateMap(nobody),
         store_->DeleteMap(nobody.key),
         store_->LoadMap(nobody).status(),
-        store_->AppendFrames({MakeAppend(nobody.key, 1, 1)}),
-        store_->CommitRevision(nobody.key, MakeDelta(0, 1, {}), kStoreTime),
+        store_->Append(MakeAppend(nobody.key, 1, 1)),
+        TryCommit(nobody.key, MakeDelta(0, 1, {})),
         store_->ReadLog(nobody.key, MapSequence{1}, visit),
         store_->ReadPoses(nobody.key, MapSequence{1}, MapSequence{9}, 9).status(),
         store_->ReadEvents(nobody.key, EventNumber{1}, 9).status(),
-        store_->Trim(nobody, {MapSequence{1}, kStoreTime, kForgetNone})}) {
+        store_->health(nobody.key),
+        store_->Trim(nobody, {kStoreTime, kForgetNone})}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kNotFound) << status;
     EXPECT_EQ(ReasonOf(status), reason::kNotFound);
   }
@@ -132,38 +133,68 @@ TEST_P(StoreContract, NewMapIsEmpty) {
   EXPECT_TRUE(ReadAll(store_.get(), map.key).empty());
 }
 
-TEST_P(StoreContract, FramesPosesAndSessionsSurviveARestartBitForBit) {
+TEST_P(StoreContract, EntriesPosesAndSessionsSurviveARestartBitForBit) {
   const MapRecord map = Create("hall");
   Append(MakeAppend(map.key, 1, 20));
   LogAppend second{map.key, kStoreTime, {}, {}};
-  second.frames.push_back(MakeLogFrame(21, 300'000));
-  second.frames.push_back(MakeLogFrame(22, 0));
+  second.entries.push_back(MakeLogEntry(21, 300'000));
+  second.entries.push_back(MakeLogEntry(22, 0));
   second.sessions.push_back(MakeSession("session-2", 5));
   second.sessions.back().settled.InsertThrough(ClientSequence{9});
   Append(second);
+  Commit(map.key, MakeDelta(0, 21, {}));
   Reopen();
-  const std::vector<LogFrame> frames = ReadAll(store_.get(), map.key);
-  ASSERT_EQ(frames.size(), 22U);
+  const std::vector<LogEntry> entries = ReadAll(store_.get(), map.key);
+  ASSERT_EQ(entries.size(), 22U);
   for (std::uint64_t i = 0; i < 20; ++i) {
-    EXPECT_TRUE(SameFrame(frames[i], MakeLogFrame(i + 1))) << i;
+    EXPECT_TRUE(SameEntry(entries[i], MakeLogEntry(i + 1))) << i;
   }
-  EXPECT_TRUE(SameFrame(frames[20], second.frames[0]));
-  EXPECT_TRUE(SameFrame(frames[21], second.frames[1]));
+  EXPECT_TRUE(SameEntry(entries[20], second.entries[0]));
+  EXPECT_TRUE(SameEntry(entries[21], second.entries[1]));
   const StoredState state = Load(map);
   EXPECT_EQ(state.durable_head, MapSequence{22});
   ASSERT_EQ(state.sessions.size(), 2U);
-  EXPECT_EQ(state.sessions[0].name, (SessionName{"robot-1", "session-1"}));
+  EXPECT_EQ(state.sessions[0].name, (SessionName{kStoreSensor, "session-1"}));
   EXPECT_EQ(state.sessions[0].settled, MakeSession("session-1", 20).settled);
   EXPECT_EQ(state.sessions[0].last_map_seq, MapSequence{20});
   EXPECT_EQ(state.sessions[0].last_active, kStoreTime);
+  EXPECT_EQ(state.sessions[0].last_active_time, Timestamp::FromSeconds(2e9));
   EXPECT_EQ(state.sessions[1].settled.contiguous_end(), ClientSequence{9});
   const std::vector<FramePose> poses =
-      store_->ReadPoses(map.key, MapSequence{20}, MapSequence{21}, 10).value();
-  ASSERT_EQ(poses.size(), 2U);
+      store_->ReadPoses(map.key, MapSequence{20}, MapSequence{22}, 10).value();
+  ASSERT_EQ(poses.size(), 2U) << "the last frame is not integrated";
   EXPECT_EQ(poses[0].sequence, MapSequence{20});
-  EXPECT_EQ(poses[0].robot, MakeLogFrame(20).robot);
-  EXPECT_EQ(poses[0].capture_time, MakeLogFrame(20).capture_time);
-  EXPECT_EQ(poses[0].T_world_camera.matrix(), MakeLogFrame(20).T_world_camera.matrix());
+  EXPECT_EQ(poses[0].source, MakePose(20).source);
+  EXPECT_EQ(poses[0].capture_time, MakePose(20).capture_time);
+  EXPECT_EQ(poses[0].T_world_camera.matrix(), MakePose(20).T_world_camera.matrix());
+}
+
+TEST_P(StoreContract, ClassesThatAreAddedSurviveARestart) {
+  const MapRecord map = Create("hall");
+  const std::vector<SemanticClass> first = {{ClassId{20}, "tugger", ClassMotion::kDynamic, false}};
+  const std::vector<SemanticClass> second = {{ClassId{21}, "kerb", ClassMotion::kStatic, true}};
+  LogAppend append = MakeAppend(map.key, 1, 3);
+  for (const std::size_t place : {0U, 2U}) {
+    LogEntry& entry = append.entries[place];
+    entry.kind = LogEntryKind::kClasses;
+    entry.source = {};
+    entry.packed_frame.clear();
+    entry.classes = place == 0 ? first : second;
+  }
+  Append(append);
+  MapDelta delta = MakeDelta(0, 2, {});
+  delta.added_classes = first;
+  Commit(map.key, delta);
+  for (int restart = 0; restart < 2; ++restart) {
+    const StoredState state = Load(map);
+    EXPECT_EQ(state.snapshot.added_classes, first) << "the second entry is not integrated";
+    std::vector<SemanticClass> durable = map.config.classes;
+    durable.insert(durable.end(), first.begin(), first.end());
+    durable.insert(durable.end(), second.begin(), second.end());
+    EXPECT_EQ(state.durable_classes, durable);
+    EXPECT_TRUE(SameEntry(ReadAll(store_.get(), map.key).at(2), append.entries[2]));
+    Reopen();
+  }
 }
 
 TEST_P(StoreContract, ReadLogStartsWhereAskedAndStopsAtTheVisitorsError) {
@@ -172,7 +203,7 @@ TEST_P(StoreContract, ReadLogStartsWhereAskedAndStopsAtTheVisitorsError) {
   EXPECT_EQ(ReadAll(store_.get(), map.key, 8).size(), 3U);
   EXPECT_TRUE(ReadAll(store_.get(), map.key, 11).empty());
   int visited = 0;
-  const absl::Status status = store_->ReadLog(map.key, MapSequence{1}, [&](const LogFrame&) {
+  const absl::Status status = store_->ReadLog(map.key, MapSequence{1}, [&](const LogEntry&) {
     return ++visited == 4 ? absl::CancelledError("enough") : absl::OkStatus();
   });
   EXPECT_EQ(status, absl::CancelledError("enough"));
@@ -182,6 +213,7 @@ TEST_P(StoreContract, ReadLogStartsWhereAskedAndStopsAtTheVisitorsError) {
 TEST_P(StoreContract, ReadPosesKeepsToItsLimit) {
   const MapRecord map = Create("hall");
   Append(MakeAppend(map.key, 1, 10));
+  Commit(map.key, MakeDelta(0, 10, {}));
   const auto count = [&](std::uint64_t first, std::uint64_t last, std::size_t limit) {
     return store_->ReadPoses(map.key, MapSequence{first}, MapSequence{last}, limit)->size();
   };
@@ -191,13 +223,13 @@ TEST_P(StoreContract, ReadPosesKeepsToItsLimit) {
   EXPECT_EQ(count(5, 4, 100), 0U);
 }
 
-TEST_P(StoreContract, RefusesFramesThatDoNotFollowTheHeadAndTakesNothing) {
+TEST_P(StoreContract, RefusesEntriesThatDoNotFollowTheHeadAndTakesNothing) {
   const MapRecord map = Create("hall");
   Append(MakeAppend(map.key, 1, 2));
   LogAppend with_gap = MakeAppend(map.key, 3, 3);
-  with_gap.frames.erase(with_gap.frames.begin() + 1);
+  with_gap.entries.erase(with_gap.entries.begin() + 1);
   for (const LogAppend& append : {MakeAppend(map.key, 2, 1), MakeAppend(map.key, 4, 1), with_gap}) {
-    EXPECT_EQ(store_->AppendFrames({append}).code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_EQ(store_->Append(append).code(), absl::StatusCode::kFailedPrecondition);
   }
   Reopen();
   EXPECT_EQ(ReadAll(store_.get(), map.key).size(), 2U);
@@ -205,25 +237,10 @@ TEST_P(StoreContract, RefusesFramesThatDoNotFollowTheHeadAndTakesNothing) {
   EXPECT_EQ(Load(map).sessions.front().settled.contiguous_end(), ClientSequence{2});
 }
 
-TEST_P(StoreContract, AppendToSeveralMapsIsAllOrNothing) {
-  const MapRecord first = Create("first");
-  const MapRecord second = Create("second");
-  const std::vector<LogAppend> bad = {MakeAppend(first.key, 1, 2), MakeAppend(second.key, 2, 1)};
-  EXPECT_FALSE(store_->AppendFrames(bad).ok());
-  const std::vector<LogAppend> twice = {MakeAppend(first.key, 1, 1), MakeAppend(first.key, 2, 1)};
-  EXPECT_FALSE(store_->AppendFrames(twice).ok());
-  EXPECT_TRUE(ReadAll(store_.get(), first.key).empty());
-  EXPECT_EQ(Load(first).durable_head, MapSequence{0});
-  const std::vector<LogAppend> good = {MakeAppend(second.key, 1, 1), MakeAppend(first.key, 1, 2)};
-  EXPECT_TRUE(store_->AppendFrames(good).ok());
-  EXPECT_EQ(ReadAll(store_.get(), first.key).size(), 2U);
-  EXPECT_EQ(ReadAll(store_.get(), second.key).size(), 1U);
-}
-
-TEST_P(StoreContract, AppendWithoutFramesStoresItsSessions) {
+TEST_P(StoreContract, AppendWithoutEntriesStoresItsSessions) {
   const MapRecord map = Create("hall");
   Append({map.key, kStoreTime, {}, {MakeSession("session-1", 3)}});
-  EXPECT_TRUE(store_->AppendFrames({}).ok());
+  Append({map.key, kStoreTime, {}, {}});
   Reopen();
   EXPECT_EQ(Load(map).sessions.size(), 1U);
   EXPECT_EQ(Load(map).durable_head, MapSequence{0});
@@ -232,8 +249,8 @@ TEST_P(StoreContract, AppendWithoutFramesStoresItsSessions) {
 TEST_P(StoreContract, RefusesASessionWithoutAnIdAndTakesNothing) {
   const MapRecord map = Create("hall");
   LogAppend append = MakeAppend(map.key, 1, 1);
-  append.sessions.front().name.robot = std::string("a\0b", 3);
-  EXPECT_EQ(ReasonOf(store_->AppendFrames({append})), reason::kBadName);
+  append.sessions.front().name.sensor.robot = std::string("a\0b", 3);
+  EXPECT_EQ(ReasonOf(store_->Append(append)), reason::kBadName);
   EXPECT_TRUE(ReadAll(store_.get(), map.key).empty());
 }
 
@@ -269,8 +286,7 @@ TEST_P(StoreContract, RefusesACommitThatDoesNotFollowTheRevision) {
   for (const auto& [from, to] : {std::pair{0, 3}, {3, 4}, {2, 1}, {2, 5}}) {
     const MapDelta delta = MakeDelta(
         static_cast<std::uint64_t>(from), static_cast<std::uint64_t>(to), {MakeLeaf(9, 9, 9, 2)});
-    EXPECT_EQ(store_->CommitRevision(map.key, delta, kStoreTime).code(),
-              absl::StatusCode::kFailedPrecondition)
+    EXPECT_EQ(TryCommit(map.key, delta).code(), absl::StatusCode::kFailedPrecondition)
         << from << " to " << to;
   }
   Commit(map.key, MakeDelta(2, 2, {}));
@@ -316,6 +332,33 @@ TEST_P(StoreContract, SessionOfAMillionFramesStaysOneInterval) {
   EXPECT_EQ(Load(map).sessions.front().settled.contiguous_end(), ClientSequence{1'000'000});
 }
 
+TEST_P(StoreContract, MapThatIsNotOpenTakesNothing) {
+  const MapRecord map = Create("hall");
+  if (GetParam() == StoreKind::kMemory) GTEST_SKIP() << "is always open";
+  store_.reset();
+  store_ = Store::Open(folder_.path() / "data", options_).value();
+  EXPECT_EQ(store_->Append(MakeAppend(map.key, 1, 1)).code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(store_->health(map.key).code(), absl::StatusCode::kNotFound);
+  Load(map);
+  EXPECT_TRUE(store_->health(map.key).ok());
+  Append(MakeAppend(map.key, 1, 1));
+}
+
+TEST_P(StoreContract, CommitMarksTellHistoriesApart) {
+  const MapRecord first = Create("first");
+  const MapRecord second = Create("second");
+  for (const MapRecord& map : {first, second}) Append(MakeAppend(map.key, 1, 4));
+  const auto commit = [this](const MapRecord& map, std::uint64_t to, std::uint32_t seed) {
+    return Commit(map.key, MakeDelta(to - 1, to, {MakeLeaf(0, 0, 0, seed)}));
+  };
+  EXPECT_EQ(commit(first, 1, 1), commit(second, 1, 1));
+  EXPECT_NE(commit(first, 2, 2).hash, commit(second, 2, 3).hash);
+  const CommitMark mark = commit(first, 3, 4);
+  EXPECT_NE(mark.hash, commit(second, 3, 4).hash) << "what differed once differs for ever";
+  Reopen();
+  EXPECT_EQ(Load(first).commit, mark);
+}
+
 TEST_P(StoreContract, WritersOfSeveralMapsAndReadersRunAtOnce) {
   constexpr std::uint64_t kFrames = 60;
   const std::vector<MapRecord> maps = {Create("a"), Create("b"), Create("c")};
@@ -323,11 +366,11 @@ TEST_P(StoreContract, WritersOfSeveralMapsAndReadersRunAtOnce) {
   for (const MapRecord& map : maps) {
     threads.emplace_back([&, map] {
       for (std::uint64_t i = 1; i <= kFrames; ++i) {
-        EXPECT_TRUE(store_->AppendFrames({MakeAppend(map.key, i, 1)}).ok());
+        EXPECT_TRUE(store_->Append(MakeAppend(map.key, i, 1)).ok());
         if (i % 20 != 0) continue;
         const MapDelta delta =
             MakeDelta(i - 20, i, {MakeLeaf(0, 0, 0, static_cast<std::uint32_t>(i))});
-        EXPECT_TRUE(store_->CommitRevision(map.key, delta, kStoreTime).ok());
+        EXPECT_TRUE(TryCommit(map.key, delta).ok());
       }
     });
     threads.emplace_back([&, map] {

@@ -55,7 +55,7 @@ inline Frame RenderAnalytic(const RangeFunction& surface,
                             const PinholeCamera& camera,
                             const Eigen::Isometry3d& T_world_camera) {
   Frame frame;
-  frame.robot = "robot";
+  frame.source = {"robot", SensorName::kDefaultSensor};
   frame.camera = camera;
   frame.T_world_camera = T_world_camera;
   frame.depth.metres_per_unit = kAnalyticMetresPerUnit;

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/tsdf_codec.h"
+#include "server/history_hash.h"
 
 namespace steadymap {
 namespace {
@@ -28,48 +28,51 @@ absl::Status Compacted() {
 
 /// One map, as the disk would hold it.
 struct MemoryStore::StoredMap {
-  /// A frame's pose and what retention asks about it.
-  struct StoredPose {
-    FramePose pose;
-    Timestamp append_time;
-    std::uint64_t packed_bytes = 0;
+  /// What one append brought; a trim drops whole ones.
+  struct Group {
+    std::vector<LogEntry> entries;
+    MapUptime uptime{0};
+    std::uint64_t bytes = 0;
   };
 
   /// What a commit changed, and what retention asks about it.
   struct StoredCommit {
-    Revision from;
+    CommitMark from;
     Revision to;
-    Timestamp time;
+    MapUptime uptime{0};
     std::vector<ObjectId> objects;
     std::vector<LeafKey> leaves;
   };
 
   absl::Status Check(const LogAppend& append) const;
   void Append(const LogAppend& append);
-  void TrimLog(MapSequence last, Timestamp now, const MapRecord& retention);
+  void TrimLog(MapUptime uptime, const MapRecord& retention, bool disk_is_low);
   void TrimCommits(const StoreOptions& options, const TrimBounds& bounds);
 
   MapRecord record;
   bool damaged = false;
+  absl::Status health;
   MapSequence head;
-  Timestamp newest_append;
+  MapUptime uptime{0};
+  std::vector<SemanticClass> added_classes;  // Up to `head`.
   MapSnapshot snapshot;
-  EventNumber last_event;
+  std::uint64_t history_hash = 0;
   std::vector<StoredEvent> events;
   std::deque<StoredCommit> commits;
-  std::map<MapSequence, std::string> log;
-  std::map<MapSequence, StoredPose> poses;
+  std::deque<Group> log;
+  std::map<MapSequence, FramePose> poses;
   std::map<SessionName, SessionRecord> sessions;
+  std::shared_ptr<IntegrationNote> note = IntegrationNote::InMemory();
 };
 
 absl::Status MemoryStore::StoredMap::Check(const LogAppend& append) const {
   MapSequence last = head;
-  for (const LogFrame& frame : append.frames) {
-    if (frame.sequence != last.Next()) return absl::FailedPreconditionError("a gap in the log");
-    last = frame.sequence;
+  for (const LogEntry& entry : append.entries) {
+    if (entry.sequence != last.Next()) return absl::FailedPreconditionError("a gap in the log");
+    last = entry.sequence;
   }
   for (const SessionRecord& session : append.sessions) {
-    if (!IsValidId(session.name.robot) || !IsValidId(session.name.session)) {
+    if (!IsValidId(session.name.sensor.robot) || !IsValidId(session.name.session)) {
       return InvalidField(reason::kBadName, "session", "no valid id");
     }
   }
@@ -77,37 +80,34 @@ absl::Status MemoryStore::StoredMap::Check(const LogAppend& append) const {
 }
 
 void MemoryStore::StoredMap::Append(const LogAppend& append) {
-  if (!append.frames.empty()) newest_append = std::max(newest_append, append.append_time);
-  for (const LogFrame& frame : append.frames) {
-    head = frame.sequence;
-    log[frame.sequence] = frame.packed_frame;
-    poses[frame.sequence] = {
-        {frame.sequence, frame.robot, frame.capture_time, frame.T_world_camera},
-        newest_append,
-        frame.packed_frame.size()};
+  uptime = std::max(uptime, append.uptime);
+  Group group{append.entries, append.uptime, 0};
+  for (const LogEntry& entry : append.entries) {
+    head = entry.sequence;
+    group.bytes += entry.packed_frame.size();
+    added_classes.insert(added_classes.end(), entry.classes.begin(), entry.classes.end());
   }
+  if (!append.entries.empty()) log.push_back(std::move(group));
   for (const SessionRecord& session : append.sessions) sessions[session.name] = session;
 }
 
-void MemoryStore::StoredMap::TrimLog(MapSequence last, Timestamp now, const MapRecord& retention) {
+void MemoryStore::StoredMap::TrimLog(MapUptime now, const MapRecord& retention, bool disk_is_low) {
   std::uint64_t bytes = 0;
-  bool wanted = true;
-  for (auto frame = log.rbegin(); frame != log.rend();) {
-    const StoredPose& pose = poses.at(frame->first);
-    bytes += pose.packed_bytes;
-    const std::chrono::nanoseconds age(now.nanoseconds() - pose.append_time.nanoseconds());
-    wanted = wanted && bytes <= retention.frame_log_bytes && age < retention.frame_log_age;
-    if (wanted || frame->first > last) {
-      ++frame;
-    } else {
-      frame = std::make_reverse_iterator(log.erase(std::next(frame).base()));
-    }
+  for (const Group& group : log) bytes += group.bytes;
+  while (!log.empty()) {
+    const Group& oldest = log.front();
+    const MapUptime youngest = log.size() > 1 ? log[1].uptime : oldest.uptime;
+    const bool wanted = !disk_is_low && bytes <= retention.frame_log_bytes &&
+                        now - youngest < retention.frame_log_age;
+    if (wanted || oldest.entries.back().sequence.value() > snapshot.revision.value()) return;
+    bytes -= oldest.bytes;
+    log.pop_front();
   }
 }
 
 void MemoryStore::StoredMap::TrimCommits(const StoreOptions& options, const TrimBounds& bounds) {
   const auto is_older = [&](const StoredCommit& commit, std::chrono::seconds age) {
-    return std::chrono::nanoseconds(bounds.now.nanoseconds() - commit.time.nanoseconds()) >= age;
+    return bounds.uptime - commit.uptime >= age;
   };
   while (!commits.empty()) {
     const StoredCommit& oldest = commits.front();
@@ -125,26 +125,28 @@ struct MemoryStore::Content {
   mutable absl::Mutex mutex;
   std::map<MapKey, StoredMap> maps ABSL_GUARDED_BY(mutex);
   MapKey next_key ABSL_GUARDED_BY(mutex){1};
-  absl::Status health ABSL_GUARDED_BY(mutex);
+  bool broken ABSL_GUARDED_BY(mutex) = false;
   bool fail_append ABSL_GUARDED_BY(mutex) = false;
   bool fail_commit ABSL_GUARDED_BY(mutex) = false;
   bool disk_low ABSL_GUARDED_BY(mutex) = false;
   std::function<bool()> is_low_for_append ABSL_GUARDED_BY(mutex);
   std::function<void()> write_hook ABSL_GUARDED_BY(mutex);
 
-  absl::Status CheckDisk() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
-    if (!disk_low && !(is_low_for_append && is_low_for_append())) return absl::OkStatus();
+  absl::Status CheckDisk(bool asks_test) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
+    const bool is_low = asks_test && is_low_for_append && is_low_for_append();
+    if (!disk_low && !is_low) return absl::OkStatus();
     return MakeError(absl::StatusCode::kResourceExhausted, reason::kDiskLow, "the disk is full");
   }
 
-  /// Fails for good if `*fault` is set, as a sync that failed.
-  absl::Status CheckWrite(bool* fault) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
+  /// Fails the map if `*fault` is set, as a sync that failed.
+  absl::Status CheckWrite(bool* fault, StoredMap* map) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     if (std::exchange(*fault, false)) {
-      health = MakeError(absl::StatusCode::kUnavailable,
-                         reason::kStoreReadOnly,
-                         "a sync failed as the test asked");
+      broken = true;
+      map->health = MakeError(absl::StatusCode::kUnavailable,
+                              reason::kStoreReadOnly,
+                              "a sync failed as the test asked");
     }
-    return health;
+    return map->health;
   }
 
   void RunHook() ABSL_LOCKS_EXCLUDED(mutex) {
@@ -187,7 +189,7 @@ void MemoryStore::FailNextCommit() {
 
 void MemoryStore::Repair() {
   const absl::MutexLock lock(&content_->mutex);
-  content_->health = absl::OkStatus();
+  content_->broken = false;
 }
 
 void MemoryStore::SetDiskLow(bool low) {
@@ -212,7 +214,9 @@ void MemoryStore::SetWriteHook(std::function<void()> hook) {
 
 std::size_t MemoryStore::log_size(MapKey map) const {
   const absl::MutexLock lock(&content_->mutex);
-  return content_->maps.at(map).log.size();
+  std::size_t entries = 0;
+  for (const StoredMap::Group& group : content_->maps.at(map).log) entries += group.entries.size();
+  return entries;
 }
 
 absl::StatusOr<MapRecord> MemoryStore::CreateMap(const MapRecord& record) {
@@ -220,11 +224,10 @@ absl::StatusOr<MapRecord> MemoryStore::CreateMap(const MapRecord& record) {
     return InvalidField(reason::kBadName, "name", "no valid ids");
   }
   const absl::MutexLock lock(&content_->mutex);
-  if (absl::Status status = content_->CheckDisk(); !status.ok()) return status;
+  if (absl::Status status = content_->CheckDisk(false); !status.ok()) return status;
   if (content_->HasName(record.name)) {
     return MakeError(absl::StatusCode::kAlreadyExists, reason::kAlreadyExists, "exists already");
   }
-  if (!content_->health.ok()) return content_->health;
   StoredMap map;
   map.record = record;
   map.record.key = content_->next_key;
@@ -242,7 +245,6 @@ absl::Status MemoryStore::UpdateMap(const MapRecord& record) {
   if (old.name != record.name || old.config != record.config) {
     return absl::FailedPreconditionError("the name and the config of a map never change");
   }
-  if (!content_->health.ok()) return content_->health;
   map->second.record = record;
   return absl::OkStatus();
 }
@@ -250,7 +252,6 @@ absl::Status MemoryStore::UpdateMap(const MapRecord& record) {
 absl::Status MemoryStore::DeleteMap(MapKey map) {
   const absl::MutexLock lock(&content_->mutex);
   if (!content_->maps.contains(map)) return NotThere();
-  if (!content_->health.ok()) return content_->health;
   content_->maps.erase(map);
   return absl::OkStatus();
 }
@@ -269,81 +270,97 @@ absl::StatusOr<StoredState> MemoryStore::LoadMap(const MapRecord& record) {
   const absl::MutexLock lock(&content_->mutex);
   const auto found = content_->maps.find(record.key);
   if (found == content_->maps.end()) return NotThere();
-  const StoredMap& map = found->second;
+  StoredMap& map = found->second;
   if (map.damaged) {
     return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, "damaged as the test asked");
   }
+  if (!map.health.ok() && content_->broken) return map.health;
+  map.health = absl::OkStatus();
   StoredState state;
   state.durable_head = map.head;
+  state.durable_classes = map.record.config.classes;
+  state.durable_classes.insert(
+      state.durable_classes.end(), map.added_classes.begin(), map.added_classes.end());
   for (const auto& [name, session] : map.sessions) state.sessions.push_back(session);
   state.snapshot = map.snapshot;
-  state.snapshot.last_event = map.last_event;
+  state.commit = {map.snapshot.revision, map.history_hash};
+  state.uptime = map.uptime;
+  state.note = map.note;
   return state;
 }
 
-absl::Status MemoryStore::AppendFrames(const std::vector<LogAppend>& appends) {
+absl::Status MemoryStore::Append(const LogAppend& append) {
   content_->RunHook();
   const absl::MutexLock lock(&content_->mutex);
-  if (!content_->health.ok()) return content_->health;
-  if (absl::Status status = content_->CheckDisk(); !status.ok()) return status;
-  std::set<MapKey> seen;
-  for (const LogAppend& append : appends) {
-    if (!seen.insert(append.map).second) return absl::FailedPreconditionError("a map twice");
-    const auto map = content_->maps.find(append.map);
-    if (map == content_->maps.end()) return NotThere();
-    if (absl::Status status = map->second.Check(append); !status.ok()) return status;
-  }
-  if (absl::Status status = content_->CheckWrite(&content_->fail_append); !status.ok()) {
+  const auto found = content_->maps.find(append.map);
+  if (found == content_->maps.end()) return NotThere();
+  StoredMap& map = found->second;
+  if (!map.health.ok()) return map.health;
+  if (absl::Status status = content_->CheckDisk(true); !status.ok()) return status;
+  if (absl::Status status = map.Check(append); !status.ok()) return status;
+  if (absl::Status status = content_->CheckWrite(&content_->fail_append, &map); !status.ok()) {
     return status;
   }
-  for (const LogAppend& append : appends) content_->maps.at(append.map).Append(append);
+  map.Append(append);
   return absl::OkStatus();
 }
 
-absl::Status MemoryStore::CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) {
+absl::StatusOr<CommitMark> MemoryStore::CommitRevision(MapKey map,
+                                                       const MapDelta& delta,
+                                                       const CommitDetails& details) {
   content_->RunHook();
   const absl::MutexLock lock(&content_->mutex);
-  if (!content_->health.ok()) return content_->health;
   const auto found = content_->maps.find(map);
   if (found == content_->maps.end()) return NotThere();
   StoredMap& stored = found->second;
-  if (delta.from != stored.snapshot.revision || delta.to < delta.from ||
+  if (!stored.health.ok()) return stored.health;
+  const CommitMark before{stored.snapshot.revision, stored.history_hash};
+  if (delta.from != before.revision || delta.to < delta.from ||
       delta.to.value() > stored.head.value()) {
     return absl::FailedPreconditionError("the commit does not fit the map");
   }
-  if (delta.to == delta.from) return absl::OkStatus();
-  if (absl::Status status = content_->CheckWrite(&content_->fail_commit); !status.ok()) {
+  if (delta.to == delta.from) return before;
+  if (absl::Status status = content_->CheckDisk(false); !status.ok()) return status;
+  if (absl::Status status = content_->CheckWrite(&content_->fail_commit, &stored); !status.ok()) {
     return status;
   }
-  EventNumber& number = stored.last_event;
+  stored.uptime = std::max(stored.uptime, details.uptime);
+  EventNumber number = stored.snapshot.last_event;
   for (const ObjectEvent& event : delta.events) {
     number = number.Next();
     stored.events.push_back({number, event});
   }
-  StoredMap::StoredCommit& commit =
-      stored.commits.emplace_back(StoredMap::StoredCommit{delta.from, delta.to, now, {}, {}});
+  for (const FramePose& pose : details.poses) stored.poses[pose.sequence] = pose;
+  StoredMap::StoredCommit& commit = stored.commits.emplace_back(
+      StoredMap::StoredCommit{before, delta.to, details.uptime, {}, {}});
+  std::string change;
   for (const ObjectChange& object : delta.objects) commit.objects.push_back(object.id);
-  for (const LeafChange& leaf : delta.leaves) commit.leaves.push_back(leaf.key);
-  return Apply(delta, &stored.snapshot);
+  for (const LeafChange& leaf : delta.leaves) {
+    commit.leaves.push_back(leaf.key);
+    change += leaf.packed;
+  }
+  if (absl::Status status = Apply(delta, &stored.snapshot); !status.ok()) return status;
+  stored.snapshot.last_event = number;
+  stored.history_hash = ExtendHistory(before.hash, delta.to, change);
+  return CommitMark{delta.to, stored.history_hash};
 }
 
 absl::Status MemoryStore::ReadLog(MapKey map,
                                   MapSequence first,
-                                  const std::function<absl::Status(LogFrame)>& visit) {
-  std::vector<LogFrame> frames;
+                                  const std::function<absl::Status(LogEntry)>& visit) {
+  std::vector<LogEntry> entries;
   {
     const absl::MutexLock lock(&content_->mutex);
     const auto found = content_->maps.find(map);
     if (found == content_->maps.end()) return NotThere();
-    const StoredMap& stored = found->second;
-    for (auto frame = stored.log.lower_bound(first); frame != stored.log.end(); ++frame) {
-      const FramePose& pose = stored.poses.at(frame->first).pose;
-      frames.push_back(
-          {pose.sequence, pose.robot, pose.capture_time, pose.T_world_camera, frame->second});
+    for (const StoredMap::Group& group : found->second.log) {
+      for (const LogEntry& entry : group.entries) {
+        if (entry.sequence >= first) entries.push_back(entry);
+      }
     }
   }
-  for (LogFrame& frame : frames) {
-    if (absl::Status status = visit(std::move(frame)); !status.ok()) return status;
+  for (LogEntry& entry : entries) {
+    if (absl::Status status = visit(std::move(entry)); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -373,21 +390,22 @@ absl::StatusOr<std::vector<FramePose>> MemoryStore::ReadPoses(MapKey map,
   for (auto pose = stored.lower_bound(first);
        pose != stored.end() && pose->first <= last && poses.size() < limit;
        ++pose) {
-    poses.push_back(pose->second.pose);
+    poses.push_back(pose->second);
   }
   return poses;
 }
 
-absl::StatusOr<ChangeList> MemoryStore::ReadChanges(MapKey map, Revision from, Revision to) {
+absl::StatusOr<ChangeList> MemoryStore::ReadChanges(MapKey map, CommitMark from, Revision to) {
   const absl::MutexLock lock(&content_->mutex);
   const auto found = content_->maps.find(map);
   if (found == content_->maps.end()) return NotThere();
   ChangeList changes;
   std::set<ObjectId> objects;
   std::set<LeafKey> leaves;
-  Revision reached = from;
+  Revision reached = from.revision;
   for (const StoredMap::StoredCommit& commit : found->second.commits) {
-    if (commit.from != reached || reached == to) continue;
+    if (commit.from.revision != reached || reached == to) continue;
+    if (commit.from.revision == from.revision && commit.from.hash != from.hash) break;
     reached = commit.to;
     ++changes.commits;
     objects.insert(commit.objects.begin(), commit.objects.end());
@@ -403,16 +421,14 @@ absl::Status MemoryStore::Trim(const MapRecord& map, const TrimBounds& bounds) {
   const absl::MutexLock lock(&content_->mutex);
   const auto found = content_->maps.find(map.key);
   if (found == content_->maps.end()) return NotThere();
-  if (!content_->health.ok()) return content_->health;
   StoredMap& stored = found->second;
-  const MapSequence integrated{std::min(bounds.last.value(), stored.snapshot.revision.value())};
-  stored.TrimLog(integrated, bounds.now, map);
+  if (!stored.health.ok()) return stored.health;
+  stored.uptime = std::max(stored.uptime, bounds.uptime);
+  stored.TrimLog(bounds.uptime, map, bounds.disk_is_low);
   stored.TrimCommits(content_->options, bounds);
-  const std::uint64_t head = stored.head.value();
-  const MapSequence first_in_log =
-      stored.log.empty() ? stored.head.Next() : stored.log.begin()->first;
+  const std::uint64_t newest = stored.snapshot.revision.value();
   std::erase_if(stored.poses, [&](const auto& pose) {
-    return pose.first < first_in_log && pose.first.value() + content_->options.kept_poses <= head;
+    return pose.first.value() + content_->options.kept_poses <= newest;
   });
   if (stored.events.size() > content_->options.kept_events) {
     const auto surplus = stored.events.size() - content_->options.kept_events;
@@ -420,14 +436,21 @@ absl::Status MemoryStore::Trim(const MapRecord& map, const TrimBounds& bounds) {
                         stored.events.begin() + static_cast<std::ptrdiff_t>(surplus));
   }
   std::erase_if(stored.sessions, [&](const auto& session) {
-    return session.second.last_active < bounds.forget_sessions_before;
+    return session.second.last_active < bounds.forget_sessions_before &&
+           !bounds.sessions_in_use.contains(session.first);
   });
   return absl::OkStatus();
 }
 
-absl::Status MemoryStore::health() const {
+absl::Status MemoryStore::health(MapKey map) const {
   const absl::MutexLock lock(&content_->mutex);
-  return content_->health;
+  const auto found = content_->maps.find(map);
+  return found == content_->maps.end() ? NotThere() : found->second.health;
+}
+
+absl::Status MemoryStore::CheckDisk() const {
+  const absl::MutexLock lock(&content_->mutex);
+  return content_->CheckDisk(false);
 }
 
 }  // namespace steadymap

@@ -27,13 +27,13 @@ class MemoryStore final : public Store {
   /// A second store over the same content: give it to a server, keep this one to look and to steer.
   std::unique_ptr<MemoryStore> Share() const;
 
-  /// The next append, or commit, fails as a failed sync does, and the store is read-only from then
-  /// on, until `Repair`.
+  /// The next append, or commit, fails as a failed sync does, and its map takes no more writes
+  /// until it is loaded again; it cannot be loaded before `Repair`.
   void FailNextAppend();
   void FailNextCommit();
   void Repair();
 
-  /// Appends and new maps are refused with `DISK_LOW` while `low`.
+  /// Appends, commits and new maps are refused with `DISK_LOW` while `low`.
   void SetDiskLow(bool low);
 
   /// Asks `is_low` (none: null) before every append; true refuses that one with `DISK_LOW`. Called
@@ -47,7 +47,7 @@ class MemoryStore final : public Store {
   /// lock: a test can hold the writer there.
   void SetWriteHook(std::function<void()> hook);
 
-  /// Frames in the log of `map`.
+  /// Entries in the log of `map`.
   std::size_t log_size(MapKey map) const;
 
   absl::StatusOr<MapRecord> CreateMap(const MapRecord& record) override;
@@ -55,11 +55,13 @@ class MemoryStore final : public Store {
   absl::Status DeleteMap(MapKey map) override;
   absl::StatusOr<std::vector<MapRecord>> ListMaps() override;
   absl::StatusOr<StoredState> LoadMap(const MapRecord& record) override;
-  absl::Status AppendFrames(const std::vector<LogAppend>& appends) override;
-  absl::Status CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) override;
+  absl::Status Append(const LogAppend& append) override;
+  absl::StatusOr<CommitMark> CommitRevision(MapKey map,
+                                            const MapDelta& delta,
+                                            const CommitDetails& details) override;
   absl::Status ReadLog(MapKey map,
                        MapSequence first,
-                       const std::function<absl::Status(LogFrame)>& visit) override;
+                       const std::function<absl::Status(LogEntry)>& visit) override;
   absl::StatusOr<std::vector<FramePose>> ReadPoses(MapKey map,
                                                    MapSequence first,
                                                    MapSequence last,
@@ -67,9 +69,10 @@ class MemoryStore final : public Store {
   absl::StatusOr<std::vector<StoredEvent>> ReadEvents(MapKey map,
                                                       EventNumber first,
                                                       std::size_t limit) override;
-  absl::StatusOr<ChangeList> ReadChanges(MapKey map, Revision from, Revision to) override;
+  absl::StatusOr<ChangeList> ReadChanges(MapKey map, CommitMark from, Revision to) override;
   absl::Status Trim(const MapRecord& map, const TrimBounds& bounds) override;
-  absl::Status health() const override;
+  absl::Status health(MapKey map) const override;
+  absl::Status CheckDisk() const override;
 
  private:
   struct Content;

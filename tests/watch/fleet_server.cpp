@@ -71,10 +71,11 @@ void FleetServer::Kill() {
 }
 
 void FleetServer::Compact() {
+  GetMap();  // Waits until it is open.
   const absl::StatusOr<std::vector<MapRecord>> maps = store_->ListMaps();
   Require(maps.status());
-  // With this clock nothing is old: the number of lists alone counts.
-  Require(store_->Trim(maps->front(), {MapSequence(), Timestamp(), Timestamp(), std::nullopt}));
+  // At this time nothing is old: the number of lists alone counts.
+  Require(store_->Trim(maps->front(), {.uptime = MapUptime(0)}));
 }
 
 std::string FleetServer::address() const {
@@ -114,16 +115,21 @@ absl::Status FleetServer::UploadOnce(const std::string& robot,
       v1::IngestService::NewStub(Connect())->UploadFrameBatch(&context, request, &response));
 }
 
-void FleetServer::AwaitIntegrated() {
+v1::Map FleetServer::GetMap() const {
   v1::GetMapRequest request;
   request.set_name(map_);
+  grpc::ClientContext context;
+  SetHangDeadline(&context);
+  v1::Map map;
+  Require(FromGrpcStatus(v1::MapService::NewStub(Connect())->GetMap(&context, request, &map)));
+  return map;
+}
+
+void FleetServer::AwaitIntegrated() {
   const auto deadline = std::chrono::steady_clock::now() + kHangTime;
   while (std::chrono::steady_clock::now() < deadline) {
-    grpc::ClientContext context;
-    SetHangDeadline(&context);
-    v1::Map map;
-    Require(FromGrpcStatus(v1::MapService::NewStub(Connect())->GetMap(&context, request, &map)));
-    if (map.state().revision() == map.state().durable_map_seq()) return;
+    const v1::MapState state = GetMap().state();
+    if (state.revision() == state.durable_map_seq()) return;
     std::this_thread::yield();
   }
   throw std::runtime_error("the frames were not integrated");

@@ -16,6 +16,7 @@
 #include "tests/watch/recording_store.h"
 
 #include "steadymap/v1/frame.pb.h"
+#include "steadymap/v1/map.pb.h"
 
 namespace steadymap {
 
@@ -53,6 +54,7 @@ class FleetServer {
 
  private:
   void Start();
+  v1::Map GetMap() const;
   absl::Status UploadOnce(const std::string& robot,
                           const std::vector<v1::Frame>& frames,
                           std::uint64_t first_client_seq);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/error.h"
 #include "server/store.h"
 #include "tests/watch/map_history.h"
 
@@ -31,20 +32,22 @@ class RecordingStore final : public Store {
     return store_->LoadMap(record);
   }
 
-  absl::Status AppendFrames(const std::vector<LogAppend>& appends) override {
-    return *killed_ ? KilledError() : store_->AppendFrames(appends);
+  absl::Status Append(const LogAppend& append) override {
+    return *killed_ ? KilledError() : store_->Append(append);
   }
 
-  absl::Status CommitRevision(MapKey map, const MapDelta& delta, Timestamp now) override {
+  absl::StatusOr<CommitMark> CommitRevision(MapKey map,
+                                            const MapDelta& delta,
+                                            const CommitDetails& details) override {
     if (*killed_) return KilledError();
-    absl::Status status = store_->CommitRevision(map, delta, now);
-    if (status.ok() && delta.to > delta.from) history_->Add(delta);
-    return status;
+    absl::StatusOr<CommitMark> mark = store_->CommitRevision(map, delta, details);
+    if (mark.ok() && delta.to > delta.from) history_->Add(delta);
+    return mark;
   }
 
   absl::Status ReadLog(MapKey map,
                        MapSequence first,
-                       const std::function<absl::Status(LogFrame)>& visit) override {
+                       const std::function<absl::Status(LogEntry)>& visit) override {
     return store_->ReadLog(map, first, visit);
   }
 
@@ -61,7 +64,7 @@ class RecordingStore final : public Store {
     return store_->ReadEvents(map, first, limit);
   }
 
-  absl::StatusOr<ChangeList> ReadChanges(MapKey map, Revision from, Revision to) override {
+  absl::StatusOr<ChangeList> ReadChanges(MapKey map, CommitMark from, Revision to) override {
     return store_->ReadChanges(map, from, to);
   }
 
@@ -69,10 +72,15 @@ class RecordingStore final : public Store {
     return *killed_ ? KilledError() : store_->Trim(map, bounds);
   }
 
-  absl::Status health() const override { return store_->health(); }
+  absl::Status health(MapKey map) const override { return store_->health(map); }
+
+  absl::Status CheckDisk() const override { return store_->CheckDisk(); }
 
  private:
-  static absl::Status KilledError() { return absl::UnavailableError("killed as the test asked"); }
+  static absl::Status KilledError() {
+    return MakeError(
+        absl::StatusCode::kUnavailable, reason::kStoreReadOnly, "killed as the test asked");
+  }
 
   const std::unique_ptr<Store> store_;
   MapHistory* const history_;

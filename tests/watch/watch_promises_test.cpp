@@ -34,7 +34,7 @@ class PlantedFaults : public ::testing::Test {
  protected:
   void SetUp() override {
     record_ = store_.CreateMap(MakeMapRecord("acme", "hall")).value();
-    ASSERT_TRUE(store_.AppendFrames({MakeAppend(record_.key, 1, 30)}).ok());
+    ASSERT_TRUE(store_.Append(MakeAppend(record_.key, 1, 30)).ok());
     std::vector<LeafChange> leaves;
     leaves.reserve(41);
     for (int i = 0; i < 40; ++i) leaves.push_back(MakeLeaf(i, 0, 0, static_cast<std::uint32_t>(i)));
@@ -66,10 +66,12 @@ class PlantedFaults : public ::testing::Test {
       delta.events.push_back(event);
     }
     delta.last_event = EventNumber(map_.last_event.value() + delta.events.size());
-    ASSERT_TRUE(store_.CommitRevision(record_.key, delta, Timestamp::FromSeconds(1.0)).ok());
+    const absl::StatusOr<CommitMark> mark =
+        store_.CommitRevision(record_.key, delta, {.uptime = MapUptime(1)});
+    ASSERT_TRUE(mark.ok()) << mark.status();
     ASSERT_TRUE(Apply(delta, &map_).ok());
     history_.Add(delta);
-    snapshots_.push_back(std::make_shared<const MapSnapshot>(map_));
+    published_.push_back({std::make_shared<const MapSnapshot>(map_), *mark, {}});
   }
 
   /// What an honest server tells: the first revision as a snapshot, then two steps.
@@ -79,9 +81,10 @@ class PlantedFaults : public ::testing::Test {
     Messages messages;
     messages.emplace_back().mutable_created()->set_revision(10);
     WatchHub::StepRequest request{
-        {record_.key, "i", 1}, filter_, 65'536, true, true, {}, nullptr, snapshots_[0]};
-    for (const auto& snapshot : snapshots_) {
-      request.snapshot = snapshot;
+        {record_.key, "i", 1}, filter_, 65'536, true, true, {}, nullptr, nullptr, 0};
+    for (const PublishedRevision& published : published_) {
+      request.snapshot = published.snapshot;
+      request.history_hash = published.commit.hash;
       const auto step = hub.FindStep(request).value();
       for (std::size_t i = 0; i < step->count(); ++i) {
         std::optional<grpc::ByteBuffer> bytes = step->At(i).value();
@@ -132,7 +135,7 @@ class PlantedFaults : public ::testing::Test {
   MapRecord record_;
   MapSnapshot map_{kTinyScale};
   MapHistory history_;
-  std::vector<std::shared_ptr<const MapSnapshot>> snapshots_;
+  std::vector<PublishedRevision> published_;
   MapFilter filter_;
 };
 

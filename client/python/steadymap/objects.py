@@ -158,7 +158,7 @@ class Event:
         related_object_id: the other object of a move, merge or split; None: there is none.
         views: frames that had agreed with the object by then.
         absences: times that the evidence had spoken against it by then.
-        robot: for events of robots, the robot's id; else "".
+        robot, sensor: for events of robots, the ids of the robot and of its sensor; else "".
     """
 
     number: int
@@ -177,6 +177,7 @@ class Event:
     views: int
     absences: int
     robot: str
+    sensor: str
 
 
 _STANDINGS = dict(enumerate(ObjectStanding))
@@ -238,6 +239,7 @@ def event_from_proto(message: event_pb2.ObjectEvent) -> Event:
         views=message.views,
         absences=message.absences,
         robot=message.robot,
+        sensor=message.sensor,
     )
 
 

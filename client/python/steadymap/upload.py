@@ -235,6 +235,7 @@ class Uploader:
         request = ingest_service_pb2.UploadFramesRequest()
         request.open.map = self._map_name
         request.open.robot = self._options.robot
+        request.open.sensor = self._options.sensor
         request.open.session = self._session
         # The first level is the one that reports refused frames.
         levels = [AckLevel.DURABLE, AckLevel.INTEGRATED]
@@ -280,7 +281,10 @@ class Uploader:
             if not self._finishing or not self._queue.all_sent:
                 return UnavailableError("the server ended the upload before everything was sent")
         request = ingest_service_pb2.GetUploadStateRequest(
-            map=self._map_name, robot=self._options.robot, session=self._session
+            map=self._map_name,
+            robot=self._options.robot,
+            sensor=self._options.sensor,
+            session=self._session,
         )
         try:
             state = self._stub.GetUploadState(request, timeout=_CONFIRMATION_TIMEOUT_S)

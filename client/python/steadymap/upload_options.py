@@ -28,6 +28,8 @@ class UploadOptions:
 
     Attributes:
         robot: id of the robot that the frames come from, matching `[a-z][a-z0-9-]{0,62}`.
+        sensor: id of the sensor on it; two sensors of a robot upload at the same time, each in its
+            own session.
         session: id of the upload session, of the same form; None: a random one. Naming it lets a
             later process that pushes the same frames in the same order go on where this one
             stopped.
@@ -46,6 +48,7 @@ class UploadOptions:
     """
 
     robot: str = "robot"
+    sensor: str = "camera"
     session: Optional[str] = None
     encoding: Optional[Union[PixelEncoding, str]] = None
     wait_for: Union[AckLevel, str] = AckLevel.INTEGRATED

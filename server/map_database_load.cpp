@@ -1,5 +1,6 @@
-// How RocksStore reads the committed state of a map.
+// How a map's committed state is read.
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -8,24 +9,15 @@
 #include <absl/strings/str_cat.h>
 #include <rocksdb/snapshot.h>
 
-#include "core/error.h"
 #include "core/tsdf_codec.h"
+#include "server/map_database.h"
 #include "server/object_records.h"
 #include "server/robot_records.h"
-#include "server/rocks_store.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"
 
 namespace steadymap {
 namespace {
-
-// Names the map in an error that so far names a key only.
-absl::Status OfMap(const MapRecord& record, const absl::Status& status) {
-  return MakeError(
-      status.code(),
-      ReasonOf(status),
-      absl::StrCat("map ", record.name.ToString(), ": ", std::string(status.message())));
-}
 
 absl::StatusOr<SessionRecord> LoadSession(const ValuePlace& place, std::string_view value) {
   storage::v1::SessionRecord proto;
@@ -50,7 +42,7 @@ class ContentLoader {
   }
 
   absl::Status LoadLeaf(const ValuePlace& place, std::string_view value) {
-    const std::optional<LeafKey> key = LeafOfStoreKey(place.key);
+    const std::optional<LeafKey> key = UnpackLeafKey(place.key);
     if (!key) return DamagedValue(place, "is filed under no leaf");
     storage::v1::LeafRecord record;
     if (absl::Status status = UnsealRecord(place, value, &record); !status.ok()) return status;
@@ -80,13 +72,13 @@ class ContentLoader {
   }
 
   absl::Status LoadRobot(const ValuePlace& place, std::string_view value) {
-    const std::optional<std::string> robot = RobotOfKey(place.key);
-    if (!robot) return DamagedValue(place, "is filed under no robot");
+    const std::optional<SensorName> sensor = SensorOfRobotKey(place.key);
+    if (!sensor) return DamagedValue(place, "is filed under no robot");
     storage::v1::RobotRecord record;
     if (absl::Status status = UnsealRecord(place, value, &record); !status.ok()) return status;
     const absl::StatusOr<RobotState> state = FromProto(record);
     if (!state.ok()) return DamagedValue(place, std::string(state.status().message()));
-    content_->robots[*robot] = *state;
+    content_->robots[*sensor] = *state;
     return absl::OkStatus();
   }
 
@@ -109,37 +101,77 @@ class ContentLoader {
 
 }  // namespace
 
-absl::StatusOr<StoredState> RocksStore::LoadMap(const MapRecord& record) {
-  if (absl::Status status = Find(record.key).status(); !status.ok()) return status;
-  rocksdb::ManagedSnapshot snapshot(&database_->database());
-  const absl::StatusOr<MapEntry> entry = LoadEntry(record.key, snapshot.snapshot());
-  if (!entry.ok()) return OfMap(record, entry.status());
+absl::StatusOr<StoredState> MapDatabase::Load() const {
+  // The log first: it never ends before the state that is read after it.
+  const Progress progress = this->progress();
+  rocksdb::ManagedSnapshot snapshot(&state_->database());
+  storage::v1::Head head;
+  if (absl::Status status = LoadHead(snapshot.snapshot(), &head); !status.ok()) return status;
   StoredState state;
-  state.durable_head = MapSequence{entry->log_head.durable_map_seq()};
-  const MapConfig& config = entry->record.config;
-  state.snapshot = MapSnapshot({config.voxel_size_m, config.truncation_m});
-  state.snapshot.revision = Revision{entry->revision_head.revision()};
-  state.snapshot.last_capture_time =
-      Timestamp::FromNanoseconds(entry->revision_head.last_capture_time_ns());
-  if (absl::Status status = LoadSessions(record.key, snapshot.snapshot(), &state); !status.ok()) {
-    return OfMap(record, status);
-  }
-  state.snapshot.newest_object = ObjectId{entry->revision_head.newest_object()};
-  state.snapshot.last_event = EventNumber{entry->revision_head.events()};
-  if (absl::Status status = LoadContent(record.key, snapshot.snapshot(), &state.snapshot);
+  state.durable_head = std::max(progress.durable_head, MapSequence(head.revision()));
+  state.durable_classes = record_.config.classes;
+  state.durable_classes.insert(
+      state.durable_classes.end(), progress.added_classes.begin(), progress.added_classes.end());
+  state.commit = {Revision(head.revision()), head.history_hash()};
+  state.uptime = MapUptime(std::max(head.uptime_ns(), progress.head.uptime_ns()));
+  state.note = note_;
+  state.snapshot = MapSnapshot({record_.config.voxel_size_m, record_.config.truncation_m});
+  state.snapshot.revision = Revision{head.revision()};
+  state.snapshot.last_capture_time = Timestamp::FromNanoseconds(head.last_capture_time_ns());
+  state.snapshot.newest_object = ObjectId{head.newest_object()};
+  state.snapshot.last_event = EventNumber{head.events()};
+  if (absl::Status status = LoadClasses(snapshot.snapshot(), &state.snapshot.added_classes);
       !status.ok()) {
-    return OfMap(record, status);
+    return status;
+  }
+  if (absl::Status status = LoadSessions(snapshot.snapshot(), &state); !status.ok()) return status;
+  for (const auto& [name, unsaved] : progress.unsaved_sessions) {
+    std::erase_if(state.sessions,
+                  [&name = name](const SessionRecord& known) { return known.name == name; });
+    state.sessions.push_back(unsaved.record);
+  }
+  std::sort(state.sessions.begin(),
+            state.sessions.end(),
+            [](const SessionRecord& a, const SessionRecord& b) { return a.name < b.name; });
+  if (absl::Status status = LoadContent(snapshot.snapshot(), &state.snapshot); !status.ok()) {
+    return status;
   }
   return state;
 }
 
-absl::Status RocksStore::ForEachRecord(Family family,
-                                       MapKey map,
-                                       const rocksdb::Snapshot* snapshot,
-                                       const RecordVisitor& visit) const {
-  const KeyRange range = MapRange(map);
+absl::Status MapDatabase::LoadHead(const rocksdb::Snapshot* snapshot,
+                                   storage::v1::Head* head) const {
+  const absl::StatusOr<std::string> value = state_->Read(Family::kMeta, HeadKey(), snapshot);
+  const ValuePlace place{NameOf(Family::kMeta), HeadKey()};
+  if (absl::IsNotFound(value.status())) return DamagedValue(place, "is missing");
+  if (!value.ok()) return value.status();
+  return UnsealRecord(place, *value, head);
+}
+
+absl::Status MapDatabase::LoadClasses(const rocksdb::Snapshot* snapshot,
+                                      std::vector<SemanticClass>* classes) const {
+  const absl::StatusOr<std::string> value = state_->Read(Family::kMeta, ClassTableKey(), snapshot);
+  if (absl::IsNotFound(value.status())) return absl::OkStatus();
+  if (!value.ok()) return value.status();
+  storage::v1::ClassTable table;
+  if (absl::Status status = UnsealRecord({NameOf(Family::kMeta), ClassTableKey()}, *value, &table);
+      !status.ok()) {
+    return status;
+  }
+  for (const storage::v1::SemanticClass& row : table.classes()) {
+    absl::StatusOr<SemanticClass> read = FromProto(row);
+    if (!read.ok()) return read.status();
+    classes->push_back(*std::move(read));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MapDatabase::ForEachRecord(Family family,
+                                        const rocksdb::Snapshot* snapshot,
+                                        const RecordVisitor& visit) const {
+  const KeyRange range = RangeOf(family);
   const rocksdb::Slice upper_bound(range.end);
-  const std::unique_ptr<rocksdb::Iterator> scan = database_->Scan(family, &upper_bound, snapshot);
+  const std::unique_ptr<rocksdb::Iterator> scan = state_->Scan(family, &upper_bound, snapshot);
   for (scan->Seek(range.begin); scan->Valid(); scan->Next()) {
     const ValuePlace place{NameOf(family), scan->key().ToStringView()};
     if (absl::Status status = visit(place, scan->value().ToStringView()); !status.ok()) {
@@ -149,11 +181,10 @@ absl::Status RocksStore::ForEachRecord(Family family,
   return FromRocksdb(scan->status(), absl::StrCat("reading ", NameOf(family).data()));
 }
 
-absl::Status RocksStore::LoadSessions(MapKey map,
-                                      const rocksdb::Snapshot* snapshot,
-                                      StoredState* state) const {
+absl::Status MapDatabase::LoadSessions(const rocksdb::Snapshot* snapshot,
+                                       StoredState* state) const {
   return ForEachRecord(
-      Family::kDedup, map, snapshot, [state](const ValuePlace& place, std::string_view value) {
+      Family::kSession, snapshot, [state](const ValuePlace& place, std::string_view value) {
         absl::StatusOr<SessionRecord> session = LoadSession(place, value);
         if (!session.ok()) return session.status();
         state->sessions.push_back(*std::move(session));
@@ -161,12 +192,11 @@ absl::Status RocksStore::LoadSessions(MapKey map,
       });
 }
 
-absl::Status RocksStore::LoadContent(MapKey map,
-                                     const rocksdb::Snapshot* snapshot,
-                                     MapSnapshot* content) const {
+absl::Status MapDatabase::LoadContent(const rocksdb::Snapshot* snapshot,
+                                      MapSnapshot* content) const {
   ContentLoader loader(content);
-  using Load = absl::Status (ContentLoader::*)(const ValuePlace&, std::string_view);
-  static constexpr std::array<std::pair<Family, Load>, 4> kLoads = {
+  using LoadRecord = absl::Status (ContentLoader::*)(const ValuePlace&, std::string_view);
+  static constexpr std::array<std::pair<Family, LoadRecord>, 4> kLoads = {
       {{Family::kObject, &ContentLoader::LoadObject},
        {Family::kLeaf, &ContentLoader::LoadLeaf},
        {Family::kFree, &ContentLoader::LoadFreeBlock},
@@ -175,39 +205,10 @@ absl::Status RocksStore::LoadContent(MapKey map,
     const auto visit = [&loader, load = load](const ValuePlace& place, std::string_view value) {
       return (loader.*load)(place, value);
     };
-    if (absl::Status status = ForEachRecord(family, map, snapshot, visit); !status.ok()) {
-      return status;
-    }
+    if (absl::Status status = ForEachRecord(family, snapshot, visit); !status.ok()) return status;
   }
   loader.Finish();
   return absl::OkStatus();
-}
-
-absl::StatusOr<std::vector<StoredEvent>> RocksStore::ReadEvents(MapKey map,
-                                                                EventNumber first,
-                                                                std::size_t limit) {
-  if (absl::Status status = Find(map).status(); !status.ok()) return status;
-  std::vector<StoredEvent> events;
-  const std::string end = MapRange(map).end;
-  const rocksdb::Slice upper_bound(end);
-  const std::unique_ptr<rocksdb::Iterator> scan = database_->Scan(Family::kEvent, &upper_bound);
-  for (scan->Seek(EventKey(map, first)); scan->Valid() && events.size() < limit; scan->Next()) {
-    const ValuePlace place{NameOf(Family::kEvent), scan->key().ToStringView()};
-    const std::optional<EventNumber> number = EventOfKey(place.key);
-    if (!number) return DamagedValue(place, "is filed under no event");
-    storage::v1::EventRecord record;
-    if (absl::Status status = UnsealRecord(place, scan->value().ToStringView(), &record);
-        !status.ok()) {
-      return status;
-    }
-    absl::StatusOr<ObjectEvent> event = FromProto(record);
-    if (!event.ok()) return event.status();
-    events.push_back({*number, *std::move(event)});
-  }
-  if (!scan->status().ok()) {
-    return FromRocksdb(scan->status(), absl::StrCat("reading the events of map ", map.value()));
-  }
-  return events;
 }
 
 }  // namespace steadymap

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <absl/synchronization/mutex.h>
+#include <rocksdb/write_batch.h>
+
+#include "server/entry_log.h"
+#include "server/state_database.h"
+#include "server/store.h"
+#include "server/store_records.h"
+#include "server/write_turn.h"
+
+#include "steadymap/storage/v1/records.pb.h"
+
+namespace steadymap {
+
+/// The durable side of one open map: the log in which its entries become durable (`log/`), the
+/// database of what was made of them (`state/`), and the note of what is being integrated (`note`),
+/// in a folder of its own. Private to the store; see `Store` for what the functions promise.
+class MapDatabase {
+ public:
+  /// What a map's database needs; all of it outlives it.
+  struct Surroundings {
+    const SharedResources* shared = nullptr;
+    const StoreOptions* options = nullptr;
+    /// Free bytes for the daemon's user on the folder's disk.
+    std::function<absl::StatusOr<std::uint64_t>()> free_disk_bytes;
+  };
+
+  /// Makes an empty database in `folder`, which exists; on disk when it returns.
+  static absl::Status Create(const std::filesystem::path& folder, const Surroundings& surroundings);
+
+  /// Opens the database in `folder`. With too little room on the disk for RocksDB to start it is
+  /// opened for reading alone, which `health()` then says.
+  /// Errors: `DataLoss` with reason `CHECKSUM` for what is damaged or missing.
+  static absl::StatusOr<std::unique_ptr<MapDatabase>> Open(const std::filesystem::path& folder,
+                                                           const MapRecord& record,
+                                                           const Surroundings& surroundings);
+
+  MapDatabase(const MapDatabase&) = delete;
+  MapDatabase& operator=(const MapDatabase&) = delete;
+
+  absl::StatusOr<StoredState> Load() const;
+  absl::Status Append(const LogAppend& append);
+  absl::StatusOr<CommitMark> Commit(const MapDelta& delta, const CommitDetails& details);
+  absl::Status ReadLog(MapSequence first, const std::function<absl::Status(LogEntry)>& visit) const;
+  absl::StatusOr<std::vector<FramePose>> ReadPoses(MapSequence first,
+                                                   MapSequence last,
+                                                   std::size_t limit) const;
+  absl::StatusOr<std::vector<StoredEvent>> ReadEvents(EventNumber first, std::size_t limit) const;
+  absl::StatusOr<ChangeList> ReadChanges(CommitMark from, Revision to) const;
+
+  /// `retention` holds the map's present bounds.
+  absl::Status Trim(const MapRecord& retention, const TrimBounds& bounds);
+
+  absl::Status health() const;
+
+  /// For tests that damage what is stored.
+  StateDatabase& state_for_test() { return *state_; }
+
+ private:
+  /// A session whose newest record is in the log, not in the database yet.
+  struct UnsavedSession {
+    SessionRecord record;
+    std::uint64_t group = 0;  ///< Of the log: where the record stands.
+  };
+
+  /// What is kept in memory of how far the map has come; it changes after the disk did.
+  struct Progress {
+    storage::v1::Head head;  ///< As it is in the database.
+    MapSequence durable_head;
+    std::uint64_t group = 0;  ///< The log's newest.
+    std::map<SessionName, UnsavedSession> unsaved_sessions;
+    std::size_t stored_classes = 0;            ///< Added ones that the database knows.
+    std::vector<SemanticClass> added_classes;  ///< Up to `durable_head`.
+  };
+
+  MapDatabase(const MapRecord& record, const Surroundings& surroundings);
+
+  absl::Status OpenState(const std::filesystem::path& folder);
+  absl::Status OpenLog(const std::filesystem::path& folder);
+  absl::Status CheckNote() const;
+  Progress progress() const ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// OK, or `DISK_LOW` if fewer bytes are free than `needed`.
+  absl::Status CheckFree(std::uint64_t needed) const;
+
+  /// Reading the committed state, all from one snapshot of the database.
+  using RecordVisitor = std::function<absl::Status(const ValuePlace&, std::string_view)>;
+  absl::Status ForEachRecord(Family family,
+                             const rocksdb::Snapshot* snapshot,
+                             const RecordVisitor& visit) const;
+  absl::Status LoadHead(const rocksdb::Snapshot* snapshot, storage::v1::Head* head) const;
+  absl::Status LoadClasses(const rocksdb::Snapshot* snapshot,
+                           std::vector<SemanticClass>* classes) const;
+  absl::Status LoadSessions(const rocksdb::Snapshot* snapshot, StoredState* state) const;
+  absl::Status LoadContent(const rocksdb::Snapshot* snapshot, MapSnapshot* content) const;
+
+  /// Putting things into a batch.
+  void PutSealed(Family family,
+                 const std::string& key,
+                 const google::protobuf::MessageLite& record,
+                 rocksdb::WriteBatch* batch) const;
+  void PutChange(const MapDelta& delta,
+                 const storage::v1::Head& before,
+                 const storage::v1::Head& after,
+                 rocksdb::WriteBatch* batch) const;
+  void PutContent(const MapDelta& delta, rocksdb::WriteBatch* batch) const;
+  void PutEvents(const std::vector<ObjectEvent>& events,
+                 EventNumber first,
+                 rocksdb::WriteBatch* batch) const;
+  /// The sessions that the database does not know yet, and with them the head, which then knows how
+  /// far the log goes.
+  void PutProgress(const Progress& progress,
+                   storage::v1::Head* head,
+                   rocksdb::WriteBatch* batch) const;
+  void ForgetSaved(const storage::v1::Head& head) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// The parts of a trim: each puts what goes into `batch`.
+  absl::Status TrimState(const TrimBounds& bounds);
+  absl::Status TrimPoses(const storage::v1::Head& head, rocksdb::WriteBatch* batch) const;
+  absl::Status TrimChangeLists(const storage::v1::Head& head,
+                               const TrimBounds& bounds,
+                               rocksdb::WriteBatch* batch) const;
+  absl::Status TrimEvents(const storage::v1::Head& head, rocksdb::WriteBatch* batch) const;
+  absl::Status TrimSessions(const TrimBounds& bounds, rocksdb::WriteBatch* batch);
+  absl::StatusOr<std::optional<std::uint64_t>> FirstNumber(Family family) const;
+
+  const MapRecord record_;  ///< As it was when the map was opened: its key, name and configuration.
+  const Surroundings surroundings_;
+  std::unique_ptr<StateDatabase> state_;
+  std::unique_ptr<EntryLog> log_;
+  std::shared_ptr<IntegrationNote> note_;
+  WriteTurn append_turn_;
+  WriteTurn commit_turn_;
+
+  mutable absl::Mutex mutex_;
+  Progress progress_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace steadymap

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "server/store.h"
+#include "server/twin_file.h"
+
+namespace steadymap {
+
+/// The folder of one map in the store: `record` (what the map is), `identity` (tells a copy of the
+/// folder from the original), `log/`, `state/` and `note` (see `MapDatabase`), and `deleted` once
+/// the map is. One thread at a time.
+class MapFolder {
+ public:
+  MapFolder(std::filesystem::path path, MapKey key);
+
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Makes the folder with the record and an identity.
+  absl::Status Create(const MapRecord& record) const;
+
+  /// The record. Errors: `DataLoss` with reason `CHECKSUM` for one that is damaged, missing or
+  /// another map's.
+  absl::StatusOr<MapRecord> ReadRecord() const;
+
+  absl::Status WriteRecord(const MapRecord& record) const;
+
+  /// Whether the folder is a copy of the one that was written last, as after a restore from a
+  /// backup: then its history may go on differently than the original's did. False where nobody can
+  /// tell.
+  bool IsCopy() const;
+
+  /// Makes a copy an original: the record gets another incarnation, so that nobody goes on behind a
+  /// resume token of the original's later history, and what the note knows is forgotten.
+  absl::StatusOr<MapRecord> Adopt(MapRecord record) const;
+
+  /// Marks the map as deleted; durable when it returns.
+  absl::Status MarkDeleted() const;
+  bool IsDeleted() const;
+
+  /// Removes the folder with all it holds.
+  absl::Status Remove() const;
+
+ private:
+  std::filesystem::path path_;
+  MapKey key_;
+  TwinFile record_file_;
+};
+
+/// An incarnation that no map has had.
+std::string NewIncarnation();
+
+}  // namespace steadymap

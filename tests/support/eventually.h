@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+
+#include <absl/time/clock.h>
+#include <absl/time/time.h>
+
+namespace steadymap::testing {
+
+/// Whether `holds` becomes true before a test has to be taken to hang; asks every few milliseconds.
+inline bool Eventually(const std::function<bool()>& holds) {
+  const absl::Time give_up = absl::Now() + absl::Seconds(30);
+  while (!holds()) {
+    if (absl::Now() > give_up) return false;
+    absl::SleepFor(absl::Milliseconds(5));
+  }
+  return true;
+}
+
+}  // namespace steadymap::testing
