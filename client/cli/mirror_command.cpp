@@ -146,7 +146,7 @@ absl::Status MirrorCommand::Follow(const MapName& name, const MapFilter& filter)
                   << DurationText(1e-3 * static_cast<double>(change.delay.count())) << std::endl;
   };
   const std::unique_ptr<MapMirror> mirror =
-      MapMirror::Start(context_->Channel(), name, options, callbacks);
+      MapMirror::Start(context_->Channels(), name, options, callbacks);
 
   Clock::time_point next_write = Clock::now();
   for (;;) {

@@ -172,7 +172,7 @@ absl::Status RunUpload(const UploadRunOptions& options,
   ProgressReport report(
       &context->err, context->err_is_terminal, "integrated", source->frame_count(), SteadySeconds);
   UploadOutcome outcome;
-  FrameUploader uploader(context->Channel(), *name, OptionsOfUploader(options, &report));
+  FrameUploader uploader(context->Channels(), *name, OptionsOfUploader(options, &report));
   absl::StatusOr<UploadSummary> summary =
       UploadAll(source, &uploader, [&](const UnreadableFrame& frame) {
         outcome.unreadable.push_back(frame);

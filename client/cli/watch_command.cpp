@@ -135,7 +135,7 @@ absl::Status WatchCommand::Run() const {
   if (count_ > 0) printing.count = count_;
   StopSignal stop;
   WatchPrinter printer(printing, &names, context_, &stop);
-  const MapWatch watch(context_->Channel(), *name, *std::move(options), &printer);
+  const MapWatch watch(context_->Channels(), *name, *std::move(options), &printer);
   while (!printer.is_done() && !stop.came()) stop.Wait();
   return printer.result();
 }

@@ -112,7 +112,7 @@ void Measure(int rounds, double away_s) {
   Return mirroring;
   UploaderOptions upload;
   upload.on_progress = [&](const UploadProgress&) { uploading.Note(); };
-  FrameUploader uploader(OpenChannel(daemon.address()), kHall, upload);
+  FrameUploader uploader(ChannelsTo(daemon.address()), kHall, upload);
   absl::Notification stop;
   std::thread feed([&] {
     WallFrame frame;
@@ -123,12 +123,12 @@ void Measure(int rounds, double away_s) {
   });
   NotingConsumer consumer(&watching);
   auto watch =
-      std::make_unique<MapWatch>(OpenChannel(daemon.address()), kHall, WatchOptions(), &consumer);
+      std::make_unique<MapWatch>(ChannelsTo(daemon.address()), kHall, WatchOptions(), &consumer);
   MirrorCallbacks callbacks;
   callbacks.on_state = [&](const WatchStateChange& change) {
     if (change.state == WatchState::kConnected) mirroring.Note();
   };
-  auto mirror = MapMirror::Start(OpenChannel(daemon.address()), kHall, {}, callbacks);
+  auto mirror = MapMirror::Start(ChannelsTo(daemon.address()), kHall, {}, callbacks);
   for (int round = 0; round < rounds; ++round) {
     daemon.Kill();
     std::this_thread::sleep_for(std::chrono::duration<double>(away_s));
