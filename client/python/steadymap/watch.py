@@ -4,13 +4,20 @@ import asyncio
 import dataclasses
 import enum
 import threading
+import time
 from typing import Any, AsyncIterator, Callable, Iterator, List, Optional, Sequence, Union
 
 import grpc
 
 from steadymap._generated.v1 import watch_service_pb2, watch_service_pb2_grpc
 from steadymap.backoff import Backoff, BackoffOptions
-from steadymap.errors import SteadymapError, UnavailableError, error_from_rpc, is_worth_retrying
+from steadymap.errors import (
+    SteadymapError,
+    UnavailableError,
+    error_from_rpc,
+    is_server_answer,
+    is_worth_retrying,
+)
 from steadymap.geometry import box_to_proto
 from steadymap.watch_items import Created, Progress, Resync, Snapshot, WatchItem, item_from_proto
 
@@ -88,7 +95,7 @@ _STARTS = {
 
 
 class _WatchState:
-    """What a watch remembers from stream to stream; knows no network and no clock."""
+    """What a watch remembers from stream to stream; knows no network."""
 
     def __init__(self, map_name: str, options: WatchOptions) -> None:
         self.token = options.resume_token
@@ -96,11 +103,16 @@ class _WatchState:
         self._options = options
         self._backoff = Backoff(options.backoff, options.seed)
         self._step: List[WatchItem] = []
+        self._revision: Optional[int] = None  # Of the last Progress.
         self._goodbye_delay_s = 0.0
+        self._start_s = 0.0  # When the stream was opened, on the monotonic clock.
+        self._was_created = False
 
     def request(self) -> watch_service_pb2.WatchMapRequest:
         """Opens the next stream, behind the last token where there is one."""
         options = self._options
+        self._start_s = time.monotonic()
+        self._was_created = False
         self._step = []  # What an earlier stream did not complete comes again.
         request = watch_service_pb2.WatchMapRequest(
             map=self._map_name,
@@ -134,7 +146,8 @@ class _WatchState:
             return []
         item = item_from_proto(response)
         if isinstance(item, Created):
-            self._backoff.reset()
+            self._was_created = True
+            self._backoff.note_reached()
         if item is None or (isinstance(item, Created) and self.token is not None):
             return []
         if isinstance(item, (Created, Snapshot, Resync)):
@@ -142,24 +155,32 @@ class _WatchState:
         self._step.append(item)
         if not isinstance(item, Progress):
             return []
+        if item.revision != self._revision:
+            self._backoff.reset()
+        self._revision = item.revision
         self.token = item.resume_token
         whole, self._step = self._step, []
         return whole
 
-    def delay_after(self, error: SteadymapError) -> float:
-        """Seconds to wait before the next stream; raises what waiting does not heal."""
-        at_least_s = max(self._goodbye_delay_s, error.retry_delay_s or 0.0)
+    def delay_after(self, error: Optional[SteadymapError]) -> float:
+        """Seconds to wait before the next stream; raises what waiting does not heal. None: the
+        server ended the stream with OK."""
+        was_answered = error is None or is_server_answer(error)
+        error = error or UnavailableError("the server ended the watch")
+        if not is_worth_retrying(error):
+            raise error
+        delay_s = self._backoff.next_delay_s(
+            was_answered=was_answered,
+            asked_s=max(self._goodbye_delay_s, error.retry_delay_s or 0.0),
+            # A watch of a map that rests may have lasted for hours.
+            took_s=0.0 if self._was_created else time.monotonic() - self._start_s,
+        )
         self._goodbye_delay_s = 0.0
-        delay_s = self._backoff.next_delay_s(at_least_s) if is_worth_retrying(error) else None
         if delay_s is None:
             raise error
         if self._options.on_retry is not None:
             self._options.on_retry(error, delay_s)
         return delay_s
-
-
-def _ended() -> UnavailableError:
-    return UnavailableError("the server ended the watch")
 
 
 class Watch(Iterator[WatchItem]):
@@ -173,8 +194,11 @@ class Watch(Iterator[WatchItem]):
     thread.
     """
 
-    def __init__(self, channel: grpc.Channel, map_name: str, options: WatchOptions) -> None:
-        self._stub = watch_service_pb2_grpc.WatchServiceStub(channel)
+    def __init__(
+        self, open_channel: Callable[[], grpc.Channel], map_name: str, options: WatchOptions
+    ) -> None:
+        """Each stream has a channel of its own from `open_channel`."""
+        self._open_channel = open_channel
         self._state = _WatchState(map_name, options)
         self._closed = threading.Event()
         self._lock = threading.Lock()
@@ -204,18 +228,20 @@ class Watch(Iterator[WatchItem]):
 
     def _iterate(self) -> Iterator[WatchItem]:
         while not self._closed.is_set():
-            call = self._stub.WatchMap(self._state.request())
-            with self._lock:
-                self._call = call
-            error: SteadymapError = _ended()
-            try:
-                if not self._closed.is_set():
-                    for response in call:
-                        yield from self._state.take(response)
-            except grpc.RpcError as rpc_error:
-                error = error_from_rpc(rpc_error)
-            finally:
-                call.cancel()
+            error: Optional[SteadymapError] = None
+            with self._open_channel() as channel:
+                stub = watch_service_pb2_grpc.WatchServiceStub(channel)
+                call = stub.WatchMap(self._state.request())
+                with self._lock:
+                    self._call = call
+                try:
+                    if not self._closed.is_set():
+                        for response in call:
+                            yield from self._state.take(response)
+                except grpc.RpcError as rpc_error:
+                    error = error_from_rpc(rpc_error)
+                finally:
+                    call.cancel()
             if not self._closed.is_set():
                 self._closed.wait(self._state.delay_after(error))
 
@@ -226,11 +252,11 @@ async def watch_asynchronously(
     """The same for asyncio: yields what `Watch` does. Closing or cancelling the iteration ends
     it."""
     state = _WatchState(map_name, options)
-    async with open_channel() as channel:
-        stub = watch_service_pb2_grpc.WatchServiceStub(channel)
-        while True:
+    while True:
+        error: Optional[SteadymapError] = None
+        async with open_channel() as channel:
+            stub = watch_service_pb2_grpc.WatchServiceStub(channel)
             call = stub.WatchMap(state.request())
-            error: SteadymapError = _ended()
             try:
                 async for response in call:
                     for item in state.take(response):
@@ -239,4 +265,4 @@ async def watch_asynchronously(
                 error = error_from_rpc(rpc_error)
             finally:
                 call.cancel()
-            await asyncio.sleep(state.delay_after(error))
+        await asyncio.sleep(state.delay_after(error))
