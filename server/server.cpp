@@ -6,6 +6,7 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
@@ -18,6 +19,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "server/calls_under_way.h"
 #include "server/frame_budget.h"
 #include "server/housekeeper.h"
 #include "server/ingest_service.h"
@@ -45,8 +47,12 @@ constexpr std::size_t kTransportBytes = std::size_t{256} << 20;
 // large, up to this factor.
 constexpr std::size_t kHardMessageLimitFactor = 2;
 
-// For watchers to take their last step and the goodbye; who does not read is cut off.
+// Who takes nothing for this long of what a server that stops still has to say is cut off.
 constexpr absl::Duration kGoodbyeTime = absl::Seconds(2);
+
+// For connections without calls. gRPC would wait until each client has answered a last ping, 20 s
+// at most; one that is frozen never does, and a Python client without calls looks every 5 s.
+constexpr absl::Duration kDisconnectTime = absl::Milliseconds(200);
 
 // The client's pings are 30 s apart; ours find out about clients that have vanished.
 constexpr int kMinClientPingIntervalMs = 10'000;
@@ -91,6 +97,7 @@ class Server::Parts {
   const ServerConfig config_;
   const std::unique_ptr<Store> store_;
   LiveLimits limits_;
+  CallsUnderWay calls_;
   FrameBudget budget_;
   UploadRoster roster_;
   WatchHub watch_hub_;
@@ -175,6 +182,9 @@ void Server::Parts::Configure(grpc::ServerBuilder* builder) {
   grpc::ResourceQuota quota("steadymapd");
   quota.Resize(kTransportBytes);
   builder->SetResourceQuota(quota);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(calls_.MakeInterceptorFactory());
+  builder->experimental().SetInterceptorCreators(std::move(interceptors));
   // Otherwise two daemons share a port and take each other's calls.
   builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder->AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
@@ -208,7 +218,8 @@ void Server::Parts::Drain() {
 }
 
 // The order of the end: nobody comes in, what is under way is finished, watchers see it, calls end,
-// then the threads from the first of the pipeline to the last, so that none feeds one that is gone.
+// connections are closed, then the threads end from the first of the pipeline to the last, so that
+// none feeds one that is gone.
 void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (shut_down_.exchange(true)) return;
   const absl::Time end = absl::Now() + absl::FromChrono(deadline);
@@ -216,8 +227,11 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (!roster_.AwaitEmpty(end)) spdlog::warn("some uploads had not ended at the deadline");
   watch_hub_.Drain();
   if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
+  if (!calls_.AwaitEnd(end, kGoodbyeTime)) spdlog::warn("some calls were cut off");
   health_service_ = nullptr;
-  if (grpc_server_ != nullptr) grpc_server_->Shutdown(absl::ToChronoTime(end));
+  if (grpc_server_ != nullptr) {
+    grpc_server_->Shutdown(absl::ToChronoTime(std::min(end, absl::Now() + kDisconnectTime)));
+  }
   housekeeper_.reset();
   decoders_.Stop();
   clerk_.Stop();
