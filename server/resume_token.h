@@ -4,17 +4,18 @@
 #include <string>
 #include <string_view>
 
+#include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
 #include "core/identifiers.h"
-
-#include "steadymap/v1/watch_service.pb.h"
+#include "core/map_filter.h"
 
 namespace steadymap {
 
 /// What a resume token is good for.
 struct WatchScope {
   MapKey map;
+  std::string map_name;      ///< In full.
   std::string incarnation;   ///< Of the map.
   std::uint64_t filter = 0;  ///< As `FingerprintOf` the filter.
 
@@ -25,21 +26,31 @@ struct WatchScope {
 struct WatchPosition {
   Revision revision;
   EventNumber last_event;
+  /// Whether that includes the leaves from before the watch began; not if it began from now on.
+  bool has_leaves = true;
 
   friend bool operator==(const WatchPosition&, const WatchPosition&) = default;
 };
 
-/// Equal for filters that are equal field by field, and for hardly any others.
-std::uint64_t FingerprintOf(const v1::WatchFilter& filter);
+/// Equal for filters that let the same pass, whatever the order and the repetitions in their lists,
+/// and for hardly any others.
+std::uint64_t FingerprintOf(const MapFilter& filter);
 
 /// An opaque token for going on at a position.
 std::string MakeResumeToken(const WatchScope& scope, const WatchPosition& position);
 
-/// The position in a token.
+/// What a token says.
+struct ResumeToken {
+  WatchPosition position;
+  /// OK if the token was given to the scope. Otherwise why the position is of no use there:
+  /// `InvalidArgument` with reason `BAD_RESUME_TOKEN` and the field `resume_token` for another map,
+  /// with the field `filter` for another filter; `OutOfRange` with reason `REVISION_COMPACTED` for
+  /// a history of the map that was replaced.
+  absl::Status fit;
+};
+
 /// Errors: `InvalidArgument` with reason `BAD_RESUME_TOKEN` and the field `resume_token` for
-/// anything that `MakeResumeToken` did not make, with the field `filter` for a token of another
-/// filter; `OutOfRange` with reason `REVISION_COMPACTED` for a token of another map or of an
-/// incarnation that is no more.
-absl::StatusOr<WatchPosition> ReadResumeToken(const WatchScope& scope, std::string_view token);
+/// anything that `MakeResumeToken` did not make.
+absl::StatusOr<ResumeToken> ReadResumeToken(const WatchScope& scope, std::string_view token);
 
 }  // namespace steadymap

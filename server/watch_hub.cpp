@@ -112,12 +112,13 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequ
   const Revision to = request.snapshot->revision;
   const bool compares = request.filter.volumes && request.takes_patches;
   if (compares) KeepRecent(map, request.snapshot);
-  WatchMessages::Source source{store,
-                               request.scope,
-                               request.filter,
-                               request.before,
-                               {to, request.snapshot->last_event},
-                               request.max_message_bytes};
+  WatchMessages::Source source{
+      store,
+      request.scope,
+      request.filter,
+      request.before,
+      {to, request.snapshot->last_event, request.as_snapshot || request.before.has_leaves},
+      request.max_message_bytes};
   if (request.as_snapshot) {
     return std::make_shared<WatchMessages>(std::move(source),
                                            MakeSnapshotStep(request.filter, request.snapshot));

@@ -37,6 +37,12 @@ absl::StatusOr<std::size_t> ReadMessageLimit(std::size_t asked) {
                                    asked));
 }
 
+absl::Status NoLeavesToPatch() {
+  return InvalidField(reason::kBadValue,
+                      "takes_patches",
+                      "a watch from now on has no leaves that patches could be of");
+}
+
 grpc::ByteBuffer MakeResync(Revision revision, const std::string& why) {
   v1::WatchMapResponse message;
   message.mutable_resync()->set_revision(revision.value());
@@ -219,7 +225,8 @@ absl::Status WatchStream::Open() {
   map_ = *std::move(map);
   filter_ = *std::move(filter);
   max_message_bytes_ = *limit;
-  scope_ = {map_->key(), map_->record().incarnation, FingerprintOf(request_.filter())};
+  scope_ = {
+      map_->key(), map_->name().ToString(), map_->record().incarnation, FingerprintOf(filter_)};
   {
     const absl::MutexLock lock(&mutex_);
     entered_ = true;
@@ -233,11 +240,7 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
   if (!request_.resume_token().empty()) return ResumeBehindToken(snapshot);
   switch (request_.start()) {
     case v1::WATCH_START_NOW:
-      if (request_.takes_patches()) {
-        return InvalidField(reason::kBadValue,
-                            "takes_patches",
-                            "a watch from now on has no leaves that patches could be of");
-      }
+      if (request_.takes_patches()) return NoLeavesToPatch();
       BeginFrom(snapshot);
       return absl::OkStatus();
     case v1::WATCH_START_SNAPSHOT_THEN_FOLLOW:
@@ -251,7 +254,7 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
 
 /// With an empty step: who is cut off before anything happens has a token to go on behind.
 void WatchStream::BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  position_ = {snapshot->revision, snapshot->last_event};
+  position_ = {snapshot->revision, snapshot->last_event, false};
   StepPlan nothing;
   nothing.from = snapshot->revision;
   nothing.shown = ShownBy(filter_, *snapshot);
@@ -266,20 +269,23 @@ absl::Status WatchStream::ResumeBehindToken(const std::shared_ptr<const MapSnaps
     return InvalidField(
         reason::kBadValue, "start", "`start` must not be set where there is a `resume_token`");
   }
-  absl::StatusOr<WatchPosition> position = ReadResumeToken(scope_, request_.resume_token());
-  if (absl::IsInvalidArgument(position.status())) return position.status();
-  if (!position.ok()) {
-    gap_ = position.status();
-  } else if (position->revision > snapshot->revision) {
+  const absl::StatusOr<ResumeToken> token = ReadResumeToken(scope_, request_.resume_token());
+  if (!token.ok()) return token.status();
+  const WatchPosition& position = token->position;
+  if (!token->fit.ok()) {
+    gap_ = token->fit;
+  } else if (request_.takes_patches() && !position.has_leaves) {
+    return NoLeavesToPatch();
+  } else if (position.revision > snapshot->revision) {
     gap_ = MakeError(absl::StatusCode::kOutOfRange,
                      reason::kRevisionInFuture,
                      absl::StrCat("the resume token is of revision ",
-                                  position->revision.value(),
+                                  position.revision.value(),
                                   ", the map is at ",
                                   snapshot->revision.value()),
                      "resume_token");
   } else {
-    position_ = *position;
+    position_ = position;
     if (position_.revision == snapshot->revision) shown_ = ShownBy(filter_, *snapshot);
   }
   return gap_.ok() || request_.resync_if_compacted() ? absl::OkStatus() : gap_;
