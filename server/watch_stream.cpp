@@ -233,6 +233,7 @@ absl::Status WatchStream::Open() {
   }
   // From here on no commit is missed.
   absl::Status status = surroundings_.hub->Enter(map_->key(), shared_from_this());
+  if (status.ok()) status = map_->condition();
   return status.ok() ? ChooseStart(map_->snapshot()) : status;
 }
 
@@ -241,7 +242,8 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
   switch (request_.start()) {
     case v1::WATCH_START_NOW:
       if (request_.takes_patches()) return NoLeavesToPatch();
-      BeginFrom(snapshot);
+      position_ = {snapshot->revision, snapshot->last_event, false};
+      RepeatPosition(snapshot);
       return absl::OkStatus();
     case v1::WATCH_START_SNAPSHOT_THEN_FOLLOW:
       position_.revision = snapshot->revision;
@@ -252,9 +254,9 @@ absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& 
   }
 }
 
-/// With an empty step: who is cut off before anything happens has a token to go on behind.
-void WatchStream::BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  position_ = {snapshot->revision, snapshot->last_event, false};
+/// With an empty step to where the watcher is: who is cut off before anything happens has a token
+/// to go on behind, and who resumed knows that there is nothing new.
+void WatchStream::RepeatPosition(const std::shared_ptr<const MapSnapshot>& snapshot) {
   StepPlan nothing;
   nothing.from = snapshot->revision;
   nothing.shown = ShownBy(filter_, *snapshot);
@@ -286,9 +288,20 @@ absl::Status WatchStream::ResumeBehindToken(const std::shared_ptr<const MapSnaps
                      "resume_token");
   } else {
     position_ = position;
-    if (position_.revision == snapshot->revision) shown_ = ShownBy(filter_, *snapshot);
+    if (absl::Status status = TakeFirstStep(snapshot); !status.ok()) return status;
   }
   return gap_.ok() || request_.resync_if_compacted() ? absl::OkStatus() : gap_;
+}
+
+/// What follows a token that fits, so that `created` comes only where the watch can go on.
+absl::Status WatchStream::TakeFirstStep(const std::shared_ptr<const MapSnapshot>& snapshot) {
+  if (position_.revision == snapshot->revision) {
+    RepeatPosition(snapshot);
+    return absl::OkStatus();
+  }
+  const absl::Status status = FindStep(snapshot);
+  if (absl::IsOutOfRange(status)) gap_ = status;
+  return gap_.ok() ? status : absl::OkStatus();
 }
 
 absl::StatusOr<WatchStream::Message> WatchStream::Next(bool draining) {
@@ -318,7 +331,6 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextOfStep() {
     if (place_ == step_->count()) {
       position_ = step_->after();
       shown_ = step_->shown();
-      following_ = true;
       step_ = nullptr;
       break;
     }
@@ -332,6 +344,13 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextOfStep() {
 absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(
     const std::shared_ptr<const MapSnapshot>& snapshot) {
   if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), snapshot);
+  const absl::Status status = FindStep(snapshot);
+  if (absl::IsOutOfRange(status)) return HandleGap(status, snapshot);
+  if (!status.ok()) return status;
+  return Message();
+}
+
+absl::Status WatchStream::FindStep(const std::shared_ptr<const MapSnapshot>& snapshot) {
   WatchHub::StepRequest wanted{scope_,
                                filter_,
                                max_message_bytes_,
@@ -347,12 +366,11 @@ absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(
     wanted.snapshot = next_snapshot_;
   }
   absl::StatusOr<std::shared_ptr<WatchMessages>> step = surroundings_.hub->FindStep(wanted);
-  if (absl::IsOutOfRange(step.status())) return HandleGap(step.status(), snapshot);
   if (!step.ok()) return step.status();
   step_ = *std::move(step);
   place_ = 0;
   next_snapshot_ = nullptr;
-  return Message();
+  return absl::OkStatus();
 }
 
 /// The history between the watcher and the map is gone: begins anew where that was asked for.
@@ -362,7 +380,6 @@ absl::StatusOr<WatchStream::Message> WatchStream::HandleGap(
     next_snapshot_ = snapshot;
     return MakeResync(snapshot->revision, ReasonOf(gap));
   }
-  if (!following_) return gap;
   return MakeError(
       absl::StatusCode::kAborted,
       reason::kSlowConsumer,

@@ -70,8 +70,10 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
 
   absl::Status Open();
   absl::Status ChooseStart(const std::shared_ptr<const MapSnapshot>& snapshot);
-  void BeginFrom(const std::shared_ptr<const MapSnapshot>& snapshot);
+  void RepeatPosition(const std::shared_ptr<const MapSnapshot>& snapshot);
   absl::Status ResumeBehindToken(const std::shared_ptr<const MapSnapshot>& snapshot);
+  absl::Status TakeFirstStep(const std::shared_ptr<const MapSnapshot>& snapshot);
+  absl::Status FindStep(const std::shared_ptr<const MapSnapshot>& snapshot);
   absl::StatusOr<Message> Next(bool draining);
   absl::StatusOr<Message> NextOfStep();
   absl::StatusOr<Message> TakeStep(const std::shared_ptr<const MapSnapshot>& snapshot);
@@ -86,7 +88,6 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
 
   // Of whoever advances the stream.
   bool opened_ = false;
-  bool following_ = false;  ///< A step or snapshot has been sent whole.
   bool said_goodbye_ = false;
   std::shared_ptr<MapRuntime> map_;
   WatchScope scope_;

@@ -45,6 +45,23 @@ TEST_P(WatchResumeTest, ResumedBehindATokenMissesNothingAfterARestart) {
   EXPECT_EQ(view.All(), LeavesByQuery());
 }
 
+TEST_P(WatchResumeTest, ResumedWhereNothingHappenedSinceItSaysSoAtOnce) {
+  const std::uint64_t revision = Upload();
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  v1::WatchProgress progress = begin->progress;
+  for (int i = 0; i < 2; ++i) {
+    const auto resumed = Watch(ResumeBehind(progress))->ReadStep();
+    ASSERT_TRUE(resumed.has_value());
+    EXPECT_THAT(resumed->delta, IsEmpty());
+    EXPECT_THAT(resumed->events, IsEmpty());
+    EXPECT_EQ(resumed->progress.revision(), revision);
+    EXPECT_TRUE(resumed->progress.has_last_capture_time());
+    progress = resumed->progress;
+  }
+  EXPECT_EQ(progress.resume_token(), begin->progress.resume_token());
+}
+
 TEST_P(WatchResumeTest, TokensAreGoodForTheirFilterAlone) {
   Upload();
   const auto begin = Watch(Request())->ReadStep();
@@ -143,6 +160,7 @@ TEST_P(WatchResumeTest, BehindCompactionIsOutOfRangeOrASnapshotWhereAskedFor) {
           .ok());
   v1::WatchMapRequest request = ResumeBehind(begin->progress);
   EXPECT_THAT(ErrorOf(request), IsError(StatusCode::kOutOfRange, "REVISION_COMPACTED", ""));
+  EXPECT_FALSE(Watch(request)->Read().has_value()) << "it is said before the watch has begun";
   request.set_resync_if_compacted(true);
   const auto step = Watch(request)->ReadUntil(target);
   ASSERT_TRUE(step.has_value());

@@ -13,6 +13,8 @@
 namespace steadymap {
 namespace {
 
+constexpr std::chrono::milliseconds kRetryDelay{20};
+
 /// Everything, half of the view, goods with their past, or the background and two objects.
 MapFilter DrawMirrorFilter(std::uint32_t seed) {
   MapFilter filter;
@@ -52,8 +54,8 @@ FleetMirror::FleetMirror(const FleetServer* server, std::uint32_t seed)
   MirrorOptions options;
   options.filter = filter_;
   options.seed = seed + 1;
-  options.backoff.first_delay = std::chrono::milliseconds(kReconnectMs);
-  options.backoff.max_delay = std::chrono::milliseconds(kReconnectMs);
+  options.backoff.first_delay = kRetryDelay;
+  options.backoff.max_delay = kRetryDelay;
   MirrorCallbacks callbacks;
   callbacks.on_step = [this](const MirrorStep& step) {
     const absl::MutexLock lock(&mutex_);

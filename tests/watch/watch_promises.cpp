@@ -45,6 +45,7 @@ void WatchPromises::BeginStream(Begin begin) {
     settled_event_ = 0;
   }
   expects_snapshot_ = begin_ == Begin::kSnapshot;
+  may_repeat_ = begin_ == Begin::kResumed;
   last_event_ = settled_event_;
   next_ = content_;
   step_revision_ = 0;
@@ -186,7 +187,8 @@ void WatchPromises::TakeProgress(const v1::WatchProgress& progress) {
     Break("Bookmarkable",
           absl::StrCat("progress ", progress.revision(), ", data of ", step_revision_));
   }
-  if (!expects_snapshot_ && progress.revision() == revision_ && progress_) {
+  const bool may_repeat = std::exchange(may_repeat_, false) && step_revision_ == 0;
+  if (!expects_snapshot_ && progress.revision() == revision_ && progress_ && !may_repeat) {
     Break("Unique", absl::StrCat("revision ", revision_, " twice"));
   } else if (progress.revision() < revision_) {
     Break("Ordered", absl::StrCat(progress.revision(), " after ", revision_));

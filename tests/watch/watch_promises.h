@@ -90,6 +90,7 @@ class WatchPromises {
   Begin begin_ = Begin::kSnapshot;
   std::uint64_t revision_ = 0;  ///< What the watcher has.
   bool expects_snapshot_ = false;
+  bool may_repeat_ = false;  ///< The next progress may repeat the revision: nothing is new.
   WatchedContent content_;
   std::uint64_t settled_event_ = 0;  ///< The last one before the newest progress.
 

@@ -205,7 +205,8 @@ class Client:
         Args:
             map_name: the map's name.
             types: of one of these types, such as `"removed"`; empty: of any.
-            object_ids: of, or related to, one of these objects; empty: of any.
+            object_ids: of, or related to, one of these objects; empty: of any. Events of robots
+                concern none: they pass where object_ids and class_ids are both empty.
             class_ids: of objects of one of these classes; empty: of any.
             first_number: from this number on; 0: from the first.
             changed_since: that came after this revision; 0: all.

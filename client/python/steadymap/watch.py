@@ -52,7 +52,8 @@ class WatchOptions:
         boxes: what touches one of these boxes, shape (2, 3) each: lowest and highest corner, world
             frame, metres. Empty: wherever it is.
         class_ids: objects and events of one of these classes; empty: of any.
-        object_ids: these objects, and events that concern one of them; empty: any.
+        object_ids: these objects, and events that concern one of them; empty: any. Events of robots
+            concern none: they pass where boxes, class_ids and object_ids are all empty.
         include_archived: objects that are gone pass, too.
         resync_if_compacted: where the history behind the token is gone, go on with a Resync and a
             snapshot; else the watch ends with OutOfRangeError.
