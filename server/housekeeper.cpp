@@ -30,7 +30,7 @@ void Housekeeper::Run() {
   Heartbeat::Clock::time_point due = Heartbeat::Clock::now() + options_.trim_interval;
   while (!AwaitStop()) {
     heartbeat_.Beat();
-    watches_->CancelStalled();
+    watches_->EndStalled();
     if (Heartbeat::Clock::now() < due) continue;
     TrimAll();
     due = Heartbeat::Clock::now() + options_.trim_interval;

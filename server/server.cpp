@@ -50,6 +50,9 @@ constexpr std::size_t kHardMessageLimitFactor = 2;
 // Who takes nothing for this long of what a server that stops still has to say is cut off.
 constexpr absl::Duration kGoodbyeTime = absl::Seconds(2);
 
+// A stalled watcher may read again and learn why it was ended; until then it keeps a message here.
+constexpr absl::Duration kStallGrace = absl::Minutes(1);
+
 // For connections without calls. gRPC would wait until each client has answered a last ping, 20 s
 // at most; one that is frozen never does, and a Python client without calls looks every 5 s.
 constexpr absl::Duration kDisconnectTime = absl::Milliseconds(200);
@@ -124,8 +127,10 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       store_(std::move(store)),
       limits_(config.limits),
       budget_(config.limits.queue_bytes_total),
-      watch_hub_(
-          {store_.get(), config.watch.max_watches, absl::FromChrono(config.watch.stall_timeout)}),
+      watch_hub_({.store = store_.get(),
+                  .max_watches = config.watch.max_watches,
+                  .stall_timeout = absl::FromChrono(config.watch.stall_timeout),
+                  .stall_grace = kStallGrace}),
       log_writer_(store_.get(), [this](const absl::Status&) { UpdateHealth(); }),
       maps_({store_.get(),
              &budget_,

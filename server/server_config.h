@@ -68,7 +68,8 @@ struct WatchServiceOptions {
   /// message at hand.
   std::size_t max_watches = 2000;
 
-  /// A watcher that takes nothing of what is sent for this long is cut off; it may resume.
+  /// A watcher that takes nothing of what is sent for this long is ended with SLOW_CONSUMER, which
+  /// it learns when it reads again; after another minute it is cut off. It may resume.
   std::chrono::seconds stall_timeout{60};
 };
 

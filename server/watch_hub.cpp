@@ -19,6 +19,14 @@ constexpr std::size_t kMaxSharedSteps = 16;
 // Who is further behind gets leaves whole. At the usual rate of commits that is most of a second.
 constexpr std::size_t kRecentSnapshots = 4;
 
+absl::Status StalledError(absl::Duration timeout) {
+  return MakeError(
+      absl::StatusCode::kAborted,
+      reason::kSlowConsumer,
+      absl::StrCat(
+          "the watcher took nothing of what was sent for ", absl::ToInt64Seconds(timeout), " s"));
+}
+
 }  // namespace
 
 absl::Status WatchHub::Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) {
@@ -47,10 +55,16 @@ void WatchHub::OnCommit(MapKey map) {
   for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) watch->Wake();
 }
 
-void WatchHub::CancelStalled() {
+void WatchHub::EndStalled() {
   const absl::Time stalled = absl::Now() - surroundings_.stall_timeout;
+  const absl::Time given_up = stalled - surroundings_.stall_grace;
   for (const std::shared_ptr<ActiveWatch>& watch : All()) {
-    if (watch->sending_since() < stalled) watch->Cancel();
+    const absl::Time since = watch->sending_since();
+    if (since < given_up) {
+      watch->Cancel();
+    } else if (since < stalled) {
+      watch->End(StalledError(surroundings_.stall_timeout));
+    }
   }
 }
 

@@ -57,6 +57,8 @@ class WatchHub {
     std::size_t max_watches = 0;
     /// A watch that takes a message for longer than this has stalled.
     absl::Duration stall_timeout = absl::InfiniteDuration();
+    /// After so much more, it is given up.
+    absl::Duration stall_grace = absl::ZeroDuration();
   };
 
   explicit WatchHub(const Surroundings& surroundings) : surroundings_(surroundings) {}
@@ -71,8 +73,10 @@ class WatchHub {
   /// The map has published a revision: wakes its watches.
   void OnCommit(MapKey map) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Cancels the watches that have stalled; to be called now and then.
-  void CancelStalled() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Ends the watches that have stalled, with reason `SLOW_CONSUMER`; to be called now and then.
+  /// gRPC sends a status behind the message that is stuck and not before it, so the watcher learns
+  /// of it when it reads again. One that is given up is cancelled, and learns nothing.
+  void EndStalled() ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// The revision of the watch that is furthest behind; none without watches.
   std::optional<Revision> OldestWatched(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);

@@ -103,9 +103,14 @@ void WatchStream::Drain() {
 }
 
 void WatchStream::End(const absl::Status& status) {
+  bool is_first = false;
   {
     const absl::MutexLock lock(&mutex_);
-    if (!end_) end_ = status;
+    is_first = !end_;
+    if (is_first) end_ = status;
+  }
+  if (is_first && ReasonOf(status) == reason::kSlowConsumer) {
+    spdlog::info("map {}: {}", map_->name().ToString(), std::string(status.message()));
   }
   Schedule();
 }

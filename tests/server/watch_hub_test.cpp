@@ -21,7 +21,10 @@ class WatchHubTest : public ::testing::Test {
     return watch;
   }
 
-  WatchHub hub_{{.store = nullptr, .max_watches = 3, .stall_timeout = absl::Seconds(60)}};
+  WatchHub hub_{{.store = nullptr,
+                 .max_watches = 3,
+                 .stall_timeout = absl::Seconds(60),
+                 .stall_grace = absl::Seconds(60)}};
 };
 
 TEST_F(WatchHubTest, ACommitWakesTheWatchesOfItsMapAlone) {
@@ -32,16 +35,26 @@ TEST_F(WatchHubTest, ACommitWakesTheWatchesOfItsMapAlone) {
   EXPECT_EQ(yard->wakes, 0);
 }
 
-TEST_F(WatchHubTest, CancelsWhoTakesAMessageForTooLong) {
+TEST_F(WatchHubTest, EndsWhoTakesAMessageForTooLong) {
   const auto stalled = Enter(kHall);
   const auto slow = Enter(kHall);
   const auto idle = Enter(kYard);
-  stalled->since = absl::Now() - absl::Seconds(61);
+  stalled->since = absl::Now() - absl::Seconds(90);
   slow->since = absl::Now() - absl::Seconds(30);
-  hub_.CancelStalled();
-  EXPECT_EQ(stalled->cancels, 1);
-  EXPECT_EQ(slow->cancels, 0);
-  EXPECT_EQ(idle->cancels, 0);
+  hub_.EndStalled();
+  EXPECT_EQ(ReasonOf(stalled->ended), reason::kSlowConsumer);
+  EXPECT_EQ(stalled->cancels, 0) << "it shall hear why";
+  for (const auto& watch : {slow, idle}) {
+    EXPECT_TRUE(watch->ended.ok());
+    EXPECT_EQ(watch->cancels, 0);
+  }
+}
+
+TEST_F(WatchHubTest, GivesUpWhoDoesNotComeBackToRead) {
+  const auto gone = Enter(kHall);
+  gone->since = absl::Now() - absl::Seconds(121);
+  hub_.EndStalled();
+  EXPECT_EQ(gone->cancels, 1);
 }
 
 TEST_F(WatchHubTest, TakesNoMoreThanItsLimit) {
