@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include <absl/time/clock.h>
 #include <absl/time/time.h>
 #include <spdlog/spdlog.h>
 
@@ -31,6 +32,7 @@ void Housekeeper::Run() {
   while (!AwaitStop()) {
     heartbeat_.Beat();
     watches_->EndStalled();
+    watches_->DropHeld(absl::Now());
     if (Heartbeat::Clock::now() < due) continue;
     TrimAll();
     due = Heartbeat::Clock::now() + options_.trim_interval;

@@ -15,13 +15,18 @@
 namespace steadymap {
 namespace {
 
-// The version, flags, then the numbers below, then the checksum of all that.
+// The version, flags, then the numbers below, then the checksum of all that. A token between two
+// steps ends with the last event.
 constexpr char kTokenVersion = 2;
 constexpr std::size_t kHeadBytes = 2;
 constexpr std::size_t kNumberBytes = 8;
 constexpr std::size_t kChecksumBytes = 4;
 
 constexpr unsigned kHasLeaves = 1;
+constexpr unsigned kWithinStep = 2;
+constexpr unsigned kTakesPatches = 4;
+constexpr unsigned kAsSnapshot = 8;
+constexpr unsigned kIsShownKnown = 16;
 
 /// The numbers of a token, in their order.
 enum Number : std::size_t {
@@ -31,12 +36,18 @@ enum Number : std::size_t {
   kFilter,
   kRevision,
   kLastEvent,
-  kNumberCount
+  kPositionNumbers,
+  kStepTo = kPositionNumbers,
+  kMaxMessageBytes,
+  kPlace,
+  kStepNumbers
 };
 
-using Numbers = std::array<std::uint64_t, kNumberCount>;
+using Numbers = std::array<std::uint64_t, kStepNumbers>;
 
-constexpr std::size_t kTokenBytes = kHeadBytes + kNumberCount * kNumberBytes + kChecksumBytes;
+constexpr std::size_t TokenBytes(std::size_t numbers) {
+  return kHeadBytes + numbers * kNumberBytes + kChecksumBytes;
+}
 
 /// FNV-1a.
 std::uint64_t HashOf(std::string_view text) {
@@ -72,6 +83,21 @@ Numbers NumbersOf(const WatchScope& scope, const WatchPosition& position) {
   numbers[kRevision] = position.revision.value();
   numbers[kLastEvent] = position.last_event.value();
   return numbers;
+}
+
+unsigned FlagsOf(const WatchPosition& position) { return position.has_leaves ? kHasLeaves : 0; }
+
+unsigned FlagsOf(const StepKey& step) {
+  return FlagsOf(step.before) | kWithinStep | (step.takes_patches ? kTakesPatches : 0) |
+         (step.as_snapshot ? kAsSnapshot : 0) | (step.is_shown_known ? kIsShownKnown : 0);
+}
+
+std::string MakeToken(unsigned flags, const Numbers& numbers, std::size_t count) {
+  std::string token(1, kTokenVersion);
+  AppendInteger(flags, 1, &token);
+  for (std::size_t i = 0; i < count; ++i) AppendInteger(numbers[i], kNumberBytes, &token);
+  AppendInteger(ExtendCrc32c(0, token), kChecksumBytes, &token);
+  return token;
 }
 
 absl::Status CheckFit(const Numbers& numbers, const Numbers& wanted) {
@@ -131,30 +157,44 @@ std::uint64_t FingerprintOf(const MapFilter& filter) {
 }
 
 std::string MakeResumeToken(const WatchScope& scope, const WatchPosition& position) {
-  std::string token(1, kTokenVersion);
-  AppendInteger(position.has_leaves ? kHasLeaves : 0, 1, &token);
-  for (const std::uint64_t number : NumbersOf(scope, position)) {
-    AppendInteger(number, kNumberBytes, &token);
-  }
-  AppendInteger(ExtendCrc32c(0, token), kChecksumBytes, &token);
-  return token;
+  return MakeToken(FlagsOf(position), NumbersOf(scope, position), kPositionNumbers);
+}
+
+std::string MakeStepToken(const StepKey& step, std::size_t place) {
+  Numbers numbers = NumbersOf(step.scope, step.before);
+  numbers[kStepTo] = step.to.value();
+  numbers[kMaxMessageBytes] = step.max_message_bytes;
+  numbers[kPlace] = place;
+  return MakeToken(FlagsOf(step), numbers, kStepNumbers);
 }
 
 absl::StatusOr<ResumeToken> ReadResumeToken(const WatchScope& scope, std::string_view token) {
-  constexpr std::size_t kSummed = kTokenBytes - kChecksumBytes;
-  if (token.size() != kTokenBytes || token[0] != kTokenVersion ||
-      ReadInteger(token, kSummed, kChecksumBytes) != ExtendCrc32c(0, token.substr(0, kSummed))) {
-    return BadToken("resume_token", "the resume token is not one that this service has given out");
+  const auto bad = BadToken("resume_token", "the resume token is not one of this service");
+  if (token.size() < TokenBytes(kPositionNumbers) || token[0] != kTokenVersion) return bad;
+  const unsigned flags = static_cast<unsigned char>(token[1]);
+  const std::size_t count = (flags & kWithinStep) != 0 ? kStepNumbers : kPositionNumbers;
+  const std::size_t summed = TokenBytes(count) - kChecksumBytes;
+  if (token.size() != TokenBytes(count) ||
+      ReadInteger(token, summed, kChecksumBytes) != ExtendCrc32c(0, token.substr(0, summed))) {
+    return bad;
   }
   Numbers numbers{};
-  for (std::size_t i = 0; i < kNumberCount; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     numbers[i] = ReadInteger(token, kHeadBytes + i * kNumberBytes, kNumberBytes);
   }
   ResumeToken read;
-  read.position = {Revision(numbers[kRevision]),
-                   EventNumber(numbers[kLastEvent]),
-                   (static_cast<unsigned char>(token[1]) & kHasLeaves) != 0};
+  read.position = {
+      Revision(numbers[kRevision]), EventNumber(numbers[kLastEvent]), (flags & kHasLeaves) != 0};
   read.fit = CheckFit(numbers, NumbersOf(scope, read.position));
+  if (count == kPositionNumbers) return read;
+  read.step = StepKey{scope,
+                      read.position,
+                      Revision(numbers[kStepTo]),
+                      static_cast<std::size_t>(numbers[kMaxMessageBytes]),
+                      (flags & kTakesPatches) != 0,
+                      (flags & kAsSnapshot) != 0,
+                      (flags & kIsShownKnown) != 0};
+  read.place = static_cast<std::size_t>(numbers[kPlace]);
   return read;
 }
 

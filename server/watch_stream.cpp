@@ -2,61 +2,17 @@
 
 #include <utility>
 
-#include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
-#include "proto/convert_watch.h"
 #include "proto/grpc_status.h"
 #include "server/pool_call.h"
-#include "server/upload_roster.h"
 
 namespace steadymap {
-namespace {
-
-constexpr std::size_t kDefaultMessageBytes = std::size_t{1} << 20;
-constexpr std::size_t kMinMessageBytes = std::size_t{64} << 10;
-constexpr std::size_t kMaxMessageBytes = std::size_t{4} << 20;
-
-// A restart takes about that long.
-constexpr int kReconnectAfterSeconds = 1;
-
-absl::StatusOr<std::size_t> ReadMessageLimit(std::size_t asked) {
-  if (asked == 0) return kDefaultMessageBytes;
-  if (asked >= kMinMessageBytes && asked <= kMaxMessageBytes) return asked;
-  return InvalidField(reason::kBadValue,
-                      "max_message_bytes",
-                      absl::StrCat("max_message_bytes must lie in [",
-                                   kMinMessageBytes,
-                                   ", ",
-                                   kMaxMessageBytes,
-                                   "], got ",
-                                   asked));
-}
-
-absl::Status NoLeavesToPatch() {
-  return InvalidField(reason::kBadValue,
-                      "takes_patches",
-                      "a watch from now on has no leaves that patches could be of");
-}
-
-grpc::ByteBuffer MakeResync(Revision revision, const std::string& why) {
-  v1::WatchMapResponse message;
-  message.mutable_resync()->set_revision(revision.value());
-  message.mutable_resync()->set_reason(why);
-  return Serialize(message);
-}
-
-grpc::ByteBuffer MakeGoodbye() {
-  v1::WatchMapResponse message;
-  message.mutable_goodbye()->mutable_reconnect_after()->set_seconds(kReconnectAfterSeconds);
-  return Serialize(message);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 /// What gRPC holds: passes its reports on.
 class WatchStream::Reactor final : public GrpcReactor {
@@ -83,8 +39,10 @@ WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
   auto* reactor = new Reactor(stream);
   stream->reactor_ = reactor;
   grpc::ByteBuffer bytes(request);
-  stream->is_request_whole_ =
-      grpc::SerializationTraits<v1::WatchMapRequest>::Deserialize(&bytes, &stream->request_).ok();
+  v1::WatchMapRequest message;
+  if (grpc::SerializationTraits<v1::WatchMapRequest>::Deserialize(&bytes, &message).ok()) {
+    stream->course_.emplace(surroundings.maps, surroundings.hub, std::move(message));
+  }
   stream->Schedule();
   return reactor;
 }
@@ -110,7 +68,7 @@ void WatchStream::End(const absl::Status& status) {
     if (is_first) end_ = status;
   }
   if (is_first && ReasonOf(status) == reason::kSlowConsumer) {
-    spdlog::info("map {}: {}", map_->name().ToString(), std::string(status.message()));
+    spdlog::info("map {}: {}", course_->map()->name().ToString(), std::string(status.message()));
   }
   Schedule();
 }
@@ -123,6 +81,11 @@ void WatchStream::Cancel() {
 Revision WatchStream::revision() const {
   const absl::MutexLock lock(&mutex_);
   return revision_;
+}
+
+std::shared_ptr<WatchMessages> WatchStream::step() const {
+  const absl::MutexLock lock(&mutex_);
+  return shared_step_;
 }
 
 absl::Time WatchStream::sending_since() const {
@@ -150,10 +113,14 @@ void WatchStream::OnGone() {
     if (end_) status = *end_;
   }
   if (!entered) return;
-  surroundings_.hub->Leave(map_->key(), shared_from_this());
+  const std::shared_ptr<MapRuntime>& map = course_->map();
+  if (course_->is_within_step() && !absl::IsNotFound(status)) {
+    surroundings_.hub->Hold(course_->step());
+  }
+  surroundings_.hub->Leave(map->key(), shared_from_this());
   spdlog::debug("map {}: a watch ended behind revision {}: {}",
-                map_->name().ToString(),
-                position_.revision.value(),
+                map->name().ToString(),
+                course_->position().revision.value(),
                 status.ToString());
 }
 
@@ -189,11 +156,14 @@ void WatchStream::Advance() {
     if (end) return Finish(*end);
     absl::StatusOr<Message> message = Message();
     const absl::Status status = RunGuarded([this, draining, &message] {
-      message = Next(draining);
+      message = NextMessage(draining);
       return message.status();
     });
     const absl::MutexLock lock(&mutex_);
-    revision_ = position_.revision;
+    if (course_) {
+      revision_ = course_->position().revision;
+      shared_step_ = course_->step();
+    }
     if (!status.ok()) {
       if (!end_) end_ = status;
     } else if (message->has_value()) {
@@ -209,198 +179,28 @@ void WatchStream::Advance() {
   reactor_->StartWrite(&outgoing_);
 }
 
+absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
+  if (begun_) return course_->Next(draining);
+  if (!course_) return absl::InvalidArgumentError("the request is no WatchMapRequest");
+  absl::Status status = course_->ReadRequest();
+  if (!status.ok()) return status;
+  {
+    const absl::MutexLock lock(&mutex_);
+    entered_ = true;
+  }
+  // From here on no commit is missed.
+  status = surroundings_.hub->Enter(course_->map()->key(), shared_from_this());
+  if (!status.ok()) return status;
+  begun_ = true;
+  return course_->Begin();
+}
+
 void WatchStream::Finish(const absl::Status& status) {
   {
     const absl::MutexLock lock(&mutex_);
     activity_ = Activity::kFinished;
   }
   reactor_->Finish(ToGrpcStatus(status));
-}
-
-absl::Status WatchStream::Open() {
-  if (!is_request_whole_) {
-    return absl::InvalidArgumentError("the request is no WatchMapRequest");
-  }
-  absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Find(request_.map(), "map");
-  if (!map.ok()) return map.status();
-  absl::StatusOr<MapFilter> filter = FromProto(request_.filter());
-  if (!filter.ok()) return WithFieldPrefix(filter.status(), "filter");
-  const absl::StatusOr<std::size_t> limit = ReadMessageLimit(request_.max_message_bytes());
-  if (!limit.ok()) return limit.status();
-  map_ = *std::move(map);
-  filter_ = *std::move(filter);
-  max_message_bytes_ = *limit;
-  scope_ = {
-      map_->key(), map_->name().ToString(), map_->record().incarnation, FingerprintOf(filter_)};
-  {
-    const absl::MutexLock lock(&mutex_);
-    entered_ = true;
-  }
-  // From here on no commit is missed.
-  absl::Status status = surroundings_.hub->Enter(map_->key(), shared_from_this());
-  if (status.ok()) status = map_->condition();
-  return status.ok() ? ChooseStart(map_->snapshot()) : status;
-}
-
-absl::Status WatchStream::ChooseStart(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  if (!request_.resume_token().empty()) return ResumeBehindToken(snapshot);
-  switch (request_.start()) {
-    case v1::WATCH_START_NOW:
-      if (request_.takes_patches()) return NoLeavesToPatch();
-      position_ = {snapshot->revision, snapshot->last_event, false};
-      RepeatPosition(snapshot);
-      return absl::OkStatus();
-    case v1::WATCH_START_SNAPSHOT_THEN_FOLLOW:
-      position_.revision = snapshot->revision;
-      next_snapshot_ = snapshot;
-      return absl::OkStatus();
-    default:
-      return InvalidField(reason::kBadValue, "start", "a watch needs `start` or a `resume_token`");
-  }
-}
-
-/// With an empty step to where the watcher is: who is cut off before anything happens has a token
-/// to go on behind, and who resumed knows that there is nothing new.
-void WatchStream::RepeatPosition(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  StepPlan nothing;
-  nothing.from = snapshot->revision;
-  nothing.shown = ShownBy(filter_, *snapshot);
-  nothing.snapshot = snapshot;
-  step_ = std::make_shared<WatchMessages>(
-      WatchMessages::Source{nullptr, scope_, filter_, position_, position_, max_message_bytes_},
-      std::move(nothing));
-}
-
-absl::Status WatchStream::ResumeBehindToken(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  if (request_.start() != v1::WATCH_START_UNSPECIFIED) {
-    return InvalidField(
-        reason::kBadValue, "start", "`start` must not be set where there is a `resume_token`");
-  }
-  const absl::StatusOr<ResumeToken> token = ReadResumeToken(scope_, request_.resume_token());
-  if (!token.ok()) return token.status();
-  const WatchPosition& position = token->position;
-  if (!token->fit.ok()) {
-    gap_ = token->fit;
-  } else if (request_.takes_patches() && !position.has_leaves) {
-    return NoLeavesToPatch();
-  } else if (position.revision > snapshot->revision) {
-    gap_ = MakeError(absl::StatusCode::kOutOfRange,
-                     reason::kRevisionInFuture,
-                     absl::StrCat("the resume token is of revision ",
-                                  position.revision.value(),
-                                  ", the map is at ",
-                                  snapshot->revision.value()),
-                     "resume_token");
-  } else {
-    position_ = position;
-    if (absl::Status status = TakeFirstStep(snapshot); !status.ok()) return status;
-  }
-  return gap_.ok() || request_.resync_if_compacted() ? absl::OkStatus() : gap_;
-}
-
-/// What follows a token that fits, so that `created` comes only where the watch can go on.
-absl::Status WatchStream::TakeFirstStep(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  if (position_.revision == snapshot->revision) {
-    RepeatPosition(snapshot);
-    return absl::OkStatus();
-  }
-  const absl::Status status = FindStep(snapshot);
-  if (absl::IsOutOfRange(status)) gap_ = status;
-  return gap_.ok() ? status : absl::OkStatus();
-}
-
-absl::StatusOr<WatchStream::Message> WatchStream::Next(bool draining) {
-  if (!opened_) {
-    if (absl::Status status = Open(); !status.ok()) return status;
-    opened_ = true;
-    return MakeCreated();
-  }
-  while (true) {
-    absl::StatusOr<Message> message = NextOfStep();
-    if (!message.ok() || message->has_value()) return message;
-    // A map in quarantine or deleted says so.
-    if (absl::Status status = map_->condition(); !status.ok() && !draining) return status;
-    const std::shared_ptr<const MapSnapshot> snapshot = map_->snapshot();
-    if (next_snapshot_ == nullptr && gap_.ok() && snapshot->revision == position_.revision) break;
-    message = TakeStep(snapshot);
-    if (!message.ok() || message->has_value()) return message;
-  }
-  if (!draining) return Message();
-  if (std::exchange(said_goodbye_, true)) return DrainingError();
-  return MakeGoodbye();
-}
-
-/// The next message of the step under way; none, and no step, once it is whole.
-absl::StatusOr<WatchStream::Message> WatchStream::NextOfStep() {
-  while (step_ != nullptr) {
-    if (place_ == step_->count()) {
-      position_ = step_->after();
-      shown_ = step_->shown();
-      step_ = nullptr;
-      break;
-    }
-    absl::StatusOr<Message> message = step_->At(place_++);
-    if (!message.ok() || message->has_value()) return message;
-  }
-  return Message();
-}
-
-/// Takes the step that leads to `snapshot`; or a message to be sent first.
-absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(
-    const std::shared_ptr<const MapSnapshot>& snapshot) {
-  if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), snapshot);
-  const absl::Status status = FindStep(snapshot);
-  if (absl::IsOutOfRange(status)) return HandleGap(status, snapshot);
-  if (!status.ok()) return status;
-  return Message();
-}
-
-absl::Status WatchStream::FindStep(const std::shared_ptr<const MapSnapshot>& snapshot) {
-  WatchHub::StepRequest wanted{scope_,
-                               filter_,
-                               max_message_bytes_,
-                               request_.takes_patches(),
-                               false,
-                               position_,
-                               shown_,
-                               snapshot};
-  if (next_snapshot_ != nullptr) {
-    wanted.as_snapshot = true;
-    wanted.before = {};
-    wanted.shown = nullptr;
-    wanted.snapshot = next_snapshot_;
-  }
-  absl::StatusOr<std::shared_ptr<WatchMessages>> step = surroundings_.hub->FindStep(wanted);
-  if (!step.ok()) return step.status();
-  step_ = *std::move(step);
-  place_ = 0;
-  next_snapshot_ = nullptr;
-  return absl::OkStatus();
-}
-
-/// The history between the watcher and the map is gone: begins anew where that was asked for.
-absl::StatusOr<WatchStream::Message> WatchStream::HandleGap(
-    const absl::Status& gap, const std::shared_ptr<const MapSnapshot>& snapshot) {
-  if (request_.resync_if_compacted()) {
-    next_snapshot_ = snapshot;
-    return MakeResync(snapshot->revision, ReasonOf(gap));
-  }
-  return MakeError(
-      absl::StatusCode::kAborted,
-      reason::kSlowConsumer,
-      absl::StrCat("the watcher fell so far behind that the history it needs is gone: ",
-                   std::string(gap.message())));
-}
-
-grpc::ByteBuffer WatchStream::MakeCreated() const {
-  const MapConfig& config = map_->record().config;
-  v1::WatchMapResponse message;
-  v1::WatchCreated* created = message.mutable_created();
-  created->set_revision(position_.revision.value());
-  created->set_voxel_size_m(config.voxel_size_m);
-  created->set_truncation_m(config.truncation_m);
-  created->set_incarnation(scope_.incarnation);
-  return Serialize(message);
 }
 
 }  // namespace steadymap

@@ -26,8 +26,31 @@ TEST(ResumeToken, HoldsThePosition) {
   }
 }
 
-TEST(ResumeToken, DamagedAnywhereIsRefused) {
-  const std::string token = MakeResumeToken(kHallScope, kHallPosition);
+const StepKey kHallStep{kHallScope, kHallPosition, Revision(1ULL << 41), 65'536, true, false, true};
+
+TEST(ResumeToken, HoldsThePlaceInAStep) {
+  StepKey snapshot = kHallStep;
+  snapshot.before = {};
+  snapshot.takes_patches = snapshot.is_shown_known = false;
+  snapshot.as_snapshot = true;
+  for (const StepKey& step : {kHallStep, snapshot}) {
+    const std::string token = MakeStepToken(step, 12);
+    EXPECT_LE(token.size(), 256U);
+    const absl::StatusOr<ResumeToken> read = ReadResumeToken(kHallScope, token);
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(read->step, step);
+    EXPECT_EQ(read->place, 12U);
+    EXPECT_EQ(read->position, step.before);
+    EXPECT_TRUE(read->fit.ok());
+  }
+  const auto between = ReadResumeToken(kHallScope, MakeResumeToken(kHallScope, kHallPosition));
+  EXPECT_FALSE(between->step.has_value());
+}
+
+class DamagedToken : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(DamagedToken, IsRefusedWhereverTheDamageIs) {
+  const std::string& token = GetParam();
   for (std::size_t i = 0; i < token.size(); ++i) {
     for (const int bit : {0, 3, 7}) {
       std::string damaged = token;
@@ -47,6 +70,11 @@ absl::Status FitOf(const WatchScope& scope) {
   const auto read = ReadResumeToken(scope, MakeResumeToken(kHallScope, kHallPosition));
   return read.ok() ? read->fit : read.status();
 }
+
+INSTANTIATE_TEST_SUITE_P(ResumeToken,
+                         DamagedToken,
+                         ::testing::Values(MakeResumeToken(kHallScope, kHallPosition),
+                                           MakeStepToken(kHallStep, 3)));
 
 TEST(ResumeToken, OfAnotherFilterNamesTheFilter) {
   WatchScope scope = kHallScope;

@@ -1,6 +1,8 @@
 #include "server/watch_hub.h"
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -85,6 +87,51 @@ TEST_F(WatchHubTest, DrainingAsksAllToGoAndLetsNobodyIn) {
   EXPECT_FALSE(hub_.AwaitEmpty(absl::Now()));
   hub_.Leave(kHall, watch);
   EXPECT_TRUE(hub_.AwaitEmpty(absl::Now()));
+}
+
+/// A step of a map's watch from a revision to the next; it brings nothing.
+std::shared_ptr<WatchMessages> MakeStep(MapKey map, std::uint64_t from) {
+  StepPlan plan;
+  plan.from = Revision(from);
+  auto snapshot = std::make_shared<MapSnapshot>(VoxelScale{0.05, 0.15});
+  snapshot->revision = Revision(from + 1);
+  plan.snapshot = snapshot;
+  StepKey key;
+  key.scope.map = map;
+  key.before.revision = Revision(from);
+  key.to = snapshot->revision;
+  key.max_message_bytes = 1 << 16;
+  return std::make_shared<WatchMessages>(
+      WatchMessages::Source{nullptr, MapFilter(), key, {snapshot->revision, EventNumber()}}, plan);
+}
+
+TEST_F(WatchHubTest, HoldsTheLastFewStepsForAMinute) {
+  std::vector<std::shared_ptr<WatchMessages>> steps;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    steps.push_back(MakeStep(kHall, i));
+    hub_.Hold(steps.back());
+    hub_.Hold(MakeStep(kHall, i));  // Of another watcher that was cut off in it.
+  }
+  EXPECT_EQ(hub_.FindHeld(steps.front()->key()), nullptr) << "there are too many";
+  const StepKey& last = steps.back()->key();
+  EXPECT_NE(hub_.FindHeld(steps[20]->key()), nullptr);
+  hub_.DropHeld(absl::Now());
+  EXPECT_NE(hub_.FindHeld(last), nullptr);
+  StepKey other = last;
+  other.takes_patches = true;
+  EXPECT_EQ(hub_.FindHeld(other), nullptr);
+  hub_.DropHeld(absl::Now() + absl::Minutes(2));
+  EXPECT_EQ(hub_.FindHeld(last), nullptr);
+}
+
+TEST_F(WatchHubTest, ForgetsTheStepsOfAMapThatEnds) {
+  const auto hall = MakeStep(kHall, 1);
+  const auto yard = MakeStep(kYard, 1);
+  hub_.Hold(hall);
+  hub_.Hold(yard);
+  hub_.EndMap(kHall, absl::NotFoundError("gone"));
+  EXPECT_EQ(hub_.FindHeld(hall->key()), nullptr);
+  EXPECT_EQ(hub_.FindHeld(yard->key()), yard);
 }
 
 TEST_F(WatchHubTest, TheEndOfAMapEndsItsWatches) {
