@@ -74,17 +74,25 @@ void MapWatch::Run() {
   if (status.ok()) opening = options_.start;
   while (opening) {
     const StreamEnd end = RunStream(*opening);
-    consumer_->Discard();
-    if (IsStopped()) return;
+    if (IsStopped()) {
+      consumer_->Discard();
+      return;
+    }
     status = end.violation.ok() ? end.status : end.violation;
     if (status.ok()) status = absl::UnavailableError("the server ended the watch");
     opening = NextOpening(end, *opening);
+    // A step that the server cannot finish must not be asked for again and again.
+    if (end.was_created && !end.has_progressed && IsServerAnswer(end.status))
+      sequence_.ForgetPart();
+    // What has come of a step is kept for a stream that may go on within it.
+    if (opening != WatchOpening::kResume || !sequence_.is_within_step()) consumer_->Discard();
     if (!opening) break;
     if (end.was_created && end.violation.ok()) backoff.NoteReached();
     // One whose streams go wrong again and again must not be asked for snapshots all the time.
     if (end.has_progressed && end.violation.ok()) backoff.Reset();
     if (!WaitBeforeRetry(status, DescribeFailure(end), &backoff)) break;
   }
+  consumer_->Discard();
   if (!IsStopped()) consumer_->OnState({WatchState::kEnded, status});
 }
 
@@ -124,11 +132,12 @@ MapWatch::StreamEnd MapWatch::RunStream(WatchOpening opening) {
   v1::WatchMapResponse message;
   while (stream->Read(&message)) {
     if (!end.violation.ok()) continue;  // What was on its way already.
-    end.violation = Take(message, opening);
+    end.violation = Take(message);
     if (!end.violation.ok()) context.TryCancel();
     end.was_created = true;
-    end.has_progressed =
-        end.has_progressed || (message.has_progress() && sequence_.step().IsNews());
+    if (message.has_created()) continue;
+    end.has_progressed = end.has_progressed || sequence_.is_within_step() ||
+                         (message.has_progress() && sequence_.step().IsNews());
   }
   end.status = FromGrpcStatus(stream->Finish());
   EndStream();
@@ -151,11 +160,11 @@ v1::WatchMapRequest MapWatch::RequestFor(WatchOpening opening) const {
   return request;
 }
 
-absl::Status MapWatch::Take(const v1::WatchMapResponse& message, WatchOpening opening) {
+absl::Status MapWatch::Take(const v1::WatchMapResponse& message) {
   if (absl::Status status = sequence_.Take(message); !status.ok()) return status;
   switch (message.kind_case()) {
     case v1::WatchMapResponse::kCreated:
-      return TakeCreated(message.created(), opening);
+      return TakeCreated(message.created());
     case v1::WatchMapResponse::kSnapshot:
       return consumer_->TakeSnapshot(message.snapshot());
     case v1::WatchMapResponse::kDelta:
@@ -174,7 +183,13 @@ absl::Status MapWatch::Take(const v1::WatchMapResponse& message, WatchOpening op
   }
 }
 
-absl::Status MapWatch::TakeCreated(const v1::WatchCreated& created, WatchOpening opening) {
+absl::Status MapWatch::TakeCreated(const v1::WatchCreated& created) {
+  if (sequence_.continues_step()) {
+    consumer_->OnState({WatchState::kConnected, absl::OkStatus()});
+    return absl::OkStatus();
+  }
+  consumer_->Discard();
+  const WatchOpening opening = sequence_.opening();
   if (absl::Status status = consumer_->Begin(created, opening); !status.ok()) return status;
   consumer_->OnState({WatchState::kConnected, absl::OkStatus()});
   if (opening != WatchOpening::kNow || resync_reason_.ok()) return absl::OkStatus();
@@ -199,7 +214,12 @@ std::optional<WatchOpening> MapWatch::NextOpening(const StreamEnd& end, WatchOpe
     case NextWatch::kEnd:
       return std::nullopt;
     case NextWatch::kResume:
-      return has_token ? WatchOpening::kResume : last;
+      if (has_token) return WatchOpening::kResume;
+      // Nothing is left of the snapshot that it was to go on within.
+      if (last == WatchOpening::kResume && options_.resume_token.empty()) {
+        return WatchOpening::kSnapshot;
+      }
+      return last;
     case NextWatch::kAfresh:
       resync_reason_ = end.violation.ok() ? end.status : end.violation;
       return WatchOpening::kSnapshot;

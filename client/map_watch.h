@@ -56,8 +56,9 @@ struct WatchOptions {
 };
 
 /// Follows a map as it changes, over any number of streams: what breaks and may heal is opened
-/// again, with backoff and jitter, behind the last whole step. What arrives is checked and handed
-/// to a consumer, which sees each step once and whole.
+/// again, with backoff and jitter, behind the last whole step or, of a long one, behind what has
+/// come of it. What arrives is checked and handed to a consumer, which sees each step once and
+/// whole.
 ///
 /// Runs one thread.
 class MapWatch {
@@ -88,8 +89,8 @@ class MapWatch {
 
   void Run() ABSL_LOCKS_EXCLUDED(mutex_);
   StreamEnd RunStream(WatchOpening opening) ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::Status Take(const v1::WatchMapResponse& message, WatchOpening opening);
-  absl::Status TakeCreated(const v1::WatchCreated& created, WatchOpening opening);
+  absl::Status Take(const v1::WatchMapResponse& message);
+  absl::Status TakeCreated(const v1::WatchCreated& created);
   void Commit();
 
   absl::Status CheckOptions() const;

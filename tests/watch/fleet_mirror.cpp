@@ -54,6 +54,7 @@ FleetMirror::FleetMirror(const FleetServer* server, std::uint32_t seed)
   MirrorOptions options;
   options.filter = filter_;
   options.seed = seed + 1;
+  options.max_message_bytes = 65'536;  // So that steps come in several.
   options.backoff.first_delay = kRetryDelay;
   options.backoff.max_delay = kRetryDelay;
   MirrorCallbacks callbacks;
