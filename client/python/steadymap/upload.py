@@ -285,9 +285,7 @@ class Uploader:
         if self._options.wait_for is not AckLevel.INTEGRATED:
             stream.call.cancel()  # Else the server would integrate before it ends the stream.
 
-    def _confirm(
-        self, stub: ingest_service_pb2_grpc.IngestServiceStub
-    ) -> Optional[SteadymapError]:
+    def _confirm(self, stub: ingest_service_pb2_grpc.IngestServiceStub) -> Optional[SteadymapError]:
         """After a stream that ended with OK: asks where the session stands.
 
         The acknowledgement of frames that an earlier, broken stream brought may have been lost.

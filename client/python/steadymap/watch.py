@@ -108,23 +108,29 @@ class _WatchState:
         self._goodbye_delay_s = 0.0
         self._start_s = 0.0  # When the stream was opened, on the monotonic clock.
         self._was_created = False
+        self._got_part = False  # On this stream, with a token for going on behind it.
+        self._part_token = b""  # Of the newest part of the step on its way.
+        self._part_is_snapshot = False
 
     def request(self) -> watch_service_pb2.WatchMapRequest:
-        """Opens the next stream, behind the last token where there is one."""
+        """Opens the next stream, behind the last token where there is one: within the step that the
+        stream before left unfinished, or else behind the last whole one."""
         options = self._options
         self._start_s = time.monotonic()
         self._was_created = False
-        self._step = []  # What an earlier stream did not complete comes again.
+        self._got_part = False
         request = watch_service_pb2.WatchMapRequest(
             map=self._map_name,
             max_message_bytes=options.max_message_bytes,
             resync_if_compacted=options.resync_if_compacted,
             takes_patches=options.takes_patches,
         )
-        if self.token is None:
-            request.start = _STARTS[options.start]
-        else:
+        if self._part_token:
+            request.resume_token = self._part_token
+        elif self.token is not None:
             request.resume_token = self.token
+        else:
+            request.start = _STARTS[options.start]
         for kind in options.kinds:
             kind_name = f"WATCH_KIND_{kind.name}"
             request.filter.kinds.append(watch_service_pb2.WatchKind.Value(kind_name))
@@ -139,7 +145,8 @@ class _WatchState:
 
         A step is held back until its Progress: were it handed out in parts and the stream cut in
         between, its events would come twice. Snapshots may be large and are handed out as they
-        come: if one is cut, the next one begins with Created or Resync again.
+        come: if one is cut and cannot be gone on with, the next one begins with Created or Resync
+        again.
         """
         if response.HasField("goodbye"):
             delay = response.goodbye.reconnect_after
@@ -147,11 +154,11 @@ class _WatchState:
             return []
         item = item_from_proto(response)
         if isinstance(item, Created):
-            self._was_created = True
-            self._backoff.note_reached()
-        if item is None or (isinstance(item, Created) and self.token is not None):
+            return self._take_created(item, response.created.continues_step)
+        if item is None:
             return []
-        if isinstance(item, (Created, Snapshot, Resync)):
+        self._note_part(response, isinstance(item, Snapshot))
+        if isinstance(item, (Snapshot, Resync)):
             return [item]
         self._step.append(item)
         if not isinstance(item, Progress):
@@ -163,10 +170,39 @@ class _WatchState:
         whole, self._step = self._step, []
         return whole
 
+    def _take_created(self, item: Created, continues_step: bool) -> List[WatchItem]:
+        self._was_created = True
+        self._backoff.note_reached()
+        if continues_step:
+            return []
+        begins_anew = self.token is None or (self._part_token and self._part_is_snapshot)
+        self._forget_part()
+        return [item] if begins_anew else []
+
+    def _note_part(self, response: watch_service_pb2.WatchMapResponse, is_snapshot: bool) -> None:
+        """Keeps the token for going on behind this message, which all of a step have or none."""
+        message = getattr(response, response.WhichOneof("kind"))
+        is_part = not isinstance(
+            message, (watch_service_pb2.WatchProgress, watch_service_pb2.WatchResync)
+        )
+        self._part_token = message.resume_token if is_part else b""
+        self._part_is_snapshot = is_snapshot
+        if self._part_token:
+            self._got_part = True
+            self._backoff.reset()
+
+    def _forget_part(self) -> None:
+        """The step that is on its way comes again from its beginning."""
+        self._part_token = b""
+        self._step = []
+
     def delay_after(self, error: Optional[SteadymapError]) -> float:
         """Seconds to wait before the next stream; raises what waiting does not heal. None: the
         server ended the stream with OK."""
         was_answered = error is None or is_server_answer(error)
+        # A step that the server cannot finish must not be asked for again and again.
+        if not self._part_token or (self._was_created and was_answered and not self._got_part):
+            self._forget_part()
         error = error or UnavailableError("the server ended the watch")
         if not is_worth_retrying(error):
             raise error
@@ -189,8 +225,8 @@ class Watch(Iterator[WatchItem]):
     and ends when it is closed.
 
     Yields Created, Snapshot chunks where they were asked for, and a Progress; then steps: Delta and
-    Events items, closed by a Progress. A cut stream is opened anew behind the last Progress, and
-    nothing is yielded twice or left out; where that cannot be, Created or Resync tells to start
+    Events items, closed by a Progress. A cut stream is opened anew behind the last Progress, or
+    behind what has come of a long step, and nothing is yielded twice or left out; where that cannot be, Created or Resync tells to start
     over. What retrying does not heal is raised. A context manager; `close` may be called from any
     thread.
     """
