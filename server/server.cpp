@@ -27,6 +27,7 @@
 #include "server/log_writer.h"
 #include "server/map_directory.h"
 #include "server/map_service.h"
+#include "server/peer_limiter.h"
 #include "server/query_service.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
@@ -113,6 +114,7 @@ class Server::Parts {
   IngestService ingest_service_;
   MapService map_service_;
   QueryService query_service_;
+  PeerLimiter watch_openings_;
   WatchService watch_service_;
   std::optional<Housekeeper> housekeeper_;
   int port_ = 0;
@@ -146,7 +148,9 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
       map_service_({&maps_, &roster_, &watch_hub_, &clerk_, config.retention}),
       query_service_({&maps_, store_.get(), &readers_}),
-      watch_service_({&maps_, &watch_hub_, &watchers_}) {}
+      watch_openings_({.per_second = static_cast<double>(config.watch.openings_per_second),
+                       .burst = 2.0 * static_cast<double>(config.watch.max_watches)}),
+      watch_service_({&maps_, &watch_hub_, &watchers_, &watch_openings_}) {}
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;

@@ -48,7 +48,7 @@ WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
 }
 
 WatchStream::WatchStream(const Surroundings& surroundings, grpc::CallbackServerContext* context)
-    : surroundings_(surroundings), context_(context) {}
+    : surroundings_(surroundings), peer_(context->peer()), context_(context) {}
 
 void WatchStream::Wake() { Schedule(); }
 
@@ -181,8 +181,10 @@ void WatchStream::Advance() {
 
 absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
   if (begun_) return course_->Next(draining);
+  absl::Status status = surroundings_.openings->Take(peer_, absl::Now());
+  if (!status.ok()) return status;
   if (!course_) return absl::InvalidArgumentError("the request is no WatchMapRequest");
-  absl::Status status = course_->ReadRequest();
+  status = course_->ReadRequest();
   if (!status.ok()) return status;
   {
     const absl::MutexLock lock(&mutex_);

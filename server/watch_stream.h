@@ -14,6 +14,7 @@
 #include <grpcpp/support/server_callback.h>
 
 #include "server/map_directory.h"
+#include "server/peer_limiter.h"
 #include "server/watch_course.h"
 #include "server/watch_hub.h"
 #include "server/worker_pool.h"
@@ -35,6 +36,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
     MapDirectory* maps = nullptr;
     WatchHub* hub = nullptr;
     WorkerPool* pool = nullptr;
+    PeerLimiter* openings = nullptr;
   };
 
   /// Starts a stream; `request` is a serialized `v1::WatchMapRequest`. The reactor deletes itself.
@@ -72,6 +74,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   absl::StatusOr<Message> NextMessage(bool draining) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Surroundings surroundings_;
+  const std::string peer_;
   Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
 
   // Of whoever advances the stream.

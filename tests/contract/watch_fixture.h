@@ -28,6 +28,7 @@ class WatchServiceTest : public ::testing::TestWithParam<Transport> {
       : service_(GetParam(), [](ServerConfig* config) {
           config->commit.max_delay = std::chrono::milliseconds(5);
           config->watch.max_watches = kMaxWatches;
+          config->watch.openings_per_second = 100'000;
         }) {}
 
   v1::WatchMapRequest Request(v1::WatchStart start = v1::WATCH_START_SNAPSHOT_THEN_FOLLOW) const {

@@ -285,6 +285,24 @@ TEST_P(WatchServiceTest, EndsWhenItsMapIsDeleted) {
   EXPECT_EQ(watch->End().code(), StatusCode::kNotFound);
 }
 
+TEST_P(WatchServiceTest, OneAddressOpensNoMoreThanItsRate) {
+  TestService service(GetParam(), [](ServerConfig* config) {
+    config->watch.max_watches = 2;
+    config->watch.openings_per_second = 1;
+  });
+  const auto stub = v1::WatchService::NewStub(service.channel());
+  v1::WatchMapRequest request;
+  request.set_map("tenants/test/maps/nobody");
+  absl::Status status = absl::NotFoundError("");
+  int openings = 0;
+  for (; absl::IsNotFound(status) && openings < 100; ++openings) {
+    status = WatchClient(stub.get(), request).End();
+  }
+  EXPECT_GT(openings, 4) << "a burst of twice the watches that may be open";
+  EXPECT_THAT(status, IsError(StatusCode::kResourceExhausted, "RATE_LIMIT", ""));
+  EXPECT_EQ(RetryDelayMsOf(status), 1000);
+}
+
 TEST_P(WatchServiceTest, NoMoreAreTakenThanAllowedUntilOneEnds) {
   std::vector<std::unique_ptr<WatchClient>> watches;
   for (std::size_t i = 0; i < kMaxWatches; ++i) {
