@@ -11,7 +11,8 @@ namespace {
 constexpr int kKeepaliveMs = 30'000;
 constexpr int kKeepaliveTimeoutMs = 10'000;
 
-// gRPC's own default lets minutes pass before it looks for a restarted server again.
+// gRPC's own default lets minutes pass before it looks for a restarted server again. The least
+// backoff is also what an attempt to connect may take.
 constexpr int kFirstReconnectionMs = 100;
 constexpr int kMaxReconnectionMs = 2'000;
 
@@ -27,9 +28,15 @@ std::shared_ptr<grpc::Channel> OpenChannel(const std::string& address) {
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectionMs);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kMaxReconnectionMs);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectionMs);
+  // Otherwise channels of one process share a connection, and its backoff.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetCompressionAlgorithm(GRPC_COMPRESS_NONE);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+ChannelOpener ChannelsTo(const std::string& address) {
+  return [address] { return OpenChannel(address); };
 }
 
 }  // namespace steadymap

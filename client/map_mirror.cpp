@@ -150,19 +150,21 @@ class MapMirror::Follower final : public WatchConsumer {
   absl::Status end_status_ ABSL_GUARDED_BY(mutex_);
 };
 
-std::unique_ptr<MapMirror> MapMirror::Start(const std::shared_ptr<grpc::ChannelInterface>& channel,
+std::unique_ptr<MapMirror> MapMirror::Start(ChannelOpener open_channel,
                                             const MapName& map,
                                             const MirrorOptions& options,
                                             const MirrorCallbacks& callbacks) {
-  return std::unique_ptr<MapMirror>(new MapMirror(channel, map, options, callbacks));
+  return std::unique_ptr<MapMirror>(
+      new MapMirror(std::move(open_channel), map, options, callbacks));
 }
 
-MapMirror::MapMirror(const std::shared_ptr<grpc::ChannelInterface>& channel,
+MapMirror::MapMirror(ChannelOpener open_channel,
                      const MapName& map,
                      const MirrorOptions& options,
                      const MirrorCallbacks& callbacks)
     : follower_(std::make_unique<Follower>(callbacks)),
-      watch_(std::make_unique<MapWatch>(channel, map, WithPatches(options), follower_.get())) {}
+      watch_(std::make_unique<MapWatch>(
+          std::move(open_channel), map, WithPatches(options), follower_.get())) {}
 
 MapMirror::~MapMirror() = default;
 

@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 #include <absl/status/status.h>
-#include <grpcpp/channel.h>
 
+#include "client/channel.h"
 #include "client/map_client.h"
 #include "client/map_watch.h"
 #include "client/mirror_step.h"
@@ -51,8 +51,9 @@ struct MirrorCallbacks {
 /// Runs one thread. All functions are thread-safe. A step costs what it changes.
 class MapMirror {
  public:
-  /// Starts; what goes wrong shows in `status` and `on_state`.
-  static std::unique_ptr<MapMirror> Start(const std::shared_ptr<grpc::ChannelInterface>& channel,
+  /// Starts; what goes wrong shows in `status` and `on_state`. Each stream has a channel of its own
+  /// from `open_channel`.
+  static std::unique_ptr<MapMirror> Start(ChannelOpener open_channel,
                                           const MapName& map,
                                           const MirrorOptions& options = {},
                                           const MirrorCallbacks& callbacks = {});
@@ -94,7 +95,7 @@ class MapMirror {
  private:
   class Follower;
 
-  MapMirror(const std::shared_ptr<grpc::ChannelInterface>& channel,
+  MapMirror(ChannelOpener open_channel,
             const MapName& map,
             const MirrorOptions& options,
             const MirrorCallbacks& callbacks);

@@ -7,6 +7,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/time/time.h>
 
+#include "client/server_answer.h"
 #include "client/watch_retry.h"
 #include "core/error.h"
 #include "proto/convert_watch.h"
@@ -14,6 +15,8 @@
 
 namespace steadymap {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 WatchOptions WithSeed(WatchOptions options) {
   while (options.seed == 0) {
@@ -44,13 +47,13 @@ v1::WatchStart StartOf(WatchOpening opening) {
 
 }  // namespace
 
-MapWatch::MapWatch(const std::shared_ptr<grpc::ChannelInterface>& channel,
+MapWatch::MapWatch(ChannelOpener open_channel,
                    const MapName& map,
                    WatchOptions options,
                    WatchConsumer* consumer)
     : map_(map.ToString()),
       options_(WithSeed(std::move(options))),
-      stub_(v1::WatchService::NewStub(channel)),
+      open_channel_(std::move(open_channel)),
       consumer_(consumer),
       sequence_(options_.resync_if_compacted),
       thread_([this] { Run(); }) {}
@@ -71,16 +74,25 @@ void MapWatch::Run() {
   if (status.ok()) opening = options_.start;
   while (opening) {
     const StreamEnd end = RunStream(*opening);
-    consumer_->Discard();
-    if (IsStopped()) return;
+    if (IsStopped()) {
+      consumer_->Discard();
+      return;
+    }
     status = end.violation.ok() ? end.status : end.violation;
     if (status.ok()) status = absl::UnavailableError("the server ended the watch");
     opening = NextOpening(end, *opening);
+    // A step that the server cannot finish must not be asked for again and again.
+    if (end.was_created && !end.has_progressed && IsServerAnswer(end.status))
+      sequence_.ForgetPart();
+    // What has come of a step is kept for a stream that may go on within it.
+    if (opening != WatchOpening::kResume || !sequence_.is_within_step()) consumer_->Discard();
     if (!opening) break;
+    if (end.was_created && end.violation.ok()) backoff.NoteReached();
     // One whose streams go wrong again and again must not be asked for snapshots all the time.
     if (end.has_progressed && end.violation.ok()) backoff.Reset();
-    if (!WaitBeforeRetry(status, &backoff)) break;
+    if (!WaitBeforeRetry(status, DescribeFailure(end), &backoff)) break;
   }
+  consumer_->Discard();
   if (!IsStopped()) consumer_->OnState({WatchState::kEnded, status});
 }
 
@@ -113,17 +125,23 @@ MapWatch::StreamEnd MapWatch::RunStream(WatchOpening opening) {
                      " may be missing"));
   }
   sequence_.BeginStream(opening);
+  const Clock::time_point start = Clock::now();
+  const auto stub = v1::WatchService::NewStub(open_channel_());
   const std::unique_ptr<grpc::ClientReaderInterface<v1::WatchMapResponse>> stream =
-      stub_->WatchMap(&context, request);
+      stub->WatchMap(&context, request);
   v1::WatchMapResponse message;
   while (stream->Read(&message)) {
     if (!end.violation.ok()) continue;  // What was on its way already.
-    end.violation = Take(message, opening);
+    end.violation = Take(message);
     if (!end.violation.ok()) context.TryCancel();
-    end.has_progressed = end.has_progressed || message.has_progress();
+    end.was_created = true;
+    if (message.has_created()) continue;
+    end.has_progressed = end.has_progressed || sequence_.is_within_step() ||
+                         (message.has_progress() && sequence_.step().IsNews());
   }
   end.status = FromGrpcStatus(stream->Finish());
   EndStream();
+  end.took = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start);
   return end;
 }
 
@@ -142,11 +160,11 @@ v1::WatchMapRequest MapWatch::RequestFor(WatchOpening opening) const {
   return request;
 }
 
-absl::Status MapWatch::Take(const v1::WatchMapResponse& message, WatchOpening opening) {
+absl::Status MapWatch::Take(const v1::WatchMapResponse& message) {
   if (absl::Status status = sequence_.Take(message); !status.ok()) return status;
   switch (message.kind_case()) {
     case v1::WatchMapResponse::kCreated:
-      return TakeCreated(message.created(), opening);
+      return TakeCreated(message.created());
     case v1::WatchMapResponse::kSnapshot:
       return consumer_->TakeSnapshot(message.snapshot());
     case v1::WatchMapResponse::kDelta:
@@ -165,7 +183,13 @@ absl::Status MapWatch::Take(const v1::WatchMapResponse& message, WatchOpening op
   }
 }
 
-absl::Status MapWatch::TakeCreated(const v1::WatchCreated& created, WatchOpening opening) {
+absl::Status MapWatch::TakeCreated(const v1::WatchCreated& created) {
+  if (sequence_.continues_step()) {
+    consumer_->OnState({WatchState::kConnected, absl::OkStatus()});
+    return absl::OkStatus();
+  }
+  consumer_->Discard();
+  const WatchOpening opening = sequence_.opening();
   if (absl::Status status = consumer_->Begin(created, opening); !status.ok()) return status;
   consumer_->OnState({WatchState::kConnected, absl::OkStatus()});
   if (opening != WatchOpening::kNow || resync_reason_.ok()) return absl::OkStatus();
@@ -190,7 +214,12 @@ std::optional<WatchOpening> MapWatch::NextOpening(const StreamEnd& end, WatchOpe
     case NextWatch::kEnd:
       return std::nullopt;
     case NextWatch::kResume:
-      return has_token ? WatchOpening::kResume : last;
+      if (has_token) return WatchOpening::kResume;
+      // Nothing is left of the snapshot that it was to go on within.
+      if (last == WatchOpening::kResume && options_.resume_token.empty()) {
+        return WatchOpening::kSnapshot;
+      }
+      return last;
     case NextWatch::kAfresh:
       resync_reason_ = end.violation.ok() ? end.status : end.violation;
       return WatchOpening::kSnapshot;
@@ -198,11 +227,21 @@ std::optional<WatchOpening> MapWatch::NextOpening(const StreamEnd& end, WatchOpe
   return std::nullopt;
 }
 
+FailedTry MapWatch::DescribeFailure(const StreamEnd& end) const {
+  FailedTry failed;
+  failed.was_answered = end.status.ok() || !end.violation.ok() || IsServerAnswer(end.status);
+  const std::chrono::milliseconds asked(RetryDelayMsOf(end.status));
+  failed.asked = sequence_.reconnect_after().value_or(asked);
+  // A watch of a map that rests may have lasted for hours. A replaced sleep replaces the clock.
+  if (!end.was_created && !options_.sleep) failed.took = end.took;
+  return failed;
+}
+
 // Returns whether to try again.
-bool MapWatch::WaitBeforeRetry(const absl::Status& status, Backoff* backoff) {
-  const std::chrono::milliseconds asked(RetryDelayMsOf(status));
-  const std::optional<std::chrono::milliseconds> delay =
-      backoff->NextDelay(sequence_.reconnect_after().value_or(asked));
+bool MapWatch::WaitBeforeRetry(const absl::Status& status,
+                               const FailedTry& failed,
+                               Backoff* backoff) {
+  const std::optional<std::chrono::milliseconds> delay = backoff->NextDelay(failed);
   if (!delay) return false;
   consumer_->OnState({WatchState::kReconnecting, status, *delay});
   if (options_.sleep) options_.sleep(*delay);

@@ -11,10 +11,10 @@
 #include <absl/base/thread_annotations.h>
 #include <absl/status/status.h>
 #include <absl/synchronization/mutex.h>
-#include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
 
 #include "client/backoff.h"
+#include "client/channel.h"
 #include "client/watch_consumer.h"
 #include "client/watch_sequence.h"
 #include "core/identifiers.h"
@@ -50,19 +50,22 @@ struct WatchOptions {
   /// Seed of the jitter. 0: from the system's random device.
   std::uint64_t seed = 0;
 
-  /// Replaces the waiting between reconnections; for tests. Empty: really waits.
+  /// Replaces the waiting between reconnections, and the clock: tries then take no time. For tests.
+  /// Empty: really waits.
   std::function<void(std::chrono::milliseconds)> sleep;
 };
 
 /// Follows a map as it changes, over any number of streams: what breaks and may heal is opened
-/// again, with backoff and jitter, behind the last whole step. What arrives is checked and handed
-/// to a consumer, which sees each step once and whole.
+/// again, with backoff and jitter, behind the last whole step or, of a long one, behind what has
+/// come of it. What arrives is checked and handed to a consumer, which sees each step once and
+/// whole.
 ///
 /// Runs one thread.
 class MapWatch {
  public:
-  /// Starts. `consumer` must outlive the watch.
-  MapWatch(const std::shared_ptr<grpc::ChannelInterface>& channel,
+  /// Starts. Each stream has a channel of its own from `open_channel`. `consumer` must outlive the
+  /// watch.
+  MapWatch(ChannelOpener open_channel,
            const MapName& map,
            WatchOptions options,
            WatchConsumer* consumer);
@@ -79,19 +82,23 @@ class MapWatch {
   struct StreamEnd {
     absl::Status status;          ///< As the server or gRPC says.
     absl::Status violation;       ///< What the server did wrong; OK if nothing.
-    bool has_progressed = false;  ///< Whether any step was whole.
+    bool was_created = false;     ///< Whether the server let the watch begin.
+    bool has_progressed = false;  ///< Whether any step was whole that brought something.
+    std::chrono::milliseconds took{0};
   };
 
   void Run() ABSL_LOCKS_EXCLUDED(mutex_);
   StreamEnd RunStream(WatchOpening opening) ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::Status Take(const v1::WatchMapResponse& message, WatchOpening opening);
-  absl::Status TakeCreated(const v1::WatchCreated& created, WatchOpening opening);
+  absl::Status Take(const v1::WatchMapResponse& message);
+  absl::Status TakeCreated(const v1::WatchCreated& created);
   void Commit();
 
   absl::Status CheckOptions() const;
   v1::WatchMapRequest RequestFor(WatchOpening opening) const;
   std::optional<WatchOpening> NextOpening(const StreamEnd& end, WatchOpening last);
-  bool WaitBeforeRetry(const absl::Status& status, Backoff* backoff) ABSL_LOCKS_EXCLUDED(mutex_);
+  FailedTry DescribeFailure(const StreamEnd& end) const;
+  bool WaitBeforeRetry(const absl::Status& status, const FailedTry& failed, Backoff* backoff)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
   bool BeginStream(grpc::ClientContext* context) ABSL_LOCKS_EXCLUDED(mutex_);
   void EndStream() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -99,7 +106,7 @@ class MapWatch {
 
   const std::string map_;
   const WatchOptions options_;
-  const std::unique_ptr<v1::WatchService::StubInterface> stub_;
+  const ChannelOpener open_channel_;
   WatchConsumer* const consumer_;
 
   // Of the thread alone.

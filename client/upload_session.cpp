@@ -7,12 +7,15 @@
 #include <absl/strings/str_cat.h>
 #include <absl/time/time.h>
 
+#include "client/server_answer.h"
 #include "client/upload_retry.h"
 #include "core/error.h"
 #include "proto/grpc_status.h"
 
 namespace steadymap {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kConfirmationTimeout{30};
 
@@ -34,12 +37,12 @@ std::uint64_t Advance(const UploadProgress& progress) {
 
 }  // namespace
 
-FrameUploader::Session::Session(const std::shared_ptr<grpc::ChannelInterface>& channel,
+FrameUploader::Session::Session(ChannelOpener open_channel,
                                 const MapName& map,
                                 UploaderOptions options)
     : map_(map.ToString()),
       options_(Complete(std::move(options))),
-      stub_(v1::IngestService::NewStub(channel)),
+      open_channel_(std::move(open_channel)),
       queue_(options_.max_batch_bytes, options_.max_batch_frames),
       thread_([this] { Run(); }) {}
 
@@ -83,19 +86,34 @@ void FrameUploader::Session::Run() {
   absl::Status status;
   for (bool again = true; again;) {
     const std::uint64_t advance_before = Advance(progress());
+    const Clock::time_point start = Clock::now();
     status = RunStream();
     if (Advance(progress()) > advance_before) backoff.Reset();
-    again = IsWorthRetrying(status) && WaitBeforeRetry(status, &backoff);
+    const FailedTry failed = DescribeFailure(
+        status, std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - start));
+    again = IsWorthRetrying(status) && WaitBeforeRetry(status, failed, &backoff);
   }
   const absl::MutexLock lock(&mutex_);
   result_ = status;
   done_ = true;
 }
 
+FailedTry FrameUploader::Session::DescribeFailure(const absl::Status& status,
+                                                  std::chrono::milliseconds took) const {
+  const absl::MutexLock lock(&mutex_);
+  FailedTry failed;
+  failed.was_answered = stream_.closed || IsServerAnswer(status);
+  failed.asked = std::chrono::milliseconds(RetryDelayMsOf(status));
+  // Who was let in may have had nothing to upload for hours. A replaced sleep replaces the clock.
+  if (!stream_.opened && !options_.sleep) failed.took = took;
+  return failed;
+}
+
 // Returns whether to try again.
-bool FrameUploader::Session::WaitBeforeRetry(const absl::Status& status, Backoff* backoff) {
-  const std::chrono::milliseconds asked(RetryDelayMsOf(status));
-  const std::optional<std::chrono::milliseconds> delay = backoff->NextDelay(asked);
+bool FrameUploader::Session::WaitBeforeRetry(const absl::Status& status,
+                                             const FailedTry& failed,
+                                             Backoff* backoff) {
+  const std::optional<std::chrono::milliseconds> delay = backoff->NextDelay(failed);
   if (!delay) return false;
   if (options_.on_retry) options_.on_retry(status, *delay);
   if (options_.sleep) options_.sleep(*delay);
@@ -110,7 +128,8 @@ bool FrameUploader::Session::WaitBeforeRetry(const absl::Status& status, Backoff
 absl::Status FrameUploader::Session::RunStream() {
   grpc::ClientContext context;
   if (!BeginStream(&context)) return absl::CancelledError("the upload was given up");
-  const std::unique_ptr<Stream> stream = stub_->UploadFrames(&context);
+  const auto stub = v1::IngestService::NewStub(open_channel_());
+  const std::unique_ptr<Stream> stream = stub->UploadFrames(&context);
   stream->Write(OpenMessage());
   std::thread reader([this, &stream] { ReadResponses(stream.get()); });
   if (AwaitOpened()) WriteBatches(stream.get());
@@ -119,10 +138,11 @@ absl::Status FrameUploader::Session::RunStream() {
   {
     const absl::MutexLock lock(&mutex_);
     stream_.context = nullptr;
+    stream_.closed = status.ok();
     if (cancelled_) return absl::CancelledError("the upload was given up");
     if (!stream_.error.ok()) return stream_.error;
   }
-  return status.ok() ? ConfirmIntegration() : status;
+  return status.ok() ? ConfirmIntegration(stub.get()) : status;
 }
 
 bool FrameUploader::Session::BeginStream(grpc::ClientContext* context) {
@@ -213,7 +233,7 @@ absl::Status FrameUploader::Session::Take(const v1::UploadFramesResponse& respon
 
 // After the stream ended with OK. The acknowledgement of frames that an earlier, broken stream
 // brought may have been lost with it, so the server is asked where the session stands.
-absl::Status FrameUploader::Session::ConfirmIntegration() {
+absl::Status FrameUploader::Session::ConfirmIntegration(v1::IngestService::StubInterface* stub) {
   {
     const absl::MutexLock lock(&mutex_);
     if (finishing_ && queue_.all_integrated()) return absl::OkStatus();
@@ -229,7 +249,7 @@ absl::Status FrameUploader::Session::ConfirmIntegration() {
   request.set_sensor(options_.sensor);
   request.set_session(options_.session);
   v1::UploadState state;
-  const grpc::Status status = stub_->GetUploadState(&context, request, &state);
+  const grpc::Status status = stub->GetUploadState(&context, request, &state);
   if (!status.ok()) return FromGrpcStatus(status);
   v1::UploadAck ack;
   ack.set_level(v1::ACK_LEVEL_INTEGRATED);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <thread>
@@ -8,9 +9,9 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 #include <absl/synchronization/mutex.h>
-#include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
 
+#include "client/channel.h"
 #include "client/upload_queue.h"
 #include "client/uploader.h"
 #include "core/identifiers.h"
@@ -23,9 +24,7 @@ namespace steadymap {
 /// is integrated. Each stream has a second thread that reads it.
 class FrameUploader::Session {
  public:
-  Session(const std::shared_ptr<grpc::ChannelInterface>& channel,
-          const MapName& map,
-          UploaderOptions options);
+  Session(ChannelOpener open_channel, const MapName& map, UploaderOptions options);
   ~Session();
 
   Session(const Session&) = delete;
@@ -46,11 +45,15 @@ class FrameUploader::Session {
     grpc::ClientContext* context = nullptr;  ///< Null while there is none.
     bool opened = false;                     ///< The server has answered the opening.
     bool ended = false;                      ///< Nothing more will be read.
+    bool closed = false;                     ///< The server ended it with OK.
     absl::Status error;                      ///< Of ours; goes before the stream's own status.
   };
 
   void Run() ABSL_LOCKS_EXCLUDED(mutex_);
-  bool WaitBeforeRetry(const absl::Status& status, Backoff* backoff) ABSL_LOCKS_EXCLUDED(mutex_);
+  FailedTry DescribeFailure(const absl::Status& status, std::chrono::milliseconds took) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  bool WaitBeforeRetry(const absl::Status& status, const FailedTry& failed, Backoff* backoff)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
   absl::Status RunStream() ABSL_LOCKS_EXCLUDED(mutex_);
   bool BeginStream(grpc::ClientContext* context) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -58,7 +61,8 @@ class FrameUploader::Session {
   void WriteBatches(Stream* stream) ABSL_LOCKS_EXCLUDED(mutex_);
   void ReadResponses(Stream* stream) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status Take(const v1::UploadFramesResponse& response) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::Status ConfirmIntegration() ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status ConfirmIntegration(v1::IngestService::StubInterface* stub)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
   v1::UploadFramesRequest OpenMessage() const ABSL_LOCKS_EXCLUDED(mutex_);
   void FailStream(const absl::Status& error) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -69,7 +73,7 @@ class FrameUploader::Session {
 
   const std::string map_;
   const UploaderOptions options_;
-  const std::unique_ptr<v1::IngestService::StubInterface> stub_;
+  const ChannelOpener open_channel_;
 
   mutable absl::Mutex mutex_;
   UploadQueue queue_ ABSL_GUARDED_BY(mutex_);

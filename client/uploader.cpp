@@ -7,10 +7,10 @@
 
 namespace steadymap {
 
-FrameUploader::FrameUploader(const std::shared_ptr<grpc::ChannelInterface>& channel,
+FrameUploader::FrameUploader(ChannelOpener open_channel,
                              const MapName& map,
                              UploaderOptions options)
-    : session_(std::make_unique<Session>(channel, map, std::move(options))) {}
+    : session_(std::make_unique<Session>(std::move(open_channel), map, std::move(options))) {}
 
 FrameUploader::~FrameUploader() = default;
 

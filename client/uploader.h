@@ -10,9 +10,9 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
-#include <grpcpp/channel.h>
 
 #include "client/backoff.h"
+#include "client/channel.h"
 #include "client/frame_source.h"
 #include "client/upload_progress.h"
 #include "core/identifiers.h"
@@ -49,7 +49,8 @@ struct UploaderOptions {
   /// Seed of the jitter and of the random session id. 0: from the system's random device.
   std::uint64_t seed = 0;
 
-  /// Replaces the waiting between reconnections; for tests. Empty: really waits.
+  /// Replaces the waiting between reconnections, and the clock: tries then take no time. For tests.
+  /// Empty: really waits.
   std::function<void(std::chrono::milliseconds)> sleep;
 
   /// Called after each acknowledgement, from a thread of the uploader, one call at a time. It must
@@ -80,10 +81,8 @@ struct UploadSummary {
 /// threads are numbered in an arbitrary order.
 class FrameUploader {
  public:
-  /// Starts connecting at once.
-  FrameUploader(const std::shared_ptr<grpc::ChannelInterface>& channel,
-                const MapName& map,
-                UploaderOptions options);
+  /// Starts connecting at once. Each stream has a channel of its own from `open_channel`.
+  FrameUploader(ChannelOpener open_channel, const MapName& map, UploaderOptions options);
 
   /// Ends the upload. Frames that are not durable by then may be lost.
   ~FrameUploader();

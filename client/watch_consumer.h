@@ -34,13 +34,14 @@ class WatchConsumer {
   virtual ~WatchConsumer() = default;
 
   /// A stream is open. With `kResume` it goes on behind the last step; with `kNow` the watcher
-  /// begins anew with nothing, with `kSnapshot` with the snapshot that follows.
+  /// begins anew with nothing, with `kSnapshot` with the snapshot that follows. Not called for a
+  /// stream that goes on within the step on its way.
   virtual absl::Status Begin(const v1::WatchCreated& created, WatchOpening opening) = 0;
 
   /// A snapshot follows that takes the place of everything.
   virtual absl::Status Resync(const v1::WatchResync& resync) = 0;
 
-  /// Parts of the step that is on its way.
+  /// Parts of the step that is on its way, over several streams if one breaks off within it.
   virtual absl::Status TakeSnapshot(const v1::SnapshotChunk& chunk) = 0;
   virtual absl::Status TakeDelta(const v1::DeltaFragment& delta) = 0;
   virtual absl::Status TakeEvents(const v1::EventBatch& batch) = 0;

@@ -31,17 +31,57 @@ bool IsSameMap(const v1::WatchCreated& a, const v1::WatchCreated& b) {
 }  // namespace
 
 void WatchSequence::BeginStream(WatchOpening opening) {
+  // A stream that ended before `created` leaves what it was to go on with.
+  if (is_within_step() && !unfinished_) unfinished_ = UnfinishedStep{phase_, open_step_};
   opening_ = opening;
   phase_ = Phase::kOpening;
   open_step_.reset();
   reconnect_after_.reset();
-  if (opening == WatchOpening::kResume) return;
+  continues_step_ = false;
+  if (opening != WatchOpening::kResume) ForgetAll();
+}
+
+void WatchSequence::ForgetAll() {
   revision_.reset();
   step_ = WatchStep();
   newest_event_ = EventNumber();
+  ForgetPart();
+}
+
+void WatchSequence::ForgetPart() {
+  part_token_.clear();
+  unfinished_.reset();
 }
 
 absl::Status WatchSequence::Take(const v1::WatchMapResponse& message) {
+  absl::Status status = TakeInOrder(message);
+  return status.ok() ? TakePartToken(message) : status;
+}
+
+absl::Status WatchSequence::TakePartToken(const v1::WatchMapResponse& message) {
+  switch (message.kind_case()) {
+    case v1::WatchMapResponse::kSnapshot:
+      part_token_ = message.snapshot().resume_token();
+      break;
+    case v1::WatchMapResponse::kDelta:
+      part_token_ = message.delta().resume_token();
+      break;
+    case v1::WatchMapResponse::kEvents:
+      part_token_ = message.events().resume_token();
+      break;
+    case v1::WatchMapResponse::kProgress:
+    case v1::WatchMapResponse::kResync:
+    case v1::WatchMapResponse::kGoodbye:
+      part_token_.clear();
+      break;
+    default:
+      break;
+  }
+  if (part_token_.size() <= kMaxTokenBytes) return absl::OkStatus();
+  return BrokenProtocol("a resume token of ", part_token_.size(), " bytes");
+}
+
+absl::Status WatchSequence::TakeInOrder(const v1::WatchMapResponse& message) {
   const v1::WatchMapResponse::KindCase kind = message.kind_case();
   if (kind == v1::WatchMapResponse::KIND_NOT_SET) {
     return absl::OkStatus();  // A newer server; nothing that was asked for.
@@ -72,6 +112,15 @@ absl::Status WatchSequence::TakeCreated(const v1::WatchCreated& created) {
   if (!IsLength(created.voxel_size_m()) || !IsLength(created.truncation_m())) {
     return BrokenProtocol("a map with voxels of no size");
   }
+  if (created.continues_step()) return ContinueStep(created);
+  if (unfinished_) {
+    const bool was_snapshot = unfinished_->phase == Phase::kSnapshot;
+    ForgetPart();
+    if (was_snapshot) {
+      ForgetAll();
+      opening_ = WatchOpening::kSnapshot;
+    }
+  }
   const Revision revision(created.revision());
   if (opening_ == WatchOpening::kSnapshot) {
     phase_ = Phase::kSnapshot;
@@ -82,6 +131,21 @@ absl::Status WatchSequence::TakeCreated(const v1::WatchCreated& created) {
     phase_ = Phase::kFollowing;
     revision_ = revision;
   }
+  created_ = created;
+  return absl::OkStatus();
+}
+
+absl::Status WatchSequence::ContinueStep(const v1::WatchCreated& created) {
+  if (!unfinished_) return BrokenProtocol("it goes on within a step of which nothing is there");
+  const bool is_snapshot = unfinished_->phase == Phase::kSnapshot;
+  const Revision due = is_snapshot ? snapshot_revision_ : revision_.value_or(Revision());
+  if (Revision(created.revision()) != due || !IsSameMap(created, created_)) {
+    return BrokenProtocol("it goes on within another step than the one at revision ", due.value());
+  }
+  phase_ = unfinished_->phase;
+  open_step_ = unfinished_->step;
+  unfinished_.reset();
+  continues_step_ = true;
   created_ = created;
   return absl::OkStatus();
 }

@@ -44,8 +44,8 @@ class WatchSequence {
   /// `takes_resync`: whether it was said that the server may resync.
   explicit WatchSequence(bool takes_resync) : takes_resync_(takes_resync) {}
 
-  /// A new stream begins. What the last one left unfinished is forgotten, with `kNow` and
-  /// `kSnapshot` everything else, too.
+  /// A new stream begins. With `kResume` it may go on within the step that the last one left
+  /// unfinished; with `kNow` and `kSnapshot` that is forgotten, and everything else.
   void BeginStream(WatchOpening opening);
 
   /// Checks the message that came next on the stream. Kinds that are not known are passed over.
@@ -58,8 +58,24 @@ class WatchSequence {
   /// What the watcher has, whole; none before the first word about it.
   std::optional<Revision> revision() const { return revision_; }
 
-  /// Where to go on; empty before the first `progress`.
-  const std::string& resume_token() const { return step_.resume_token; }
+  /// Where to go on: within the step on its way where the server gave a token for that, else behind
+  /// the last `progress`; empty before the first.
+  const std::string& resume_token() const {
+    return part_token_.empty() ? step_.resume_token : part_token_;
+  }
+
+  /// Whether that is within a step, so that its parts are to be kept.
+  bool is_within_step() const { return !part_token_.empty(); }
+
+  /// Gives up the step on its way: the next stream goes on behind the last whole one.
+  void ForgetPart();
+
+  /// How the stream was opened. Once `created` has come, `kSnapshot` for one that was to go on
+  /// within a snapshot and begins a new one.
+  WatchOpening opening() const { return opening_; }
+
+  /// Whether the stream goes on within the step that the last one left unfinished.
+  bool continues_step() const { return continues_step_; }
 
   /// What the `goodbye` of this stream asked for, in [0, 10 min]; none without one.
   std::optional<std::chrono::milliseconds> reconnect_after() const { return reconnect_after_; }
@@ -82,7 +98,17 @@ class WatchSequence {
     EventNumber newest_event;
   };
 
+  /// The step that a stream left unfinished, with tokens to go on within it.
+  struct UnfinishedStep {
+    Phase phase = Phase::kFollowing;
+    std::optional<OpenStep> step;
+  };
+
+  absl::Status TakeInOrder(const v1::WatchMapResponse& message);
+  absl::Status TakePartToken(const v1::WatchMapResponse& message);
   absl::Status TakeCreated(const v1::WatchCreated& created);
+  absl::Status ContinueStep(const v1::WatchCreated& created);
+  void ForgetAll();
   absl::Status TakeSnapshot(const v1::SnapshotChunk& snapshot) const;
   absl::Status TakeDelta(const v1::DeltaFragment& delta);
   absl::Status TakeEvents(const v1::EventBatch& batch);
@@ -99,6 +125,9 @@ class WatchSequence {
   std::optional<Revision> revision_;
   Revision snapshot_revision_;  ///< While the snapshot comes.
   std::optional<OpenStep> open_step_;
+  std::string part_token_;                    ///< Of the newest message of the step on its way.
+  std::optional<UnfinishedStep> unfinished_;  ///< From its stream's end to the next `created`.
+  bool continues_step_ = false;
   WatchStep step_;
   EventNumber newest_event_;
   v1::WatchCreated created_;  ///< The newest.

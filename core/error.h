@@ -34,6 +34,7 @@ inline constexpr std::string_view kSlowConsumer = "SLOW_CONSUMER";
 inline constexpr std::string_view kUploadSuperseded = "UPLOAD_SUPERSEDED";
 inline constexpr std::string_view kEtagMismatch = "ETAG_MISMATCH";
 inline constexpr std::string_view kQueueFull = "QUEUE_FULL";
+inline constexpr std::string_view kRateLimit = "RATE_LIMIT";
 inline constexpr std::string_view kMapBytes = "MAP_BYTES";
 inline constexpr std::string_view kDiskLow = "DISK_LOW";
 inline constexpr std::string_view kMessageTooLarge = "MESSAGE_TOO_LARGE";

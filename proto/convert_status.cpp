@@ -26,6 +26,7 @@ struct RetryDelay {
 // A queue drains in about a second and a restart takes a few; a full or failed disk waits for a
 // person. MESSAGE_TOO_LARGE and MAP_BYTES do not pass by waiting.
 constexpr std::array kRetryDelays = {RetryDelay{reason::kQueueFull, 1},
+                                     RetryDelay{reason::kRateLimit, 1},
                                      RetryDelay{reason::kDraining, 2},
                                      RetryDelay{reason::kDiskLow, 30},
                                      RetryDelay{reason::kStoreReadOnly, 30}};

@@ -142,8 +142,13 @@ void VisitWatch(WatchServiceOptions* watch, FieldVisitor* visitor) {
   visitor->Section("watch", "Those who watch maps.");
   typed.Integer(
       {"max_watches", "Watches at once, all maps together."}, {1, 1'000'000}, &watch->max_watches);
+  typed.Integer(
+      {"openings_per_second",
+       "Watches that one address may open a second, behind a burst of twice max_watches."},
+      {1, 1'000'000},
+      &watch->openings_per_second);
   typed.Duration({"stall_timeout_s",
-                  "A watcher that takes nothing of what is sent for this long is cut off; it may "
+                  "A watcher that takes nothing of what is sent for this long is ended; it may "
                   "resume."},
                  {1, kDayS},
                  &watch->stall_timeout);

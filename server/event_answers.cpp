@@ -35,9 +35,9 @@ struct EventFilter {
     if (event.revision <= changed_since && changed_since.value() > 0) return false;
     if (event.time < start_time) return false;
     if (!types.empty() && !types.contains(event.type)) return false;
-    if (!classes.empty() && (event.object == kBackgroundId || !classes.contains(event.class_id))) {
-      return false;
-    }
+    // They concern no object, so they pass no filter of objects.
+    if (event.IsOfRobot()) return objects.empty() && classes.empty();
+    if (!classes.empty() && !classes.contains(event.class_id)) return false;
     return objects.empty() || objects.contains(event.object) ||
            (event.related != kBackgroundId && objects.contains(event.related));
   }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include <absl/time/clock.h>
 #include <absl/time/time.h>
 #include <spdlog/spdlog.h>
 
@@ -32,7 +33,8 @@ void Housekeeper::Run() {
   Heartbeat::Clock::time_point low_disk_due = Heartbeat::Clock::now();
   while (!AwaitStop()) {
     heartbeat_.Beat();
-    dependencies_.watches->CancelStalled();
+    dependencies_.watches->EndStalled();
+    dependencies_.watches->DropHeld(absl::Now());
     const Heartbeat::Clock::time_point now = Heartbeat::Clock::now();
     const bool disk_is_low = now >= low_disk_due && !dependencies_.store->CheckDisk().ok();
     if (now < due && !disk_is_low) continue;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
@@ -18,12 +19,14 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "server/calls_under_way.h"
 #include "server/frame_budget.h"
 #include "server/housekeeper.h"
 #include "server/ingest_service.h"
 #include "server/live_limits.h"
 #include "server/map_directory.h"
 #include "server/map_service.h"
+#include "server/peer_limiter.h"
 #include "server/query_service.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
@@ -44,8 +47,15 @@ constexpr std::size_t kTransportBytes = std::size_t{256} << 20;
 // large, up to this factor.
 constexpr std::size_t kHardMessageLimitFactor = 2;
 
-// For watchers to take their last step and the goodbye; who does not read is cut off.
+// Who takes nothing for this long of what a server that stops still has to say is cut off.
 constexpr absl::Duration kGoodbyeTime = absl::Seconds(2);
+
+// A stalled watcher may read again and learn why it was ended; until then it keeps a message here.
+constexpr absl::Duration kStallGrace = absl::Minutes(1);
+
+// For connections without calls. gRPC would wait until each client has answered a last ping, 20 s
+// at most; one that is frozen never does, and a Python client without calls looks every 5 s.
+constexpr absl::Duration kDisconnectTime = absl::Milliseconds(200);
 
 // The client's pings are 30 s apart; ours find out about clients that have vanished.
 constexpr int kMinClientPingIntervalMs = 10'000;
@@ -95,6 +105,7 @@ class Server::Parts {
   const ServerConfig config_;
   const std::unique_ptr<Store> store_;
   LiveLimits limits_;
+  CallsUnderWay calls_;
   FrameBudget budget_;
   UploadRoster roster_;
   WatchHub watch_hub_;
@@ -108,6 +119,7 @@ class Server::Parts {
   IngestService ingest_service_;
   MapService map_service_;
   QueryService query_service_;
+  PeerLimiter watch_openings_;
   WatchService watch_service_;
   std::optional<Housekeeper> housekeeper_;
   int port_ = 0;
@@ -122,8 +134,10 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       store_(std::move(store)),
       limits_(config.limits),
       budget_(config.limits.queue_bytes_total),
-      watch_hub_(
-          {store_.get(), config.watch.max_watches, absl::FromChrono(config.watch.stall_timeout)}),
+      watch_hub_({.store = store_.get(),
+                  .max_watches = config.watch.max_watches,
+                  .stall_timeout = absl::FromChrono(config.watch.stall_timeout),
+                  .stall_grace = kStallGrace}),
       log_pool_("log", kLogThreads, kMaxWaitingCalls),
       map_pool_("map", ComputingThreads(), kMaxWaitingCalls),
       maps_({store_.get(),
@@ -140,7 +154,9 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
       map_service_({&maps_, &roster_, &watch_hub_, &admin_pool_, config.retention}),
       query_service_({&maps_, store_.get(), &readers_}),
-      watch_service_({&maps_, &watch_hub_, &watchers_}) {}
+      watch_openings_({.per_second = static_cast<double>(config.watch.openings_per_second),
+                       .burst = 2.0 * static_cast<double>(config.watch.max_watches)}),
+      watch_service_({&maps_, &watch_hub_, &watchers_, &watch_openings_}) {}
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
@@ -182,6 +198,9 @@ void Server::Parts::Configure(grpc::ServerBuilder* builder) {
   grpc::ResourceQuota quota("steadymapd");
   quota.Resize(kTransportBytes);
   builder->SetResourceQuota(quota);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(calls_.MakeInterceptorFactory());
+  builder->experimental().SetInterceptorCreators(std::move(interceptors));
   // Otherwise two daemons share a port and take each other's calls.
   builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder->AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
@@ -214,7 +233,8 @@ void Server::Parts::Drain() {
 }
 
 // The order of the end: nobody comes in, what is under way is finished, watchers see it, calls end,
-// then the threads from the first of the pipeline to the last, so that none feeds one that is gone.
+// connections are closed, then the threads end from the first of the pipeline to the last, so that
+// none feeds one that is gone.
 void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (shut_down_.exchange(true)) return;
   const absl::Time end = absl::Now() + absl::FromChrono(deadline);
@@ -222,8 +242,11 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (!roster_.AwaitEmpty(end)) spdlog::warn("some uploads had not ended at the deadline");
   watch_hub_.Drain();
   if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
+  if (!calls_.AwaitEnd(end, kGoodbyeTime)) spdlog::warn("some calls were cut off");
   health_service_ = nullptr;
-  if (grpc_server_ != nullptr) grpc_server_->Shutdown(absl::ToChronoTime(end));
+  if (grpc_server_ != nullptr) {
+    grpc_server_->Shutdown(absl::ToChronoTime(std::min(end, absl::Now() + kDisconnectTime)));
+  }
   housekeeper_.reset();
   decoders_.Stop();
   admin_pool_.Stop();

@@ -39,9 +39,10 @@ class Server {
   /// on. Returns at once.
   void Drain();
 
-  /// Drains if nobody did, waits until all uploads have ended, ends what is left at `deadline`,
-  /// commits what is integrated, and ends all threads. Frames that are durable and not integrated
-  /// by then are at the next start. Only the first call does anything.
+  /// Drains if nobody did, waits until all uploads have ended, lets watches and other calls end but
+  /// not those whose clients take nothing, closes all connections, and ends what is left at
+  /// `deadline`; then commits what is integrated, and ends all threads. Frames that are durable and
+  /// not integrated by then are at the next start. Only the first call does anything.
   void Shutdown(std::chrono::milliseconds deadline);
 
   /// When every thread that has something to do had last shown that it goes on. Older than some

@@ -68,7 +68,13 @@ struct WatchServiceOptions {
   /// message at hand.
   std::size_t max_watches = 2000;
 
-  /// A watcher that takes nothing of what is sent for this long is cut off; it may resume.
+  /// Watches that one address may open a second, behind a burst of twice `max_watches`: what a
+  /// fleet behind one address needs after a restart, and a bound on clients that come back in a
+  /// loop.
+  std::size_t openings_per_second = 20;
+
+  /// A watcher that takes nothing of what is sent for this long is ended with SLOW_CONSUMER, which
+  /// it learns when it reads again; after another minute it is cut off. It may resume.
   std::chrono::seconds stall_timeout{60};
 };
 

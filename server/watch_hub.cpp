@@ -16,8 +16,21 @@ namespace {
 // and a snapshot, which costs little while the map has moved on little.
 constexpr std::size_t kMaxSharedSteps = 16;
 
+// A cut-off watcher is back within seconds, or so far behind that the step does not matter. What it
+// holds of the map's past costs memory meanwhile.
+constexpr std::size_t kMaxHeldSteps = 32;
+constexpr absl::Duration kHoldTime = absl::Minutes(1);
+
 // Who is further behind gets leaves whole. At the usual rate of commits that is most of a second.
 constexpr std::size_t kRecentSnapshots = 4;
+
+absl::Status StalledError(absl::Duration timeout) {
+  return MakeError(
+      absl::StatusCode::kAborted,
+      reason::kSlowConsumer,
+      absl::StrCat(
+          "the watcher took nothing of what was sent for ", absl::ToInt64Seconds(timeout), " s"));
+}
 
 }  // namespace
 
@@ -47,10 +60,16 @@ void WatchHub::OnCommit(MapKey map) {
   for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) watch->Wake();
 }
 
-void WatchHub::CancelStalled() {
+void WatchHub::EndStalled() {
   const absl::Time stalled = absl::Now() - surroundings_.stall_timeout;
+  const absl::Time given_up = stalled - surroundings_.stall_grace;
   for (const std::shared_ptr<ActiveWatch>& watch : All()) {
-    if (watch->sending_since() < stalled) watch->Cancel();
+    const absl::Time since = watch->sending_since();
+    if (since < given_up) {
+      watch->Cancel();
+    } else if (since < stalled) {
+      watch->End(StalledError(surroundings_.stall_timeout));
+    }
   }
 }
 
@@ -63,6 +82,11 @@ std::optional<Revision> WatchHub::OldestWatched(MapKey map) const {
 }
 
 void WatchHub::EndMap(MapKey map, const absl::Status& status) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    std::erase_if(held_,
+                  [map](const HeldStep& held) { return held.messages->key().scope.map == map; });
+  }
   for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(map)) watch->End(status);
 }
 
@@ -89,13 +113,7 @@ std::size_t WatchHub::watch_count() const {
 }
 
 absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::FindStep(const StepRequest& request) {
-  const std::shared_ptr<SharedStep> step = ShareStep({request.scope,
-                                                      request.before,
-                                                      request.snapshot->revision,
-                                                      request.max_message_bytes,
-                                                      request.takes_patches,
-                                                      request.as_snapshot,
-                                                      request.shown != nullptr});
+  const std::shared_ptr<SharedStep> step = ShareStep(KeyOf(request));
   // Who comes second waits for the first to make it.
   const absl::MutexLock lock(&step->mutex);
   if (step->messages == nullptr) {
@@ -106,30 +124,68 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::FindStep(const StepRequ
   return step->messages;
 }
 
+void WatchHub::Hold(std::shared_ptr<WatchMessages> step) {
+  const absl::Time until = absl::Now() + kHoldTime;
+  const absl::MutexLock lock(&mutex_);
+  std::erase_if(held_,
+                [&step](const HeldStep& held) { return held.messages->key() == step->key(); });
+  held_.push_front({std::move(step), until});
+  if (held_.size() > kMaxHeldSteps) held_.pop_back();
+}
+
+std::shared_ptr<WatchMessages> WatchHub::FindHeld(const StepKey& key) const {
+  for (const std::shared_ptr<ActiveWatch>& watch : WatchesOf(key.scope.map)) {
+    std::shared_ptr<WatchMessages> step = watch->step();
+    if (step != nullptr && step->key() == key) return step;
+  }
+  const absl::MutexLock lock(&mutex_);
+  for (const HeldStep& held : held_) {
+    if (held.messages->key() == key) return held.messages;
+  }
+  return nullptr;
+}
+
+void WatchHub::DropHeld(absl::Time now) {
+  const absl::MutexLock lock(&mutex_);
+  std::erase_if(held_, [now](const HeldStep& held) { return held.until < now; });
+}
+
+StepKey WatchHub::KeyOf(const StepRequest& request) {
+  return {request.scope,
+          request.before,
+          request.to.commit,
+          request.max_message_bytes,
+          request.takes_patches,
+          request.as_snapshot,
+          request.shown != nullptr};
+}
+
 absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequest& request) {
   Store* const store = surroundings_.store;
   const MapKey map = request.scope.map;
-  const Revision to = request.snapshot->revision;
+  const std::shared_ptr<const MapSnapshot>& snapshot = request.to.snapshot;
   const bool compares = request.filter.volumes && request.takes_patches;
-  if (compares) KeepRecent(map, request.snapshot);
+  if (compares) KeepRecent(map, snapshot);
   WatchMessages::Source source{store,
-                               request.scope,
                                request.filter,
-                               request.before,
-                               {to, request.snapshot->last_event, request.history_hash},
-                               request.max_message_bytes};
+                               KeyOf(request),
+                               {snapshot->revision,
+                                snapshot->last_event,
+                                request.to.commit.hash,
+                                request.as_snapshot || request.before.has_leaves}};
   if (request.as_snapshot) {
     return std::make_shared<WatchMessages>(std::move(source),
-                                           MakeSnapshotStep(request.filter, request.snapshot));
+                                           MakeSnapshotStep(request.filter, snapshot));
   }
   ChangeList changes;
   if (request.filter.WantsObjects()) {
-    absl::StatusOr<ChangeList> read = store->ReadChanges(map, request.before.commit(), to);
+    absl::StatusOr<ChangeList> read = 
+        store->ReadChanges(map, request.before.commit(), snapshot->revision);
     if (!read.ok()) return read.status();
     changes = *std::move(read);
   }
   StepPlan step = MakeDeltaStep(
-      request.filter, changes, request.before.revision, request.shown, request.snapshot);
+      request.filter, changes, request.before.revision, request.shown, snapshot);
   if (compares) step.base = FindRecent(map, request.before.revision);
   return std::make_shared<WatchMessages>(std::move(source), std::move(step));
 }

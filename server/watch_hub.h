@@ -41,6 +41,9 @@ class ActiveWatch {
   /// What the watcher has for certain.
   virtual Revision revision() const = 0;
 
+  /// The step that it is being sent; null between steps.
+  virtual std::shared_ptr<WatchMessages> step() const = 0;
+
   /// Since when a message has been on its way; infinitely far in the future if none is.
   virtual absl::Time sending_since() const = 0;
 };
@@ -57,6 +60,8 @@ class WatchHub {
     std::size_t max_watches = 0;
     /// A watch that takes a message for longer than this has stalled.
     absl::Duration stall_timeout = absl::InfiniteDuration();
+    /// After so much more, it is given up.
+    absl::Duration stall_grace = absl::ZeroDuration();
   };
 
   explicit WatchHub(const Surroundings& surroundings) : surroundings_(surroundings) {}
@@ -71,13 +76,18 @@ class WatchHub {
   /// The map has published a revision: wakes its watches.
   void OnCommit(MapKey map) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Cancels the watches that have stalled; to be called now and then.
-  void CancelStalled() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Ends the watches that have stalled, with reason `SLOW_CONSUMER`; to be called now and then.
+  /// gRPC sends a status behind the message that is stuck and not before it, so the watcher learns
+  /// of it when it reads again. One that is given up is cancelled, and learns nothing.
+  void EndStalled() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Lets go of the steps that are held long enough at `now`; to be called now and then.
+  void DropHeld(absl::Time now) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// The revision of the watch that is furthest behind; none without watches.
   std::optional<Revision> OldestWatched(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Ends the watches of a map.
+  /// Ends the watches of a map, and forgets what was kept of it.
   void EndMap(MapKey map, const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Lets nobody in from now on, and asks all watches to say goodbye.
@@ -99,34 +109,34 @@ class WatchHub {
     bool as_snapshot = false;    ///< All that the filter shows, not what changed.
     WatchPosition before;
     std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
-    std::shared_ptr<const MapSnapshot> snapshot;
-    std::uint64_t history_hash = 0;  ///< Of the snapshot, as in `CommitMark`.
+    PublishedRevision to;
   };
 
-  /// The messages that take a watcher to the snapshot; made once for all who ask the same.
+  /// The messages that take a watcher to that revision; made once for all who ask the same.
   /// Errors: `OutOfRange` with reason `REVISION_COMPACTED`; what the store answers.
   absl::StatusOr<std::shared_ptr<WatchMessages>> FindStep(const StepRequest& request)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
+  /// Keeps a step that a watch was cut off in, for a minute, so that its watcher can go on within
+  /// it; the last few of them. To be called before the watch leaves.
+  void Hold(std::shared_ptr<WatchMessages> step) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// A step that is held, or that a watch is being sent, since the server may not know yet that its
+  /// watcher has gone; null if there is none.
+  std::shared_ptr<WatchMessages> FindHeld(const StepKey& key) const ABSL_LOCKS_EXCLUDED(mutex_);
+
  private:
-  /// What makes two steps the same.
-  struct StepKey {
-    WatchScope scope;
-    WatchPosition before;
-    Revision to;
-    std::size_t max_message_bytes = 0;
-    bool takes_patches = false;
-    bool as_snapshot = false;
-    bool is_shown_known = false;
-
-    friend bool operator==(const StepKey&, const StepKey&) = default;
-  };
-
   /// A step that is being made or was.
   struct SharedStep {
     StepKey key;
     absl::Mutex mutex;
     std::shared_ptr<WatchMessages> messages ABSL_GUARDED_BY(mutex);
+  };
+
+  /// A step whose watcher may come back.
+  struct HeldStep {
+    std::shared_ptr<WatchMessages> messages;
+    absl::Time until;
   };
 
   struct WatchedMap {
@@ -135,6 +145,7 @@ class WatchHub {
     std::deque<std::shared_ptr<const MapSnapshot>> recent;
   };
 
+  static StepKey KeyOf(const StepRequest& request);
   absl::StatusOr<std::shared_ptr<WatchMessages>> MakeStep(const StepRequest& request)
       ABSL_LOCKS_EXCLUDED(mutex_);
   std::shared_ptr<SharedStep> ShareStep(const StepKey& key) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -153,6 +164,7 @@ class WatchHub {
   std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<std::shared_ptr<SharedStep>> steps_ ABSL_GUARDED_BY(mutex_);  ///< Newest first.
+  std::deque<HeldStep> held_ ABSL_GUARDED_BY(mutex_);                      ///< Likewise.
 };
 
 }  // namespace steadymap

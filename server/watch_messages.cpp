@@ -27,6 +27,10 @@ constexpr std::size_t kEventsPerMessage = 200;
 // Messages of a step with no more leaves and objects than this are kept: about a megabyte.
 constexpr std::size_t kMaxKeptValues = 3000;
 
+// What takes no more than this at most, and comes in no more messages, is soon sent again.
+constexpr std::size_t kMinResumableBytes = std::size_t{64} << 10;
+constexpr std::size_t kMinResumableMessages = 3;
+
 }  // namespace
 
 grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message) {
@@ -40,23 +44,25 @@ grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message) {
 
 WatchMessages::WatchMessages(Source source, StepPlan step)
     : source_(std::move(source)), step_(std::move(step)) {
-  PlanFragments();
+  const std::size_t bytes = PlanFragments();
   // Those before a snapshot are history.
   if (source_.filter.events && step_.from) {
     const std::uint64_t events =
-        source_.after.last_event.value() - source_.before.last_event.value();
+        source_.after.last_event.value() - source_.key.before.last_event.value();
     event_pages_ = (events + kEventsPerMessage - 1) / kEventsPerMessage;
   }
   keeps_ = step_.leaves.size() + step_.objects.size() + step_.removed.size() <= kMaxKeptValues;
   if (keeps_) kept_.resize(count());
+  is_resumable_ = bytes > kMinResumableBytes || count() > kMinResumableMessages;
 }
 
 /// Deals what is to be sent out to messages by the most that each thing can take, so that their
-/// number is known before the first is made.
-void WatchMessages::PlanFragments() {
-  if (step_.IsEmpty()) return;
-  const std::size_t room = source_.max_message_bytes - kMessageMarginBytes;
+/// number is known before the first is made. Returns how much all of it can take.
+std::size_t WatchMessages::PlanFragments() {
+  if (step_.IsEmpty()) return 0;
+  const std::size_t room = source_.key.max_message_bytes - kMessageMarginBytes;
   std::size_t bytes = 0;
+  std::size_t all_bytes = 0;
   fragments_.emplace_back();
   const auto make_room = [&](std::size_t needed) {
     if (bytes > 0 && bytes + needed > room) {
@@ -70,6 +76,7 @@ void WatchMessages::PlanFragments() {
       bytes = 0;
     }
     bytes += needed;
+    all_bytes += needed;
   };
   for (std::size_t i = 0; i < step_.removed.size(); ++i) {
     make_room(kMaxIdBytes);
@@ -83,6 +90,7 @@ void WatchMessages::PlanFragments() {
     make_room(kMaxLeafBytes);
     fragments_.back().last_leaf = i + 1;
   }
+  return all_bytes;
 }
 
 absl::StatusOr<std::optional<grpc::ByteBuffer>> WatchMessages::At(std::size_t place) {
@@ -112,6 +120,7 @@ v1::WatchMapResponse WatchMessages::MakeFragment(std::size_t place) const {
   v1::WatchMapResponse message;
   const auto fill = [&](auto* part) {
     part->set_revision(map.revision.value());
+    if (is_resumable_) part->set_resume_token(TokenBehind(place));
     for (std::size_t i = fragment.first_object; i < fragment.last_object; ++i) {
       *part->add_objects() = ToProto(*map.objects.at(step_.objects[i]));
     }
@@ -151,11 +160,11 @@ void WatchMessages::AddLeaf(const LeafKey& key,
 }
 
 absl::StatusOr<v1::WatchMapResponse> WatchMessages::MakeEvents(std::size_t page) const {
-  const EventNumber first(source_.before.last_event.value() + 1 + page * kEventsPerMessage);
+  const EventNumber first(source_.key.before.last_event.value() + 1 + page * kEventsPerMessage);
   const EventNumber last(
       std::min(first.value() + kEventsPerMessage - 1, source_.after.last_event.value()));
   const absl::StatusOr<std::vector<StoredEvent>> events = source_.store->ReadEvents(
-      source_.scope.map, first, static_cast<std::size_t>(last.value() - first.value()) + 1);
+      source_.key.scope.map, first, static_cast<std::size_t>(last.value() - first.value()) + 1);
   if (!events.ok()) return events.status();
   if (events->empty() || events->front().number != first || events->back().number != last) {
     return MakeError(absl::StatusCode::kAborted,
@@ -165,6 +174,7 @@ absl::StatusOr<v1::WatchMapResponse> WatchMessages::MakeEvents(std::size_t page)
   v1::WatchMapResponse message;
   v1::EventBatch* batch = message.mutable_events();
   batch->set_revision(source_.after.revision.value());
+  if (is_resumable_) batch->set_resume_token(TokenBehind(fragments_.size() + page));
   for (const StoredEvent& stored : *events) {
     if (source_.filter.Shows(stored.event)) {
       *batch->add_events() = ToProto(stored.number, stored.event);
@@ -173,11 +183,15 @@ absl::StatusOr<v1::WatchMapResponse> WatchMessages::MakeEvents(std::size_t page)
   return message;
 }
 
+std::string WatchMessages::TokenBehind(std::size_t place) const {
+  return MakeStepToken(source_.key, place + 1);
+}
+
 v1::WatchMapResponse WatchMessages::MakeProgress() const {
   v1::WatchMapResponse message;
   v1::WatchProgress* progress = message.mutable_progress();
   progress->set_revision(source_.after.revision.value());
-  progress->set_resume_token(MakeResumeToken(source_.scope, source_.after));
+  progress->set_resume_token(MakeResumeToken(source_.key.scope, source_.after));
   if (const MapSnapshot& map = *step_.snapshot; map.last_capture_time != Timestamp()) {
     *progress->mutable_last_capture_time() = ToProto(map.last_capture_time);
   }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <absl/base/thread_annotations.h>
@@ -30,11 +31,9 @@ class WatchMessages {
   /// What a step's messages are made of besides the step.
   struct Source {
     Store* store = nullptr;  ///< Outlives the messages; null for a step without events.
-    WatchScope scope;
     MapFilter filter;
-    WatchPosition before;  ///< What the watcher has.
-    WatchPosition after;   ///< What it then has.
-    std::size_t max_message_bytes = 0;
+    StepKey key;          ///< Of the step.
+    WatchPosition after;  ///< What the watcher then has.
   };
 
   WatchMessages(Source source, StepPlan step);
@@ -46,6 +45,12 @@ class WatchMessages {
   /// Errors: `Aborted` with reason `SLOW_CONSUMER` for events that are no longer kept; what the
   /// store answers.
   absl::StatusOr<std::optional<grpc::ByteBuffer>> At(std::size_t place) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  const StepKey& key() const { return source_.key; }
+
+  /// Whether each message but the last brings a token for going on behind it. Those of small steps
+  /// do not: the token would be a good part of all that is sent.
+  bool is_resumable() const { return is_resumable_; }
 
   const WatchPosition& after() const { return source_.after; }
 
@@ -62,10 +67,11 @@ class WatchMessages {
     std::size_t last_leaf = 0;
   };
 
-  void PlanFragments();
+  std::size_t PlanFragments();
   absl::StatusOr<std::optional<grpc::ByteBuffer>> Make(std::size_t place) const;
   v1::WatchMapResponse MakeFragment(std::size_t place) const;
   absl::StatusOr<v1::WatchMapResponse> MakeEvents(std::size_t page) const;
+  std::string TokenBehind(std::size_t place) const;
   v1::WatchMapResponse MakeProgress() const;
   void AddLeaf(const LeafKey& key,
                google::protobuf::RepeatedPtrField<v1::PackedLeaf>* leaves) const;
@@ -75,6 +81,7 @@ class WatchMessages {
   std::vector<Fragment> fragments_;
   std::size_t event_pages_ = 0;
   bool keeps_ = false;  ///< Whether messages are kept.
+  bool is_resumable_ = false;
 
   absl::Mutex mutex_;
   std::vector<std::optional<std::optional<grpc::ByteBuffer>>> kept_ ABSL_GUARDED_BY(mutex_);

@@ -2,55 +2,17 @@
 
 #include <utility>
 
-#include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
-#include "proto/convert_watch.h"
 #include "proto/grpc_status.h"
 #include "server/pool_call.h"
-#include "server/upload_roster.h"
 
 namespace steadymap {
-namespace {
-
-constexpr std::size_t kDefaultMessageBytes = std::size_t{1} << 20;
-constexpr std::size_t kMinMessageBytes = std::size_t{64} << 10;
-constexpr std::size_t kMaxMessageBytes = std::size_t{4} << 20;
-
-// A restart takes about that long.
-constexpr int kReconnectAfterSeconds = 1;
-
-absl::StatusOr<std::size_t> ReadMessageLimit(std::size_t asked) {
-  if (asked == 0) return kDefaultMessageBytes;
-  if (asked >= kMinMessageBytes && asked <= kMaxMessageBytes) return asked;
-  return InvalidField(reason::kBadValue,
-                      "max_message_bytes",
-                      absl::StrCat("max_message_bytes must lie in [",
-                                   kMinMessageBytes,
-                                   ", ",
-                                   kMaxMessageBytes,
-                                   "], got ",
-                                   asked));
-}
-
-grpc::ByteBuffer MakeResync(Revision revision, const std::string& why) {
-  v1::WatchMapResponse message;
-  message.mutable_resync()->set_revision(revision.value());
-  message.mutable_resync()->set_reason(why);
-  return Serialize(message);
-}
-
-grpc::ByteBuffer MakeGoodbye() {
-  v1::WatchMapResponse message;
-  message.mutable_goodbye()->mutable_reconnect_after()->set_seconds(kReconnectAfterSeconds);
-  return Serialize(message);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 /// What gRPC holds: passes its reports on.
 class WatchStream::Reactor final : public GrpcReactor {
@@ -77,14 +39,16 @@ WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
   auto* reactor = new Reactor(stream);
   stream->reactor_ = reactor;
   grpc::ByteBuffer bytes(request);
-  stream->is_request_whole_ =
-      grpc::SerializationTraits<v1::WatchMapRequest>::Deserialize(&bytes, &stream->request_).ok();
+  v1::WatchMapRequest message;
+  if (grpc::SerializationTraits<v1::WatchMapRequest>::Deserialize(&bytes, &message).ok()) {
+    stream->course_.emplace(surroundings.maps, surroundings.hub, std::move(message));
+  }
   stream->Schedule();
   return reactor;
 }
 
 WatchStream::WatchStream(const Surroundings& surroundings, grpc::CallbackServerContext* context)
-    : surroundings_(surroundings), context_(context) {}
+    : surroundings_(surroundings), peer_(context->peer()), context_(context) {}
 
 void WatchStream::Wake() { Schedule(); }
 
@@ -97,9 +61,14 @@ void WatchStream::Drain() {
 }
 
 void WatchStream::End(const absl::Status& status) {
+  bool is_first = false;
   {
     const absl::MutexLock lock(&mutex_);
-    if (!end_) end_ = status;
+    is_first = !end_;
+    if (is_first) end_ = status;
+  }
+  if (is_first && ReasonOf(status) == reason::kSlowConsumer) {
+    spdlog::info("map {}: {}", course_->map()->name().ToString(), std::string(status.message()));
   }
   Schedule();
 }
@@ -112,6 +81,11 @@ void WatchStream::Cancel() {
 Revision WatchStream::revision() const {
   const absl::MutexLock lock(&mutex_);
   return revision_;
+}
+
+std::shared_ptr<WatchMessages> WatchStream::step() const {
+  const absl::MutexLock lock(&mutex_);
+  return shared_step_;
 }
 
 absl::Time WatchStream::sending_since() const {
@@ -139,10 +113,14 @@ void WatchStream::OnGone() {
     if (end_) status = *end_;
   }
   if (!entered) return;
-  surroundings_.hub->Leave(map_->key(), shared_from_this());
+  const std::shared_ptr<MapRuntime>& map = course_->map();
+  if (course_->is_within_step() && !absl::IsNotFound(status)) {
+    surroundings_.hub->Hold(course_->step());
+  }
+  surroundings_.hub->Leave(map->key(), shared_from_this());
   spdlog::debug("map {}: a watch ended behind revision {}: {}",
-                map_->name().ToString(),
-                position_.revision.value(),
+                map->name().ToString(),
+                course_->position().revision.value(),
                 status.ToString());
 }
 
@@ -178,11 +156,14 @@ void WatchStream::Advance() {
     if (end) return Finish(*end);
     absl::StatusOr<Message> message = Message();
     const absl::Status status = RunGuarded([this, draining, &message] {
-      message = Next(draining);
+      message = NextMessage(draining);
       return message.status();
     });
     const absl::MutexLock lock(&mutex_);
-    revision_ = position_.revision;
+    if (course_) {
+      revision_ = course_->position().revision;
+      shared_step_ = course_->step();
+    }
     if (!status.ok()) {
       if (!end_) end_ = status;
     } else if (message->has_value()) {
@@ -198,200 +179,40 @@ void WatchStream::Advance() {
   reactor_->StartWrite(&outgoing_);
 }
 
+absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
+  if (begun_) return course_->Next(draining);
+  if (absl::Status status = ReadRequest(); !status.ok()) return status;
+  const std::shared_ptr<MapRuntime>& map = course_->map();
+  if (map->condition() == MapRuntime::Condition::kOpening) return Message();
+  {
+    const absl::MutexLock lock(&mutex_);
+    entered_ = true;
+  }
+  // From here on no commit is missed.
+  absl::Status status = surroundings_.hub->Enter(map->key(), shared_from_this());
+  if (!status.ok()) return status;
+  begun_ = true;
+  return course_->Begin();
+}
+
+/// Once: and sees to it that this stream goes on when the map is open.
+absl::Status WatchStream::ReadRequest() {
+  if (std::exchange(has_read_request_, true)) return absl::OkStatus();
+  absl::Status status = surroundings_.openings->Take(peer_, absl::Now());
+  if (!status.ok()) return status;
+  if (!course_) return absl::InvalidArgumentError("the request is no WatchMapRequest");
+  status = course_->ReadRequest();
+  if (!status.ok()) return status;
+  course_->map()->WhenOpened([self = shared_from_this()] { self->Schedule(); });
+  return absl::OkStatus();
+}
+
 void WatchStream::Finish(const absl::Status& status) {
   {
     const absl::MutexLock lock(&mutex_);
     activity_ = Activity::kFinished;
   }
   reactor_->Finish(ToGrpcStatus(status));
-}
-
-/// Wakes this stream once the map is open.
-absl::Status WatchStream::FindMap() {
-  absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Find(request_.map(), "map");
-  if (!map.ok()) return map.status();
-  map_ = *std::move(map);
-  map_->WhenOpened([self = shared_from_this()] { self->Schedule(); });
-  return absl::OkStatus();
-}
-
-absl::Status WatchStream::Open() {
-  if (absl::Status status = map_->CheckReads(); !status.ok()) return status;
-  absl::StatusOr<MapFilter> filter = FromProto(request_.filter());
-  if (!filter.ok()) return WithFieldPrefix(filter.status(), "filter");
-  const absl::StatusOr<std::size_t> limit = ReadMessageLimit(request_.max_message_bytes());
-  if (!limit.ok()) return limit.status();
-  filter_ = *std::move(filter);
-  max_message_bytes_ = *limit;
-  scope_ = {map_->key(), map_->record().incarnation, FingerprintOf(request_.filter())};
-  {
-    const absl::MutexLock lock(&mutex_);
-    entered_ = true;
-  }
-  // From here on no commit is missed.
-  absl::Status status = surroundings_.hub->Enter(map_->key(), shared_from_this());
-  return status.ok() ? ChooseStart(map_->published()) : status;
-}
-
-absl::Status WatchStream::ChooseStart(const PublishedRevision& newest) {
-  if (!request_.resume_token().empty()) return ResumeBehindToken(newest);
-  switch (request_.start()) {
-    case v1::WATCH_START_NOW:
-      if (request_.takes_patches()) {
-        return InvalidField(reason::kBadValue,
-                            "takes_patches",
-                            "a watch from now on has no leaves that patches could be of");
-      }
-      BeginFrom(newest);
-      return absl::OkStatus();
-    case v1::WATCH_START_SNAPSHOT_THEN_FOLLOW:
-      position_.revision = newest.commit.revision;
-      next_snapshot_ = newest;
-      return absl::OkStatus();
-    default:
-      return InvalidField(reason::kBadValue, "start", "a watch needs `start` or a `resume_token`");
-  }
-}
-
-/// With an empty step: who is cut off before anything happens has a token to go on behind.
-void WatchStream::BeginFrom(const PublishedRevision& newest) {
-  const std::shared_ptr<const MapSnapshot>& snapshot = newest.snapshot;
-  position_ = {snapshot->revision, snapshot->last_event, newest.commit.hash};
-  StepPlan nothing;
-  nothing.from = snapshot->revision;
-  nothing.shown = ShownBy(filter_, *snapshot);
-  nothing.snapshot = snapshot;
-  step_ = std::make_shared<WatchMessages>(
-      WatchMessages::Source{nullptr, scope_, filter_, position_, position_, max_message_bytes_},
-      std::move(nothing));
-}
-
-absl::Status WatchStream::ResumeBehindToken(const PublishedRevision& newest) {
-  const std::shared_ptr<const MapSnapshot>& snapshot = newest.snapshot;
-  if (request_.start() != v1::WATCH_START_UNSPECIFIED) {
-    return InvalidField(
-        reason::kBadValue, "start", "`start` must not be set where there is a `resume_token`");
-  }
-  absl::StatusOr<WatchPosition> position = ReadResumeToken(scope_, request_.resume_token());
-  if (absl::IsInvalidArgument(position.status())) return position.status();
-  if (!position.ok()) {
-    gap_ = position.status();
-  } else if (position->revision > snapshot->revision) {
-    gap_ = MakeError(absl::StatusCode::kOutOfRange,
-                     reason::kRevisionInFuture,
-                     absl::StrCat("the resume token is of revision ",
-                                  position->revision.value(),
-                                  ", the map is at ",
-                                  snapshot->revision.value()),
-                     "resume_token");
-  } else if (position->revision == snapshot->revision && position->commit() != newest.commit) {
-    gap_ = MakeError(absl::StatusCode::kOutOfRange,
-                     reason::kRevisionCompacted,
-                     "the resume token is of another history of the map",
-                     "resume_token");
-  } else {
-    position_ = *position;
-    if (position_.revision == snapshot->revision) shown_ = ShownBy(filter_, *snapshot);
-  }
-  return gap_.ok() || request_.resync_if_compacted() ? absl::OkStatus() : gap_;
-}
-
-absl::StatusOr<WatchStream::Message> WatchStream::Next(bool draining) {
-  if (!is_request_whole_) {
-    return absl::InvalidArgumentError("the request is no WatchMapRequest");
-  }
-  if (map_ == nullptr) {
-    if (absl::Status status = FindMap(); !status.ok()) return status;
-  }
-  if (!opened_) {
-    if (map_->condition() == MapRuntime::Condition::kOpening) return Message();
-    if (absl::Status status = Open(); !status.ok()) return status;
-    opened_ = true;
-    return MakeCreated();
-  }
-  while (true) {
-    absl::StatusOr<Message> message = NextOfStep();
-    if (!message.ok() || message->has_value()) return message;
-    // A map in quarantine or deleted says so.
-    if (absl::Status status = map_->CheckReads(); !status.ok() && !draining) return status;
-    const PublishedRevision newest = map_->published();
-    if (!next_snapshot_ && gap_.ok() && newest.commit.revision == position_.revision) break;
-    message = TakeStep(newest);
-    if (!message.ok() || message->has_value()) return message;
-  }
-  if (!draining) return Message();
-  if (std::exchange(said_goodbye_, true)) return DrainingError();
-  return MakeGoodbye();
-}
-
-/// The next message of the step under way; none, and no step, once it is whole.
-absl::StatusOr<WatchStream::Message> WatchStream::NextOfStep() {
-  while (step_ != nullptr) {
-    if (place_ == step_->count()) {
-      position_ = step_->after();
-      shown_ = step_->shown();
-      following_ = true;
-      step_ = nullptr;
-      break;
-    }
-    absl::StatusOr<Message> message = step_->At(place_++);
-    if (!message.ok() || message->has_value()) return message;
-  }
-  return Message();
-}
-
-/// Takes the step that leads to `snapshot`; or a message to be sent first.
-absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(const PublishedRevision& newest) {
-  if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), newest);
-  WatchHub::StepRequest wanted{scope_,
-                               filter_,
-                               max_message_bytes_,
-                               request_.takes_patches(),
-                               false,
-                               position_,
-                               shown_,
-                               newest.snapshot,
-                               newest.commit.hash};
-  if (next_snapshot_) {
-    wanted.as_snapshot = true;
-    wanted.before = {};
-    wanted.shown = nullptr;
-    wanted.snapshot = next_snapshot_->snapshot;
-    wanted.history_hash = next_snapshot_->commit.hash;
-  }
-  absl::StatusOr<std::shared_ptr<WatchMessages>> step = surroundings_.hub->FindStep(wanted);
-  if (absl::IsOutOfRange(step.status())) return HandleGap(step.status(), newest);
-  if (!step.ok()) return step.status();
-  step_ = *std::move(step);
-  place_ = 0;
-  next_snapshot_.reset();
-  return Message();
-}
-
-/// The history between the watcher and the map is gone: begins anew where that was asked for.
-absl::StatusOr<WatchStream::Message> WatchStream::HandleGap(const absl::Status& gap,
-                                                            const PublishedRevision& newest) {
-  if (request_.resync_if_compacted()) {
-    next_snapshot_ = newest;
-    return MakeResync(newest.commit.revision, ReasonOf(gap));
-  }
-  if (!following_) return gap;
-  return MakeError(
-      absl::StatusCode::kAborted,
-      reason::kSlowConsumer,
-      absl::StrCat("the watcher fell so far behind that the history it needs is gone: ",
-                   std::string(gap.message())));
-}
-
-grpc::ByteBuffer WatchStream::MakeCreated() const {
-  const MapConfig& config = map_->record().config;
-  v1::WatchMapResponse message;
-  v1::WatchCreated* created = message.mutable_created();
-  created->set_revision(position_.revision.value());
-  created->set_voxel_size_m(config.voxel_size_m);
-  created->set_truncation_m(config.truncation_m);
-  created->set_incarnation(scope_.incarnation);
-  return Serialize(message);
 }
 
 }  // namespace steadymap

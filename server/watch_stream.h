@@ -14,6 +14,8 @@
 #include <grpcpp/support/server_callback.h>
 
 #include "server/map_directory.h"
+#include "server/peer_limiter.h"
+#include "server/watch_course.h"
 #include "server/watch_hub.h"
 #include "server/worker_pool.h"
 
@@ -21,8 +23,8 @@
 
 namespace steadymap {
 
-/// One `WatchMap` call. It holds what the watcher has, takes the next step when the one before is
-/// written, and sleeps while the map does not change. At any moment either one task of the pool is
+/// One `WatchMap` call: sends the messages of a `WatchCourse`, each when the one before is written,
+/// and sleeps while the map does not change. At any moment either one task of the pool is
 /// at work on it, or one write is on its way, or neither; whoever wakes it meanwhile leaves a note.
 /// The stream outlives the reactor as long as a task or the hub knows it. Thread-safe.
 class WatchStream final : public ActiveWatch, public std::enable_shared_from_this<WatchStream> {
@@ -34,6 +36,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
     MapDirectory* maps = nullptr;
     WatchHub* hub = nullptr;
     WorkerPool* pool = nullptr;
+    PeerLimiter* openings = nullptr;
   };
 
   /// Starts a stream; `request` is a serialized `v1::WatchMapRequest`. The reactor deletes itself.
@@ -49,13 +52,13 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   void End(const absl::Status& status) override ABSL_LOCKS_EXCLUDED(mutex_);
   void Cancel() override ABSL_LOCKS_EXCLUDED(mutex_);
   Revision revision() const override ABSL_LOCKS_EXCLUDED(mutex_);
+  std::shared_ptr<WatchMessages> step() const override ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Time sending_since() const override ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
   class Reactor;
 
-  /// A message to send; none if there is nothing to say now.
-  using Message = std::optional<grpc::ByteBuffer>;
+  using Message = WatchCourse::Message;
 
   enum class Activity { kIdle, kAdvancing, kWriting, kFinished };
 
@@ -68,37 +71,18 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   void Advance() ABSL_LOCKS_EXCLUDED(mutex_);
   void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  absl::Status FindMap();
-  absl::Status Open();
-  absl::Status ChooseStart(const PublishedRevision& newest);
-  void BeginFrom(const PublishedRevision& newest);
-  absl::Status ResumeBehindToken(const PublishedRevision& newest);
-  absl::StatusOr<Message> Next(bool draining);
-  absl::StatusOr<Message> NextOfStep();
-  absl::StatusOr<Message> TakeStep(const PublishedRevision& newest);
-  absl::StatusOr<Message> HandleGap(const absl::Status& gap, const PublishedRevision& newest);
-  grpc::ByteBuffer MakeCreated() const;
+  absl::StatusOr<Message> NextMessage(bool draining) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status ReadRequest() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Surroundings surroundings_;
+  const std::string peer_;
   Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
-  v1::WatchMapRequest request_;
-  bool is_request_whole_ = false;
 
   // Of whoever advances the stream.
-  bool opened_ = false;
-  bool following_ = false;  ///< A step or snapshot has been sent whole.
-  bool said_goodbye_ = false;
-  std::shared_ptr<MapRuntime> map_;
-  WatchScope scope_;
-  MapFilter filter_;
-  std::size_t max_message_bytes_ = 0;
-  WatchPosition position_;                          ///< What the watcher has.
-  std::shared_ptr<const ShownObjects> shown_;       ///< At `position_`; null: not known.
-  std::optional<PublishedRevision> next_snapshot_;  ///< To be sent whole; none: deltas follow.
-  absl::Status gap_;  ///< Why the history behind the token is no use; to be told or resynced.
-  std::shared_ptr<WatchMessages> step_;  ///< On its way; null between steps.
-  std::size_t place_ = 0;                ///< Of the next message in it.
-  grpc::ByteBuffer outgoing_;            ///< Of the write on its way.
+  std::optional<WatchCourse> course_;  ///< None for a request that is no WatchMapRequest.
+  bool has_read_request_ = false;
+  bool begun_ = false;
+  grpc::ByteBuffer outgoing_;  ///< Of the write on its way.
 
   mutable absl::Mutex mutex_;
   grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null once the call is over.
@@ -108,6 +92,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub knows it.
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   Revision revision_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< As the course's.
   absl::Time sending_since_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
 };
 

@@ -8,6 +8,8 @@
 #include <absl/status/status.h>
 #include <grpcpp/channel.h>
 
+#include "client/channel.h"
+
 namespace CLI {
 class App;
 }
@@ -28,6 +30,11 @@ struct CommandContext {
   std::function<absl::Status()> action{};
 
   std::shared_ptr<grpc::ChannelInterface> Channel() const { return open_channel(server); }
+
+  /// For what outlives its server; not for longer than the context.
+  ChannelOpener Channels() const {
+    return [this] { return Channel(); };
+  }
 };
 
 }  // namespace steadymap

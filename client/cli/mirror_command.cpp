@@ -14,6 +14,7 @@
 #include "client/cli/argument_text.h"
 #include "client/cli/command_line.h"
 #include "client/cli/json_writer.h"
+#include "client/cli/map_lookup.h"
 #include "client/cli/number_text.h"
 #include "client/cli/output_file.h"
 #include "client/cli/resume_token.h"
@@ -121,7 +122,7 @@ absl::Status MirrorCommand::Run() const {
     return absl::FailedPreconditionError("cannot make the folder " + output_ + ": " +
                                          error.message());
   }
-  const absl::StatusOr<v1::Map> map = MapClient(context_->Channel()).GetMap(*name);
+  const absl::StatusOr<v1::Map> map = LookUpMap(*name, RetryTime(retry_for_s_), context_);
   if (!map.ok()) return map.status();
   absl::StatusOr<MapFilter> filter = ReadWatchFilter(filter_, ClassNames(map->config()));
   if (!filter.ok()) return filter.status();
@@ -135,7 +136,7 @@ absl::Status MirrorCommand::Follow(const MapName& name, const MapFilter& filter)
   NewestStep newest(&stop);
   MirrorOptions options;
   options.filter = filter;
-  options.backoff.give_up_after = MillisecondsOf(retry_for_s_);
+  options.backoff.give_up_after = RetryTime(retry_for_s_);
   MirrorCallbacks callbacks;
   callbacks.on_step = [&](const MirrorStep& step) { newest.Put(step); };
   callbacks.on_state = [&](const WatchStateChange& change) {
@@ -146,7 +147,7 @@ absl::Status MirrorCommand::Follow(const MapName& name, const MapFilter& filter)
                   << DurationText(1e-3 * static_cast<double>(change.delay.count())) << std::endl;
   };
   const std::unique_ptr<MapMirror> mirror =
-      MapMirror::Start(context_->Channel(), name, options, callbacks);
+      MapMirror::Start(context_->Channels(), name, options, callbacks);
 
   Clock::time_point next_write = Clock::now();
   for (;;) {

@@ -9,6 +9,7 @@
 #include "client/cli/argument_text.h"
 #include "client/cli/command_line.h"
 #include "client/cli/json_writer.h"
+#include "client/cli/map_lookup.h"
 #include "client/cli/number_text.h"
 #include "client/cli/progress_report.h"
 #include "client/map_client.h"
@@ -27,18 +28,19 @@ absl::Status CheckId(const char* what, const std::string& id) {
 }
 
 // Makes sure that the map is there: somebody who uploads to a new name wants a map of that name.
-absl::Status EnsureMap(const MapName& name, bool no_create, CommandContext* context) {
-  MapClient client(context->Channel());
-  const absl::StatusOr<v1::Map> present = client.GetMap(name);
+absl::Status EnsureMap(const MapName& name,
+                       const UploadRunOptions& options,
+                       CommandContext* context) {
+  const absl::StatusOr<v1::Map> present = LookUpMap(name, RetryTime(options.retry_for_s), context);
   if (present.status().code() != absl::StatusCode::kNotFound) return present.status();
-  if (no_create) {
+  if (options.no_create) {
     return MakeError(absl::StatusCode::kNotFound,
                      reason::kNotFound,
                      "there is no map " + name.ToString() +
                          "; create it with: steadymap map create " +
                          (name.tenant == "default" ? name.map : name.ToString()));
   }
-  const absl::StatusOr<v1::Map> created = client.CreateMap(name, {});
+  const absl::StatusOr<v1::Map> created = MapClient(context->Channel()).CreateMap(name, {});
   if (created.status().code() == absl::StatusCode::kAlreadyExists) return absl::OkStatus();
   if (!created.ok()) return created.status();
   const v1::MapConfig& config = created->config();
@@ -52,8 +54,7 @@ UploaderOptions OptionsOfUploader(const UploadRunOptions& options, ProgressRepor
   uploader.robot = options.source.robot;
   uploader.sensor = options.source.sensor;
   uploader.session = options.session;
-  uploader.backoff.give_up_after =
-      std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.retry_for_s));
+  uploader.backoff.give_up_after = RetryTime(options.retry_for_s);
   uploader.on_progress = [report](const UploadProgress& progress) {
     report->Update(progress.integrated + progress.refused, progress.durable + progress.refused);
   };
@@ -170,14 +171,14 @@ absl::Status RunUpload(const UploadRunOptions& options,
   absl::Status status = CheckId("robot", options.source.robot);
   if (status.ok()) status = CheckId("sensor", options.source.sensor);
   if (status.ok() && !options.session.empty()) status = CheckId("session", options.session);
-  if (status.ok()) status = EnsureMap(*name, options.no_create, context);
+  if (status.ok()) status = EnsureMap(*name, options, context);
   if (!status.ok()) return status;
 
   const double start_s = SteadySeconds();
   ProgressReport report(
       &context->err, context->err_is_terminal, "integrated", source->frame_count(), SteadySeconds);
   UploadOutcome outcome;
-  FrameUploader uploader(context->Channel(), *name, OptionsOfUploader(options, &report));
+  FrameUploader uploader(context->Channels(), *name, OptionsOfUploader(options, &report));
   absl::StatusOr<UploadSummary> summary =
       UploadAll(source, &uploader, [&](const UnreadableFrame& frame) {
         outcome.unreadable.push_back(frame);

@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/argument_text.h"
+#include "client/cli/map_lookup.h"
 #include "client/cli/resume_token.h"
 #include "client/cli/stop_signal.h"
-#include "client/map_client.h"
 
 namespace steadymap {
 namespace {
@@ -98,8 +98,7 @@ absl::StatusOr<WatchOptions> WatchCommand::ReadStart() const {
     options.resume_token = *std::move(given);
   }
   if (!options.resume_token.empty()) options.start = WatchOpening::kResume;
-  options.backoff.give_up_after =
-      std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * retry_for_s_));
+  options.backoff.give_up_after = RetryTime(retry_for_s_);
   return options;
 }
 
@@ -121,7 +120,7 @@ absl::Status WatchCommand::Run() const {
   if (!name.ok()) return name.status();
   absl::StatusOr<WatchOptions> options = ReadStart();
   if (!options.ok()) return options.status();
-  const absl::StatusOr<v1::Map> map = MapClient(context_->Channel()).GetMap(*name);
+  const absl::StatusOr<v1::Map> map = LookUpMap(*name, RetryTime(retry_for_s_), context_);
   if (!map.ok()) return map.status();
   const ClassNames names(map->config());
   absl::StatusOr<MapFilter> filter = ReadFilter(names);
@@ -135,7 +134,7 @@ absl::Status WatchCommand::Run() const {
   if (count_ > 0) printing.count = count_;
   StopSignal stop;
   WatchPrinter printer(printing, &names, context_, &stop);
-  const MapWatch watch(context_->Channel(), *name, *std::move(options), &printer);
+  const MapWatch watch(context_->Channels(), *name, *std::move(options), &printer);
   while (!printer.is_done() && !stop.came()) stop.Wait();
   return printer.result();
 }

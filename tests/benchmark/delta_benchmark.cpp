@@ -123,7 +123,7 @@ void Run(const Options& options) {
   plan.request.set_start(v1::WATCH_START_SNAPSHOT_THEN_FOLLOW);
   plan.request.set_takes_patches(true);
   WatchCrowd crowd(daemon.address(), 1, {plan});
-  const FeedRecord feed = FeedFrames(channel, map, drive.frames, options.rate_hz);
+  const FeedRecord feed = FeedFrames(daemon.address(), map, drive.frames, options.rate_hz);
   if (!crowd.AwaitRevision(drive.frames.size(), kCatchUpLimit)) {
     throw std::runtime_error("the watcher did not catch up");
   }

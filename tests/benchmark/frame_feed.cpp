@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/channel.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/uploader.h"
 #include "core/image_codec.h"
@@ -36,7 +37,7 @@ double MeanFrameBytes(const std::vector<v1::Frame>& frames) {
   return static_cast<double>(bytes) / static_cast<double>(std::max<std::size_t>(frames.size(), 1));
 }
 
-FeedRecord FeedFrames(const std::shared_ptr<grpc::Channel>& channel,
+FeedRecord FeedFrames(const std::string& address,
                       const MapName& map,
                       const std::vector<v1::Frame>& frames,
                       double rate_hz) {
@@ -52,7 +53,7 @@ FeedRecord FeedFrames(const std::shared_ptr<grpc::Channel>& channel,
       commits.push_back({Clock::now(), progress.revision});
     }
   };
-  FrameUploader uploader(channel, map, options);
+  FrameUploader uploader(ChannelsTo(address), map, options);
   const Clock::time_point start = Clock::now();
   for (std::size_t i = 0; i < copies.size(); ++i) {
     if (rate_hz > 0.0) {

@@ -3,10 +3,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <string>
 #include <vector>
-
-#include <grpcpp/channel.h>
 
 #include "client/simulator/simulation.h"
 #include "core/identifiers.h"
@@ -46,7 +44,7 @@ struct FeedRecord {
 
 /// Uploads frames into an empty map at `rate_hz`, or as fast as the server takes them if that is 0.
 /// Frame k gets the map sequence k + 1. Throws `std::runtime_error` unless all are integrated.
-FeedRecord FeedFrames(const std::shared_ptr<grpc::Channel>& channel,
+FeedRecord FeedFrames(const std::string& address,
                       const MapName& map,
                       const std::vector<v1::Frame>& frames,
                       double rate_hz);

@@ -73,7 +73,7 @@ void UploadToIntegrated(benchmark::State& state) {
     const MapName map{"default", absl::StrCat("round-", ++round)};
     Check(MapClient(channel).CreateMap(map, config).status());
     std::vector<v1::Frame> copies = frames;
-    FrameUploader uploader(channel, map, {});
+    FrameUploader uploader(ChannelsTo(daemon.address()), map, {});
     state.ResumeTiming();
     for (v1::Frame& frame : copies) Check(uploader.Push(std::move(frame)));
     const absl::StatusOr<UploadSummary> summary = uploader.Finish();

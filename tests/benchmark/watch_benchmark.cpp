@@ -150,7 +150,7 @@ Figures RunOnce(const Options& options, const Case& watched, const std::vector<v
   WatchCrowd crowd(daemon.address(), options.connections, MakePlans(watched, map.ToString()));
   const double processor_s = UsageOf(daemon.process()).processor_s;
   const double own_s = OwnProcessorSeconds();
-  const FeedRecord feed = FeedFrames(channel, map, frames, options.rate_hz);
+  const FeedRecord feed = FeedFrames(daemon.address(), map, frames, options.rate_hz);
   if (!crowd.AwaitRevision(frames.size(), kCatchUpLimit)) std::printf("some never caught up\n");
   const ProcessUsage usage = UsageOf(daemon.process());
   const double own_used_s = OwnProcessorSeconds() - own_s;

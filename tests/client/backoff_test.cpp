@@ -1,5 +1,7 @@
 #include "client/backoff.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -28,9 +30,9 @@ TEST(Backoff, WhatAServerAsksForComesOnTop) {
                    .jitter = 0.0,
                    .give_up_after = milliseconds(3'000)},
                   1);
-  EXPECT_EQ(backoff.NextDelay(milliseconds(1'000)), milliseconds(1'010));
+  EXPECT_EQ(backoff.NextDelay({.asked = milliseconds(1'000)}), milliseconds(1'010));
   EXPECT_EQ(backoff.NextDelay(), milliseconds(20));
-  EXPECT_EQ(backoff.NextDelay(milliseconds(2'000)), milliseconds(2'040));
+  EXPECT_EQ(backoff.NextDelay({.asked = milliseconds(2'000)}), milliseconds(2'040));
   EXPECT_FALSE(backoff.NextDelay()) << "it counts";
 }
 
@@ -71,6 +73,60 @@ TEST(Backoff, EndsOnceTheDelaysAddUpAndStartsAnewAfterASuccess) {
   EXPECT_FALSE(backoff.NextDelay());
   backoff.Reset();
   EXPECT_EQ(backoff.NextDelay(), milliseconds(10));
+}
+
+TEST(Backoff, TimeThatTriesTakeCountsUntilTheServerIsReached) {
+  Backoff backoff({.first_delay = milliseconds(10),
+                   .max_delay = milliseconds(1'000),
+                   .jitter = 0.0,
+                   .give_up_after = milliseconds(1'000)},
+                  1);
+  EXPECT_EQ(backoff.NextDelay({.took = milliseconds(900)}), milliseconds(10));
+  backoff.NoteReached();
+  EXPECT_EQ(backoff.NextDelay({.took = milliseconds(900)}), milliseconds(20))
+      << "they go on growing";
+  EXPECT_FALSE(backoff.NextDelay({.took = milliseconds(80)}));
+}
+
+TEST(Backoff, DelaysStayShortWhileNobodyAnswers) {
+  Backoff backoff({.first_delay = milliseconds(100),
+                   .max_delay = milliseconds(3'000),
+                   .max_unanswered_delay = milliseconds(500),
+                   .jitter = 0.0},
+                  1);
+  for (const int expected : {100, 200, 400, 500, 500}) {
+    EXPECT_EQ(backoff.NextDelay({.was_answered = false}), milliseconds(expected));
+  }
+  for (const int expected : {500, 1'000, 2'000, 3'000}) {
+    EXPECT_EQ(backoff.NextDelay({.was_answered = true}), milliseconds(expected));
+  }
+  EXPECT_EQ(backoff.NextDelay({.was_answered = false}), milliseconds(500));
+}
+
+/// When the robots of a fleet, which lose their server at 0, try it again behind its return.
+std::vector<milliseconds> FirstTriesBehind(milliseconds back, std::uint64_t robots) {
+  std::vector<milliseconds> tries;
+  for (std::uint64_t robot = 1; robot <= robots; ++robot) {
+    Backoff backoff({}, robot);
+    milliseconds now(0);
+    while (now < back) now += backoff.NextDelay({.was_answered = false}).value();
+    tries.push_back(now);
+  }
+  std::sort(tries.begin(), tries.end());
+  return tries;
+}
+
+TEST(Backoff, AFleetIsBackWithinASecondAndNotAllAtOnce) {
+  constexpr std::size_t kRobots = 100;
+  constexpr std::size_t kHerd = 25;
+  for (const int away_ms : {20, 250, 700, 2'000, 30'000}) {
+    const std::vector<milliseconds> tries = FirstTriesBehind(milliseconds(away_ms), kRobots);
+    EXPECT_LT(tries.back(), milliseconds(away_ms + 1'000)) << "away for " << away_ms << " ms";
+    for (std::size_t i = 0; i + kHerd < tries.size(); ++i) {
+      EXPECT_GE(tries[i + kHerd] - tries[i], milliseconds(10))
+          << kHerd << " robots at once, away for " << away_ms << " ms";
+    }
+  }
 }
 
 }  // namespace

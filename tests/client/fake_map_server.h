@@ -8,6 +8,7 @@
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 
+#include "client/channel.h"
 #include "core/error.h"
 #include "core/identifiers.h"
 #include "proto/grpc_status.h"
@@ -196,6 +197,11 @@ class FakeServer {
   FakeServer& operator=(const FakeServer&) = delete;
 
   std::shared_ptr<grpc::Channel> channel() const { return server_->InProcessChannel({}); }
+
+  /// For clients that open a channel for each try; they must not outlive the server.
+  ChannelOpener channels() const {
+    return [this] { return channel(); };
+  }
 
  private:
   std::unique_ptr<grpc::Server> server_;

@@ -61,7 +61,7 @@ class MirrorHarness {
       events_came_.notify_all();
     };
     callbacks.on_state = [this](const WatchStateChange& change) { Note(change); };
-    mirror_ = MapMirror::Start(server.channel(), {"default", "kitchen"}, options, callbacks);
+    mirror_ = MapMirror::Start(server.channels(), {"default", "kitchen"}, options, callbacks);
     started_.Notify();
     return *mirror_;
   }

@@ -48,7 +48,7 @@ struct UploadHarness {
   }
 
   absl::StatusOr<UploadSummary> Upload(std::size_t frame_count, std::size_t frame_bytes = 100) {
-    FrameUploader uploader(server.channel(), kKitchen, options);
+    FrameUploader uploader(server.channels(), kKitchen, options);
     for (std::size_t i = 0; i < frame_count; ++i) {
       const absl::Status status = uploader.Push(FrameOfBytes(frame_bytes));
       if (!status.ok()) return status;

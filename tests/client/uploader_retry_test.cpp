@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(FrameUploader, WaitsLongerEachTimeAndGivesUpInTheEnd) {
   std::vector<FakeIngestService::Script> scripts(
-      20, [](ScriptedStream&) { return Failure(absl::StatusCode::kUnavailable); });
+      20, [](ScriptedStream&) { return Failure(absl::StatusCode::kAborted); });
   UploadHarness harness(scripts);
   harness.options.backoff = {.first_delay = milliseconds(100),
                              .max_delay = milliseconds(800),
@@ -75,7 +75,7 @@ TEST(FrameUploader, WaitsLongerEachTimeAndGivesUpInTheEnd) {
                              .jitter = 0.0,
                              .give_up_after = milliseconds(2'000)};
   const absl::StatusOr<UploadSummary> summary = harness.Upload(3);
-  EXPECT_EQ(summary.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(summary.status().code(), absl::StatusCode::kAborted);
   EXPECT_EQ(harness.delays,
             (std::vector<milliseconds>{milliseconds(100),
                                        milliseconds(200),
@@ -83,6 +83,22 @@ TEST(FrameUploader, WaitsLongerEachTimeAndGivesUpInTheEnd) {
                                        milliseconds(800),
                                        milliseconds(800)}));
   EXPECT_EQ(harness.service.streams_opened(), 6U);
+}
+
+TEST(FrameUploader, LooksForALostServerTwiceASecond) {
+  std::vector<FakeIngestService::Script> scripts(
+      20, [](ScriptedStream&) { return Failure(absl::StatusCode::kUnavailable); });
+  UploadHarness harness(scripts);
+  harness.options.backoff.jitter = 0.0;
+  harness.options.backoff.give_up_after = milliseconds(2'000);
+  EXPECT_EQ(harness.Upload(3).status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(harness.delays,
+            (std::vector<milliseconds>{milliseconds(100),
+                                       milliseconds(200),
+                                       milliseconds(400),
+                                       milliseconds(500),
+                                       milliseconds(500),
+                                       milliseconds(500)}));
 }
 
 TEST(FrameUploader, ProgressStartsTheDelaysAnew) {

@@ -219,7 +219,7 @@ TEST(FrameUploader, DestructionEndsAnUploadThatHangs) {
     EXPECT_FALSE(stream.ReadBatch(&batch));
     return grpc::Status::OK;
   }});
-  FrameUploader uploader(harness.server.channel(), kKitchen, harness.options);
+  FrameUploader uploader(harness.server.channels(), kKitchen, harness.options);
   EXPECT_TRUE(uploader.Push(FrameOfBytes(10)).ok());
   opened.get_future().wait();
 }
@@ -230,7 +230,7 @@ TEST(FrameUploader, PushAfterFinishIsRefused) {
     stream.SendOpened(0, 10);
     return stream.AcceptRest();
   }});
-  FrameUploader uploader(harness.server.channel(), kKitchen, harness.options);
+  FrameUploader uploader(harness.server.channels(), kKitchen, harness.options);
   ASSERT_TRUE(uploader.Finish().ok());
   EXPECT_EQ(uploader.Push(FrameOfBytes(1)).code(), absl::StatusCode::kFailedPrecondition);
 }
@@ -261,7 +261,7 @@ TEST(UploadAll, LeavesOutWhatTheSourceCannotRead) {
     return status;
   }});
   DamagedSource source;
-  FrameUploader uploader(harness.server.channel(), kKitchen, harness.options);
+  FrameUploader uploader(harness.server.channels(), kKitchen, harness.options);
   std::vector<std::size_t> unreadable;
   const absl::StatusOr<UploadSummary> summary = UploadAll(
       &source, &uploader, [&](const UnreadableFrame& frame) { unreadable.push_back(frame.index); });

@@ -210,7 +210,7 @@ TEST_F(CliTest, AnUploadResumesAfterAKilledDaemon) {
     daemon_.Kill();
     daemon_.Restart();
   };
-  FrameUploader uploader(OpenChannel(daemon_.address()), kHall, options);
+  FrameUploader uploader(ChannelsTo(daemon_.address()), kHall, options);
   const absl::StatusOr<UploadSummary> summary = UploadAll(source->get(), &uploader);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_TRUE(killed);

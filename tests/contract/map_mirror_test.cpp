@@ -78,7 +78,7 @@ class MirrorContractTest : public ::testing::Test {
                                     const MirrorCallbacks& callbacks = {}) {
     MirrorOptions options;
     options.filter = filter;
-    return MapMirror::Start(OpenChannel(daemon_.address()), kDepot, options, callbacks);
+    return MapMirror::Start(ChannelsTo(daemon_.address()), kDepot, options, callbacks);
   }
 
   void ExpectExport(const MapMirror& mirror, Revision revision) {

@@ -67,10 +67,27 @@ std::vector<ObjectEvent> MakeObjectHistory(const MapSnapshot& map) {
   return events;
 }
 
+MapSnapshot MakeCrowdedMap(int boxes) {
+  MapSnapshot map = FloorMap();
+  map.revision = Revision(kObjectMapRevision);
+  map.last_capture_time = Timestamp::FromSeconds(200.0);
+  for (int i = 1; i <= boxes; ++i) {
+    AddObject(MakeBox(static_cast<std::uint64_t>(i), ObjectStanding::kPresent, 9.0), &map);
+  }
+  map.newest_object = ObjectId(static_cast<std::uint64_t>(boxes));
+  return map;
+}
+
 void StoreObjectMap(TestService* service) {
   const MapSnapshot map = MakeObjectMap();
+  StoreMap(service, map, MakeObjectHistory(map));
+}
+
+void StoreMap(TestService* service,
+              const MapSnapshot& map,
+              const std::vector<ObjectEvent>& events) {
   MapDelta delta = Diff(MapSnapshot(map.scale), map);
-  delta.events = MakeObjectHistory(map);
+  delta.events = events;
   const MapKey key = service->store().ListMaps()->front().key;
   LogAppend append{key, MapUptime(1), {}, {}};
   for (std::uint64_t sequence = 1; sequence <= kObjectMapRevision; ++sequence) {

@@ -20,8 +20,14 @@ MapSnapshot MakeObjectMap();
 /// The five events that led there.
 std::vector<ObjectEvent> MakeObjectHistory(const MapSnapshot& map);
 
-/// Puts that map and its history into the store as a mapper would have, for the only map that the
-/// service has, and restarts the service.
+/// A map of revision 7, too: a floor and `boxes` boxes that are present, some kilobytes each.
+MapSnapshot MakeCrowdedMap(int boxes);
+
+/// Puts a map of revision 7 and its history into the store as a mapper would have, for the only map
+/// that the service has, and restarts the service.
+void StoreMap(TestService* service, const MapSnapshot& map, const std::vector<ObjectEvent>& events);
+
+/// The same with `MakeObjectMap` and `MakeObjectHistory`.
 void StoreObjectMap(TestService* service);
 
 }  // namespace steadymap

@@ -13,10 +13,7 @@
 #include "core/map_delta.h"
 #include "tests/contract/object_map.h"
 #include "tests/contract/test_service.h"
-#include "tests/contract/upload_client.h"
-#include "tests/contract/watch_client.h"
-#include "tests/support/default_scale.h"
-#include "tests/support/packed_leaf.h"
+#include "tests/contract/watch_fixture.h"
 
 namespace steadymap {
 namespace {
@@ -32,106 +29,10 @@ using ::testing::Property;
 using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
 
-constexpr std::size_t kMaxWatches = 30;
-
-class WatchServiceTest : public ::testing::TestWithParam<Transport> {
- protected:
-  WatchServiceTest()
-      : service_(GetParam(), [](ServerConfig* config) {
-          config->commit.max_delay = std::chrono::milliseconds(5);
-          config->watch.max_watches = kMaxWatches;
-        }) {}
-
-  v1::WatchMapRequest Request(v1::WatchStart start = v1::WATCH_START_SNAPSHOT_THEN_FOLLOW) const {
-    v1::WatchMapRequest request;
-    request.set_map(map_);
-    request.set_start(start);
-    return request;
-  }
-
-  v1::WatchMapRequest ResumeBehind(const v1::WatchProgress& progress) const {
-    v1::WatchMapRequest request = Request(v1::WATCH_START_UNSPECIFIED);
-    request.set_resume_token(progress.resume_token());
-    return request;
-  }
-
-  std::unique_ptr<WatchClient> Watch(const v1::WatchMapRequest& request) {
-    stub_ = v1::WatchService::NewStub(service_.channel());
-    return std::make_unique<WatchClient>(stub_.get(), request);
-  }
-
-  absl::Status ErrorOf(const v1::WatchMapRequest& request) { return Watch(request)->End(); }
-
-  /// Uploads a few more frames; returns the revision that shows them.
-  std::uint64_t Upload(int frames = 4) {
-    const auto ack =
-        UploadByCall(&service_, {map_}, MakeBatch(uploaded_ + 1, frames), v1::ACK_LEVEL_INTEGRATED);
-    EXPECT_TRUE(ack.ok()) << ack.status();
-    uploaded_ += static_cast<std::uint64_t>(frames);
-    return uploaded_;
-  }
-
-  /// The leaves of the whole map by a query.
-  std::vector<std::string> LeavesByQuery() {
-    v1::GetMapSectionRequest request;
-    request.set_map(map_);
-    grpc::ClientContext context;
-    SetDeadline(&context);
-    const auto reader = service_.queries().GetMapSection(&context, request);
-    std::vector<std::string> leaves;
-    v1::GetMapSectionResponse response;
-    while (reader->Read(&response)) {
-      for (const v1::PackedLeaf& leaf : response.leaves().leaves()) {
-        leaves.push_back(leaf.SerializeAsString());
-      }
-    }
-    EXPECT_TRUE(reader->Finish().ok());
-    std::sort(leaves.begin(), leaves.end());
-    return leaves;
-  }
-
-  TestService service_;
-  std::string map_ = service_.CreateMap("hall");
-  std::unique_ptr<v1::WatchService::Stub> stub_;
-  std::uint64_t uploaded_ = 0;
-};
-
 INSTANTIATE_TEST_SUITE_P(Transports,
                          WatchServiceTest,
                          ::testing::Values(Transport::kInProcess, Transport::kLoopback),
                          TransportName);
-
-/// Puts the leaves of steps together; sorted as `LeavesByQuery` does.
-class ToldLeaves {
- public:
-  void Take(const ToldStep& step) {
-    for (const v1::PackedLeaf& leaf : step.Leaves()) {
-      v1::PackedLeaf key = leaf;
-      key.clear_packed();
-      key.clear_is_patch();
-      v1::PackedLeaf& known = leaves_[key.SerializeAsString()];
-      const auto packed = testing::TakePackedLeaf(leaf, known.packed(), testing::kScale);
-      ASSERT_TRUE(packed.has_value());
-      known = key;
-      known.set_packed(*packed);
-      if (packed->empty()) leaves_.erase(key.SerializeAsString());
-      if (leaf.is_patch()) ++patches_;
-    }
-  }
-
-  std::size_t patches() const { return patches_; }
-
-  std::vector<std::string> All() const {
-    std::vector<std::string> all;
-    for (const auto& [key, leaf] : leaves_) all.push_back(leaf.SerializeAsString());
-    std::sort(all.begin(), all.end());
-    return all;
-  }
-
- private:
-  std::map<std::string, v1::PackedLeaf> leaves_;
-  std::size_t patches_ = 0;
-};
 
 std::vector<std::uint64_t> IdsOf(const std::vector<v1::Object>& objects) {
   std::vector<std::uint64_t> ids;
@@ -232,30 +133,6 @@ TEST_P(WatchServiceTest, StepsNameTheRevisionsTheyLeadBetween) {
       reached = step->progress.revision();
     }
   }
-}
-
-TEST_P(WatchServiceTest, ResumedBehindATokenMissesNothingAfterARestart) {
-  Upload();
-  ToldLeaves view;
-  v1::WatchProgress progress;
-  {
-    const auto watch = Watch(Request());
-    const auto begin = watch->ReadStep();
-    ASSERT_TRUE(begin.has_value());
-    view.Take(*begin);
-    progress = begin->progress;
-  }
-  Upload();
-  service_.Restart();
-  const std::uint64_t target = Upload();
-  const auto watch = Watch(ResumeBehind(progress));
-  const auto step = watch->ReadUntil(target);
-  ASSERT_TRUE(step.has_value());
-  EXPECT_EQ(step->created->revision(), progress.revision());
-  EXPECT_THAT(step->snapshot, IsEmpty());
-  EXPECT_EQ(step->delta[0].previous_revision(), progress.revision());
-  view.Take(*step);
-  EXPECT_EQ(view.All(), LeavesByQuery());
 }
 
 TEST_P(WatchServiceTest, ShowsPresentObjectsAndTheEventsThatCome) {
@@ -390,52 +267,6 @@ TEST_P(WatchServiceTest, WrongRequestsAreNamed) {
   EXPECT_THAT(ErrorOf(request), IsError(kInvalid, "BAD_VALUE", "filter.boxes[0].min_m"));
 }
 
-TEST_P(WatchServiceTest, TokensAreGoodForTheirFilterAlone) {
-  Upload();
-  const auto begin = Watch(Request())->ReadStep();
-  ASSERT_TRUE(begin.has_value());
-  v1::WatchMapRequest request = ResumeBehind(begin->progress);
-  request.mutable_filter()->set_include_archived(true);
-  EXPECT_THAT(ErrorOf(request),
-              IsError(StatusCode::kInvalidArgument, "BAD_RESUME_TOKEN", "filter"));
-}
-
-TEST_P(WatchServiceTest, BehindCompactionIsOutOfRangeOrASnapshotWhereAskedFor) {
-  Upload();
-  const auto begin = Watch(Request())->ReadStep();
-  ASSERT_TRUE(begin.has_value());
-  const std::uint64_t target = Upload();
-  const MapRecord record = service_.store().ListMaps()->front();
-  ASSERT_TRUE(service_.store().Trim(record, {.uptime = std::chrono::hours(1'000'000)}).ok());
-  v1::WatchMapRequest request = ResumeBehind(begin->progress);
-  EXPECT_THAT(ErrorOf(request), IsError(StatusCode::kOutOfRange, "REVISION_COMPACTED", ""));
-  request.set_resync_if_compacted(true);
-  const auto step = Watch(request)->ReadUntil(target);
-  ASSERT_TRUE(step.has_value());
-  ASSERT_TRUE(step->resync.has_value());
-  EXPECT_EQ(step->resync->reason(), "REVISION_COMPACTED");
-  EXPECT_EQ(step->resync->revision(), target);
-  ToldLeaves view;
-  view.Take(*step);
-  EXPECT_EQ(view.All(), LeavesByQuery());
-}
-
-TEST_P(WatchServiceTest, TokenOfAMapThatWasMadeAnewIsOutOfRange) {
-  Upload();
-  const auto begin = Watch(Request())->ReadStep();
-  ASSERT_TRUE(begin.has_value());
-  ASSERT_TRUE(service_.DeleteMap(map_).ok());
-  EXPECT_EQ(service_.CreateMap("hall"), map_);
-  v1::WatchMapRequest request = ResumeBehind(begin->progress);
-  EXPECT_THAT(ErrorOf(request),
-              IsError(StatusCode::kOutOfRange, "REVISION_COMPACTED", "resume_token"));
-  request.set_resync_if_compacted(true);
-  const auto step = Watch(request)->ReadStep();
-  ASSERT_TRUE(step.has_value());
-  EXPECT_TRUE(step->resync.has_value());
-  EXPECT_EQ(step->progress.revision(), 0U);
-}
-
 TEST_P(WatchServiceTest, ADrainingServerSendsEverythingThenSaysGoodbye) {
   const auto watch = Watch(Request());
   ASSERT_TRUE(watch->ReadStep().has_value());
@@ -452,6 +283,24 @@ TEST_P(WatchServiceTest, EndsWhenItsMapIsDeleted) {
   ASSERT_TRUE(watch->ReadStep().has_value());
   ASSERT_TRUE(service_.DeleteMap(map_).ok());
   EXPECT_EQ(watch->End().code(), StatusCode::kNotFound);
+}
+
+TEST_P(WatchServiceTest, OneAddressOpensNoMoreThanItsRate) {
+  TestService service(GetParam(), [](ServerConfig* config) {
+    config->watch.max_watches = 2;
+    config->watch.openings_per_second = 1;
+  });
+  const auto stub = v1::WatchService::NewStub(service.channel());
+  v1::WatchMapRequest request;
+  request.set_map("tenants/test/maps/nobody");
+  absl::Status status = absl::NotFoundError("");
+  int openings = 0;
+  for (; absl::IsNotFound(status) && openings < 100; ++openings) {
+    status = WatchClient(stub.get(), request).End();
+  }
+  EXPECT_GT(openings, 4) << "a burst of twice the watches that may be open";
+  EXPECT_THAT(status, IsError(StatusCode::kResourceExhausted, "RATE_LIMIT", ""));
+  EXPECT_EQ(RetryDelayMsOf(status), 1000);
 }
 
 TEST_P(WatchServiceTest, NoMoreAreTakenThanAllowedUntilOneEnds) {

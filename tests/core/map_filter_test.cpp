@@ -117,6 +117,9 @@ TEST(MapFilter, EventsOfRobotsPassWhereNothingIsAskedOfObjects) {
   filter.boxes_world.clear();
   filter.classes = {ClassId(0)};
   EXPECT_FALSE(filter.Shows(event));
+  filter.classes.clear();
+  filter.objects = {kBackgroundId};
+  EXPECT_FALSE(filter.Shows(event));
 }
 
 }  // namespace

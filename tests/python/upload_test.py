@@ -181,20 +181,34 @@ class _CallThatNeverEnds:
         raise _Cancelled
 
 
-class _LateStub:
+class _LateChannel:
     """Sends all requests before it returns the call, as gRPC may on a busy machine."""
 
-    def UploadFrames(self, requests):  # As gRPC names it.
-        for _ in requests:
-            pass
-        return _CallThatNeverEnds()
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        pass
+
+    def unary_unary(self, method, **serializers):
+        """Answers nothing."""
+
+    def stream_stream(self, method, **serializers):
+        """What makes a call of `method`."""
+
+        def start(requests):
+            for _ in requests:
+                pass
+            return _CallThatNeverEnds()
+
+        return start
 
 
 class AnUploadWhoseServerHangs(unittest.TestCase):
     def test_ends_if_its_time_is_over_before_there_is_a_call(self):
         options = steadymap.UploadOptions(open_timeout_s=0.01, backoff=IMPATIENT)
         with self.assertRaises(errors.DeadlineExceededError):
-            uploader = steadymap.Uploader(_LateStub(), "tenants/default/maps/hall", options)
+            uploader = steadymap.Uploader(_LateChannel, "tenants/default/maps/hall", options)
             uploader.push(wall_frame())
             uploader.finish()
 

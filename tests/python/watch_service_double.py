@@ -10,12 +10,22 @@ from steadymap._generated.v1 import watch_service_pb2, watch_service_pb2_grpc
 Response = watch_service_pb2.WatchMapResponse
 
 
-def created(revision, incarnation="one"):
+def created(revision, incarnation="one", continues_step=False):
     return Response(
         created=watch_service_pb2.WatchCreated(
-            revision=revision, voxel_size_m=0.05, truncation_m=0.15, incarnation=incarnation
+            revision=revision,
+            voxel_size_m=0.05,
+            truncation_m=0.15,
+            incarnation=incarnation,
+            continues_step=continues_step,
         )
     )
+
+
+def with_token(part, token):
+    """A part of a step with a token for going on behind it."""
+    getattr(part, part.WhichOneof("kind")).resume_token = token
+    return part
 
 
 def snapshot(revision, *object_ids):

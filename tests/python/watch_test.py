@@ -1,6 +1,7 @@
 """Watches: against a server that follows scripts, and against the daemon."""
 
 import asyncio
+import dataclasses
 import tempfile
 import threading
 import unittest
@@ -18,6 +19,7 @@ from watch_service_double import (
     progress,
     resync,
     snapshot,
+    with_token,
 )
 
 import steadymap
@@ -135,6 +137,69 @@ class AScriptedWatch(unittest.TestCase):
                 ("Progress", 4),
             ],
         )
+
+    def test_goes_on_within_a_snapshot_that_was_cut(self):
+        requests = self.check(
+            [
+                [created(3), with_token(snapshot(3, 1), b"p1"), UNAVAILABLE],
+                [UNAVAILABLE],
+                [created(3, continues_step=True), with_token(snapshot(3, 2), b"p2"), UNAVAILABLE],
+                [created(3, continues_step=True), progress(3)],
+            ],
+            [("Created", 3), ("Snapshot", 3, 1), ("Snapshot", 3, 2), ("Progress", 3)],
+        )
+        self.assertEqual([r.resume_token for r in requests], [b"", b"p1", b"p1", b"p2"])
+
+    def test_begins_a_snapshot_anew_that_is_gone(self):
+        requests = self.check(
+            [
+                [created(3), with_token(snapshot(3, 1), b"p1"), UNAVAILABLE],
+                [created(4), snapshot(4, 2), UNAVAILABLE],
+                [created(5), snapshot(5, 2), progress(5)],
+            ],
+            [
+                ("Created", 3),
+                ("Snapshot", 3, 1),
+                ("Created", 4),
+                ("Snapshot", 4, 2),
+                ("Created", 5),
+                ("Snapshot", 5, 2),
+                ("Progress", 5),
+            ],
+        )
+        self.assertEqual([r.resume_token for r in requests], [b"", b"p1", b""])
+
+    def test_goes_on_within_a_step_that_was_cut_and_repeats_nothing(self):
+        first = [created(3), progress(3), with_token(delta(4, 3, 9), b"p1"), UNAVAILABLE]
+        second = [created(3, continues_step=True), with_token(events(4, 1), b"p2"), UNAVAILABLE]
+        third = [created(3, continues_step=True), progress(4), UNAVAILABLE]
+        fourth = [created(4), events(6, 2), progress(6)]
+        requests = self.check(
+            [first, second, third, fourth],
+            [
+                ("Created", 3),
+                ("Progress", 3),
+                ("Delta", 4, 9),
+                ("Events", 4, 1),
+                ("Progress", 4),
+                ("Events", 6, 2),
+                ("Progress", 6),
+            ],
+        )
+        self.assertEqual([r.resume_token for r in requests], [b"", b"p1", b"p2", b"token-4"])
+
+    def test_takes_a_step_from_its_beginning_that_cannot_be_gone_on_with(self):
+        part = with_token(delta(4, 3, 9), b"p1")
+        requests = self.check(
+            [
+                [created(3), progress(3), part, UNAVAILABLE],
+                [created(3, continues_step=True), grpc.StatusCode.ABORTED],
+                [created(3), part, UNAVAILABLE],
+                [created(3), part, progress(4)],
+            ],
+            [("Created", 3), ("Progress", 3), ("Delta", 4, 9), ("Progress", 4)],
+        )
+        self.assertEqual([r.resume_token for r in requests], [b"", b"p1", b"token-3", b"p1"])
 
     def test_tells_of_a_gap_in_the_history(self):
         requests = self.check(
@@ -333,14 +398,17 @@ class AWatchOfADaemon(unittest.TestCase):
         with self.assertRaises(errors.NotFoundError):
             next(self.client.watch("nowhere"))
 
-    def test_with_a_token_of_another_filter_is_refused(self):
+    def test_with_a_token_of_another_filter_is_resynced_or_refused(self):
         with self.client.watch("hall", steadymap.WatchOptions(kinds=["events"])) as watch:
             self.client.upload("hall", [room_frame(0, ())])
             self.read_up_to(watch, 1)
             token = watch.resume_token
         options = steadymap.WatchOptions(kinds=["objects"], resume_token=token)
+        with self.client.watch("hall", options) as watch:
+            self.assertEqual(next(watch), steadymap.Resync(1, "BAD_RESUME_TOKEN"))
+        strict = dataclasses.replace(options, resync_if_compacted=False)
         with self.assertRaises(errors.InvalidArgumentError) as raised:
-            next(self.client.watch("hall", options))
+            next(self.client.watch("hall", strict))
         self.assertEqual(raised.exception.reason, "BAD_RESUME_TOKEN")
 
 

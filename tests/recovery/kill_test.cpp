@@ -94,7 +94,7 @@ MapFiles Export(MapClient* client) {
 class BackgroundUpload {
  public:
   BackgroundUpload(const std::string& address, const std::vector<v1::Frame>& frames)
-      : uploader_(OpenChannel(address), kHall, Options(frames)) {
+      : uploader_(ChannelsTo(address), kHall, Options(frames)) {
     thread_ = std::thread([this, &frames] { Run(frames); });
   }
 

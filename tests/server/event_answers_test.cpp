@@ -64,5 +64,32 @@ TEST_F(LongHistory, EventsOfLaterRevisionsAreNotShown) {
   EXPECT_EQ(List(request, 2).events_size(), 2);
 }
 
+TEST(EventsOfRobots, PassNoFilterOfObjects) {
+  MemoryStore store;
+  const MapKey map = store.CreateMap(MakeMapRecord("test", "hall"))->key;
+  ASSERT_TRUE(store.Append(MakeAppend(map, 1, 1)).ok());
+  MapDelta delta = MakeDelta(0, 1, {});
+  ObjectEvent lost;
+  lost.type = EventType::kRobotLost;
+  lost.source.robot = "robot-7";
+  lost.revision = Revision(1);
+  delta.events = {lost};
+  ASSERT_TRUE(store.CommitRevision(map, delta, {}).ok());
+  const auto count = [&](const v1::ListEventsRequest& request) {
+    v1::ListEventsResponse response;
+    EXPECT_TRUE(AnswerListEvents(store, map, Revision(1), request, &response).ok());
+    return response.events_size();
+  };
+  v1::ListEventsRequest any;
+  any.add_types(v1::EVENT_TYPE_ROBOT_LOST);
+  EXPECT_EQ(count(any), 1);
+  v1::ListEventsRequest of_object = any;
+  of_object.add_object_ids(0);
+  EXPECT_EQ(count(of_object), 0);
+  v1::ListEventsRequest of_class = any;
+  of_class.add_class_ids(0);
+  EXPECT_EQ(count(of_class), 0);
+}
+
 }  // namespace
 }  // namespace steadymap

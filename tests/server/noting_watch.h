@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "server/watch_hub.h"
 
 namespace steadymap {
@@ -16,6 +18,8 @@ class NotingWatch final : public ActiveWatch {
   void Cancel() override { ++cancels; }
 
   Revision revision() const override { return has; }
+
+  std::shared_ptr<WatchMessages> step() const override { return nullptr; }
 
   absl::Time sending_since() const override { return since; }
 

@@ -1,6 +1,8 @@
 #include "server/watch_hub.h"
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -21,7 +23,10 @@ class WatchHubTest : public ::testing::Test {
     return watch;
   }
 
-  WatchHub hub_{{.store = nullptr, .max_watches = 3, .stall_timeout = absl::Seconds(60)}};
+  WatchHub hub_{{.store = nullptr,
+                 .max_watches = 3,
+                 .stall_timeout = absl::Seconds(60),
+                 .stall_grace = absl::Seconds(60)}};
 };
 
 TEST_F(WatchHubTest, ACommitWakesTheWatchesOfItsMapAlone) {
@@ -32,16 +37,26 @@ TEST_F(WatchHubTest, ACommitWakesTheWatchesOfItsMapAlone) {
   EXPECT_EQ(yard->wakes, 0);
 }
 
-TEST_F(WatchHubTest, CancelsWhoTakesAMessageForTooLong) {
+TEST_F(WatchHubTest, EndsWhoTakesAMessageForTooLong) {
   const auto stalled = Enter(kHall);
   const auto slow = Enter(kHall);
   const auto idle = Enter(kYard);
-  stalled->since = absl::Now() - absl::Seconds(61);
+  stalled->since = absl::Now() - absl::Seconds(90);
   slow->since = absl::Now() - absl::Seconds(30);
-  hub_.CancelStalled();
-  EXPECT_EQ(stalled->cancels, 1);
-  EXPECT_EQ(slow->cancels, 0);
-  EXPECT_EQ(idle->cancels, 0);
+  hub_.EndStalled();
+  EXPECT_EQ(ReasonOf(stalled->ended), reason::kSlowConsumer);
+  EXPECT_EQ(stalled->cancels, 0) << "it shall hear why";
+  for (const auto& watch : {slow, idle}) {
+    EXPECT_TRUE(watch->ended.ok());
+    EXPECT_EQ(watch->cancels, 0);
+  }
+}
+
+TEST_F(WatchHubTest, GivesUpWhoDoesNotComeBackToRead) {
+  const auto gone = Enter(kHall);
+  gone->since = absl::Now() - absl::Seconds(121);
+  hub_.EndStalled();
+  EXPECT_EQ(gone->cancels, 1);
 }
 
 TEST_F(WatchHubTest, TakesNoMoreThanItsLimit) {
@@ -72,6 +87,51 @@ TEST_F(WatchHubTest, DrainingAsksAllToGoAndLetsNobodyIn) {
   EXPECT_FALSE(hub_.AwaitEmpty(absl::Now()));
   hub_.Leave(kHall, watch);
   EXPECT_TRUE(hub_.AwaitEmpty(absl::Now()));
+}
+
+/// A step of a map's watch from a revision to the next; it brings nothing.
+std::shared_ptr<WatchMessages> MakeStep(MapKey map, std::uint64_t from) {
+  StepPlan plan;
+  plan.from = Revision(from);
+  auto snapshot = std::make_shared<MapSnapshot>(VoxelScale{0.05, 0.15});
+  snapshot->revision = Revision(from + 1);
+  plan.snapshot = snapshot;
+  StepKey key;
+  key.scope.map = map;
+  key.before.revision = Revision(from);
+  key.to = {snapshot->revision};
+  key.max_message_bytes = 1 << 16;
+  return std::make_shared<WatchMessages>(
+      WatchMessages::Source{nullptr, MapFilter(), key, {snapshot->revision, EventNumber()}}, plan);
+}
+
+TEST_F(WatchHubTest, HoldsTheLastFewStepsForAMinute) {
+  std::vector<std::shared_ptr<WatchMessages>> steps;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    steps.push_back(MakeStep(kHall, i));
+    hub_.Hold(steps.back());
+    hub_.Hold(MakeStep(kHall, i));  // Of another watcher that was cut off in it.
+  }
+  EXPECT_EQ(hub_.FindHeld(steps.front()->key()), nullptr) << "there are too many";
+  const StepKey& last = steps.back()->key();
+  EXPECT_NE(hub_.FindHeld(steps[20]->key()), nullptr);
+  hub_.DropHeld(absl::Now());
+  EXPECT_NE(hub_.FindHeld(last), nullptr);
+  StepKey other = last;
+  other.takes_patches = true;
+  EXPECT_EQ(hub_.FindHeld(other), nullptr);
+  hub_.DropHeld(absl::Now() + absl::Minutes(2));
+  EXPECT_EQ(hub_.FindHeld(last), nullptr);
+}
+
+TEST_F(WatchHubTest, ForgetsTheStepsOfAMapThatEnds) {
+  const auto hall = MakeStep(kHall, 1);
+  const auto yard = MakeStep(kYard, 1);
+  hub_.Hold(hall);
+  hub_.Hold(yard);
+  hub_.EndMap(kHall, absl::NotFoundError("gone"));
+  EXPECT_EQ(hub_.FindHeld(hall->key()), nullptr);
+  EXPECT_EQ(hub_.FindHeld(yard->key()), yard);
 }
 
 TEST_F(WatchHubTest, TheEndOfAMapEndsItsWatches) {

@@ -4,9 +4,8 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
 
+#include "client/channel.h"
 #include "proto/convert_event.h"
 #include "proto/convert_object.h"
 #include "tests/server/store_builder.h"
@@ -14,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-constexpr int kReconnectMs = 20;
+constexpr std::chrono::milliseconds kRetryDelay{20};
 
 /// Everything, half of the view, goods with their past, or the background and two objects.
 MapFilter DrawMirrorFilter(std::uint32_t seed) {
@@ -36,16 +35,6 @@ MapFilter DrawMirrorFilter(std::uint32_t seed) {
   return filter;
 }
 
-std::shared_ptr<grpc::Channel> OpenQuickChannel(const std::string& address) {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(-1);
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kReconnectMs);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kReconnectMs);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kReconnectMs);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
-}
-
 WatchedContent ContentOf(const MapSnapshot& map) {
   WatchedContent content;
   for (const LeafChange& leaf : LeavesOf(map)) content.leaves[leaf.key] = leaf.packed;
@@ -65,8 +54,9 @@ FleetMirror::FleetMirror(const FleetServer* server, std::uint32_t seed)
   MirrorOptions options;
   options.filter = filter_;
   options.seed = seed + 1;
-  options.backoff.first_delay = std::chrono::milliseconds(kReconnectMs);
-  options.backoff.max_delay = std::chrono::milliseconds(kReconnectMs);
+  options.max_message_bytes = 65'536;  // So that steps come in several.
+  options.backoff.first_delay = kRetryDelay;
+  options.backoff.max_delay = kRetryDelay;
   MirrorCallbacks callbacks;
   callbacks.on_step = [this](const MirrorStep& step) {
     const absl::MutexLock lock(&mutex_);
@@ -76,10 +66,8 @@ FleetMirror::FleetMirror(const FleetServer* server, std::uint32_t seed)
     const absl::MutexLock lock(&mutex_);
     life_.reconnections += change.state == WatchState::kReconnecting ? 1 : 0;
   };
-  mirror_ = MapMirror::Start(OpenQuickChannel(proxy_.address()),
-                             MapName::Parse(server->map()).value(),
-                             options,
-                             callbacks);
+  mirror_ = MapMirror::Start(
+      ChannelsTo(proxy_.address()), MapName::Parse(server->map()).value(), options, callbacks);
 }
 
 MirrorLife FleetMirror::Stop() {

@@ -11,6 +11,12 @@
 namespace steadymap {
 namespace {
 
+// So that steps come in several.
+constexpr std::uint32_t kSmallMessageBytes = 65'536;
+
+// How often a watcher is cut off behind a message within a step.
+constexpr std::uint32_t kCutWithinStepOneIn = 4;
+
 /// Everything, half of the view, goods alone, the background alone, or events alone.
 MapFilter DrawFilter(std::mt19937* random) {
   MapFilter filter;
@@ -58,6 +64,7 @@ void FleetWatcher::NewMind() {
   from_now_ = !filter_.WantsObjects() && random_() % 2 == 0;
   resyncs_ = random_() % 2 == 0;
   takes_patches_ = !from_now_ && random_() % 3 > 0;
+  keeps_parts_ = random_() % 3 > 0;
   changed_mind_ = true;
 }
 
@@ -120,7 +127,11 @@ void FleetWatcher::RunStream() {
     *request.mutable_filter() = ToProto(filter_);
     request.set_resync_if_compacted(resyncs_);
     request.set_takes_patches(takes_patches_);
-    if (promises_->progress()) {
+    request.set_max_message_bytes(kSmallMessageBytes);
+    if (keeps_parts_ && !promises_->part_token().empty()) {
+      request.set_resume_token(promises_->part_token());
+      begin_ = WatchPromises::Begin::kWithinStep;
+    } else if (promises_->progress()) {
       request.set_resume_token(promises_->progress()->resume_token());
       begin_ = WatchPromises::Begin::kResumed;
     } else {
@@ -130,14 +141,18 @@ void FleetWatcher::RunStream() {
     context_ = &context;
   }
   ++life_.streams;
-  life_.resumed += begin_ == WatchPromises::Begin::kResumed ? 1 : 0;
+  life_.resumed += request.resume_token().empty() ? 0 : 1;
   promises_->BeginStream(begin_);
   const auto stream = v1::WatchService::NewStub(server_->Connect())->WatchMap(&context, request);
   v1::WatchMapResponse message;
+  bool is_cut = false;
   while (stream->Read(&message)) {
+    if (is_cut) continue;  // What was on its way already.
     promises_->Take(message);
     if (message.has_progress()) revision_ = message.progress().revision();
     const absl::MutexLock lock(&mutex_);
+    is_cut = !promises_->part_token().empty() && random_() % kCutWithinStepOneIn == 0;
+    if (is_cut) context.TryCancel();
     mutex_.Await(absl::Condition(this, &FleetWatcher::MayRead));
   }
   const absl::Status status = FromGrpcStatus(stream->Finish());
@@ -159,6 +174,7 @@ void FleetWatcher::Conclude() {
   life_.steps += promises_->steps();
   life_.jumps += promises_->jumps();
   life_.patches += promises_->patches();
+  life_.continued += promises_->continued();
   life_.events += promises_->events();
   life_.resyncs += promises_->resyncs();
   life_.broken.insert(life_.broken.end(), promises_->broken().begin(), promises_->broken().end());

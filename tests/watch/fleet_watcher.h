@@ -26,6 +26,7 @@ struct WatchLife {
   std::size_t steps = 0;
   std::size_t jumps = 0;
   std::size_t patches = 0;
+  std::size_t continued = 0;  ///< Streams that went on within a step.
   std::size_t events = 0;
   std::size_t resyncs = 0;
   std::size_t gaps_told = 0;  ///< Streams that ended since the history they needed was gone.
@@ -79,6 +80,7 @@ class FleetWatcher {
   bool from_now_ ABSL_GUARDED_BY(mutex_) = false;
   bool resyncs_ ABSL_GUARDED_BY(mutex_) = false;
   bool takes_patches_ ABSL_GUARDED_BY(mutex_) = false;
+  bool keeps_parts_ ABSL_GUARDED_BY(mutex_) = false;  ///< Of steps that it is cut off in.
   bool changed_mind_ ABSL_GUARDED_BY(mutex_) = true;
   bool stalled_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

@@ -86,6 +86,7 @@ class FleetHistory {
       all.steps += life.steps;
       all.jumps += life.jumps;
       all.patches += life.patches;
+      all.continued += life.continued;
       all.events += life.events;
       all.resyncs += life.resyncs;
       all.gaps_told += life.gaps_told;
@@ -166,15 +167,17 @@ TEST(WatchLaw, HoldsOverRandomHistories) {
     std::cout << "seed " << seed << ": " << operations << " operations, revision "
               << fleet.history().head().value() << ", " << life.streams << " streams, "
               << life.resumed << " resumed, " << life.steps << " steps, " << life.jumps
-              << " over several commits, " << life.patches << " patches, " << life.events
-              << " events, " << life.resyncs << " resyncs, " << life.gaps_told
-              << " gaps told; mirrors: " << mirrored.steps << " steps, " << mirrored.reconnections
-              << " reconnections, " << mirrored.snapshots << " snapshots\n";
+              << " over several commits, " << life.patches << " patches, " << life.continued
+              << " went on within a step, " << life.events << " events, " << life.resyncs
+              << " resyncs, " << life.gaps_told << " gaps told; mirrors: " << mirrored.steps
+              << " steps, " << mirrored.reconnections << " reconnections, " << mirrored.snapshots
+              << " snapshots\n";
     all_mirrored.steps += mirrored.steps;
     all_mirrored.reconnections += mirrored.reconnections;
     all.steps += life.steps;
     all.jumps += life.jumps;
     all.patches += life.patches;
+    all.continued += life.continued;
     all.events += life.events;
     all.resumed += life.resumed;
   }
@@ -185,6 +188,7 @@ TEST(WatchLaw, HoldsOverRandomHistories) {
     EXPECT_GT(all.jumps, 0U);
   }
   EXPECT_GT(all.patches, 0U);
+  EXPECT_GT(all.continued, 0U);
   EXPECT_GT(all.events, 0U);
   EXPECT_GT(all.resumed, 0U);
   EXPECT_GT(all_mirrored.steps, 20U);

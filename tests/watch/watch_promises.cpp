@@ -35,6 +35,8 @@ WatchPromises::WatchPromises(const MapFilter& filter,
     : filter_(filter), history_(history), scale_(scale), replay_(history, scale) {}
 
 void WatchPromises::BeginStream(Begin begin) {
+  within_step_ = begin == Begin::kWithinStep;
+  if (within_step_) return;
   begin_ = begin;
   if (begin_ != Begin::kResumed) {
     // A new watch: what was told before does not count.
@@ -45,15 +47,24 @@ void WatchPromises::BeginStream(Begin begin) {
     settled_event_ = 0;
   }
   expects_snapshot_ = begin_ == Begin::kSnapshot;
+  may_repeat_ = begin_ == Begin::kResumed;
+  VoidStep();
+}
+
+void WatchPromises::VoidStep() {
   last_event_ = settled_event_;
   next_ = content_;
   step_revision_ = 0;
   fragments_ = 0;
   next_fragment_ = 1;
   events_.clear();
+  part_token_.clear();
 }
 
 void WatchPromises::Take(const v1::WatchMapResponse& message) {
+  if (message.has_snapshot()) part_token_ = message.snapshot().resume_token();
+  if (message.has_delta()) part_token_ = message.delta().resume_token();
+  if (message.has_events()) part_token_ = message.events().resume_token();
   switch (message.kind_case()) {
     case v1::WatchMapResponse::kCreated:
       return TakeCreated(message.created());
@@ -72,7 +83,28 @@ void WatchPromises::Take(const v1::WatchMapResponse& message) {
   }
 }
 
+/// What was to go on within a step does, or that step is void: a snapshot comes anew then.
+void WatchPromises::TakeWithinStep(const v1::WatchCreated& created) {
+  within_step_ = false;
+  const std::uint64_t due = expects_snapshot_ ? step_revision_ : revision_;
+  if (created.continues_step()) {
+    ++continued_;
+    if (created.revision() != due) {
+      Break("Resumable", absl::StrCat("within the step at ", due, " at ", created.revision()));
+    }
+    return;
+  }
+  VoidStep();
+  if (expects_snapshot_) {
+    next_ = {};
+  } else if (created.revision() != due && created.revision() != 0) {
+    Break("Resumable", absl::StrCat("behind ", due, " the stream began at ", created.revision()));
+  }
+}
+
 void WatchPromises::TakeCreated(const v1::WatchCreated& created) {
+  if (within_step_) return TakeWithinStep(created);
+  if (created.continues_step()) Break("Resumable", "within a step, which nobody asked for");
   if (begin_ == Begin::kNow) {
     revision_ = created.revision();
     if (!replay_.GoTo(Revision(revision_))) Break("Bookmarkable", "began at no revision");
@@ -93,6 +125,7 @@ void WatchPromises::TakeResync(const v1::WatchResync& resync) {
   }
   expects_snapshot_ = true;
   next_ = {};
+  part_token_.clear();
 }
 
 void WatchPromises::TakeSnapshot(const v1::SnapshotChunk& chunk) {
@@ -186,7 +219,8 @@ void WatchPromises::TakeProgress(const v1::WatchProgress& progress) {
     Break("Bookmarkable",
           absl::StrCat("progress ", progress.revision(), ", data of ", step_revision_));
   }
-  if (!expects_snapshot_ && progress.revision() == revision_ && progress_) {
+  const bool may_repeat = std::exchange(may_repeat_, false) && step_revision_ == 0;
+  if (!expects_snapshot_ && progress.revision() == revision_ && progress_ && !may_repeat) {
     Break("Unique", absl::StrCat("revision ", revision_, " twice"));
   } else if (progress.revision() < revision_) {
     Break("Ordered", absl::StrCat(progress.revision(), " after ", revision_));
@@ -208,6 +242,7 @@ void WatchPromises::TakeProgress(const v1::WatchProgress& progress) {
   events_told_ += events_.size();
   settled_event_ = last_event_;
   events_.clear();
+  part_token_.clear();
   ++steps_;
 }
 

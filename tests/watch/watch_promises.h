@@ -35,13 +35,17 @@ class WatchPromises {
   WatchPromises(const MapFilter& filter, const MapHistory* history, const VoxelScale& scale);
 
   /// How a stream begins. From now on only events can be held to their promises.
-  enum class Begin { kSnapshot, kNow, kResumed };
+  enum class Begin { kSnapshot, kNow, kResumed, kWithinStep };
 
-  /// A stream begins; resumed behind `progress()`.
+  /// A stream begins; resumed behind `progress()`, or behind `part_token()`.
   void BeginStream(Begin begin);
 
-  /// A message of the stream. What a stream told after its last progress is void when it ends.
+  /// A message of the stream. What a stream told after its last progress is void when it ends,
+  /// unless the next one goes on within the step.
   void Take(const v1::WatchMapResponse& message);
+
+  /// The token for going on within the step that has not been closed; empty without.
+  const std::string& part_token() const { return part_token_; }
 
   /// The newest progress; none yet.
   const std::optional<v1::WatchProgress>& progress() const { return progress_; }
@@ -59,8 +63,12 @@ class WatchPromises {
 
   std::size_t patches() const { return patches_; }  ///< Leaves that came as patches.
 
+  std::size_t continued() const { return continued_; }  ///< Streams that went on within a step.
+
  private:
+  void VoidStep();
   void TakeCreated(const v1::WatchCreated& created);
+  void TakeWithinStep(const v1::WatchCreated& created);
   void TakeSnapshot(const v1::SnapshotChunk& chunk);
   void TakeDelta(const v1::DeltaFragment& fragment);
   void TakeEvents(const v1::EventBatch& batch);
@@ -85,11 +93,14 @@ class WatchPromises {
   std::size_t resyncs_ = 0;
   std::size_t jumps_ = 0;
   std::size_t patches_ = 0;
+  std::size_t continued_ = 0;
 
   // Of the stream.
   Begin begin_ = Begin::kSnapshot;
+  bool within_step_ = false;    ///< It is to go on within a step, if its `created` says so.
   std::uint64_t revision_ = 0;  ///< What the watcher has.
   bool expects_snapshot_ = false;
+  bool may_repeat_ = false;  ///< The next progress may repeat the revision: nothing is new.
   WatchedContent content_;
   std::uint64_t settled_event_ = 0;  ///< The last one before the newest progress.
 
@@ -100,6 +111,7 @@ class WatchPromises {
   std::uint32_t next_fragment_ = 1;
   std::vector<v1::ObjectEvent> events_;
   std::uint64_t last_event_ = 0;
+  std::string part_token_;
 };
 
 }  // namespace steadymap

@@ -81,10 +81,9 @@ class PlantedFaults : public ::testing::Test {
     Messages messages;
     messages.emplace_back().mutable_created()->set_revision(10);
     WatchHub::StepRequest request{
-        {record_.key, "i", 1}, filter_, 65'536, true, true, {}, nullptr, nullptr, 0};
+        {record_.key, "hall", "i", 1}, filter_, 65'536, true, true, {}, nullptr, {}};
     for (const PublishedRevision& published : published_) {
-      request.snapshot = published.snapshot;
-      request.history_hash = published.commit.hash;
+      request.to = published;
       const auto step = hub.FindStep(request).value();
       for (std::size_t i = 0; i < step->count(); ++i) {
         std::optional<grpc::ByteBuffer> bytes = step->At(i).value();
@@ -219,6 +218,19 @@ TEST_F(PlantedFaults, ARevisionTwiceIsNotUnique) {
                                  *At(messages, Kind::kProgress, 1));
               }),
               Contains(StartsWith("Unique:")));
+}
+
+TEST_F(PlantedFaults, AResumedWatchMayBeginWithTheRevisionItHasOnce) {
+  const Messages messages = HonestMessages();
+  const std::size_t begun = Place(messages, Kind::kProgress, 0);
+  WatchPromises promises(filter_, &history_, kTinyScale);
+  promises.BeginStream(WatchPromises::Begin::kSnapshot);
+  for (std::size_t i = 0; i <= begun; ++i) promises.Take(messages[i]);
+  promises.BeginStream(WatchPromises::Begin::kResumed);
+  promises.Take(messages[begun]);
+  EXPECT_THAT(promises.broken(), IsEmpty());
+  promises.Take(messages[begun]);
+  EXPECT_THAT(promises.broken(), Contains(StartsWith("Unique:")));
 }
 
 TEST_F(PlantedFaults, AnEventTwiceIsNotUnique) {

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any, AsyncIterator, Iterable, List, Optional, Sequence, Tuple, Union
 
 from steadymap._generated.v1 import (
-    ingest_service_pb2_grpc,
     map_service_pb2,
     map_service_pb2_grpc,
     query_service_pb2,
@@ -80,7 +79,6 @@ class Client:
         channel = self._connection.channel
         self._maps = map_service_pb2_grpc.MapServiceStub(channel)
         self._queries = query_service_pb2_grpc.QueryServiceStub(channel)
-        self._ingest = ingest_service_pb2_grpc.IngestServiceStub(channel)
 
     def __enter__(self) -> "Client":
         return self
@@ -89,7 +87,7 @@ class Client:
         self.close()
 
     def close(self) -> None:
-        """Closes the channel; what still runs over it ends with an error."""
+        """Closes the channels; what still runs over them ends with an error."""
         self._connection.close()
 
     def create_map(self, map_name: str, options: MapOptions = MapOptions()) -> Map:
@@ -139,7 +137,7 @@ class Client:
 
     def uploader(self, map_name: str, options: UploadOptions = UploadOptions()) -> Uploader:
         """An upload session to push frames into as they come."""
-        return Uploader(self._ingest, full_map_name(map_name), options)
+        return Uploader(self._connection.open_channel, full_map_name(map_name), options)
 
     def objects(
         self,
@@ -207,7 +205,8 @@ class Client:
         Args:
             map_name: the map's name.
             types: of one of these types, such as `"removed"`; empty: of any.
-            object_ids: of, or related to, one of these objects; empty: of any.
+            object_ids: of, or related to, one of these objects; empty: of any. Events of robots
+                concern none: they pass where object_ids and class_ids are both empty.
             class_ids: of objects of one of these classes; empty: of any.
             first_number: from this number on; 0: from the first.
             changed_since: that came after this revision; 0: all.
@@ -290,7 +289,7 @@ class Client:
     def watch(self, map_name: str, options: WatchOptions = WatchOptions()) -> Watch:
         """Follows the map as it changes: an iterator of Created, Snapshot, Delta, Events, Progress
         and Resync items. Broken connections and restarted servers are outlasted."""
-        return Watch(self._connection.channel, full_map_name(map_name), options)
+        return Watch(self._connection.open_channel, full_map_name(map_name), options)
 
     def watch_async(
         self, map_name: str, options: WatchOptions = WatchOptions()

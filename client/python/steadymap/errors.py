@@ -206,6 +206,21 @@ def _parse(kind: Any, value: bytes) -> Any:
         return None
 
 
+_BY_GRPC_WITHOUT_REASON = frozenset(
+    ("UNAVAILABLE", "DEADLINE_EXCEEDED", "CANCELLED", "INTERNAL", "UNKNOWN")
+)
+
+
+def is_server_answer(error: SteadymapError) -> bool:
+    """Whether the service itself ended the call so.
+
+    Otherwise it was gRPC or a deadline of ours: the server could not be reached, did not answer, or
+    went away. The same rule as the C++ client's.
+    """
+    # The service always gives a reason.
+    return error.code not in _BY_GRPC_WITHOUT_REASON or bool(error.reason)
+
+
 _RETRIED_WHATEVER_THE_REASON = frozenset(("UNAVAILABLE", "DEADLINE_EXCEEDED"))
 _RETRIED_WITHOUT_REASON = frozenset(("INTERNAL", "UNKNOWN", "CANCELLED"))
 

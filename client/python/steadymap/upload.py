@@ -2,7 +2,8 @@
 
 import secrets
 import threading
-from typing import Iterator, Optional
+import time
+from typing import Callable, Iterator, Optional
 
 import grpc
 
@@ -15,6 +16,7 @@ from steadymap.errors import (
     SteadymapError,
     UnavailableError,
     error_from_rpc,
+    is_server_answer,
     is_worth_retrying,
 )
 from steadymap.frame import Frame, frame_to_proto
@@ -38,6 +40,7 @@ class _Stream:
         self.call: Optional[grpc.Call] = None
         self.opened = False
         self.ended = False
+        self.closed = False  # By the server, with OK.
         self.reached_goal = False
         self.error: Optional[SteadymapError] = None  # Of ours; goes before the call's own status.
 
@@ -61,9 +64,10 @@ class Uploader:
     """
 
     def __init__(
-        self, stub: ingest_service_pb2_grpc.IngestServiceStub, map_name: str, options: UploadOptions
+        self, open_channel: Callable[[], grpc.Channel], map_name: str, options: UploadOptions
     ) -> None:
-        self._stub = stub
+        """Each stream has a channel of its own from `open_channel`."""
+        self._open_channel = open_channel
         self._map_name = map_name
         self._options = options
         self._session = options.session or f"upload-{secrets.token_hex(8)}"
@@ -154,22 +158,29 @@ class Uploader:
         backoff = Backoff(self._options.backoff, self._options.seed)
         while True:
             advance_before = self._advance()
-            error = self._run_stream()
+            start_s = time.monotonic()
+            with self._open_channel() as channel:
+                error = self._run_stream(ingest_service_pb2_grpc.IngestServiceStub(channel))
             if self._advance() > advance_before:
                 backoff.reset()
             if error is None or not is_worth_retrying(error):
                 return error
-            if not self._wait_before_retry(error, backoff):
+            # Who was let in may have had nothing to upload for hours.
+            took_s = 0.0 if self._stream.opened else time.monotonic() - start_s
+            delay_s = backoff.next_delay_s(
+                was_answered=self._stream.closed or is_server_answer(error),
+                asked_s=error.retry_delay_s or 0.0,
+                took_s=took_s,
+            )
+            if delay_s is None or not self._wait_before_retry(error, delay_s):
                 return error
 
     def _advance(self) -> int:
         progress = self.progress
         return progress.durable + progress.integrated + progress.refused
 
-    def _wait_before_retry(self, error: SteadymapError, backoff: Backoff) -> bool:
-        delay_s = backoff.next_delay_s(error.retry_delay_s or 0.0)
-        if delay_s is None:
-            return False
+    def _wait_before_retry(self, error: SteadymapError, delay_s: float) -> bool:
+        """Returns whether to try again."""
         if self._options.on_retry is not None:
             self._options.on_retry(error, delay_s)
         with self._changed:
@@ -177,10 +188,12 @@ class Uploader:
             self._reconnections += 1
             return not self._cancelled
 
-    def _run_stream(self) -> Optional[SteadymapError]:
+    def _run_stream(
+        self, stub: ingest_service_pb2_grpc.IngestServiceStub
+    ) -> Optional[SteadymapError]:
         """One stream from opening to end; returns what ended it, or None when all is done."""
         stream = _Stream()
-        call = self._stub.UploadFrames(self._requests(stream))
+        call = stub.UploadFrames(self._requests(stream))
         with self._changed:
             stream.call = call
             self._stream = stream
@@ -190,6 +203,7 @@ class Uploader:
         try:
             for response in call:
                 self._take(stream, response)
+            stream.closed = True
         except grpc.RpcError as rpc_error:
             error = error_from_rpc(rpc_error)
         finally:
@@ -203,7 +217,7 @@ class Uploader:
             return None
         if stream.error is not None or error is not None:
             return stream.error or error
-        return self._confirm()
+        return self._confirm(stub)
 
     def _requests(self, stream: _Stream) -> Iterator[ingest_service_pb2.UploadFramesRequest]:
         """What the stream sends; runs in a thread of gRPC."""
@@ -272,7 +286,7 @@ class Uploader:
         if self._options.wait_for is not AckLevel.INTEGRATED:
             stream.call.cancel()  # Else the server would integrate before it ends the stream.
 
-    def _confirm(self) -> Optional[SteadymapError]:
+    def _confirm(self, stub: ingest_service_pb2_grpc.IngestServiceStub) -> Optional[SteadymapError]:
         """After a stream that ended with OK: asks where the session stands.
 
         The acknowledgement of frames that an earlier, broken stream brought may have been lost.
@@ -287,7 +301,7 @@ class Uploader:
             session=self._session,
         )
         try:
-            state = self._stub.GetUploadState(request, timeout=_CONFIRMATION_TIMEOUT_S)
+            state = stub.GetUploadState(request, timeout=_CONFIRMATION_TIMEOUT_S)
         except grpc.RpcError as rpc_error:
             return error_from_rpc(rpc_error)
         ack = ingest_service_pb2.UploadAck(

@@ -4,13 +4,20 @@ import asyncio
 import dataclasses
 import enum
 import threading
+import time
 from typing import Any, AsyncIterator, Callable, Iterator, List, Optional, Sequence, Union
 
 import grpc
 
 from steadymap._generated.v1 import watch_service_pb2, watch_service_pb2_grpc
 from steadymap.backoff import Backoff, BackoffOptions
-from steadymap.errors import SteadymapError, UnavailableError, error_from_rpc, is_worth_retrying
+from steadymap.errors import (
+    SteadymapError,
+    UnavailableError,
+    error_from_rpc,
+    is_server_answer,
+    is_worth_retrying,
+)
 from steadymap.geometry import box_to_proto
 from steadymap.watch_items import Created, Progress, Resync, Snapshot, WatchItem, item_from_proto
 
@@ -45,7 +52,8 @@ class WatchOptions:
         boxes: what touches one of these boxes, shape (2, 3) each: lowest and highest corner, world
             frame, metres. Empty: wherever it is.
         class_ids: objects and events of one of these classes; empty: of any.
-        object_ids: these objects, and events that concern one of them; empty: any.
+        object_ids: these objects, and events that concern one of them; empty: any. Events of robots
+            concern none: they pass where boxes, class_ids and object_ids are all empty.
         include_archived: objects that are gone pass, too.
         resync_if_compacted: where the history behind the token is gone, go on with a Resync and a
             snapshot; else the watch ends with OutOfRangeError.
@@ -88,7 +96,7 @@ _STARTS = {
 
 
 class _WatchState:
-    """What a watch remembers from stream to stream; knows no network and no clock."""
+    """What a watch remembers from stream to stream; knows no network."""
 
     def __init__(self, map_name: str, options: WatchOptions) -> None:
         self.token = options.resume_token
@@ -96,22 +104,33 @@ class _WatchState:
         self._options = options
         self._backoff = Backoff(options.backoff, options.seed)
         self._step: List[WatchItem] = []
+        self._revision: Optional[int] = None  # Of the last Progress.
         self._goodbye_delay_s = 0.0
+        self._start_s = 0.0  # When the stream was opened, on the monotonic clock.
+        self._was_created = False
+        self._got_part = False  # On this stream, with a token for going on behind it.
+        self._part_token = b""  # Of the newest part of the step on its way.
+        self._part_is_snapshot = False
 
     def request(self) -> watch_service_pb2.WatchMapRequest:
-        """Opens the next stream, behind the last token where there is one."""
+        """Opens the next stream, behind the last token where there is one: within the step that the
+        stream before left unfinished, or else behind the last whole one."""
         options = self._options
-        self._step = []  # What an earlier stream did not complete comes again.
+        self._start_s = time.monotonic()
+        self._was_created = False
+        self._got_part = False
         request = watch_service_pb2.WatchMapRequest(
             map=self._map_name,
             max_message_bytes=options.max_message_bytes,
             resync_if_compacted=options.resync_if_compacted,
             takes_patches=options.takes_patches,
         )
-        if self.token is None:
-            request.start = _STARTS[options.start]
-        else:
+        if self._part_token:
+            request.resume_token = self._part_token
+        elif self.token is not None:
             request.resume_token = self.token
+        else:
+            request.start = _STARTS[options.start]
         for kind in options.kinds:
             kind_name = f"WATCH_KIND_{kind.name}"
             request.filter.kinds.append(watch_service_pb2.WatchKind.Value(kind_name))
@@ -126,7 +145,8 @@ class _WatchState:
 
         A step is held back until its Progress: were it handed out in parts and the stream cut in
         between, its events would come twice. Snapshots may be large and are handed out as they
-        come: if one is cut, the next one begins with Created or Resync again.
+        come: if one is cut and cannot be gone on with, the next one begins with Created or Resync
+        again.
         """
         if response.HasField("goodbye"):
             delay = response.goodbye.reconnect_after
@@ -134,23 +154,65 @@ class _WatchState:
             return []
         item = item_from_proto(response)
         if isinstance(item, Created):
-            self._backoff.reset()
-        if item is None or (isinstance(item, Created) and self.token is not None):
+            return self._take_created(item, response.created.continues_step)
+        if item is None:
             return []
-        if isinstance(item, (Created, Snapshot, Resync)):
+        self._note_part(response, isinstance(item, Snapshot))
+        if isinstance(item, (Snapshot, Resync)):
             return [item]
         self._step.append(item)
         if not isinstance(item, Progress):
             return []
+        if item.revision != self._revision:
+            self._backoff.reset()
+        self._revision = item.revision
         self.token = item.resume_token
         whole, self._step = self._step, []
         return whole
 
-    def delay_after(self, error: SteadymapError) -> float:
-        """Seconds to wait before the next stream; raises what waiting does not heal."""
-        at_least_s = max(self._goodbye_delay_s, error.retry_delay_s or 0.0)
+    def _take_created(self, item: Created, continues_step: bool) -> List[WatchItem]:
+        self._was_created = True
+        self._backoff.note_reached()
+        if continues_step:
+            return []
+        begins_anew = self.token is None or (self._part_token and self._part_is_snapshot)
+        self._forget_part()
+        return [item] if begins_anew else []
+
+    def _note_part(self, response: watch_service_pb2.WatchMapResponse, is_snapshot: bool) -> None:
+        """Keeps the token for going on behind this message, which all of a step have or none."""
+        message = getattr(response, response.WhichOneof("kind"))
+        is_part = not isinstance(
+            message, (watch_service_pb2.WatchProgress, watch_service_pb2.WatchResync)
+        )
+        self._part_token = message.resume_token if is_part else b""
+        self._part_is_snapshot = is_snapshot
+        if self._part_token:
+            self._got_part = True
+            self._backoff.reset()
+
+    def _forget_part(self) -> None:
+        """The step that is on its way comes again from its beginning."""
+        self._part_token = b""
+        self._step = []
+
+    def delay_after(self, error: Optional[SteadymapError]) -> float:
+        """Seconds to wait before the next stream; raises what waiting does not heal. None: the
+        server ended the stream with OK."""
+        was_answered = error is None or is_server_answer(error)
+        # A step that the server cannot finish must not be asked for again and again.
+        if not self._part_token or (self._was_created and was_answered and not self._got_part):
+            self._forget_part()
+        error = error or UnavailableError("the server ended the watch")
+        if not is_worth_retrying(error):
+            raise error
+        delay_s = self._backoff.next_delay_s(
+            was_answered=was_answered,
+            asked_s=max(self._goodbye_delay_s, error.retry_delay_s or 0.0),
+            # A watch of a map that rests may have lasted for hours.
+            took_s=0.0 if self._was_created else time.monotonic() - self._start_s,
+        )
         self._goodbye_delay_s = 0.0
-        delay_s = self._backoff.next_delay_s(at_least_s) if is_worth_retrying(error) else None
         if delay_s is None:
             raise error
         if self._options.on_retry is not None:
@@ -158,23 +220,22 @@ class _WatchState:
         return delay_s
 
 
-def _ended() -> UnavailableError:
-    return UnavailableError("the server ended the watch")
-
-
 class Watch(Iterator[WatchItem]):
     """An iterator over what happens to a map; made by `Client.watch`. Begins with the first `next`,
     and ends when it is closed.
 
     Yields Created, Snapshot chunks where they were asked for, and a Progress; then steps: Delta and
-    Events items, closed by a Progress. A cut stream is opened anew behind the last Progress, and
-    nothing is yielded twice or left out; where that cannot be, Created or Resync tells to start
+    Events items, closed by a Progress. A cut stream is opened anew behind the last Progress, or
+    behind what has come of a long step, and nothing is yielded twice or left out; where that cannot be, Created or Resync tells to start
     over. What retrying does not heal is raised. A context manager; `close` may be called from any
     thread.
     """
 
-    def __init__(self, channel: grpc.Channel, map_name: str, options: WatchOptions) -> None:
-        self._stub = watch_service_pb2_grpc.WatchServiceStub(channel)
+    def __init__(
+        self, open_channel: Callable[[], grpc.Channel], map_name: str, options: WatchOptions
+    ) -> None:
+        """Each stream has a channel of its own from `open_channel`."""
+        self._open_channel = open_channel
         self._state = _WatchState(map_name, options)
         self._closed = threading.Event()
         self._lock = threading.Lock()
@@ -204,18 +265,20 @@ class Watch(Iterator[WatchItem]):
 
     def _iterate(self) -> Iterator[WatchItem]:
         while not self._closed.is_set():
-            call = self._stub.WatchMap(self._state.request())
-            with self._lock:
-                self._call = call
-            error: SteadymapError = _ended()
-            try:
-                if not self._closed.is_set():
-                    for response in call:
-                        yield from self._state.take(response)
-            except grpc.RpcError as rpc_error:
-                error = error_from_rpc(rpc_error)
-            finally:
-                call.cancel()
+            error: Optional[SteadymapError] = None
+            with self._open_channel() as channel:
+                stub = watch_service_pb2_grpc.WatchServiceStub(channel)
+                call = stub.WatchMap(self._state.request())
+                with self._lock:
+                    self._call = call
+                try:
+                    if not self._closed.is_set():
+                        for response in call:
+                            yield from self._state.take(response)
+                except grpc.RpcError as rpc_error:
+                    error = error_from_rpc(rpc_error)
+                finally:
+                    call.cancel()
             if not self._closed.is_set():
                 self._closed.wait(self._state.delay_after(error))
 
@@ -226,11 +289,11 @@ async def watch_asynchronously(
     """The same for asyncio: yields what `Watch` does. Closing or cancelling the iteration ends
     it."""
     state = _WatchState(map_name, options)
-    async with open_channel() as channel:
-        stub = watch_service_pb2_grpc.WatchServiceStub(channel)
-        while True:
+    while True:
+        error: Optional[SteadymapError] = None
+        async with open_channel() as channel:
+            stub = watch_service_pb2_grpc.WatchServiceStub(channel)
             call = stub.WatchMap(state.request())
-            error: SteadymapError = _ended()
             try:
                 async for response in call:
                     for item in state.take(response):
@@ -239,4 +302,4 @@ async def watch_asynchronously(
                 error = error_from_rpc(rpc_error)
             finally:
                 call.cancel()
-            await asyncio.sleep(state.delay_after(error))
+        await asyncio.sleep(state.delay_after(error))

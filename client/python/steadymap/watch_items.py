@@ -84,8 +84,8 @@ class Resync:
 
     Attributes:
         revision: of the snapshot.
-        reason: REVISION_COMPACTED or REVISION_IN_FUTURE. Events in between are lost to the watch;
-            `Client.events` may still have them.
+        reason: REVISION_COMPACTED, REVISION_IN_FUTURE or BAD_RESUME_TOKEN. Events in between are
+            lost to the watch; `Client.events` may still have them.
     """
 
     revision: int

@@ -1,0 +1,66 @@
+// Clients that have lost their server: each try connects anew. A channel that has failed keeps
+// failing for a while without looking, and its client comes back late.
+
+#include <chrono>
+#include <cstdint>
+
+#include <absl/synchronization/notification.h>
+#include <absl/time/time.h>
+#include <gtest/gtest.h>
+
+#include "client/channel.h"
+#include "client/map_mirror.h"
+#include "client/uploader.h"
+#include "tests/support/tcp_proxy.h"
+
+namespace steadymap {
+namespace {
+
+using std::chrono::milliseconds;
+
+const MapName kKitchen{"default", "kitchen"};
+
+/// Nobody listens behind it, and it resets whoever connects.
+class LostServer : public ::testing::Test {
+ protected:
+  LostServer() { proxy_.Refuse(true); }
+
+  /// Twelve tries, whatever time they take: delays of 10 ms each, 110 ms in all.
+  static BackoffOptions TwelveTries() {
+    return {.first_delay = milliseconds(10),
+            .factor = 1.0,
+            .jitter = 0.0,
+            .give_up_after = milliseconds(110)};
+  }
+
+  TcpProxy proxy_{"127.0.0.1:1"};
+  std::uint64_t waits_ = 0;
+};
+
+TEST_F(LostServer, IsLookedForByEachTryOfAnUpload) {
+  UploaderOptions options;
+  options.backoff = TwelveTries();
+  options.sleep = [this](milliseconds) { ++waits_; };
+  FrameUploader uploader(ChannelsTo(proxy_.address()), kKitchen, options);
+  EXPECT_EQ(uploader.Finish().status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(waits_, 11U);
+  EXPECT_EQ(proxy_.counters().accepted, 12U);
+}
+
+TEST_F(LostServer, IsLookedForByEachTryOfAWatch) {
+  MirrorOptions options;
+  options.backoff = TwelveTries();
+  options.sleep = [this](milliseconds) { ++waits_; };
+  absl::Notification ended;
+  MirrorCallbacks callbacks;
+  callbacks.on_state = [&ended](const WatchStateChange& change) {
+    if (change.state == WatchState::kEnded) ended.Notify();
+  };
+  const auto mirror = MapMirror::Start(ChannelsTo(proxy_.address()), kKitchen, options, callbacks);
+  ASSERT_TRUE(ended.WaitForNotificationWithTimeout(absl::Seconds(60)));
+  EXPECT_EQ(waits_, 11U);
+  EXPECT_EQ(proxy_.counters().accepted, 12U);
+}
+
+}  // namespace
+}  // namespace steadymap

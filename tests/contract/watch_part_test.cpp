@@ -1,0 +1,183 @@
+// Watchers that are cut off within a step, keep what they have of it, and go on behind that.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/contract/object_map.h"
+#include "tests/contract/watch_fixture.h"
+
+namespace steadymap {
+namespace {
+
+/// The token that a message of a step brings; empty for others.
+std::string PartToken(const v1::WatchMapResponse& message) {
+  if (message.has_snapshot()) return message.snapshot().resume_token();
+  if (message.has_delta()) return message.delta().resume_token();
+  return message.events().resume_token();
+}
+
+class WatchPartTest : public WatchServiceTest {
+ protected:
+  WatchPartTest() { StoreMap(&service_, MakeCrowdedMap(40), {}); }
+
+  /// In many messages.
+  v1::WatchMapRequest SmallMessages(v1::WatchMapRequest request) const {
+    request.set_max_message_bytes(65'536);
+    return request;
+  }
+
+  v1::WatchMapRequest GoOnBehind(const std::string& token) const {
+    v1::WatchMapRequest request = SmallMessages(Request(v1::WATCH_START_UNSPECIFIED));
+    request.set_resume_token(token);
+    return request;
+  }
+
+  /// What a watcher has of a step.
+  struct Part {
+    ToldStep step;
+    std::string token;  ///< For going on behind it.
+    int messages = 0;
+  };
+
+  /// Opens a watch, takes one message of its first step, and cuts it off; the progress ends it.
+  /// Returns what `created` said.
+  v1::WatchCreated TakeOne(const v1::WatchMapRequest& request, Part* part) {
+    const auto watch = Watch(request);
+    const auto created = watch->Read();
+    EXPECT_TRUE(created.has_value());
+    const auto message = watch->Read();
+    if (!created || !message) return {};
+    ++part->messages;
+    if (message->has_snapshot()) part->step.snapshot.push_back(message->snapshot());
+    if (message->has_delta()) part->step.delta.push_back(message->delta());
+    if (message->has_progress()) part->step.progress = message->progress();
+    part->token = PartToken(*message);
+    return created->created();
+  }
+
+  /// Takes a step one message a stream, whatever happens between them.
+  template <typename Meanwhile>
+  Part TakePieceByPiece(const v1::WatchMapRequest& request, const Meanwhile& meanwhile) {
+    Part part;
+    v1::WatchCreated created = TakeOne(request, &part);
+    const std::uint64_t begun_at = created.revision();
+    EXPECT_FALSE(created.continues_step());
+    while (!part.step.progress.has_last_capture_time()) {
+      if (part.token.empty()) {
+        ADD_FAILURE() << "message " << part.messages << " has no token";
+        break;
+      }
+      meanwhile();
+      created = TakeOne(GoOnBehind(part.token), &part);
+      EXPECT_TRUE(created.continues_step());
+      EXPECT_EQ(created.revision(), begun_at);
+    }
+    return part;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Transports,
+                         WatchPartTest,
+                         ::testing::Values(Transport::kInProcess, Transport::kLoopback),
+                         TransportName);
+
+TEST_P(WatchPartTest, ASnapshotComesPieceByPieceThoughTheMapMovesOn) {
+  const std::vector<std::string> leaves = LeavesByQuery();
+  uploaded_ = kObjectMapRevision;
+  const Part part = TakePieceByPiece(SmallMessages(Request()), [this] { Upload(1); });
+  EXPECT_GE(part.messages, 5);
+  EXPECT_EQ(part.step.progress.revision(), kObjectMapRevision);
+  ToldLeaves view;
+  view.Take(part.step);
+  EXPECT_EQ(view.All(), leaves) << "as the map was at the snapshot's revision";
+  const auto rest = Watch(ResumeBehind(part.step.progress))->ReadUntil(uploaded_);
+  ASSERT_TRUE(rest.has_value());
+  view.Take(*rest);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchPartTest, ALongDeltaComesPieceByPieceThoughTheMapMovesOn) {
+  uploaded_ = kObjectMapRevision;
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  ToldLeaves view;
+  view.Take(*begin);
+  const std::uint64_t target = Upload(20);
+  const std::vector<std::string> leaves = LeavesByQuery();
+  const Part part =
+      TakePieceByPiece(SmallMessages(ResumeBehind(begin->progress)), [this] { Upload(1); });
+  EXPECT_GE(part.messages, 4);
+  EXPECT_EQ(part.step.progress.revision(), target);
+  view.Take(part.step);
+  EXPECT_EQ(view.All(), leaves);
+}
+
+TEST_P(WatchPartTest, TheSnapshotOfAMapThatRestsGoesOnAfterARestart) {
+  const Part part = TakePieceByPiece(SmallMessages(Request()), [this] { service_.Restart(); });
+  EXPECT_GE(part.messages, 5);
+  ToldLeaves view;
+  view.Take(part.step);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchPartTest, ASnapshotThatIsGoneBeginsAnew) {
+  uploaded_ = kObjectMapRevision;
+  Part part;
+  TakeOne(SmallMessages(Request()), &part);
+  const std::uint64_t revision = Upload(1);
+  service_.Restart();
+  const auto watch = Watch(GoOnBehind(part.token));
+  const auto begin = watch->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  EXPECT_FALSE(begin->created->continues_step());
+  EXPECT_EQ(begin->created->revision(), revision);
+  ToldLeaves view;
+  view.Take(*begin);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchPartTest, ADeltaThatIsGoneBeginsAnew) {
+  uploaded_ = kObjectMapRevision;
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  Upload(20);
+  Part part;
+  TakeOne(SmallMessages(ResumeBehind(begin->progress)), &part);
+  service_.Restart();
+  const auto created = Watch(GoOnBehind(part.token))->Read();
+  ASSERT_TRUE(created.has_value());
+  EXPECT_FALSE(created->created().continues_step());
+  EXPECT_EQ(created->created().revision(), begin->progress.revision());
+}
+
+TEST_P(WatchPartTest, MessagesOfAnotherSizeAreAnotherStep) {
+  Part part;
+  TakeOne(SmallMessages(Request()), &part);
+  v1::WatchMapRequest request = GoOnBehind(part.token);
+  request.set_max_message_bytes(131'072);
+  const auto begin = Watch(request)->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  EXPECT_FALSE(begin->created->continues_step());
+  ToldLeaves view;
+  view.Take(*begin);
+  EXPECT_EQ(view.All(), LeavesByQuery());
+}
+
+TEST_P(WatchPartTest, SmallStepsCarryNoTokensWithin) {
+  uploaded_ = kObjectMapRevision;
+  const auto watch = Watch(Request());
+  ASSERT_TRUE(watch->ReadStep().has_value());
+  v1::WatchMapRequest objects = Request();
+  objects.mutable_filter()->add_class_ids(101);
+  const auto begin = Watch(objects)->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  ASSERT_EQ(begin->snapshot.size(), 1U);
+  EXPECT_EQ(begin->snapshot[0].resume_token(), "");
+}
+
+}  // namespace
+}  // namespace steadymap
