@@ -143,8 +143,8 @@ void VisitWatch(WatchServiceOptions* watch, FieldVisitor* visitor) {
   typed.Integer(
       {"max_watches", "Watches at once, all maps together."}, {1, 1'000'000}, &watch->max_watches);
   typed.Duration({"stall_timeout_s",
-                  "A watcher that takes nothing of what is sent for this long is cut off; it may "
-                  "resume."},
+                  "A client that takes nothing of what a watch, an export or a section sends it "
+                  "for this long is cut off; a watch may resume."},
                  {1, kDayS},
                  &watch->stall_timeout);
 }

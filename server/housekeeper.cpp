@@ -12,11 +12,15 @@ namespace steadymap {
 
 Housekeeper::Housekeeper(const MapDirectory* maps,
                          WatchHub* watches,
+                         StreamGate* streams,
                          Store* store,
                          const RetentionOptions& options)
-    : maps_(maps), watches_(watches), store_(store), options_(options), thread_([this] {
-        Run();
-      }) {}
+    : maps_(maps),
+      watches_(watches),
+      streams_(streams),
+      store_(store),
+      options_(options),
+      thread_([this] { Run(); }) {}
 
 Housekeeper::~Housekeeper() {
   {
@@ -31,6 +35,7 @@ void Housekeeper::Run() {
   while (!AwaitStop()) {
     heartbeat_.Beat();
     watches_->CancelStalled();
+    streams_->EndStalled(GatedStream::Clock::now());
     if (Heartbeat::Clock::now() < due) continue;
     TrimAll();
     due = Heartbeat::Clock::now() + options_.trim_interval;

@@ -9,18 +9,20 @@
 #include "server/map_directory.h"
 #include "server/server_config.h"
 #include "server/store.h"
+#include "server/stream_gate.h"
 #include "server/watch_hub.h"
 
 namespace steadymap {
 
 /// Does now and then what no call does: one thread goes through all maps, drops from their logs
 /// what is integrated and no longer wanted, forgets upload sessions that have been idle for too
-/// long, and cancels watches that have stalled.
+/// long, and ends watches, exports and sections that have stalled.
 class Housekeeper {
  public:
   /// Starts the thread. What it is given must outlive it.
   Housekeeper(const MapDirectory* maps,
               WatchHub* watches,
+              StreamGate* streams,
               Store* store,
               const RetentionOptions& options);
 
@@ -39,6 +41,7 @@ class Housekeeper {
 
   const MapDirectory* const maps_;
   WatchHub* const watches_;
+  StreamGate* const streams_;
   Store* const store_;
   const RetentionOptions options_;
   absl::Mutex mutex_;

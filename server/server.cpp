@@ -26,6 +26,7 @@
 #include "server/map_directory.h"
 #include "server/map_service.h"
 #include "server/query_service.h"
+#include "server/stream_gate.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
 #include "server/watch_service.h"
@@ -94,6 +95,7 @@ class Server::Parts {
   FrameBudget budget_;
   UploadRoster roster_;
   WatchHub watch_hub_;
+  StreamGate streams_;
   LogWriter log_writer_;
   MapDirectory maps_;
   WorkerPool decoders_;
@@ -119,6 +121,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       budget_(config.limits.queue_bytes_total),
       watch_hub_(
           {store_.get(), config.watch.max_watches, absl::FromChrono(config.watch.stall_timeout)}),
+      streams_({.stall_timeout = config.watch.stall_timeout}),
       log_writer_(store_.get(), [this](const absl::Status&) { UpdateHealth(); }),
       maps_({store_.get(),
              &budget_,
@@ -133,12 +136,12 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       watchers_("watchers", 2, config.watch.max_watches + kMaxWaitingCalls),
       ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
       map_service_({&maps_, &roster_, &watch_hub_, &clerk_, config.retention}),
-      query_service_({&maps_, store_.get(), &readers_}),
+      query_service_({&maps_, store_.get(), &readers_, &streams_}),
       watch_service_({&maps_, &watch_hub_, &watchers_}) {}
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
-  housekeeper_.emplace(&maps_, &watch_hub_, store_.get(), config_.retention);
+  housekeeper_.emplace(&maps_, &watch_hub_, &streams_, store_.get(), config_.retention);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
   UpdateHealth();

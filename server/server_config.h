@@ -68,7 +68,8 @@ struct WatchServiceOptions {
   /// message at hand.
   std::size_t max_watches = 2000;
 
-  /// A watcher that takes nothing of what is sent for this long is cut off; it may resume.
+  /// A client that takes nothing of what a watch, an export or a section sends it for this long is
+  /// cut off; a watch may resume.
   std::chrono::seconds stall_timeout{60};
 };
 

@@ -25,7 +25,7 @@ bool WorkerPool::TrySubmit(std::function<void()> task) {
 bool WorkerPool::Resume(std::function<void()> task) {
   const absl::MutexLock lock(&mutex_);
   if (stopping_) return false;
-  tasks_.push_front(std::move(task));
+  tasks_.push_back(std::move(task));
   return true;
 }
 

@@ -31,8 +31,8 @@ class WorkerPool {
   /// the pool has stopped.
   [[nodiscard]] bool TrySubmit(std::function<void()> task) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Runs `task` before those that wait, whatever their number: for work that goes on with what was
-  /// let in before. False, and `task` is dropped, if the pool has stopped.
+  /// Runs `task` after those that wait, whatever their number: for work in steps that was let in
+  /// before and takes turns with the others. False, and `task` is dropped, if the pool has stopped.
   [[nodiscard]] bool Resume(std::function<void()> task) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Tasks that wait for a thread.
