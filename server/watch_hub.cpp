@@ -119,8 +119,13 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequ
                                {to, request.snapshot->last_event},
                                request.max_message_bytes};
   if (request.as_snapshot) {
-    return std::make_shared<WatchMessages>(std::move(source),
-                                           MakeSnapshotStep(request.filter, request.snapshot));
+    auto messages = std::make_shared<WatchMessages>(
+        std::move(source),
+        MakeSnapshotStep(request.filter, request.snapshot, request.check),
+        request.check);
+    // Other watchers who wait for the same step make it themselves then.
+    if (IsCancelled(request.check)) return absl::CancelledError("the watcher has gone");
+    return messages;
   }
   ChangeList changes;
   if (request.filter.WantsObjects()) {

@@ -14,6 +14,7 @@
 #include <absl/synchronization/mutex.h>
 #include <absl/time/time.h>
 
+#include "core/cancellation.h"
 #include "core/identifiers.h"
 #include "server/map_runtime.h"
 #include "server/store.h"
@@ -100,10 +101,12 @@ class WatchHub {
     WatchPosition before;
     std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
     std::shared_ptr<const MapSnapshot> snapshot;
+    CancelCheck check{};  ///< Whether this watcher has gone.
   };
 
   /// The messages that take a watcher to the snapshot; made once for all who ask the same.
-  /// Errors: `OutOfRange` with reason `REVISION_COMPACTED`; what the store answers.
+  /// Errors: `OutOfRange` with reason `REVISION_COMPACTED`; `Cancelled` as the check says; what the
+  /// store answers.
   absl::StatusOr<std::shared_ptr<WatchMessages>> FindStep(const StepRequest& request)
       ABSL_LOCKS_EXCLUDED(mutex_);
 

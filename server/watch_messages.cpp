@@ -38,9 +38,9 @@ grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message) {
   return status.ok() ? bytes : grpc::ByteBuffer();
 }
 
-WatchMessages::WatchMessages(Source source, StepPlan step)
+WatchMessages::WatchMessages(Source source, StepPlan step, const CancelCheck& check)
     : source_(std::move(source)), step_(std::move(step)) {
-  PlanFragments();
+  PlanFragments(check);
   // Those before a snapshot are history.
   if (source_.filter.events && step_.from) {
     const std::uint64_t events =
@@ -53,7 +53,7 @@ WatchMessages::WatchMessages(Source source, StepPlan step)
 
 /// Deals what is to be sent out to messages by the most that each thing can take, so that their
 /// number is known before the first is made.
-void WatchMessages::PlanFragments() {
+void WatchMessages::PlanFragments(const CancelCheck& check) {
   if (step_.IsEmpty()) return;
   const std::size_t room = source_.max_message_bytes - kMessageMarginBytes;
   std::size_t bytes = 0;
@@ -76,6 +76,7 @@ void WatchMessages::PlanFragments() {
     fragments_.back().last_removed = i + 1;
   }
   for (std::size_t i = 0; i < step_.objects.size(); ++i) {
+    if (IsCancelled(check)) return;
     make_room(kMaxIdBytes + ToProto(*step_.snapshot->objects.at(step_.objects[i])).ByteSizeLong());
     fragments_.back().last_object = i + 1;
   }

@@ -10,6 +10,7 @@
 #include <absl/synchronization/mutex.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "core/cancellation.h"
 #include "server/resume_token.h"
 #include "server/store.h"
 #include "server/watch_step.h"
@@ -37,7 +38,9 @@ class WatchMessages {
     std::size_t max_message_bytes = 0;
   };
 
-  WatchMessages(Source source, StepPlan step);
+  /// The messages of `step`. Cost: a pass over its objects and leaves, which ends early once
+  /// `check` says so; the messages are then of no use.
+  WatchMessages(Source source, StepPlan step, const CancelCheck& check = {});
 
   /// Number of messages, those included that turn out to say nothing.
   std::size_t count() const { return fragments_.size() + event_pages_ + 1; }
@@ -62,7 +65,7 @@ class WatchMessages {
     std::size_t last_leaf = 0;
   };
 
-  void PlanFragments();
+  void PlanFragments(const CancelCheck& check);
   absl::StatusOr<std::optional<grpc::ByteBuffer>> Make(std::size_t place) const;
   v1::WatchMapResponse MakeFragment(std::size_t place) const;
   absl::StatusOr<v1::WatchMapResponse> MakeEvents(std::size_t page) const;

@@ -59,7 +59,10 @@ class WatchStream::Reactor final : public GrpcReactor {
 
   void OnWriteDone(bool ok) override { stream_->OnWritten(ok); }
 
-  void OnCancel() override { stream_->End(absl::CancelledError("the watcher has gone")); }
+  void OnCancel() override {
+    stream_->cancelled_ = true;
+    stream_->End(absl::CancelledError("the watcher has gone"));
+  }
 
   void OnDone() override {
     stream_->OnGone();
@@ -333,7 +336,8 @@ absl::StatusOr<WatchStream::Message> WatchStream::TakeStep(
                                false,
                                position_,
                                shown_,
-                               snapshot};
+                               snapshot,
+                               [this] { return cancelled_.load(); }};
   if (next_snapshot_ != nullptr) {
     wanted.as_snapshot = true;
     wanted.before = {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -83,6 +84,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
   v1::WatchMapRequest request_;
   bool is_request_whole_ = false;
+  std::atomic<bool> cancelled_ = false;  ///< The watcher has gone.
 
   // Of whoever advances the stream.
   bool opened_ = false;

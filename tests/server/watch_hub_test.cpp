@@ -1,11 +1,13 @@
 #include "server/watch_hub.h"
 
+#include <cstddef>
 #include <memory>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "tests/server/noting_watch.h"
+#include "tests/support/analytic_map.h"
 
 namespace steadymap {
 namespace {
@@ -80,6 +82,24 @@ TEST_F(WatchHubTest, TheEndOfAMapEndsItsWatches) {
   hub_.EndMap(kHall, absl::NotFoundError("gone"));
   EXPECT_TRUE(absl::IsNotFound(hall->ended));
   EXPECT_TRUE(yard->ended.ok());
+}
+
+TEST_F(WatchHubTest, AWatcherThatHasGonePlansNoSnapshotAndSpoilsItForNobody) {
+  WatchHub::StepRequest request;
+  request.scope.map = kHall;
+  request.max_message_bytes = std::size_t{1} << 20;
+  request.as_snapshot = true;
+  request.snapshot = std::make_shared<const MapSnapshot>(testing::BoxOverFloor());
+  for (const int wanted_for : {0, 1, 30}) {
+    int asked = 0;
+    request.check = [&asked, wanted_for] { return asked++ >= wanted_for; };
+    EXPECT_EQ(hub_.FindStep(request).status().code(), absl::StatusCode::kCancelled);
+    EXPECT_LE(asked, wanted_for + 5) << "once more for each pass that ends";
+  }
+  request.check = {};
+  const auto step = hub_.FindStep(request);
+  ASSERT_TRUE(step.ok()) << step.status();
+  EXPECT_GE((*step)->count(), 2U);
 }
 
 }  // namespace
