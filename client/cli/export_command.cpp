@@ -69,8 +69,9 @@ absl::Status ExportCommand::Run() const {
             return file->Write(chunk);
           });
   if (!summary.ok()) return summary.status();
-  absl::Status committed = file->Commit();
-  if (!committed.ok()) return committed;
+  absl::Status status = file->Sync();
+  if (status.ok()) status = file->Commit();
+  if (!status.ok()) return status;
   context_->out << output_ << ": " << BytesText(summary->file_bytes);
   if (summary->triangles > 0) {
     context_->out << ", " << CountText(summary->triangles) << " triangles";
