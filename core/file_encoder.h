@@ -8,8 +8,9 @@
 
 namespace steadymap {
 
-/// The longest piece that a `FileEncoder` makes.
-inline constexpr std::size_t kFilePieceBytes = std::size_t{1} << 20;
+/// The longest piece that a `FileEncoder` makes: some milliseconds of work, after which others have
+/// their turn.
+inline constexpr std::size_t kFilePieceBytes = std::size_t{1} << 18;
 
 /// Makes a file piece by piece, so that nobody has to hold it whole. Not thread-safe.
 class FileEncoder {

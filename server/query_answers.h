@@ -42,8 +42,9 @@ absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMa
     const v1::GetMapSectionRequest& request,
     const CancelCheck& check);
 
-/// The map as a file, in chunks of at most 1 MiB, each made when it is asked for; of a mesh file
-/// the mesh is made first. Errors, here and of the source: also `Cancelled`, as `check` says.
+/// The map as a file, in chunks of at most `kFilePieceBytes`, each made when it is asked for; of a
+/// mesh file the mesh is made first. Errors, here and of the source: also `Cancelled`, as `check`
+/// says.
 absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport(
     std::shared_ptr<const MapSnapshot> snapshot,
     const v1::ExportMapRequest& request,
