@@ -1,5 +1,8 @@
 #include "client/map_client.h"
 
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -8,6 +11,7 @@
 
 #include "client/map_section_reader.h"
 #include "client/protocol_error.h"
+#include "core/crc32c.h"
 #include "core/error.h"
 #include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
@@ -49,30 +53,58 @@ void Select(const VolumeSelection& selection, Request* request) {
   for (const ObjectId object : selection.objects) request->add_object_ids(object.value());
 }
 
-// Reads an export stream to its end or to the first error.
-absl::StatusOr<v1::ExportMapResponse::Header> ReadExport(
-    grpc::ClientReaderInterface<v1::ExportMapResponse>* stream, const MapClient::ChunkSink& sink) {
-  v1::ExportMapResponse::Header header;
-  std::uint64_t received_bytes = 0;
-  v1::ExportMapResponse response;
-  while (stream->Read(&response)) {
-    if (response.has_header()) {
-      header = response.header();
-      continue;
-    }
-    received_bytes += response.chunk().size();
-    absl::Status status = sink(response.chunk());
-    if (!status.ok()) return status;
-  }
-  // A stream that broke is too short as well; its own status says more, and goes first.
-  if (received_bytes == header.file_bytes()) return header;
-  return MakeError(absl::StatusCode::kDataLoss,
-                   reason::kChecksum,
-                   absl::StrCat("the server announced a file of ",
-                                header.file_bytes(),
-                                " bytes and sent ",
-                                received_bytes));
+absl::Status DamagedExport(const std::string& what) {
+  return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
 }
+
+// The file that comes in an export stream.
+class ExportReader {
+ public:
+  explicit ExportReader(const MapClient::ChunkSink& sink) : sink_(sink) {}
+
+  absl::Status Take(const v1::ExportMapResponse& message) {
+    if (trailer_) return ProtocolError("the server sent more behind the end of a file");
+    if (message.has_header() == header_.has_value()) {
+      return ProtocolError("the server sent a file that does not begin with one header");
+    }
+    if (message.has_header()) {
+      header_ = message.header();
+    } else if (message.has_trailer()) {
+      trailer_ = message.trailer();
+    } else if (message.has_chunk()) {
+      received_bytes_ += message.chunk().size();
+      received_crc32c_ = ExtendCrc32c(received_crc32c_, message.chunk());
+      return sink_(message.chunk());
+    }
+    return absl::OkStatus();
+  }
+
+  // Once the stream has ended with OK.
+  absl::StatusOr<ExportSummary> Finish() const {
+    if (!trailer_) {
+      return DamagedExport(absl::StrCat(
+          "the file was cut off: ", received_bytes_, " bytes came, and not the trailer"));
+    }
+    if (trailer_->file_bytes() != received_bytes_) {
+      return DamagedExport(absl::StrCat("the server made a file of ",
+                                        trailer_->file_bytes(),
+                                        " bytes, of which ",
+                                        received_bytes_,
+                                        " came"));
+    }
+    if (trailer_->crc32c() != received_crc32c_) {
+      return DamagedExport("the file that came is not the one that the server made");
+    }
+    return ExportSummary{Revision(header_->revision()), received_bytes_, header_->triangles()};
+  }
+
+ private:
+  const MapClient::ChunkSink& sink_;
+  std::optional<v1::ExportMapResponse::Header> header_;
+  std::optional<v1::ExportMapResponse::Trailer> trailer_;
+  std::uint64_t received_bytes_ = 0;
+  std::uint32_t received_crc32c_ = 0;
+};
 
 }  // namespace
 
@@ -219,10 +251,10 @@ absl::StatusOr<MapSnapshot> MapClient::GetMapSection(const MapName& name,
   return section;
 }
 
-absl::StatusOr<v1::ExportMapResponse::Header> MapClient::ExportMap(const MapName& name,
-                                                                   v1::ExportFormat format,
-                                                                   const VolumeSelection& selection,
-                                                                   const ChunkSink& sink) {
+absl::StatusOr<ExportSummary> MapClient::ExportMap(const MapName& name,
+                                                   v1::ExportFormat format,
+                                                   const VolumeSelection& selection,
+                                                   const ChunkSink& sink) {
   v1::ExportMapRequest request;
   request.set_map(name.ToString());
   request.set_format(format);
@@ -230,17 +262,16 @@ absl::StatusOr<v1::ExportMapResponse::Header> MapClient::ExportMap(const MapName
   grpc::ClientContext context;
   SetTimeout(&context, options_.stream_timeout);
   const auto stream = queries_->ExportMap(&context, request);
-  absl::Status sink_status;
-  absl::StatusOr<v1::ExportMapResponse::Header> header =
-      ReadExport(stream.get(), [&](std::string_view chunk) {
-        sink_status = sink(chunk);
-        if (!sink_status.ok()) context.TryCancel();
-        return sink_status;
-      });
+  ExportReader reader(sink);
+  absl::Status taken;
+  for (v1::ExportMapResponse message; taken.ok() && stream->Read(&message);) {
+    taken = reader.Take(message);
+  }
+  if (!taken.ok()) context.TryCancel();
   const grpc::Status status = stream->Finish();
-  if (!sink_status.ok()) return sink_status;
+  if (!taken.ok()) return taken;
   if (!status.ok()) return FromGrpcStatus(status);
-  return header;
+  return reader.Finish();
 }
 
 absl::StatusOr<std::vector<v1::FramePose>> MapClient::ListFramePoses(const MapName& name) {

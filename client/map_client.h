@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -66,6 +67,13 @@ struct VolumeSelection {
   std::vector<ObjectId> objects{};  ///< 0 is the background. Empty: what the map shows.
 };
 
+/// What was exported.
+struct ExportSummary {
+  Revision revision;             ///< At which the map was read.
+  std::uint64_t file_bytes = 0;  ///< Length of the file.
+  std::uint64_t triangles = 0;   ///< Of the surface; 0 for volumes.
+};
+
 /// Creates, reads and queries maps on a server.
 ///
 /// Every error carries the service's code and message, and where the service gave them the reason
@@ -118,12 +126,14 @@ class MapClient {
   /// Takes the next piece of a file; an error ends the export and is its result.
   using ChunkSink = std::function<absl::Status(std::string_view chunk)>;
 
-  /// Streams the map as a file of `format` to `sink`, piece by piece. Errors beside the service's
-  /// and the sink's: `DataLoss` if the pieces add up to another length than announced.
-  absl::StatusOr<v1::ExportMapResponse::Header> ExportMap(const MapName& name,
-                                                          v1::ExportFormat format,
-                                                          const VolumeSelection& selection,
-                                                          const ChunkSink& sink);
+  /// Streams the map as a file of `format` to `sink`, piece by piece. What `sink` got is the file
+  /// only where this returns OK. Errors beside the service's and the sink's: `DataLoss` if the file
+  /// is cut off or differs from what the server made; `Internal` for an answer that breaks the
+  /// protocol.
+  absl::StatusOr<ExportSummary> ExportMap(const MapName& name,
+                                          v1::ExportFormat format,
+                                          const VolumeSelection& selection,
+                                          const ChunkSink& sink);
 
   /// Where the integrated frames were taken, in map_seq order, however many pages that takes.
   absl::StatusOr<std::vector<v1::FramePose>> ListFramePoses(const MapName& name);

@@ -1,5 +1,7 @@
 #include "core/background.h"
 
+#include <algorithm>
+
 namespace steadymap {
 
 Background::TileOrigin Background::TileOf(LeafOrigin origin) {
@@ -13,8 +15,10 @@ LeafView Background::FindLeaf(LeafOrigin origin) const {
   return tile == tiles_.end() ? LeafView{} : tile->second->FindLeaf(origin);
 }
 
-void Background::ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const {
-  for (const auto& [origin, tile] : tiles_) tile->ForEachLeaf(visit);
+bool Background::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const {
+  return std::all_of(tiles_.begin(), tiles_.end(), [&visit](const auto& tile) {
+    return tile.second->VisitLeaves(visit);
+  });
 }
 
 std::size_t Background::leaf_count() const {

@@ -21,7 +21,7 @@ inline constexpr int kTileSide = 64;
 class Background final : public VoxelReader {
  public:
   LeafView FindLeaf(LeafOrigin origin) const override;
-  void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const override;
+  bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
   /// The tile that holds `origin`, created or cloned if need be, for writing. Valid until the

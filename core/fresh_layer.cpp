@@ -40,12 +40,13 @@ LeafView FreshLayer::FindLeaf(LeafOrigin origin) const {
   return tile == tiles_.end() ? LeafView{} : tile->second->volume().FindLeaf(place.origin);
 }
 
-void FreshLayer::ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const {
-  for (const auto& [corner, tile] : tiles_) {
-    tile->volume().ForEachLeaf([&, low = corner](LeafOrigin origin, const LeafView& leaf) {
-      visit({low.x + origin.x, low.y + origin.y, low.z + origin.z}, leaf);
+bool FreshLayer::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const {
+  return std::all_of(tiles_.begin(), tiles_.end(), [&visit](const auto& tile) {
+    const LeafOrigin low = tile.first;
+    return tile.second->volume().VisitLeaves([&](LeafOrigin origin, const LeafView& leaf) {
+      return visit({low.x + origin.x, low.y + origin.y, low.z + origin.z}, leaf);
     });
-  }
+  });
 }
 
 std::size_t FreshLayer::leaf_count() const {

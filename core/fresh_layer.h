@@ -22,7 +22,7 @@ class FreshLayer final : public VoxelReader {
   explicit FreshLayer(WorkingMap* map);
 
   LeafView FindLeaf(LeafOrigin origin) const override;
-  void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const override;
+  bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
   /// Whether nothing was ever fused into it.

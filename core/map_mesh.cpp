@@ -53,24 +53,31 @@ void Append(const Mesh& part, Mesh* whole) {
   }
 }
 
+/// The surface of one volume, in the world.
+Mesh ExtractPart(const PlacedVolume& volume,
+                 const VoxelScale& scale,
+                 const Box* box_world,
+                 const Cancellation& cancellation) {
+  if (volume.object == nullptr) return ExtractMesh(*volume.voxels, scale, box_world, cancellation);
+  if (box_world != nullptr && !box_world->intersects(BoundsOf(volume, scale.truncation_m))) {
+    return {};
+  }
+  Mesh part = ExtractMesh(*volume.voxels, scale, nullptr, cancellation);
+  Place(volume.T_world_volume.cast<float>(), &part);
+  if (box_world != nullptr) Clip(*box_world, &part);
+  return part;
+}
+
 }  // namespace
 
 Mesh ExtractMapMesh(std::span<const PlacedVolume> volumes,
                     const VoxelScale& scale,
-                    const Box* box_world) {
+                    const Box* box_world,
+                    const Cancellation& cancellation) {
   Mesh mesh;
   for (const PlacedVolume& volume : volumes) {
-    if (volume.object == nullptr) {
-      Append(ExtractMesh(*volume.voxels, scale, box_world), &mesh);
-      continue;
-    }
-    if (box_world != nullptr && !box_world->intersects(BoundsOf(volume, scale.truncation_m))) {
-      continue;
-    }
-    Mesh part = ExtractMesh(*volume.voxels, scale, nullptr);
-    Place(volume.T_world_volume.cast<float>(), &part);
-    if (box_world != nullptr) Clip(*box_world, &part);
-    Append(part, &mesh);
+    if (cancellation.IsCancelled()) return {};
+    Append(ExtractPart(volume, scale, box_world, cancellation), &mesh);
   }
   return mesh;
 }

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "core/cancellation.h"
 #include "core/geometry.h"
 #include "core/mesh.h"
 #include "core/placed_volume.h"
@@ -14,9 +15,11 @@ namespace steadymap {
 /// mid-grey beside volumes that have some.
 ///
 /// `box_world`, where given, keeps the cells whose vertex lies within it. Cost: as `ExtractMesh`,
-/// for the volumes whose surface may reach into the box.
+/// for the volumes whose surface may reach into the box. Ends early once `cancellation` says so;
+/// the mesh is then of no use.
 Mesh ExtractMapMesh(std::span<const PlacedVolume> volumes,
                     const VoxelScale& scale,
-                    const Box* box_world);
+                    const Box* box_world,
+                    const Cancellation& cancellation = {});
 
 }  // namespace steadymap

@@ -3,7 +3,9 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string_view>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
@@ -158,16 +160,28 @@ void AppendNumber(std::uint64_t value, std::string* file) {
   AppendBytes(&narrow, sizeof(narrow), file);
 }
 
-void AppendGlbBuffer(const Mesh& mesh, std::string* file) {
-  AppendBytes(mesh.vertices_world.data(), mesh.vertices_world.size() * kVectorBytes, file);
-  AppendBytes(mesh.normals_world.data(), mesh.normals_world.size() * kVectorBytes, file);
-  const std::array<std::uint8_t, 256> linear_of_srgb = MakeLinearOfSrgb();
-  for (const Rgb& color : mesh.colors) {
+/// The binary part. Every element is a multiple of four bytes long, so it needs no padding.
+std::vector<FileSection> GlbSections(const std::shared_ptr<const Mesh>& mesh) {
+  const auto append_vertex = [mesh](std::size_t i, std::string* file) {
+    AppendBytes(mesh->vertices_world[i].data(), kVectorBytes, file);
+  };
+  const auto append_normal = [mesh](std::size_t i, std::string* file) {
+    AppendBytes(mesh->normals_world[i].data(), kVectorBytes, file);
+  };
+  const auto append_color = [mesh, linear_of_srgb = MakeLinearOfSrgb()](std::size_t i,
+                                                                        std::string* file) {
+    const Rgb& color = mesh->colors[i];
     const std::array<std::uint8_t, kRgbaBytes> rgba = {
         linear_of_srgb[color[0]], linear_of_srgb[color[1]], linear_of_srgb[color[2]], 255};
     AppendBytes(rgba.data(), rgba.size(), file);
-  }
-  AppendBytes(mesh.triangles.data(), mesh.triangles.size() * kTriangleBytes, file);
+  };
+  const auto append_triangle = [mesh](std::size_t i, std::string* file) {
+    AppendBytes(mesh->triangles[i].data(), kTriangleBytes, file);
+  };
+  return {{mesh->vertices_world.size(), kVectorBytes, append_vertex},
+          {mesh->normals_world.size(), kVectorBytes, append_normal},
+          {mesh->colors.size(), kRgbaBytes, append_color},
+          {mesh->triangles.size(), kTriangleBytes, append_triangle}};
 }
 
 }  // namespace
@@ -177,7 +191,7 @@ std::uint64_t GlbBufferBytes(std::uint64_t vertices, std::uint64_t triangles, bo
          triangles * kTriangleBytes;
 }
 
-absl::StatusOr<std::string> EncodeGlb(const Mesh& mesh) {
+absl::StatusOr<std::unique_ptr<FileEncoder>> MakeGlbEncoder(Mesh mesh) {
   AssertWhole(mesh);
   const std::uint64_t buffer_bytes =
       mesh.triangles.empty()
@@ -195,19 +209,23 @@ absl::StatusOr<std::string> EncodeGlb(const Mesh& mesh) {
         reason::kBadValue,
         absl::StrCat("a GLB file holds at most 4 GiB, the mesh takes ", file_bytes, " bytes"));
   }
-  std::string file = "glTF";
-  file.reserve(file_bytes);
-  AppendNumber(2, &file);
-  AppendNumber(file_bytes, &file);
-  AppendNumber(json.size(), &file);
-  file += "JSON";
-  file += json;
-  if (buffer_bytes == 0) return file;
-  // Every element is a multiple of four bytes long, so the part needs no padding.
-  AppendNumber(buffer_bytes, &file);
-  file += std::string_view("BIN\0", 4);
-  AppendGlbBuffer(mesh, &file);
-  return file;
+  std::string head = "glTF";
+  AppendNumber(2, &head);
+  AppendNumber(file_bytes, &head);
+  AppendNumber(json.size(), &head);
+  head += "JSON";
+  head += json;
+  if (buffer_bytes == 0) return MakeSectionEncoder(std::move(head), {});
+  AppendNumber(buffer_bytes, &head);
+  head += std::string_view("BIN\0", 4);
+  return MakeSectionEncoder(std::move(head),
+                            GlbSections(std::make_shared<const Mesh>(std::move(mesh))));
+}
+
+absl::StatusOr<std::string> EncodeGlb(Mesh mesh) {
+  absl::StatusOr<std::unique_ptr<FileEncoder>> encoder = MakeGlbEncoder(std::move(mesh));
+  if (!encoder.ok()) return encoder.status();
+  return EncodeWhole(encoder->get());
 }
 
 }  // namespace steadymap

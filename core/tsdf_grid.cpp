@@ -23,15 +23,6 @@ LeafMask MaskOf(const FloatLeaf& leaf) {
   return mask;
 }
 
-openvdb::util::NodeMask<3> ToNodeMask(const LeafMask& mask) {
-  openvdb::util::NodeMask<3> node_mask;
-  for (int word = 0; word < kLeafSide; ++word) {
-    node_mask.getWord<std::uint64_t>(static_cast<openvdb::Index>(word)) =
-        mask[static_cast<std::size_t>(word)];
-  }
-  return node_mask;
-}
-
 // Colours are 32 bits without a sign to us and with one to OpenVDB's stock types; the two may
 // alias.
 const std::uint32_t* Unsigned(const openvdb::Int32* colors) {
@@ -51,6 +42,13 @@ bool IsEmpty(const LeafMask& mask) {
 }
 
 }  // namespace
+
+void VoxelReader::ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const {
+  VisitLeaves([&visit](LeafOrigin origin, const LeafView& leaf) {
+    visit(origin, leaf);
+    return true;
+  });
+}
 
 TsdfGrid::TsdfGrid() : trees_(std::make_unique<Trees>()) {}
 
@@ -75,12 +73,13 @@ LeafView TsdfGrid::FindLeaf(LeafOrigin origin) const {
           MaskOf(*distance)};
 }
 
-void TsdfGrid::ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const {
+bool TsdfGrid::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const {
   for (FloatTree::LeafCIter leaf = trees_->distance.cbeginLeaf(); leaf; ++leaf) {
     const openvdb::Coord& coord = leaf->origin();
     const LeafOrigin origin{coord.x(), coord.y(), coord.z()};
-    visit(origin, FindLeaf(origin));
+    if (!visit(origin, FindLeaf(origin))) return false;
   }
+  return true;
 }
 
 std::size_t TsdfGrid::leaf_count() const { return trees_->distance.leafCount(); }
@@ -99,7 +98,7 @@ LeafEdit TsdfGrid::EditLeaf(LeafOrigin origin, bool with_color) {
 
 void TsdfGrid::SetObserved(LeafOrigin origin, const LeafMask& observed) {
   const openvdb::Coord coord = ToCoord(origin);
-  const openvdb::util::NodeMask<3> mask = ToNodeMask(observed);
+  const LeafNodeMask mask = ToNodeMask(observed);
   trees_->distance.probeLeaf(coord)->setValueMask(mask);
   trees_->weight.probeLeaf(coord)->setValueMask(mask);
 }

@@ -18,8 +18,12 @@ class VoxelReader {
   /// The leaf at `origin`; null where nothing was observed.
   virtual LeafView FindLeaf(LeafOrigin origin) const = 0;
 
-  /// Calls `visit` for every leaf, in an order that depends on nothing but the leaves present.
-  virtual void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const = 0;
+  /// Calls `visit` for one leaf after the other until it returns false; in an order that depends on
+  /// nothing but the leaves present. Whether all were visited.
+  virtual bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const = 0;
+
+  /// Calls `visit` for every leaf, in the same order.
+  void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const;
 
   virtual std::size_t leaf_count() const = 0;
 };
@@ -42,7 +46,7 @@ class TsdfGrid final : public VoxelReader {
   std::unique_ptr<TsdfGrid> Clone() const;
 
   LeafView FindLeaf(LeafOrigin origin) const override;
-  void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const override;
+  bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
   /// Write access to the leaf at `origin`; null where there is none. `with_color` adds colours

@@ -190,18 +190,31 @@ bool MakeCellVertex(
 /// Builds the mesh leaf by leaf: first all vertices, then the quads between them.
 class SurfaceNet {
  public:
-  SurfaceNet(const VoxelReader& reader, const VoxelScale& scale, const Box* box)
+  SurfaceNet(const VoxelReader& reader,
+             const VoxelScale& scale,
+             const Box* box,
+             const Cancellation& cancellation)
       : reader_(reader),
         scale_(scale),
         box_(box),
+        cancellation_(cancellation),
         max_jump_m_(static_cast<float>(kMaxSurfaceSlope * scale.voxel_size_m)) {}
 
   Mesh Extract() {
     std::vector<LeafOrigin> leaves;
     leaves.reserve(reader_.leaf_count());
-    reader_.ForEachLeaf([&](LeafOrigin origin, const LeafView&) { leaves.push_back(origin); });
-    for (const LeafOrigin& origin : leaves) AddVertices(origin);
-    for (const LeafOrigin& origin : leaves) AddQuads(origin);
+    reader_.VisitLeaves([&](LeafOrigin origin, const LeafView&) {
+      leaves.push_back(origin);
+      return !cancellation_.IsCancelled();
+    });
+    for (const LeafOrigin& origin : leaves) {
+      if (cancellation_.IsCancelled()) return {};
+      AddVertices(origin);
+    }
+    for (const LeafOrigin& origin : leaves) {
+      if (cancellation_.IsCancelled()) return {};
+      AddQuads(origin);
+    }
     if (!any_color_) mesh_.colors.clear();
     return std::move(mesh_);
   }
@@ -276,6 +289,7 @@ class SurfaceNet {
   const VoxelReader& reader_;
   const VoxelScale scale_;
   const Box* box_;
+  const Cancellation& cancellation_;
   float max_jump_m_;
   VoxelPatch patch_;
   Mesh mesh_;
@@ -286,8 +300,11 @@ class SurfaceNet {
 
 }  // namespace
 
-Mesh ExtractMesh(const VoxelReader& reader, const VoxelScale& scale, const Box* box) {
-  return SurfaceNet(reader, scale, box).Extract();
+Mesh ExtractMesh(const VoxelReader& reader,
+                 const VoxelScale& scale,
+                 const Box* box,
+                 const Cancellation& cancellation) {
+  return SurfaceNet(reader, scale, box, cancellation).Extract();
 }
 
 }  // namespace steadymap

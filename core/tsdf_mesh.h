@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/cancellation.h"
 #include "core/geometry.h"
 #include "core/mesh.h"
 #include "core/tsdf_grid.h"
@@ -17,7 +18,11 @@ namespace steadymap {
 /// then mid-grey.
 ///
 /// `box`, where given, keeps the cells whose vertex lies within it. The result depends on the
-/// volume's voxels alone. Cost: about 10 us a leaf with surface.
-Mesh ExtractMesh(const VoxelReader& reader, const VoxelScale& scale, const Box* box);
+/// volume's voxels alone. Cost: about 10 us a leaf with surface. Ends early once `cancellation`
+/// says so; the mesh is then of no use.
+Mesh ExtractMesh(const VoxelReader& reader,
+                 const VoxelScale& scale,
+                 const Box* box,
+                 const Cancellation& cancellation = {});
 
 }  // namespace steadymap

@@ -19,6 +19,17 @@ struct TsdfGrid::Trees {
   ColorTree color{0};
 };
 
+using LeafNodeMask = openvdb::util::NodeMask<3>;
+
+inline LeafNodeMask ToNodeMask(const LeafMask& mask) {
+  LeafNodeMask node_mask;
+  for (int word = 0; word < kLeafSide; ++word) {
+    node_mask.getWord<std::uint64_t>(static_cast<openvdb::Index>(word)) =
+        mask[static_cast<std::size_t>(word)];
+  }
+  return node_mask;
+}
+
 inline openvdb::Coord ToCoord(LeafOrigin origin) { return {origin.x, origin.y, origin.z}; }
 
 }  // namespace steadymap

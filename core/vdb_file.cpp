@@ -1,13 +1,17 @@
 #include "core/vdb_file.h"
 
-#include <algorithm>
+#include <array>
+#include <exception>
 #include <mutex>
 #include <sstream>
+#include <utility>
 
 #include <openvdb/io/Stream.h>
 
 #include "core/error.h"
-#include "core/tsdf_trees.h"
+#include "core/vdb_grid.h"
+#include "core/vdb_leaves.h"
+#include "core/vdb_metadata.h"
 
 namespace steadymap {
 namespace {
@@ -22,17 +26,22 @@ void InitializeOpenVdb() {
   std::call_once(once, [] { openvdb::initialize(); });
 }
 
-/// The grids of one volume, as stock types in world metres.
-struct VolumeGrids {
-  openvdb::FloatGrid::Ptr distance;
-  openvdb::FloatGrid::Ptr weight;
-  openvdb::Vec3fGrid::Ptr color = openvdb::Vec3fGrid::create(openvdb::Vec3f(0.0F));
-  bool has_color = false;
-
-  explicit VolumeGrids(const VoxelScale& scale)
-      : distance(openvdb::FloatGrid::create(static_cast<float>(scale.truncation_m))),
-        weight(openvdb::FloatGrid::create(0.0F)) {}
-};
+/// The file's header: all before the first grid.
+std::string FileHead(std::size_t grid_count) {
+  std::ostringstream bytes(std::ios::binary);
+  openvdb::io::Stream(bytes).write(openvdb::GridCPtrVec());
+  std::string head = std::move(bytes).str();
+  // Equal maps must give equal files.
+  std::fill_n(head.begin() + kUuidPosition, kUuidLength, '0');
+  for (const std::size_t dash : {8U, 13U, 18U, 23U}) head[kUuidPosition + dash] = '-';
+  // The last there is the number of grids.
+  const auto count = static_cast<std::int32_t>(grid_count);
+  head.replace(head.size() - sizeof(count),
+               sizeof(count),
+               reinterpret_cast<const char*>(&count),
+               sizeof(count));
+  return head;
+}
 
 openvdb::Vec3f ToVec3f(std::uint32_t color) {
   const auto channel = [color](int shift) {
@@ -41,152 +50,175 @@ openvdb::Vec3f ToVec3f(std::uint32_t color) {
   return {channel(0), channel(8), channel(16)};
 }
 
-/// What of a volume goes into its grids.
-struct VolumeSelection {
-  PlacedVolume volume;
-  VoxelScale scale;
-  const Box* box_world = nullptr;
+/// The grids of one volume, one after the other.
+class VolumeWriter {
+ public:
+  VolumeWriter(const MapSnapshot& snapshot, const PlacedVolume& volume, VdbLeaves leaves)
+      : snapshot_(snapshot), volume_(volume), leaves_(std::move(leaves)) {}
 
-  bool Holds(const openvdb::Coord& voxel) const {
-    if (box_world == nullptr) return true;
-    const Eigen::Vector3d center = Eigen::Vector3d(voxel.x(), voxel.y(), voxel.z());
-    return box_world->contains(
-        Eigen::Vector3d(volume.T_world_volume * (center * scale.voxel_size_m)));
+  /// Writes the next part; false once all grids are written.
+  bool WriteNext(std::ostream* out) {
+    while (true) {
+      if (grid_ != nullptr && grid_->WriteNext(out)) return true;
+      if (next_grid_ == kGrids || (next_grid_ == kColor && leaves_.colored.empty())) return false;
+      grid_ = MakeGrid(next_grid_++);
+    }
   }
+
+ private:
+  static constexpr int kDistance = 0;
+  static constexpr int kWeight = 1;
+  static constexpr int kColor = 2;
+  static constexpr int kGrids = 3;
+
+  std::unique_ptr<VdbGridWriter> MakeGrid(int kind) const {
+    switch (kind) {
+      case kDistance:
+        return MakeDistance();
+      case kWeight:
+        return MakeWeight();
+      default:
+        return MakeColor();
+    }
+  }
+
+  std::unique_ptr<VdbGridWriter> MakeDistance() const {
+    auto grid = openvdb::FloatGrid::create(static_cast<float>(snapshot_.scale.truncation_m));
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    DescribeGrid(snapshot_, volume_, "distance", grid.get());
+    return MakeFloats(std::move(grid), &LeafView::distance_m);
+  }
+
+  std::unique_ptr<VdbGridWriter> MakeWeight() const {
+    auto grid = openvdb::FloatGrid::create(0.0F);
+    DescribeGrid(snapshot_, volume_, "weight", grid.get());
+    return MakeFloats(std::move(grid), &LeafView::weight);
+  }
+
+  std::unique_ptr<VdbGridWriter> MakeFloats(openvdb::FloatGrid::Ptr grid,
+                                            const float* LeafView::*values_of) const {
+    return MakeVdbGridWriter(
+        std::move(grid), leaves_.observed, [this, values_of](const MaskedLeaf& leaf, float* out) {
+          const float* const values = volume_.voxels->FindLeaf(leaf.origin).*values_of;
+          for (std::size_t i = 0; i < kLeafVoxels; ++i) {
+            if (IsSet(leaf.mask, i)) out[i] = values[i];
+          }
+        });
+  }
+
+  std::unique_ptr<VdbGridWriter> MakeColor() const {
+    auto grid = openvdb::Vec3fGrid::create(openvdb::Vec3f(0.0F));
+    DescribeGrid(snapshot_, volume_, "color", grid.get());
+    return MakeVdbGridWriter(
+        std::move(grid), leaves_.colored, [this](const MaskedLeaf& leaf, openvdb::Vec3f* out) {
+          const std::uint32_t* const colors = volume_.voxels->FindLeaf(leaf.origin).color;
+          for (std::size_t i = 0; i < kLeafVoxels; ++i) {
+            if (IsSet(leaf.mask, i)) out[i] = ToVec3f(colors[i]);
+          }
+        });
+  }
+
+  const MapSnapshot& snapshot_;
+  const PlacedVolume volume_;
+  const VdbLeaves leaves_;
+  int next_grid_ = kDistance;
+  std::unique_ptr<VdbGridWriter> grid_;  ///< Reads `leaves_`; null before the first.
 };
 
-void AddLeaf(LeafOrigin origin,
-             const LeafView& leaf,
-             const VolumeSelection& selection,
-             VolumeGrids* grids) {
-  openvdb::FloatGrid::TreeType::LeafNodeType* distance = nullptr;
-  openvdb::FloatGrid::TreeType::LeafNodeType* weight = nullptr;
-  for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-    if (!IsSet(leaf.observed, offset)) continue;
-    const openvdb::Coord voxel = ToCoord(origin).offsetBy(static_cast<int>(offset >> 6),
-                                                          static_cast<int>((offset >> 3) & 7),
-                                                          static_cast<int>(offset & 7));
-    if (!selection.Holds(voxel)) continue;
-    if (distance == nullptr) {
-      distance = grids->distance->tree().touchLeaf(voxel);
-      weight = grids->weight->tree().touchLeaf(voxel);
+/// See `MakeVdbEncoder`.
+class VdbEncoder final : public FileEncoder {
+ public:
+  VdbEncoder(const MapSnapshot& snapshot,
+             std::vector<PlacedVolume> volumes,
+             const std::optional<Box>& box_world,
+             Cancellation cancellation)
+      : snapshot_(snapshot),
+        volumes_(std::move(volumes)),
+        box_world_(box_world),
+        cancellation_(std::move(cancellation)) {
+    // Lest a file lack what there was no memory for.
+    out_.exceptions(std::ios::badbit | std::ios::failbit);
+  }
+
+  absl::StatusOr<bool> Next(std::string* piece) override {
+    piece->clear();
+    try {
+      const absl::Status status = Fill();
+      if (!status.ok()) return status;
+    } catch (const std::exception& error) {
+      return MakeError(absl::StatusCode::kInternal,
+                       reason::kInternal,
+                       std::string("OpenVDB could not write the map: ") + error.what());
     }
-    const auto index = static_cast<openvdb::Index>(offset);
-    distance->setValueOn(index, leaf.distance_m[offset]);
-    weight->setValueOn(index, leaf.weight[offset]);
-    if (leaf.color == nullptr || (leaf.color[offset] >> 24) == 0) continue;
-    grids->has_color = true;
-    grids->color->tree().setValueOn(voxel, ToVec3f(leaf.color[offset]));
+    *piece = std::move(out_).str();
+    out_.str({});
+    return !piece->empty();
   }
-}
 
-/// From voxel indices to the world. OpenVDB multiplies row vectors from the left.
-openvdb::math::Transform::Ptr MakeTransform(const Eigen::Isometry3d& T_world_volume,
-                                            double voxel_size_m) {
-  openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
-  for (int from = 0; from < 3; ++from) {
-    for (int to = 0; to < 3; ++to) {
-      matrix(from, to) = voxel_size_m * T_world_volume.linear()(to, from);
+ private:
+  const Box* box() const { return box_world_ ? &*box_world_ : nullptr; }
+
+  /// Writes parts until no other is sure to fit into the piece.
+  absl::Status Fill() {
+    if (!head_written_) {
+      InitializeOpenVdb();
+      const absl::StatusOr<std::size_t> grid_count = CountGrids();
+      if (!grid_count.ok()) return grid_count.status();
+      out_ << FileHead(*grid_count);
+      head_written_ = true;
     }
-    matrix(3, from) = T_world_volume.translation()[from];
+    while (out_.view().size() + kMaxVdbPartBytes <= kFilePieceBytes) {
+      if (cancellation_.IsCancelled()) return CancelledFileError();
+      if (writer_ && writer_->WriteNext(&out_)) continue;
+      if (next_volume_ == volumes_.size()) break;
+      const PlacedVolume& volume = volumes_[next_volume_++];
+      absl::StatusOr<VdbLeaves> leaves =
+          ChooseVdbLeaves(volume, snapshot_.scale, box(), cancellation_);
+      if (!leaves.ok()) return leaves.status();
+      writer_.emplace(snapshot_, volume, *std::move(leaves));
+    }
+    return absl::OkStatus();
   }
-  return openvdb::math::Transform::createLinearTransform(matrix);
-}
 
-const char* StandingText(ObjectStanding standing) {
-  switch (standing) {
-    case ObjectStanding::kTentative:
-      return "tentative";
-    case ObjectStanding::kPresent:
-      return "present";
-    case ObjectStanding::kArchived:
-      return "archived";
+  absl::StatusOr<std::size_t> CountGrids() const {
+    std::size_t count = 0;
+    for (const PlacedVolume& volume : volumes_) {
+      const absl::StatusOr<bool> has_color =
+          HasVdbColor(volume, snapshot_.scale, box(), cancellation_);
+      if (!has_color.ok()) return has_color.status();
+      count += *has_color ? 3 : 2;
+    }
+    return count;
   }
-  return "unknown";
-}
 
-openvdb::Int64Metadata Count(std::uint64_t value) {
-  return openvdb::Int64Metadata(static_cast<std::int64_t>(value));
-}
-
-void DescribeObject(const MapObject& object, openvdb::GridBase* grid) {
-  grid->insertMeta("standing", openvdb::StringMetadata(StandingText(object.standing)));
-  const Belief& belief = object.belief;
-  grid->insertMeta("stationarity", openvdb::DoubleMetadata(belief.stationarity()));
-  grid->insertMeta("alpha", openvdb::DoubleMetadata(belief.alpha));
-  grid->insertMeta("beta", openvdb::DoubleMetadata(belief.beta));
-  grid->insertMeta("change_mean_m", openvdb::DoubleMetadata(belief.change_mean_m));
-  grid->insertMeta("change_std_m", openvdb::DoubleMetadata(belief.change_std_m));
-  grid->insertMeta("first_seen_s", openvdb::DoubleMetadata(object.first_seen.seconds()));
-  grid->insertMeta("last_seen_s", openvdb::DoubleMetadata(object.last_seen.seconds()));
-  grid->insertMeta("views", Count(object.views));
-  grid->insertMeta("absences", Count(object.absences));
-}
-
-void Describe(const MapSnapshot& snapshot,
-              const PlacedVolume& volume,
-              const char* kind,
-              openvdb::GridBase* grid) {
-  const std::string name = volume.object == nullptr
-                               ? std::string("background")
-                               : "object-" + std::to_string(volume.id().value());
-  const double voxel_size_m = snapshot.scale.voxel_size_m;
-  grid->setName(name + "/" + kind);
-  grid->setTransform(volume.object == nullptr
-                         ? openvdb::math::Transform::createLinearTransform(voxel_size_m)
-                         : MakeTransform(volume.T_world_volume, voxel_size_m));
-  grid->insertMeta("object_id", Count(volume.id().value()));
-  grid->insertMeta("class_id", openvdb::Int32Metadata(volume.class_id().value()));
-  grid->insertMeta("revision", Count(snapshot.revision.value()));
-  grid->insertMeta("voxel_size_m", openvdb::DoubleMetadata(voxel_size_m));
-  grid->insertMeta("truncation_m", openvdb::DoubleMetadata(snapshot.scale.truncation_m));
-  if (volume.object != nullptr) DescribeObject(*volume.object, grid);
-}
-
-void AddGrids(const MapSnapshot& snapshot,
-              const VolumeSelection& selection,
-              openvdb::GridPtrVec* grids) {
-  VolumeGrids volume(snapshot.scale);
-  selection.volume.voxels->ForEachLeaf(
-      [&](LeafOrigin origin, const LeafView& leaf) { AddLeaf(origin, leaf, selection, &volume); });
-  volume.distance->setGridClass(openvdb::GRID_LEVEL_SET);
-  Describe(snapshot, selection.volume, "distance", volume.distance.get());
-  Describe(snapshot, selection.volume, "weight", volume.weight.get());
-  grids->insert(grids->end(), {volume.distance, volume.weight});
-  if (!volume.has_color) return;
-  Describe(snapshot, selection.volume, "color", volume.color.get());
-  grids->push_back(volume.color);
-}
-
-std::string Serialize(const openvdb::GridPtrVec& grids) {
-  std::ostringstream bytes(std::ios::binary);
-  openvdb::io::Stream stream(bytes);
-  stream.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
-  stream.write(grids);
-  std::string file = std::move(bytes).str();
-  // Equal maps must give equal files.
-  std::fill_n(file.begin() + kUuidPosition, kUuidLength, '0');
-  for (const std::size_t dash : {8U, 13U, 18U, 23U}) file[kUuidPosition + dash] = '-';
-  return file;
-}
+  const MapSnapshot& snapshot_;
+  const std::vector<PlacedVolume> volumes_;
+  const std::optional<Box> box_world_;
+  const Cancellation cancellation_;
+  bool head_written_ = false;
+  std::size_t next_volume_ = 0;
+  std::optional<VolumeWriter> writer_;  ///< Of the volume before `next_volume_`.
+  std::ostringstream out_{std::ios::binary};
+};
 
 }  // namespace
+
+std::unique_ptr<FileEncoder> MakeVdbEncoder(const MapSnapshot& snapshot,
+                                            std::vector<PlacedVolume> volumes,
+                                            const std::optional<Box>& box_world,
+                                            Cancellation cancellation) {
+  return std::make_unique<VdbEncoder>(
+      snapshot, std::move(volumes), box_world, std::move(cancellation));
+}
 
 absl::StatusOr<std::string> WriteVdb(const MapSnapshot& snapshot,
                                      std::span<const PlacedVolume> volumes,
                                      const Box* box_world) {
-  try {
-    InitializeOpenVdb();
-    openvdb::GridPtrVec grids;
-    for (const PlacedVolume& volume : volumes) {
-      AddGrids(snapshot, {volume, snapshot.scale, box_world}, &grids);
-    }
-    return Serialize(grids);
-  } catch (const std::exception& error) {
-    return MakeError(absl::StatusCode::kInternal,
-                     reason::kInternal,
-                     std::string("OpenVDB could not write the map: ") + error.what());
-  }
+  const std::unique_ptr<FileEncoder> encoder =
+      MakeVdbEncoder(snapshot,
+                     {volumes.begin(), volumes.end()},
+                     box_world == nullptr ? std::nullopt : std::optional<Box>(*box_world));
+  return EncodeWhole(encoder.get());
 }
 
 absl::StatusOr<std::string> WriteVdb(const MapSnapshot& snapshot, const Box* box_world) {

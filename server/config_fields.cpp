@@ -148,8 +148,8 @@ void VisitWatch(WatchServiceOptions* watch, FieldVisitor* visitor) {
       {1, 1'000'000},
       &watch->openings_per_second);
   typed.Duration({"stall_timeout_s",
-                  "A watcher that takes nothing of what is sent for this long is ended; it may "
-                  "resume."},
+                  "A client that takes nothing of what a watch, an export or a section sends it "
+                  "for this long is ended; a watch may resume."},
                  {1, kDayS},
                  &watch->stall_timeout);
 }

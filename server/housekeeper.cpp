@@ -35,6 +35,7 @@ void Housekeeper::Run() {
     heartbeat_.Beat();
     dependencies_.watches->EndStalled();
     dependencies_.watches->DropHeld(absl::Now());
+    dependencies_.streams->EndStalled(GatedStream::Clock::now());
     const Heartbeat::Clock::time_point now = Heartbeat::Clock::now();
     const bool disk_is_low = now >= low_disk_due && !dependencies_.store->CheckDisk().ok();
     if (now < due && !disk_is_low) continue;

@@ -9,6 +9,7 @@
 #include "server/map_directory.h"
 #include "server/server_config.h"
 #include "server/store.h"
+#include "server/stream_gate.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
 
@@ -16,7 +17,7 @@ namespace steadymap {
 
 /// Does now and then what no call does: one thread goes through all maps, drops from their logs
 /// what is integrated and no longer wanted, at once where the disk is low, forgets upload sessions
-/// that have been idle for too long, and cancels watches that have stalled.
+/// that have been idle for too long, and ends watches, exports and sections that have stalled.
 class Housekeeper {
  public:
   /// What the housekeeper looks after; all of it outlives it.
@@ -24,6 +25,7 @@ class Housekeeper {
     const MapDirectory* maps = nullptr;
     const UploadRoster* uploads = nullptr;
     WatchHub* watches = nullptr;
+    StreamGate* streams = nullptr;
     Store* store = nullptr;
   };
 

@@ -1,15 +1,15 @@
-#include <algorithm>
-#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
 
+#include "core/crc32c.h"
 #include "core/error.h"
+#include "core/file_encoder.h"
 #include "core/map_mesh.h"
 #include "core/mesh_file.h"
 #include "core/vdb_file.h"
@@ -19,60 +19,82 @@
 namespace steadymap {
 namespace {
 
-constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
-
+/// A file that is about to be made.
 struct ExportFile {
-  std::string bytes;
+  std::unique_ptr<FileEncoder> encoder;
   std::uint64_t triangles = 0;
 };
 
-class ExportChunks final : public MessageSource<v1::ExportMapResponse> {
+class ExportMessages final : public MessageSource<v1::ExportMapResponse> {
  public:
-  ExportChunks(Revision revision, ExportFile file) : revision_(revision), file_(std::move(file)) {}
+  /// The file may be made from what the snapshot holds.
+  ExportMessages(std::shared_ptr<const MapSnapshot> snapshot, ExportFile file)
+      : snapshot_(std::move(snapshot)), file_(std::move(file)) {}
 
   absl::StatusOr<bool> Next(v1::ExportMapResponse* message) override {
-    if (!header_sent_) {
-      header_sent_ = true;
-      v1::ExportMapResponse::Header* header = message->mutable_header();
-      header->set_revision(revision_.value());
-      header->set_file_bytes(file_.bytes.size());
-      header->set_triangles(file_.triangles);
-      return true;
+    switch (part_) {
+      case Part::kHeader:
+        message->mutable_header()->set_revision(snapshot_->revision.value());
+        message->mutable_header()->set_triangles(file_.triangles);
+        part_ = Part::kChunks;
+        return true;
+      case Part::kChunks:
+        return NextChunk(message);
+      case Part::kEnd:
+        break;
     }
-    if (next_ == file_.bytes.size()) return false;
-    const std::size_t bytes = std::min(kChunkBytes, file_.bytes.size() - next_);
-    message->set_chunk(file_.bytes.substr(next_, bytes));
-    next_ += bytes;
-    return true;
+    return false;
   }
 
  private:
-  const Revision revision_;
+  enum class Part { kHeader, kChunks, kEnd };
+
+  /// A chunk, or the trailer behind the last one.
+  absl::StatusOr<bool> NextChunk(v1::ExportMapResponse* message) {
+    const absl::StatusOr<bool> more = file_.encoder->Next(message->mutable_chunk());
+    if (!more.ok()) return more.status();
+    if (*more) {
+      file_bytes_ += message->chunk().size();
+      crc32c_ = ExtendCrc32c(crc32c_, message->chunk());
+      return true;
+    }
+    message->mutable_trailer()->set_file_bytes(file_bytes_);
+    message->mutable_trailer()->set_crc32c(crc32c_);
+    part_ = Part::kEnd;
+    return true;
+  }
+
+  const std::shared_ptr<const MapSnapshot> snapshot_;
   const ExportFile file_;
-  bool header_sent_ = false;
-  std::size_t next_ = 0;
+  Part part_ = Part::kHeader;  ///< What comes next.
+  std::uint64_t file_bytes_ = 0;
+  std::uint32_t crc32c_ = 0;
 };
 
-absl::StatusOr<ExportFile> MakeFile(const MapSnapshot& snapshot,
-                                    std::span<const PlacedVolume> volumes,
+absl::StatusOr<ExportFile> OpenFile(const MapSnapshot& snapshot,
+                                    std::vector<PlacedVolume> volumes,
                                     v1::ExportFormat format,
-                                    const Box* box) {
+                                    const std::optional<Box>& box,
+                                    const Cancellation& cancellation) {
   if (format == v1::EXPORT_FORMAT_VDB) {
-    absl::StatusOr<std::string> bytes = WriteVdb(snapshot, volumes, box);
-    if (!bytes.ok()) return bytes.status();
-    return ExportFile{*std::move(bytes), 0};
+    return ExportFile{MakeVdbEncoder(snapshot, std::move(volumes), box, cancellation)};
   }
-  const Mesh mesh = ExtractMapMesh(volumes, snapshot.scale, box);
-  if (format == v1::EXPORT_FORMAT_PLY) return ExportFile{EncodePly(mesh), mesh.triangles.size()};
-  absl::StatusOr<std::string> bytes = EncodeGlb(mesh);
-  if (!bytes.ok()) return bytes.status();
-  return ExportFile{*std::move(bytes), mesh.triangles.size()};
+  Mesh mesh = ExtractMapMesh(volumes, snapshot.scale, box ? &*box : nullptr, cancellation);
+  if (cancellation.IsCancelled()) return CancelledFileError();
+  const std::uint64_t triangles = mesh.triangles.size();
+  if (format == v1::EXPORT_FORMAT_PLY)
+    return ExportFile{MakePlyEncoder(std::move(mesh)), triangles};
+  absl::StatusOr<std::unique_ptr<FileEncoder>> encoder = MakeGlbEncoder(std::move(mesh));
+  if (!encoder.ok()) return encoder.status();
+  return ExportFile{*std::move(encoder), triangles};
 }
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport(
-    const MapSnapshot& snapshot, const v1::ExportMapRequest& request) {
+    std::shared_ptr<const MapSnapshot> snapshot,
+    const v1::ExportMapRequest& request,
+    const Cancellation& cancellation) {
   if (!v1::ExportFormat_IsValid(request.format()) ||
       request.format() == v1::EXPORT_FORMAT_UNSPECIFIED) {
     return InvalidField(reason::kBadValue,
@@ -83,13 +105,13 @@ absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport
   const absl::StatusOr<std::optional<Box>> box =
       ReadBox(request.has_box() ? &request.box() : nullptr);
   if (!box.ok()) return box.status();
-  const absl::StatusOr<std::vector<PlacedVolume>> volumes =
-      SelectVolumes(snapshot, request.object_ids());
+  absl::StatusOr<std::vector<PlacedVolume>> volumes =
+      SelectVolumes(*snapshot, request.object_ids());
   if (!volumes.ok()) return volumes.status();
   absl::StatusOr<ExportFile> file =
-      MakeFile(snapshot, *volumes, request.format(), *box ? &**box : nullptr);
+      OpenFile(*snapshot, *std::move(volumes), request.format(), *box, cancellation);
   if (!file.ok()) return file.status();
-  return std::make_unique<ExportChunks>(snapshot.revision, *std::move(file));
+  return std::make_unique<ExportMessages>(std::move(snapshot), *std::move(file));
 }
 
 }  // namespace steadymap

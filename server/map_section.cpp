@@ -30,15 +30,18 @@ struct SectionPart {
 };
 
 /// The parts of the chosen volumes that touch the box; an object without leaves there is left out.
-std::vector<SectionPart> ChooseParts(const MapSnapshot& snapshot,
-                                     const std::vector<PlacedVolume>& volumes,
-                                     const std::optional<Box>& box) {
+absl::StatusOr<std::vector<SectionPart>> ChooseParts(const MapSnapshot& snapshot,
+                                                     const std::vector<PlacedVolume>& volumes,
+                                                     const std::optional<Box>& box,
+                                                     const Cancellation& cancellation) {
   std::vector<SectionPart> parts;
   for (const PlacedVolume& volume : volumes) {
     SectionPart part{volume, {}};
-    volume.voxels->ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    const bool finished = volume.voxels->VisitLeaves([&](LeafOrigin origin, const LeafView&) {
       if (!box || LeafTouches(volume, origin, snapshot.scale, *box)) part.leaves.push_back(origin);
+      return !cancellation.IsCancelled();
     });
+    if (!finished) return absl::CancelledError("the section is no longer wanted");
     if (!box || !part.leaves.empty()) parts.push_back(std::move(part));
   }
   return parts;
@@ -111,15 +114,19 @@ class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMapSection(
-    std::shared_ptr<const MapSnapshot> snapshot, const v1::GetMapSectionRequest& request) {
+    std::shared_ptr<const MapSnapshot> snapshot,
+    const v1::GetMapSectionRequest& request,
+    const Cancellation& cancellation) {
   const absl::StatusOr<std::optional<Box>> box =
       ReadBox(request.has_box() ? &request.box() : nullptr);
   if (!box.ok()) return box.status();
   const absl::StatusOr<std::vector<PlacedVolume>> volumes =
       SelectVolumes(*snapshot, request.object_ids());
   if (!volumes.ok()) return volumes.status();
-  std::vector<SectionPart> parts = ChooseParts(*snapshot, *volumes, *box);
-  return std::make_unique<MapSection>(std::move(snapshot), std::move(parts));
+  absl::StatusOr<std::vector<SectionPart>> parts =
+      ChooseParts(*snapshot, *volumes, *box, cancellation);
+  if (!parts.ok()) return parts.status();
+  return std::make_unique<MapSection>(std::move(snapshot), *std::move(parts));
 }
 
 }  // namespace steadymap

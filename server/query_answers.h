@@ -7,6 +7,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "core/cancellation.h"
 #include "core/geometry.h"
 #include "core/map_snapshot.h"
 #include "server/map_runtime.h"
@@ -35,12 +36,18 @@ absl::Status AnswerListFramePoses(Store& store,
                                   v1::ListFramePosesResponse* response);
 
 /// The objects and leaves that touch the request's box, in messages of at most about 1 MiB.
+/// Errors, here and of the source: also `Cancelled`, as `cancellation` says.
 absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMapSection(
-    std::shared_ptr<const MapSnapshot> snapshot, const v1::GetMapSectionRequest& request);
+    std::shared_ptr<const MapSnapshot> snapshot,
+    const v1::GetMapSectionRequest& request,
+    const Cancellation& cancellation);
 
-/// The map as a file, in chunks of at most 1 MiB. The file is made whole first: that is where time
-/// and memory go.
+/// The map as a file, in chunks of at most `kFilePieceBytes`, each made when it is asked for; of a
+/// mesh file the mesh is made first. Errors, here and of the source: also `Cancelled`, as
+/// `cancellation` says.
 absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport(
-    const MapSnapshot& snapshot, const v1::ExportMapRequest& request);
+    std::shared_ptr<const MapSnapshot> snapshot,
+    const v1::ExportMapRequest& request,
+    const Cancellation& cancellation);
 
 }  // namespace steadymap

@@ -1,6 +1,5 @@
 #include "server/query_service.h"
 
-#include <functional>
 #include <memory>
 #include <utility>
 
@@ -10,9 +9,6 @@
 
 namespace steadymap {
 namespace {
-
-// An export holds its whole file: so many at once, the rest comes again later.
-constexpr std::size_t kMaxStreams = 16;
 
 using Surroundings = QueryService::Surroundings;
 
@@ -44,25 +40,23 @@ grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
       });
 }
 
-/// Starts the stream that `open` makes of the map that the request names, if it may enter; calls
-/// `leave` in any case at its end.
+/// Answers with the messages of the source that `open` makes of the map that the request names.
 template <typename Response, typename Request, typename Open>
 grpc::ServerWriteReactor<Response>* StreamOfMap(const Surroundings& surroundings,
+                                                grpc::CallbackServerContext* context,
                                                 const Request* request,
-                                                const absl::Status& entered,
-                                                const Open& open,
-                                                std::function<void()> leave) {
+                                                const Open& open) {
   using Stream = MessageStream<Response>;
   const FoundMap map = surroundings.maps->Find(request->map(), "map");
   return Stream::Start(
+      {surroundings.readers, surroundings.streams},
+      context,
       [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
-      surroundings.readers,
-      [map, entered, open]() -> absl::StatusOr<std::unique_ptr<typename Stream::Source>> {
-        if (!entered.ok()) return entered;
+      [map, request, open](const Cancellation& cancellation)
+          -> absl::StatusOr<std::unique_ptr<typename Stream::Source>> {
         if (absl::Status status = CheckReads(map); !status.ok()) return status;
-        return open(**map);
-      },
-      std::move(leave));
+        return open((*map)->snapshot(), *request, cancellation);
+      });
 }
 
 }  // namespace
@@ -116,23 +110,13 @@ grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*
 }
 
 grpc::ServerWriteReactor<v1::GetMapSectionResponse>* QueryService::GetMapSection(
-    grpc::CallbackServerContext* /*context*/, const v1::GetMapSectionRequest* request) {
-  return StreamOfMap<v1::GetMapSectionResponse>(
-      surroundings_,
-      request,
-      EnterStream(),
-      [request](const MapRuntime& map) { return OpenMapSection(map.snapshot(), *request); },
-      [this] { --streams_; });
+    grpc::CallbackServerContext* context, const v1::GetMapSectionRequest* request) {
+  return StreamOfMap<v1::GetMapSectionResponse>(surroundings_, context, request, OpenMapSection);
 }
 
 grpc::ServerWriteReactor<v1::ExportMapResponse>* QueryService::ExportMap(
-    grpc::CallbackServerContext* /*context*/, const v1::ExportMapRequest* request) {
-  return StreamOfMap<v1::ExportMapResponse>(
-      surroundings_,
-      request,
-      EnterStream(),
-      [request](const MapRuntime& map) { return OpenExport(*map.snapshot(), *request); },
-      [this] { --streams_; });
+    grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) {
+  return StreamOfMap<v1::ExportMapResponse>(surroundings_, context, request, OpenExport);
 }
 
 grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerContext* /*context*/,
@@ -143,11 +127,6 @@ grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerConte
                      [this, request, response](const MapRuntime& map, const Cancellation&) {
                        return AnswerListFramePoses(*surroundings_.store, map, *request, response);
                      });
-}
-
-/// Counts a stream, in any case until its end.
-absl::Status QueryService::EnterStream() {
-  return ++streams_ <= kMaxStreams ? absl::OkStatus() : PoolFullError();
 }
 
 }  // namespace steadymap

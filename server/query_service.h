@@ -1,10 +1,8 @@
 #pragma once
 
-#include <atomic>
-#include <cstddef>
-
 #include "server/map_directory.h"
 #include "server/store.h"
+#include "server/stream_gate.h"
 #include "server/worker_pool.h"
 
 #include "steadymap/v1/query_service.grpc.pb.h"
@@ -20,6 +18,7 @@ class QueryService final : public v1::QueryService::CallbackService {
     MapDirectory* maps = nullptr;
     Store* store = nullptr;
     WorkerPool* readers = nullptr;
+    StreamGate* streams = nullptr;  ///< Of exports and sections.
   };
 
   explicit QueryService(const Surroundings& surroundings) : surroundings_(surroundings) {}
@@ -48,10 +47,7 @@ class QueryService final : public v1::QueryService::CallbackService {
                                            v1::ListFramePosesResponse* response) override;
 
  private:
-  absl::Status EnterStream();
-
   const Surroundings surroundings_;
-  std::atomic<std::size_t> streams_ = 0;  ///< Exports and sections under way.
 };
 
 }  // namespace steadymap

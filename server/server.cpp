@@ -28,6 +28,7 @@
 #include "server/map_service.h"
 #include "server/peer_limiter.h"
 #include "server/query_service.h"
+#include "server/stream_gate.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
 #include "server/watch_service.h"
@@ -111,6 +112,7 @@ class Server::Parts {
   WatchHub watch_hub_;
   WorkerPool log_pool_;
   WorkerPool map_pool_;
+  StreamGate streams_;
   MapDirectory maps_;
   WorkerPool decoders_;
   WorkerPool admin_pool_;
@@ -140,6 +142,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
                   .stall_grace = kStallGrace}),
       log_pool_("log", kLogThreads, kMaxWaitingCalls),
       map_pool_("map", ComputingThreads(), kMaxWaitingCalls),
+      streams_({.stall_timeout = config.watch.stall_timeout}),
       maps_({store_.get(),
              &budget_,
              &log_pool_,
@@ -153,15 +156,16 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       watchers_("watch", 2, config.watch.max_watches + kMaxWaitingCalls),
       ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
       map_service_({&maps_, &roster_, &watch_hub_, &admin_pool_, config.retention}),
-      query_service_({&maps_, store_.get(), &readers_}),
+      query_service_({&maps_, store_.get(), &readers_, &streams_}),
       watch_openings_({.per_second = static_cast<double>(config.watch.openings_per_second),
                        .burst = 2.0 * static_cast<double>(config.watch.max_watches)}),
       watch_service_({&maps_, &watch_hub_, &watchers_, &watch_openings_}) {}
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
-  housekeeper_.emplace(Housekeeper::Dependencies{&maps_, &roster_, &watch_hub_, store_.get()},
-                       config_.retention);
+  housekeeper_.emplace(
+      Housekeeper::Dependencies{&maps_, &roster_, &watch_hub_, &streams_, store_.get()},
+      config_.retention);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
   UpdateHealth();

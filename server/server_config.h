@@ -73,8 +73,9 @@ struct WatchServiceOptions {
   /// loop.
   std::size_t openings_per_second = 20;
 
-  /// A watcher that takes nothing of what is sent for this long is ended with SLOW_CONSUMER, which
-  /// it learns when it reads again; after another minute it is cut off. It may resume.
+  /// A client that takes nothing of what a watch, an export or a section sends it for this long is
+  /// ended with SLOW_CONSUMER, which it learns when it reads again; later it is cut off. A watch
+  /// may resume.
   std::chrono::seconds stall_timeout{60};
 };
 

@@ -53,8 +53,14 @@ grpc::ByteBuffer MakeGoodbye() {
 
 }  // namespace
 
-WatchCourse::WatchCourse(const MapDirectory* maps, WatchHub* hub, v1::WatchMapRequest request)
-    : maps_(maps), hub_(hub), request_(std::move(request)) {}
+WatchCourse::WatchCourse(const MapDirectory* maps,
+                         WatchHub* hub,
+                         v1::WatchMapRequest request,
+                         Cancellation cancellation)
+    : maps_(maps),
+      hub_(hub),
+      request_(std::move(request)),
+      cancellation_(std::move(cancellation)) {}
 
 absl::Status WatchCourse::ReadRequest() {
   absl::StatusOr<std::shared_ptr<MapRuntime>> map = maps_->Find(request_.map(), "map");
@@ -149,8 +155,7 @@ absl::Status WatchCourse::ResumeBehindToken(const PublishedRevision& newest) {
 }
 
 /// Goes on within a step that the watcher has part of; false if nobody has the rest of it any more.
-bool WatchCourse::ContinueStep(const ResumeToken& token,
-                               const PublishedRevision& newest) {
+bool WatchCourse::ContinueStep(const ResumeToken& token, const PublishedRevision& newest) {
   const StepKey& key = *token.step;
   // The same messages, or else the place means another one.
   if (key.max_message_bytes != max_message_bytes_ ||
@@ -217,8 +222,7 @@ absl::StatusOr<WatchCourse::Message> WatchCourse::NextOfStep() {
 }
 
 /// Takes the step that leads to `newest`; or a message to be sent first.
-absl::StatusOr<WatchCourse::Message> WatchCourse::TakeStep(
-    const PublishedRevision& newest) {
+absl::StatusOr<WatchCourse::Message> WatchCourse::TakeStep(const PublishedRevision& newest) {
   if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), newest);
   const absl::Status status = FindStep(newest);
   if (absl::IsOutOfRange(status)) return HandleGap(status, newest);
@@ -234,7 +238,8 @@ absl::Status WatchCourse::FindStep(const PublishedRevision& newest) {
                                false,
                                position_,
                                shown_,
-                               newest};
+                               newest,
+                               cancellation_};
   if (next_snapshot_) {
     wanted.as_snapshot = true;
     wanted.before = {};
@@ -250,8 +255,8 @@ absl::Status WatchCourse::FindStep(const PublishedRevision& newest) {
 }
 
 /// The history between the watcher and the map is gone: begins anew where that was asked for.
-absl::StatusOr<WatchCourse::Message> WatchCourse::HandleGap(
-    const absl::Status& gap, const PublishedRevision& newest) {
+absl::StatusOr<WatchCourse::Message> WatchCourse::HandleGap(const absl::Status& gap,
+                                                            const PublishedRevision& newest) {
   if (request_.resync_if_compacted()) {
     next_snapshot_ = newest;
     return MakeResync(newest.commit.revision, ReasonOf(gap));

@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "core/cancellation.h"
 #include "server/map_directory.h"
 #include "server/watch_hub.h"
 
@@ -23,8 +24,11 @@ class WatchCourse {
   /// A message to send; none if there is nothing to say now.
   using Message = std::optional<grpc::ByteBuffer>;
 
-  /// Both outlive the course.
-  WatchCourse(const MapDirectory* maps, WatchHub* hub, v1::WatchMapRequest request);
+  /// Both outlive the course. Long work ends early once the watcher has gone.
+  WatchCourse(const MapDirectory* maps,
+              WatchHub* hub,
+              v1::WatchMapRequest request,
+              Cancellation cancellation);
 
   /// To be called first. Errors: what is wrong with the request, its token aside.
   absl::Status ReadRequest();
@@ -60,21 +64,21 @@ class WatchCourse {
   absl::Status FindStep(const PublishedRevision& newest);
   absl::StatusOr<Message> NextOfStep();
   absl::StatusOr<Message> TakeStep(const PublishedRevision& newest);
-  absl::StatusOr<Message> HandleGap(const absl::Status& gap,
-                                    const PublishedRevision& newest);
+  absl::StatusOr<Message> HandleGap(const absl::Status& gap, const PublishedRevision& newest);
   grpc::ByteBuffer MakeCreated() const;
 
   const MapDirectory* const maps_;
   WatchHub* const hub_;
   const v1::WatchMapRequest request_;
+  const Cancellation cancellation_;
 
   std::shared_ptr<MapRuntime> map_;
   WatchScope scope_;
   MapFilter filter_;
   std::size_t max_message_bytes_ = 0;
   WatchPosition position_;
-  std::shared_ptr<const ShownObjects> shown_;         ///< At `position_`; null: not known.
-  std::optional<PublishedRevision> next_snapshot_;    ///< To be sent whole; none: deltas follow.
+  std::shared_ptr<const ShownObjects> shown_;       ///< At `position_`; null: not known.
+  std::optional<PublishedRevision> next_snapshot_;  ///< To be sent whole; none: deltas follow.
   absl::Status gap_;  ///< Why the history behind the token is no use; to be told or resynced.
   std::shared_ptr<WatchMessages> step_;
   std::size_t place_ = 0;        ///< Of the next message in the step.

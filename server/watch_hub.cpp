@@ -174,18 +174,23 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequ
                                 request.to.commit.hash,
                                 request.as_snapshot || request.before.has_leaves}};
   if (request.as_snapshot) {
-    return std::make_shared<WatchMessages>(std::move(source),
-                                           MakeSnapshotStep(request.filter, snapshot));
+    auto messages = std::make_shared<WatchMessages>(
+        std::move(source),
+        MakeSnapshotStep(request.filter, snapshot, request.cancellation),
+        request.cancellation);
+    // Other watchers who wait for the same step make it themselves then.
+    if (absl::Status status = request.cancellation.Check(); !status.ok()) return status;
+    return messages;
   }
   ChangeList changes;
   if (request.filter.WantsObjects()) {
-    absl::StatusOr<ChangeList> read = 
+    absl::StatusOr<ChangeList> read =
         store->ReadChanges(map, request.before.commit(), snapshot->revision);
     if (!read.ok()) return read.status();
     changes = *std::move(read);
   }
-  StepPlan step = MakeDeltaStep(
-      request.filter, changes, request.before.revision, request.shown, snapshot);
+  StepPlan step =
+      MakeDeltaStep(request.filter, changes, request.before.revision, request.shown, snapshot);
   if (compares) step.base = FindRecent(map, request.before.revision);
   return std::make_shared<WatchMessages>(std::move(source), std::move(step));
 }

@@ -14,6 +14,7 @@
 #include <absl/synchronization/mutex.h>
 #include <absl/time/time.h>
 
+#include "core/cancellation.h"
 #include "core/identifiers.h"
 #include "server/map_runtime.h"
 #include "server/store.h"
@@ -110,10 +111,11 @@ class WatchHub {
     WatchPosition before;
     std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
     PublishedRevision to;
+    Cancellation cancellation{};  ///< Once this watcher has gone.
   };
 
   /// The messages that take a watcher to that revision; made once for all who ask the same.
-  /// Errors: `OutOfRange` with reason `REVISION_COMPACTED`; what the store answers.
+  /// Errors: `OutOfRange` with reason `REVISION_COMPACTED`; `Cancelled`; what the store answers.
   absl::StatusOr<std::shared_ptr<WatchMessages>> FindStep(const StepRequest& request)
       ABSL_LOCKS_EXCLUDED(mutex_);
 

@@ -42,9 +42,9 @@ grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message) {
   return status.ok() ? bytes : grpc::ByteBuffer();
 }
 
-WatchMessages::WatchMessages(Source source, StepPlan step)
+WatchMessages::WatchMessages(Source source, StepPlan step, const Cancellation& cancellation)
     : source_(std::move(source)), step_(std::move(step)) {
-  const std::size_t bytes = PlanFragments();
+  const std::size_t bytes = PlanFragments(cancellation);
   // Those before a snapshot are history.
   if (source_.filter.events && step_.from) {
     const std::uint64_t events =
@@ -58,7 +58,7 @@ WatchMessages::WatchMessages(Source source, StepPlan step)
 
 /// Deals what is to be sent out to messages by the most that each thing can take, so that their
 /// number is known before the first is made. Returns how much all of it can take.
-std::size_t WatchMessages::PlanFragments() {
+std::size_t WatchMessages::PlanFragments(const Cancellation& cancellation) {
   if (step_.IsEmpty()) return 0;
   const std::size_t room = source_.key.max_message_bytes - kMessageMarginBytes;
   std::size_t bytes = 0;
@@ -83,6 +83,7 @@ std::size_t WatchMessages::PlanFragments() {
     fragments_.back().last_removed = i + 1;
   }
   for (std::size_t i = 0; i < step_.objects.size(); ++i) {
+    if (cancellation.IsCancelled()) return 0;
     make_room(kMaxIdBytes + ToProto(*step_.snapshot->objects.at(step_.objects[i])).ByteSizeLong());
     fragments_.back().last_object = i + 1;
   }

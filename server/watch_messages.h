@@ -11,6 +11,7 @@
 #include <absl/synchronization/mutex.h>
 #include <grpcpp/support/byte_buffer.h>
 
+#include "core/cancellation.h"
 #include "server/resume_token.h"
 #include "server/store.h"
 #include "server/watch_step.h"
@@ -36,7 +37,9 @@ class WatchMessages {
     WatchPosition after;  ///< What the watcher then has.
   };
 
-  WatchMessages(Source source, StepPlan step);
+  /// The messages of `step`. Cost: a pass over its objects and leaves, which ends early once
+  /// `cancellation` says so; the messages are then of no use.
+  WatchMessages(Source source, StepPlan step, const Cancellation& cancellation = {});
 
   /// Number of messages, those included that turn out to say nothing.
   std::size_t count() const { return fragments_.size() + event_pages_ + 1; }
@@ -67,7 +70,7 @@ class WatchMessages {
     std::size_t last_leaf = 0;
   };
 
-  std::size_t PlanFragments();
+  std::size_t PlanFragments(const Cancellation& cancellation);
   absl::StatusOr<std::optional<grpc::ByteBuffer>> Make(std::size_t place) const;
   v1::WatchMapResponse MakeFragment(std::size_t place) const;
   absl::StatusOr<v1::WatchMapResponse> MakeEvents(std::size_t page) const;

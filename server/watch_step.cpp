@@ -87,23 +87,28 @@ std::optional<LeafView> StepPlan::FindPatch(const LeafKey& key) const {
   return FindLeafPatch(FindLeaf(*base, key), FindLeaf(*snapshot, key));
 }
 
-StepPlan MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot) {
+StepPlan MakeSnapshotStep(const MapFilter& filter,
+                          std::shared_ptr<const MapSnapshot> snapshot,
+                          const Cancellation& cancellation) {
   StepPlan step;
   step.shown = ShownBy(filter, *snapshot);
   step.snapshot = std::move(snapshot);
   if (filter.WantsObjects()) step.objects = *step.shown;
   if (!filter.volumes) return step;
   if (filter.ShowsBackground()) {
-    step.snapshot->background.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    step.snapshot->background.VisitLeaves([&](LeafOrigin origin, const LeafView&) {
       if (filter.ShowsBackgroundLeaf(origin, step.snapshot->scale)) {
         step.leaves.push_back({kBackgroundId, origin});
       }
+      return !cancellation.IsCancelled();
     });
   }
   for (const ObjectId id : step.objects) {
-    step.snapshot->objects.at(id)->volume->ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    step.snapshot->objects.at(id)->volume->VisitLeaves([&](LeafOrigin origin, const LeafView&) {
       step.leaves.push_back({id, origin});
+      return !cancellation.IsCancelled();
     });
+    if (cancellation.IsCancelled()) return step;
   }
   std::sort(step.leaves.begin(), step.leaves.end());
   return step;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/cancellation.h"
 #include "core/identifiers.h"
 #include "core/map_filter.h"
 #include "core/map_snapshot.h"
@@ -38,8 +39,11 @@ struct StepPlan {
   bool IsEmpty() const { return removed.empty() && objects.empty() && leaves.empty(); }
 };
 
-/// Everything that the filter shows of a map. Cost: a pass over all objects and leaves.
-StepPlan MakeSnapshotStep(const MapFilter& filter, std::shared_ptr<const MapSnapshot> snapshot);
+/// Everything that the filter shows of a map. Cost: a pass over all objects and leaves. Ends early
+/// once `cancellation` says so; the plan is then of no use.
+StepPlan MakeSnapshotStep(const MapFilter& filter,
+                          std::shared_ptr<const MapSnapshot> snapshot,
+                          const Cancellation& cancellation = {});
 
 /// What a step brings a watcher who has what the filter showed at revision `from`; `shown` says
 /// which objects those were, and is null where nobody knows any more: then objects that changed are

@@ -21,7 +21,10 @@ class WatchStream::Reactor final : public GrpcReactor {
 
   void OnWriteDone(bool ok) override { stream_->OnWritten(ok); }
 
-  void OnCancel() override { stream_->End(absl::CancelledError("the watcher has gone")); }
+  void OnCancel() override {
+    stream_->cancellation_.Cancel();
+    stream_->End(absl::CancelledError("the watcher has gone"));
+  }
 
   void OnDone() override {
     stream_->OnGone();
@@ -41,7 +44,8 @@ WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
   grpc::ByteBuffer bytes(request);
   v1::WatchMapRequest message;
   if (grpc::SerializationTraits<v1::WatchMapRequest>::Deserialize(&bytes, &message).ok()) {
-    stream->course_.emplace(surroundings.maps, surroundings.hub, std::move(message));
+    stream->course_.emplace(
+        surroundings.maps, surroundings.hub, std::move(message), stream->cancellation_);
   }
   stream->Schedule();
   return reactor;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -76,7 +77,8 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
 
   const Surroundings surroundings_;
   const std::string peer_;
-  Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
+  Reactor* reactor_ = nullptr;       ///< Valid until it has been finished.
+  const Cancellation cancellation_;  ///< Once the watcher has gone.
 
   // Of whoever advances the stream.
   std::optional<WatchCourse> course_;  ///< None for a request that is no WatchMapRequest.

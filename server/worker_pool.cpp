@@ -43,13 +43,6 @@ bool WorkerPool::Submit(std::function<void()> task) {
   return true;
 }
 
-bool WorkerPool::Resume(std::function<void()> task) {
-  const absl::MutexLock lock(&mutex_);
-  if (stopping_) return false;
-  tasks_.push_front(std::move(task));
-  return true;
-}
-
 void WorkerPool::SubmitAt(Clock::time_point time, std::function<void()> task) {
   const absl::MutexLock lock(&mutex_);
   if (stopping_) return;

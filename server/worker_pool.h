@@ -41,10 +41,6 @@ class WorkerPool {
   /// False, and `task` is dropped, if the pool has stopped.
   bool Submit(std::function<void()> task) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Runs `task` before those that wait, whatever their number: for work that goes on with what was
-  /// let in before. False, and `task` is dropped, if the pool has stopped.
-  [[nodiscard]] bool Resume(std::function<void()> task) ABSL_LOCKS_EXCLUDED(mutex_);
-
   /// Runs `task` as `Submit` does, once it is `time`. What has not run when the pool stops is
   /// dropped.
   void SubmitAt(Clock::time_point time, std::function<void()> task) ABSL_LOCKS_EXCLUDED(mutex_);

@@ -63,18 +63,20 @@ absl::Status ExportCommand::Run() const {
   for (const std::uint64_t object : objects_) selection.objects.emplace_back(object);
   absl::StatusOr<OutputFile> file = OutputFile::Create(output_);
   if (!file.ok()) return file.status();
-  const absl::StatusOr<v1::ExportMapResponse::Header> header =
+  const absl::StatusOr<ExportSummary> summary =
       MapClient(context_->Channel())
           .ExportMap(*name, Formats().at(format_), selection, [&](std::string_view chunk) {
             return file->Write(chunk);
           });
-  if (!header.ok()) return header.status();
-  absl::Status committed = file->Commit();
-  if (!committed.ok()) return committed;
-  context_->out << output_ << ": " << BytesText(header->file_bytes());
-  if (header->triangles() > 0)
-    context_->out << ", " << CountText(header->triangles()) << " triangles";
-  context_->out << ", revision " << header->revision() << " of " << name->ToString() << '\n';
+  if (!summary.ok()) return summary.status();
+  absl::Status status = file->Sync();
+  if (status.ok()) status = file->Commit();
+  if (!status.ok()) return status;
+  context_->out << output_ << ": " << BytesText(summary->file_bytes);
+  if (summary->triangles > 0) {
+    context_->out << ", " << CountText(summary->triangles) << " triangles";
+  }
+  context_->out << ", revision " << summary->revision.value() << " of " << name->ToString() << '\n';
   return absl::OkStatus();
 }
 

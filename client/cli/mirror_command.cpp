@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "client/cli/output_file.h"
 #include "client/cli/resume_token.h"
 #include "client/cli/stop_signal.h"
+#include "core/file_encoder.h"
 #include "core/placed_volume.h"
 #include "core/vdb_file.h"
 
@@ -83,10 +86,30 @@ std::vector<PlacedVolume> MirroredVolumes(const MapSnapshot& map, const MapFilte
   return volumes;
 }
 
-absl::Status WriteWholeFile(const std::filesystem::path& path, const std::string& bytes) {
+/// Makes a file of what `encoder` makes, piece by piece; its length in bytes.
+absl::StatusOr<std::uint64_t> WriteEncodedFile(const std::filesystem::path& path,
+                                               FileEncoder* encoder) {
   absl::StatusOr<OutputFile> file = OutputFile::Create(path);
   if (!file.ok()) return file.status();
-  absl::Status status = file->Write(bytes);
+  std::uint64_t bytes = 0;
+  for (std::string piece;;) {
+    const absl::StatusOr<bool> more = encoder->Next(&piece);
+    if (!more.ok()) return more.status();
+    if (!*more) break;
+    if (absl::Status status = file->Write(piece); !status.ok()) return status;
+    bytes += piece.size();
+  }
+  absl::Status status = file->Sync();
+  if (status.ok()) status = file->Commit();
+  if (!status.ok()) return status;
+  return bytes;
+}
+
+absl::Status WriteTextFile(const std::filesystem::path& path, const std::string& text) {
+  absl::StatusOr<OutputFile> file = OutputFile::Create(path);
+  if (!file.ok()) return file.status();
+  absl::Status status = file->Write(text);
+  if (status.ok()) status = file->Sync();
   return status.ok() ? file->Commit() : status;
 }
 
@@ -173,12 +196,11 @@ absl::Status MirrorCommand::WriteFiles(const MapName& name,
                                        const MapFilter& filter,
                                        const MapSnapshot& map,
                                        const std::string& resume_token) const {
-  const std::vector<PlacedVolume> volumes = MirroredVolumes(map, filter);
-  const absl::StatusOr<std::string> bytes = WriteVdb(map, volumes, nullptr);
-  if (!bytes.ok()) return bytes.status();
   const std::filesystem::path folder = output_;
-  absl::Status status = WriteWholeFile(folder / kMapFile, *bytes);
-  if (!status.ok()) return status;
+  const std::unique_ptr<FileEncoder> encoder =
+      MakeVdbEncoder(map, MirroredVolumes(map, filter), std::nullopt);
+  const absl::StatusOr<std::uint64_t> bytes = WriteEncodedFile(folder / kMapFile, encoder.get());
+  if (!bytes.ok()) return bytes.status();
 
   JsonWriter json;
   json.BeginObject();
@@ -186,12 +208,12 @@ absl::Status MirrorCommand::WriteFiles(const MapName& name,
   json.Key("revision").Integer(map.revision.value());
   json.Key("last_capture_time").Number(map.last_capture_time.seconds());
   json.Key("objects").Integer(map.objects.size());
-  json.Key("bytes").Integer(bytes->size());
+  json.Key("bytes").Integer(*bytes);
   json.Key("resume_token").Text(ResumeTokenText(resume_token));
   json.EndObject();
-  status = WriteWholeFile(folder / kStateFile, json.Finish());
+  const absl::Status status = WriteTextFile(folder / kStateFile, json.Finish());
   if (!status.ok()) return status;
-  context_->out << (folder / kMapFile).string() << ": " << BytesText(bytes->size()) << ", revision "
+  context_->out << (folder / kMapFile).string() << ": " << BytesText(*bytes) << ", revision "
                 << map.revision.value() << " of " << name.ToString() << std::endl;
   if (!context_->out) return absl::FailedPreconditionError("cannot write to standard output");
   return absl::OkStatus();

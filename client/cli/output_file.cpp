@@ -5,17 +5,19 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <fcntl.h>
 #include <unistd.h>
 
 namespace steadymap {
 namespace {
+
+constexpr int kFileMode = 0666;  // Less what the umask takes.
 
 absl::Status CannotWrite(const std::filesystem::path& path, std::error_code error) {
   return absl::FailedPreconditionError(
       absl::StrCat("cannot write ", path.string(), ": ", error.message()));
 }
 
-// A stream tells that it failed; the system's last error tells why.
 std::error_code LastError() { return {errno, std::generic_category()}; }
 
 }  // namespace
@@ -23,7 +25,8 @@ std::error_code LastError() { return {errno, std::generic_category()}; }
 OutputFile::OutputFile(std::filesystem::path path, std::filesystem::path temporary_path)
     : path_(std::move(path)),
       temporary_path_(std::move(temporary_path)),
-      stream_(temporary_path_, std::ios::binary | std::ios::trunc) {}
+      descriptor_(
+          open(temporary_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kFileMode)) {}
 
 absl::StatusOr<OutputFile> OutputFile::Create(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -33,7 +36,7 @@ absl::StatusOr<OutputFile> OutputFile::Create(const std::filesystem::path& path)
   std::filesystem::path temporary_path = path;
   temporary_path += absl::StrCat(".", getpid(), ".partial");
   OutputFile file(path, std::move(temporary_path));
-  if (!file.stream_) {
+  if (file.descriptor_ < 0) {
     const std::error_code error = LastError();
     file.temporary_path_.clear();
     return CannotWrite(path, error);
@@ -44,23 +47,31 @@ absl::StatusOr<OutputFile> OutputFile::Create(const std::filesystem::path& path)
 OutputFile::OutputFile(OutputFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_path_(std::exchange(other.temporary_path_, {})),
-      stream_(std::move(other.stream_)) {}
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
 
 OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) close(descriptor_);
   if (temporary_path_.empty()) return;
-  stream_.close();
   std::error_code ignored;
   std::filesystem::remove(temporary_path_, ignored);
 }
 
 absl::Status OutputFile::Write(std::string_view data) {
-  stream_.write(data.data(), static_cast<std::streamsize>(data.size()));
-  return stream_ ? absl::OkStatus() : CannotWrite(path_, LastError());
+  while (!data.empty()) {
+    const ssize_t written = write(descriptor_, data.data(), data.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return CannotWrite(path_, LastError());
+    data.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status OutputFile::Sync() {
+  return fsync(descriptor_) == 0 ? absl::OkStatus() : CannotWrite(path_, LastError());
 }
 
 absl::Status OutputFile::Commit() {
-  stream_.close();
-  if (!stream_) return CannotWrite(path_, LastError());
+  if (close(std::exchange(descriptor_, -1)) != 0) return CannotWrite(path_, LastError());
   std::error_code error;
   std::filesystem::rename(temporary_path_, path_, error);
   if (error) return CannotWrite(path_, error);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include <absl/status/status.h>
@@ -20,8 +19,12 @@ class OutputFile {
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
 
-  /// Appends. Errors: as the disk gives them, with the path.
+  /// Appends, without a buffer in between. Errors: as the disk gives them, with the path.
   absl::Status Write(std::string_view data);
+
+  /// Puts what was written on the disk: before `Commit`, so that a crash of the machine leaves this
+  /// file or the one before, whole. Takes as long as the disk does. Errors: as `Write`.
+  absl::Status Sync();
 
   /// Makes the file appear, in place of one that was there. Errors: as `Write`.
   absl::Status Commit();
@@ -31,7 +34,7 @@ class OutputFile {
 
   std::filesystem::path path_;
   std::filesystem::path temporary_path_;  ///< Empty once there is nothing left to remove.
-  std::ofstream stream_;
+  int descriptor_ = -1;                   ///< Below 0: not open.
 };
 
 }  // namespace steadymap

@@ -259,7 +259,7 @@ TEST_F(CommandLineTest, QueryPrintsDistancesAndUnknown) {
 }
 
 TEST_F(CommandLineTest, ExportWritesTheWholeFileOrNone) {
-  queries_.SetFile({"ply\n", "rest"}, 8);
+  queries_.SetFile({"ply\n", "rest"}, "ply\nrest");
   const std::string path = PathOf("map.ply");
   const Outcome outcome =
       Run({"export", "kitchen", "--format", "ply", "--output", path, "--box", "-1,-2,0,1,2,3"});
@@ -267,7 +267,7 @@ TEST_F(CommandLineTest, ExportWritesTheWholeFileOrNone) {
   EXPECT_EQ(std::filesystem::file_size(path), 8U);
   EXPECT_EQ(queries_.export_request.box().min_m().y(), -2.0);
 
-  queries_.SetFile({"ply\n"}, 8);
+  queries_.SetFile({"ply\n"}, "ply\nrest");
   ExpectFailure(
       {"export", "kitchen", "--format", "ply", "--output", PathOf("cut.ply")}, 1, "8 bytes");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);

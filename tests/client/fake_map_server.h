@@ -9,6 +9,7 @@
 #include <grpcpp/server_builder.h>
 
 #include "client/channel.h"
+#include "core/crc32c.h"
 #include "core/error.h"
 #include "core/identifiers.h"
 #include "proto/grpc_status.h"
@@ -148,8 +149,11 @@ class FakeQueryService final : public v1::QueryService::Service {
                          const v1::ExportMapRequest* request,
                          grpc::ServerWriter<v1::ExportMapResponse>* stream) override {
     export_request = *request;
-    for (const v1::ExportMapResponse& response : file) stream->Write(response);
-    return export_status;
+    // As above.
+    const std::vector<v1::ExportMapResponse> messages = file;
+    const grpc::Status status = export_status;
+    for (const v1::ExportMapResponse& response : messages) stream->Write(response);
+    return status;
   }
 
   grpc::Status ListFramePoses(grpc::ServerContext*,
@@ -159,12 +163,16 @@ class FakeQueryService final : public v1::QueryService::Service {
     return grpc::Status::OK;
   }
 
-  /// Makes `ExportMap` send these pieces under a header that announces `file_bytes`.
-  void SetFile(const std::vector<std::string>& chunks, std::uint64_t file_bytes) {
+  /// Makes `ExportMap` send these pieces between a header and a trailer that says they are
+  /// `content`.
+  void SetFile(const std::vector<std::string>& chunks, const std::string& content) {
     file.assign(1, {});
-    file[0].mutable_header()->set_file_bytes(file_bytes);
     file[0].mutable_header()->set_revision(7);
+    file[0].mutable_header()->set_triangles(12);
     for (const std::string& chunk : chunks) file.emplace_back().set_chunk(chunk);
+    v1::ExportMapResponse::Trailer& trailer = *file.emplace_back().mutable_trailer();
+    trailer.set_file_bytes(content.size());
+    trailer.set_crc32c(ExtendCrc32c(0, content));
   }
 
  private:

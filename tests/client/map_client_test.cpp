@@ -263,32 +263,65 @@ TEST_F(MapClientTest, DamagedSectionsAreErrors) {
 }
 
 TEST_F(MapClientTest, ExportsArriveChunkByChunk) {
-  queries_.SetFile({"abc", "", "de"}, 5);
+  queries_.SetFile({"abc", "", "de"}, "abcde");
   std::string file;
-  const auto header =
+  const auto summary =
       client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_GLB, {}, [&](std::string_view chunk) {
         file += chunk;
         return absl::OkStatus();
       });
-  ASSERT_TRUE(header.ok()) << header.status();
-  EXPECT_EQ(header->revision(), 7U);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  EXPECT_EQ(summary->revision, Revision(7));
+  EXPECT_EQ(summary->file_bytes, 5U);
+  EXPECT_EQ(summary->triangles, 12U);
   EXPECT_EQ(file, "abcde");
   EXPECT_EQ(queries_.export_request.format(), v1::EXPORT_FORMAT_GLB);
   EXPECT_FALSE(queries_.export_request.has_box());
 }
 
-TEST_F(MapClientTest, AnExportThatIsTooShortIsAnError) {
-  queries_.SetFile({"abc"}, 5);
-  const auto ignore = [](std::string_view) { return absl::OkStatus(); };
-  EXPECT_EQ(client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, {}, ignore).status().code(),
-            absl::StatusCode::kDataLoss);
+TEST_F(MapClientTest, AnExportThatIsNotWholeIsAnError) {
+  const auto status = [this] {
+    return client_
+        .ExportMap(
+            kKitchen, v1::EXPORT_FORMAT_PLY, {}, [](std::string_view) { return absl::OkStatus(); })
+        .status();
+  };
+  queries_.SetFile({"abc"}, "abcde");
+  EXPECT_EQ(status().code(), absl::StatusCode::kDataLoss) << "a chunk is missing";
+  EXPECT_EQ(ReasonOf(status()), "CHECKSUM");
+  queries_.SetFile({"abc", "xe"}, "abcde");
+  EXPECT_EQ(status().code(), absl::StatusCode::kDataLoss) << "as long, but another";
+  queries_.SetFile({"abc", "de"}, "abcde");
+  queries_.file.pop_back();
+  EXPECT_EQ(status().code(), absl::StatusCode::kDataLoss) << "no trailer";
+  EXPECT_EQ(ReasonOf(status()), "CHECKSUM");
+  queries_.file.clear();
+  EXPECT_EQ(status().code(), absl::StatusCode::kDataLoss) << "nothing at all";
   queries_.export_status = grpc::Status(grpc::StatusCode::UNAVAILABLE, "going down");
-  EXPECT_EQ(client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, {}, ignore).status().code(),
-            absl::StatusCode::kUnavailable);
+  EXPECT_EQ(status().code(), absl::StatusCode::kUnavailable) << "its own reason goes first";
+}
+
+TEST_F(MapClientTest, AnExportWithoutOrderBreaksTheProtocol) {
+  const auto code = [this] {
+    return client_
+        .ExportMap(
+            kKitchen, v1::EXPORT_FORMAT_PLY, {}, [](std::string_view) { return absl::OkStatus(); })
+        .status()
+        .code();
+  };
+  queries_.SetFile({"abc"}, "abc");
+  queries_.file.erase(queries_.file.begin());
+  EXPECT_EQ(code(), absl::StatusCode::kInternal) << "no header";
+  queries_.SetFile({"abc"}, "abc");
+  queries_.file.insert(queries_.file.begin(), queries_.file.front());
+  EXPECT_EQ(code(), absl::StatusCode::kInternal) << "two headers";
+  queries_.SetFile({"abc"}, "abc");
+  queries_.file.push_back(queries_.file[1]);
+  EXPECT_EQ(code(), absl::StatusCode::kInternal) << "a chunk behind the trailer";
 }
 
 TEST_F(MapClientTest, AnErrorOfTheSinkEndsTheExport) {
-  queries_.SetFile({"abc", "de"}, 5);
+  queries_.SetFile({"abc", "de"}, "abcde");
   absl::Status full = absl::FailedPreconditionError("the disk is full");
   int chunks = 0;
   const auto header = client_.ExportMap(kKitchen, v1::EXPORT_FORMAT_PLY, {}, [&](std::string_view) {

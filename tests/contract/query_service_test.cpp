@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/crc32c.h"
 #include "core/tsdf_codec.h"
 #include "proto/convert_geometry.h"
 #include "tests/contract/test_service.h"
@@ -167,25 +168,30 @@ TEST_P(QueryServiceTest, ExportsAreFilesOfTheirFormats) {
   EXPECT_TRUE(service_.Export(map_, v1::EXPORT_FORMAT_VDB)->starts_with(" BDV"));
 }
 
-TEST_P(QueryServiceTest, ExportStatesLengthAndTriangles) {
-  v1::ExportMapRequest request;
-  request.set_map(map_);
-  request.set_format(v1::EXPORT_FORMAT_PLY);
-  grpc::ClientContext context;
-  SetDeadline(&context);
-  const auto reader = service_.queries().ExportMap(&context, request);
-  v1::ExportMapResponse message;
-  ASSERT_TRUE(reader->Read(&message));
-  const v1::ExportMapResponse::Header header = message.header();
-  EXPECT_EQ(header.revision(), 8U);
-  EXPECT_GT(header.triangles(), 100U);
-  std::uint64_t bytes = 0;
-  while (reader->Read(&message)) {
-    EXPECT_LE(message.chunk().size(), std::size_t{1} << 20);
-    bytes += message.chunk().size();
+TEST_P(QueryServiceTest, ExportsSayWhatTheyHoldFirstAndWhatWasSentLast) {
+  for (const v1::ExportFormat format :
+       {v1::EXPORT_FORMAT_PLY, v1::EXPORT_FORMAT_GLB, v1::EXPORT_FORMAT_VDB}) {
+    v1::ExportMapRequest request;
+    request.set_map(map_);
+    request.set_format(format);
+    grpc::ClientContext context;
+    SetDeadline(&context);
+    const auto reader = service_.queries().ExportMap(&context, request);
+    std::vector<v1::ExportMapResponse> messages;
+    for (v1::ExportMapResponse message; reader->Read(&message);) messages.push_back(message);
+    EXPECT_TRUE(reader->Finish().ok());
+    ASSERT_GE(messages.size(), 3U);
+    EXPECT_EQ(messages.front().header().revision(), 8U);
+    EXPECT_EQ(messages.front().header().triangles() > 100, format != v1::EXPORT_FORMAT_VDB);
+    std::string file;
+    for (std::size_t i = 1; i + 1 < messages.size(); ++i) {
+      EXPECT_FALSE(messages[i].chunk().empty());
+      EXPECT_LE(messages[i].chunk().size(), std::size_t{1} << 20);
+      file += messages[i].chunk();
+    }
+    EXPECT_EQ(messages.back().trailer().file_bytes(), file.size());
+    EXPECT_EQ(messages.back().trailer().crc32c(), ExtendCrc32c(0, file));
   }
-  EXPECT_TRUE(reader->Finish().ok());
-  EXPECT_EQ(bytes, header.file_bytes());
 }
 
 TEST_P(QueryServiceTest, ExportThatIsCancelledHarmsNobody) {

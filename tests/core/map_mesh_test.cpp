@@ -1,6 +1,8 @@
 #include "core/map_mesh.h"
 
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -88,6 +90,26 @@ TEST(ExtractMapMesh, VolumesWithoutColoursAreGreyBesideColouredOnes) {
 
 TEST(ExtractMapMesh, NoVolumesHaveNoSurface) {
   EXPECT_TRUE(ExtractMapMesh({}, {}, nullptr).vertices_world.empty());
+}
+
+TEST(ExtractMapMesh, EndsSoonAfterItIsCancelled) {
+  const MapSnapshot map = BoxOverFloor();
+  const std::vector<PlacedVolume> volumes = ShownVolumes(map);
+  std::size_t of_whole = 0;
+  const Cancellation never([&of_whole] {
+    ++of_whole;
+    return false;
+  });
+  ExtractMapMesh(volumes, map.scale, nullptr, never);
+  EXPECT_GT(of_whole, 3 * map.background.leaf_count()) << "three times a leaf, a pass each";
+  // A pass that ends is followed by the question of the next pass and of the next volume.
+  constexpr std::size_t kAfterwards = 3;
+  for (std::size_t wanted_for = 0; wanted_for < of_whole; wanted_for += 7) {
+    std::size_t asked = 0;
+    const Cancellation later([&] { return asked++ >= wanted_for; });
+    ExtractMapMesh(volumes, map.scale, nullptr, later);
+    EXPECT_LE(asked, wanted_for + kAfterwards);
+  }
 }
 
 TEST(LeafTouches, TurnedLeavesAreTestedWhereTheyStand) {

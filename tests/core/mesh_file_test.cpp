@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstring>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -23,6 +24,45 @@ Mesh CornerMesh(bool with_colors) {
   if (with_colors) mesh.colors = {{0, 128, 255}, {255, 0, 10}, {1, 2, 3}, {188, 64, 200}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
   return mesh;
+}
+
+// A mesh whose files have several pieces.
+Mesh LargeMesh() {
+  constexpr std::uint32_t kVertices = 100'000;
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < kVertices; ++i) {
+    const auto value = static_cast<float>(i);
+    mesh.vertices_world.emplace_back(value, -value, 0.1F * value);
+    mesh.normals_world.emplace_back(0.0F, 1.0F, value);
+    mesh.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8), 7});
+    mesh.triangles.push_back({i, (i + 1) % kVertices, (i + 2) % kVertices});
+  }
+  return mesh;
+}
+
+std::vector<Mesh> SmallAndLargeMeshes() {
+  return {CornerMesh(false), CornerMesh(true), LargeMesh()};
+}
+
+// The pieces of a file, none of which is empty or too long.
+std::vector<std::string> PiecesOf(FileEncoder* encoder) {
+  std::vector<std::string> pieces;
+  for (std::string piece; *encoder->Next(&piece);) {
+    EXPECT_FALSE(piece.empty());
+    EXPECT_LE(piece.size(), kFilePieceBytes);
+    pieces.push_back(piece);
+  }
+  std::string piece = "old";
+  EXPECT_FALSE(*encoder->Next(&piece)) << "the end stays the end";
+  EXPECT_EQ(piece, "");
+  return pieces;
+}
+
+// For so many bytes, where each piece is as long as it may be but for an element's length.
+std::size_t PiecesNeeded(std::size_t bytes) { return bytes / kFilePieceBytes + 1; }
+
+std::string Joined(const std::vector<std::string>& pieces) {
+  return std::accumulate(pieces.begin(), pieces.end(), std::string());
 }
 
 template <typename Number>
@@ -56,27 +96,30 @@ std::vector<std::string> PlyHeaderLines(const std::string& file, std::string_vie
 }
 
 TEST(EncodePly, ReadsBackByteForByte) {
-  for (const bool with_colors : {false, true}) {
-    const Mesh mesh = CornerMesh(with_colors);
+  for (const Mesh& mesh : SmallAndLargeMeshes()) {
+    const bool with_colors = !mesh.colors.empty();
     const std::string file = EncodePly(mesh);
     std::string_view body;
-    std::vector<std::string> expected = {"ply",
-                                         "format binary_little_endian 1.0",
-                                         "element vertex 4",
-                                         "property float x",
-                                         "property float y",
-                                         "property float z",
-                                         "property float nx",
-                                         "property float ny",
-                                         "property float nz"};
+    std::vector<std::string> expected = {
+        "ply",
+        "format binary_little_endian 1.0",
+        "element vertex " + std::to_string(mesh.vertices_world.size()),
+        "property float x",
+        "property float y",
+        "property float z",
+        "property float nx",
+        "property float ny",
+        "property float nz"};
     if (with_colors) {
       expected.insert(expected.end(),
                       {"property uchar red", "property uchar green", "property uchar blue"});
     }
-    expected.insert(expected.end(), {"element face 3", "property list uchar int vertex_indices"});
+    expected.insert(expected.end(),
+                    {"element face " + std::to_string(mesh.triangles.size()),
+                     "property list uchar int vertex_indices"});
     EXPECT_EQ(PlyHeaderLines(file, &body), expected);
-    for (std::size_t i = 0; i < 4; ++i) {
-      EXPECT_EQ(TakeVector(&body), mesh.vertices_world[i]);
+    for (std::size_t i = 0; i < mesh.vertices_world.size(); ++i) {
+      ASSERT_EQ(TakeVector(&body), mesh.vertices_world[i]);
       EXPECT_EQ(TakeVector(&body), mesh.normals_world[i]);
       if (with_colors) {
         EXPECT_EQ(Take<Rgb>(&body), mesh.colors[i]);
@@ -88,6 +131,16 @@ TEST(EncodePly, ReadsBackByteForByte) {
     }
     EXPECT_TRUE(body.empty());
   }
+}
+
+TEST(MeshEncoders, MakePiecesOfBoundedLengthThatAddUpToTheFile) {
+  const Mesh mesh = LargeMesh();
+  const std::vector<std::string> ply = PiecesOf(MakePlyEncoder(mesh).get());
+  EXPECT_EQ(ply.size(), PiecesNeeded(100'000 * (27 + 13)));
+  EXPECT_TRUE(Joined(ply) == EncodePly(mesh));
+  const std::vector<std::string> glb = PiecesOf(MakeGlbEncoder(mesh)->get());
+  EXPECT_EQ(glb.size(), PiecesNeeded(100'000 * (28 + 12)));
+  EXPECT_TRUE(Joined(glb) == *EncodeGlb(mesh));
 }
 
 TEST(EncodePly, WritesAnEmptyMeshWithoutElements) {
@@ -144,12 +197,13 @@ Glb Parse(std::string_view file) {
 }
 
 TEST(EncodeGlb, ReadsBackPositionsNormalsAndIndices) {
-  for (const bool with_colors : {false, true}) {
-    const Mesh mesh = CornerMesh(with_colors);
+  for (const Mesh& mesh : SmallAndLargeMeshes()) {
+    const bool with_colors = !mesh.colors.empty();
+    const std::size_t vertices = mesh.vertices_world.size();
     const absl::StatusOr<std::string> file = EncodeGlb(mesh);
     ASSERT_TRUE(file.ok()) << file.status();
     const Glb glb = Parse(*file);
-    EXPECT_EQ(glb.buffer.size(), GlbBufferBytes(4, 3, with_colors));
+    EXPECT_EQ(glb.buffer.size(), GlbBufferBytes(vertices, mesh.triangles.size(), with_colors));
     const auto& primitive = glb.At("meshes", 0)
                                 .fields()
                                 .at("primitives")
@@ -163,11 +217,11 @@ TEST(EncodeGlb, ReadsBackPositionsNormalsAndIndices) {
         glb.Bytes(static_cast<int>(attributes.at("POSITION").number_value()));
     std::string_view normals = glb.Bytes(static_cast<int>(attributes.at("NORMAL").number_value()));
     std::string_view indices = glb.Bytes(static_cast<int>(primitive.at("indices").number_value()));
-    ASSERT_EQ(positions.size(), 4 * 12U);
-    ASSERT_EQ(normals.size(), 4 * 12U);
-    ASSERT_EQ(indices.size(), 9 * 4U);
-    for (std::size_t i = 0; i < 4; ++i) {
-      EXPECT_EQ(TakeVector(&positions), mesh.vertices_world[i]);
+    ASSERT_EQ(positions.size(), vertices * 12);
+    ASSERT_EQ(normals.size(), vertices * 12);
+    ASSERT_EQ(indices.size(), mesh.triangles.size() * 12);
+    for (std::size_t i = 0; i < vertices; ++i) {
+      ASSERT_EQ(TakeVector(&positions), mesh.vertices_world[i]);
       EXPECT_EQ(TakeVector(&normals), mesh.normals_world[i]);
     }
     for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {

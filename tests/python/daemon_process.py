@@ -34,6 +34,11 @@ class DaemonProcess:
         self._start("127.0.0.1:0")
         self.address = "127.0.0.1:" + (folder / "port").read_text(encoding="ascii").strip()
 
+    @property
+    def process_id(self) -> int:
+        """Of the running process."""
+        return self._process.pid
+
     def kill(self) -> None:
         """kill -9; returns when the process is gone."""
         if self._process is not None:

@@ -1,5 +1,6 @@
 #include "server/watch_hub.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -8,6 +9,7 @@
 
 #include "core/error.h"
 #include "tests/server/noting_watch.h"
+#include "tests/support/analytic_map.h"
 
 namespace steadymap {
 namespace {
@@ -140,6 +142,24 @@ TEST_F(WatchHubTest, TheEndOfAMapEndsItsWatches) {
   hub_.EndMap(kHall, absl::NotFoundError("gone"));
   EXPECT_TRUE(absl::IsNotFound(hall->ended));
   EXPECT_TRUE(yard->ended.ok());
+}
+
+TEST_F(WatchHubTest, AWatcherThatHasGonePlansNoSnapshotAndSpoilsItForNobody) {
+  WatchHub::StepRequest request;
+  request.scope.map = kHall;
+  request.max_message_bytes = std::size_t{1} << 20;
+  request.as_snapshot = true;
+  request.to.snapshot = std::make_shared<const MapSnapshot>(testing::BoxOverFloor());
+  for (const int wanted_for : {0, 1, 30}) {
+    int asked = 0;
+    request.cancellation = Cancellation([&asked, wanted_for] { return asked++ >= wanted_for; });
+    EXPECT_EQ(hub_.FindStep(request).status().code(), absl::StatusCode::kCancelled);
+    EXPECT_LE(asked, wanted_for + 5) << "once more for each pass that ends";
+  }
+  request.cancellation = {};
+  const auto step = hub_.FindStep(request);
+  ASSERT_TRUE(step.ok()) << step.status();
+  EXPECT_GE((*step)->count(), 2U);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Callable, Optional, Sequence, Union
 
 from steadymap._generated.v1 import query_service_pb2
+from steadymap.checksum import extend_crc32c
 from steadymap.errors import DataLossError
 from steadymap.geometry import box_to_proto
 
@@ -52,21 +53,34 @@ def choose_format(path: Path, file_format: Optional[Union[ExportFormat, str]]) -
 
 
 def take_export(messages: Any, take_chunk: Callable[[bytes], Any]) -> ExportSummary:
-    """Reads an export to its end. DataLossError if it is not as long as announced."""
-    summary, received_bytes = ExportSummary(0, 0, 0), 0
+    """Reads an export to its end.
+
+    DataLossError if it is cut off or is not what the server made.
+    """
+    header = trailer = None
+    file_bytes, crc32c = 0, 0
     for message in messages:
-        if message.HasField("header"):
+        kind = message.WhichOneof("kind")
+        if kind == "header":
             header = message.header
-            summary = ExportSummary(header.revision, header.file_bytes, header.triangles)
-        else:
+        elif kind == "trailer":
+            trailer = message.trailer
+        elif kind == "chunk":
             take_chunk(message.chunk)
-            received_bytes += len(message.chunk)
-    if received_bytes != summary.file_bytes:
+            file_bytes += len(message.chunk)
+            crc32c = extend_crc32c(crc32c, message.chunk)
+    if header is None or trailer is None:
         raise DataLossError(
-            f"the server announced a file of {summary.file_bytes} bytes and sent {received_bytes}",
+            f"the file was cut off: {file_bytes} bytes came, and not all around them",
             reason="CHECKSUM",
         )
-    return summary
+    if (trailer.file_bytes, trailer.crc32c) != (file_bytes, crc32c):
+        raise DataLossError(
+            f"the server made a file of {trailer.file_bytes} bytes; the {file_bytes} that came are "
+            "not the same",
+            reason="CHECKSUM",
+        )
+    return ExportSummary(header.revision, file_bytes, header.triangles)
 
 
 def write_export(messages: Any, path: Path) -> ExportSummary:
