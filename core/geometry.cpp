@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kMaxFocalLengthPx = 1e5;
 
+// An image is at most so many focal lengths wide: 169 degrees, more than any pinhole camera sees.
+constexpr double kMaxSideFocalLengths = 20.0;
+
 // Clients often round quaternions to six digits; anything further off is a bug of theirs.
 constexpr double kQuaternionNormTolerance = 1e-3;
 
@@ -22,13 +25,18 @@ absl::Status CheckImageSide(const char* field, int side_px) {
       absl::StrCat(field, " must lie in [1, ", kMaxImageSidePx, "] pixels, got ", side_px));
 }
 
-absl::Status CheckFocalLength(const char* field, double focal_length_px) {
-  if (focal_length_px > 0.0 && focal_length_px <= kMaxFocalLengthPx) return absl::OkStatus();
-  return InvalidField(
-      reason::kBadIntrinsics,
-      field,
-      absl::StrCat(
-          field, " must lie in (0, ", kMaxFocalLengthPx, "] pixels, got ", focal_length_px));
+absl::Status CheckFocalLength(const char* field, double focal_length_px, int side_px) {
+  const double least_px = side_px / kMaxSideFocalLengths;
+  if (focal_length_px >= least_px && focal_length_px <= kMaxFocalLengthPx) return absl::OkStatus();
+  return InvalidField(reason::kBadIntrinsics,
+                      field,
+                      absl::StrCat(field,
+                                   " must lie in [",
+                                   least_px,
+                                   ", ",
+                                   kMaxFocalLengthPx,
+                                   "] pixels, got ",
+                                   focal_length_px));
 }
 
 absl::Status CheckPrincipalPoint(const char* field, double coordinate_px, int side_px) {
@@ -50,8 +58,8 @@ absl::Status ValidateCamera(const PinholeCamera& camera) {
   // NaN fails every comparison, so each check also refuses it.
   for (const absl::Status& status : {CheckImageSide("width_px", camera.width_px),
                                      CheckImageSide("height_px", camera.height_px),
-                                     CheckFocalLength("fx", camera.fx),
-                                     CheckFocalLength("fy", camera.fy),
+                                     CheckFocalLength("fx", camera.fx, camera.width_px),
+                                     CheckFocalLength("fy", camera.fy, camera.height_px),
                                      CheckPrincipalPoint("cx", camera.cx, camera.width_px),
                                      CheckPrincipalPoint("cy", camera.cy, camera.height_px)}) {
     if (!status.ok()) return status;

@@ -26,8 +26,8 @@ using Box = Eigen::AlignedBox3d;
 struct PinholeCamera {
   int width_px = 0;   ///< Image width, in [1, 4096].
   int height_px = 0;  ///< Image height, in [1, 4096].
-  double fx = 0.0;    ///< Focal length along x, pixels, finite and > 0.
-  double fy = 0.0;    ///< Focal length along y, pixels, finite and > 0.
+  double fx = 0.0;    ///< Focal length along x, pixels, see `ValidateCamera`.
+  double fy = 0.0;    ///< Focal length along y, pixels, see `ValidateCamera`.
   double cx = 0.0;    ///< Principal point, pixels, finite.
   double cy = 0.0;    ///< Principal point, pixels, finite.
 
@@ -45,7 +45,7 @@ inline constexpr int kMaxImageSidePx = 4096;
 inline constexpr double kMaxPositionM = 10'000.0;
 
 /// OK if the camera is usable; else `InvalidArgument` with reason `BAD_INTRINSICS`. Focal lengths
-/// must lie in (0, 1e5] pixels and the principal point within one image size of the image.
+/// must lie in [1/20 of the image, 1e5] pixels and the principal point within one image size of it.
 absl::Status ValidateCamera(const PinholeCamera& camera);
 
 /// A rigid transform from a position [m] and a quaternion (x, y, z, w).

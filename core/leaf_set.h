@@ -32,6 +32,8 @@ class LeafSet {
   /// the base).
   void InsertSegment(const Eigen::Vector3f& from, const Eigen::Vector3f& to);
 
+  std::size_t size() const { return keys_.size(); }
+
   /// The leaves in ascending order. Valid until the next call of a non-const function.
   const std::vector<LeafOrigin>& Sorted();
 

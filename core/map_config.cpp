@@ -17,6 +17,7 @@ constexpr double kMinTruncationVoxels = 2.0;
 constexpr double kMaxTruncationVoxels = 16.0;
 constexpr double kMinMaxDepthM = 0.1;
 constexpr double kMaxMaxDepthM = 100.0;
+constexpr double kMaxMaxDepthVoxels = 4000.0;
 constexpr std::size_t kMaxClassNameLength = 64;
 
 // 0.15 / 0.05 is a hair under 3: limits in voxels must not turn on the last bit.
@@ -131,7 +132,16 @@ absl::Status ValidateMapConfig(const MapConfig& config) {
                           kMinTruncationVoxels * config.voxel_size_m,
                           kMaxTruncationVoxels * config.voxel_size_m);
   }
-  violations.CheckRange("max_depth_m", config.max_depth_m, kMinMaxDepthM, kMaxMaxDepthM);
+  if (violations.CheckRange("max_depth_m", config.max_depth_m, kMinMaxDepthM, kMaxMaxDepthM) &&
+      config.max_depth_m > kMaxMaxDepthVoxels * config.voxel_size_m * (1 + kRelativeSlack)) {
+    violations.Add("max_depth_m",
+                   absl::StrCat("max_depth_m must be at most ",
+                                kMaxMaxDepthVoxels,
+                                " voxels, ",
+                                kMaxMaxDepthVoxels * config.voxel_size_m,
+                                " m, got ",
+                                config.max_depth_m));
+  }
   CheckClasses(config.classes, &violations);
   return violations.ToStatus();
 }

@@ -52,7 +52,8 @@ struct MapConfig {
   /// noise, narrower keeps the two sides of thin things apart.
   double truncation_m = 0.15;
 
-  /// Depth beyond this is not fused, metres, in [0.1, 100]. TorWIC: 3.
+  /// Depth beyond this is not fused, metres, in [0.1, 100], at most 4000 voxels, which bounds the
+  /// work of a frame. TorWIC: 3.
   double max_depth_m = 3.0;
 
   UpdatePolicy policy = UpdatePolicy::kStatic;

@@ -125,6 +125,35 @@ absl::Status ReadHeader(const v1::Frame& message, Frame* frame) {
   return absl::OkStatus();
 }
 
+/// What the log keeps of a frame and maps do not use yet.
+absl::Status CheckAnnotations(const v1::Frame& message) {
+  if (!v1::ClockDomain_IsValid(message.clock_domain())) {
+    return InvalidField(reason::kBadValue,
+                        "clock_domain",
+                        absl::StrCat("the clock domain must be one that is known, got ",
+                                     static_cast<int>(message.clock_domain())));
+  }
+  if (!message.has_pose_covariance()) return absl::OkStatus();
+  constexpr int kSide = 6;
+  constexpr int kNumbers = kSide * (kSide + 1) / 2;
+  const auto& numbers = message.pose_covariance().upper_triangle();
+  bool is_possible =
+      numbers.size() == kNumbers && std::all_of(numbers.begin(), numbers.end(), [](double number) {
+        return std::isfinite(number);
+      });
+  int diagonal = 0;
+  for (int row = 0; row < kSide && is_possible; ++row) {
+    is_possible = numbers[diagonal] >= 0.0;
+    diagonal += kSide - row;
+  }
+  if (is_possible) return absl::OkStatus();
+  return InvalidField(reason::kBadValue,
+                      "pose_covariance.upper_triangle",
+                      absl::StrCat("upper_triangle must hold ",
+                                   kNumbers,
+                                   " finite numbers, those of the diagonal not below 0"));
+}
+
 }  // namespace
 
 absl::StatusOr<Frame> FromProto(const v1::Frame& message,
@@ -133,6 +162,7 @@ absl::StatusOr<Frame> FromProto(const v1::Frame& message,
   Frame frame;
   frame.source = source;
   absl::Status status = ReadHeader(message, &frame);
+  if (status.ok()) status = CheckAnnotations(message);
   if (status.ok()) status = DecodeImages(message, &frame);
   if (status.ok()) status = ValidateFrame(frame, labels);
   // A pose that leaves MakePose passes ValidateFrame, so its field paths are proto paths.

@@ -62,6 +62,8 @@ absl::StatusOr<SemanticClass> ClassFromProto(const v1::SemanticClass& message) {
                        message.in_background()};
 }
 
+}  // namespace
+
 absl::StatusOr<std::vector<SemanticClass>> ReadClasses(const v1::MapConfig& message) {
   if (message.classes_size() > kMaxClasses) {
     return InvalidField(
@@ -78,8 +80,6 @@ absl::StatusOr<std::vector<SemanticClass>> ReadClasses(const v1::MapConfig& mess
   }
   return classes;
 }
-
-}  // namespace
 
 absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message) {
   MapConfig config;

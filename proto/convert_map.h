@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <absl/status/statusor.h>
 
 #include "core/map_config.h"
@@ -13,6 +15,9 @@ namespace steadymap {
 /// unknown or out of range; field paths are relative to the message. Pure, any thread.
 absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message);
 v1::MapConfig ToProto(const MapConfig& config);
+
+/// The class table of a configuration. Errors: `BAD_VALUE` with the field `classes[i]` and further.
+absl::StatusOr<std::vector<SemanticClass>> ReadClasses(const v1::MapConfig& message);
 
 /// Errors: `BAD_VALUE` with the field `policy` for one that is unknown.
 absl::StatusOr<UpdatePolicy> FromProto(v1::UpdatePolicy policy);

@@ -9,8 +9,10 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
+#include "core/frame_work.h"
 #include "proto/batch_checksum.h"
 #include "proto/convert_frame.h"
+#include "server/system_clock.h"
 
 namespace steadymap {
 namespace {
@@ -35,8 +37,11 @@ std::size_t EstimateBytes(const v1::Frame& message) {
 }  // namespace
 
 absl::Status CheckNumbering(const v1::FrameBatch& batch) {
-  if (batch.frames().empty()) {
-    return InvalidField(reason::kBadValue, "frames", "a batch needs at least one frame");
+  if (batch.frames().empty() || batch.frames_size() > kMaxBatchFrames) {
+    return InvalidField(
+        reason::kBadValue,
+        "frames",
+        absl::StrCat("a batch holds 1 to ", kMaxBatchFrames, " frames, got ", batch.frames_size()));
   }
   const auto count = static_cast<std::uint64_t>(batch.frames_size());
   if (batch.first_client_seq() < 1 ||
@@ -51,15 +56,22 @@ absl::Status CheckNumbering(const v1::FrameBatch& batch) {
   return absl::OkStatus();
 }
 
-void BatchIntake::Start(WorkerPool* pool, UploadRoute route, v1::FrameBatch batch, Done done) {
+ClientSequence LastSequenceOf(const v1::FrameBatch& batch) {
+  return ClientSequence(batch.first_client_seq() + static_cast<std::uint64_t>(batch.frames_size()) -
+                        1);
+}
+
+void BatchIntake::Start(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done) {
   std::make_shared<BatchIntake>(pool, std::move(route), std::move(batch), std::move(done))
       ->Submit();
 }
 
-BatchIntake::BatchIntake(WorkerPool* pool, UploadRoute route, v1::FrameBatch batch, Done done)
+BatchIntake::BatchIntake(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done)
     : pool_(pool),
       route_(std::move(route)),
-      batch_(std::move(batch)),
+      memory_(std::move(batch.memory)),
+      batch_(std::move(batch.frames)),
+      config_(route_.map->record().config),
       batch_bytes_(batch_.ByteSizeLong()),
       done_(std::move(done)),
       predecessor_(route_.predecessor) {}
@@ -143,13 +155,18 @@ bool BatchIntake::TakeFrame(const v1::Frame& message, ClientSequence sequence) {
 
 void BatchIntake::Decode(const v1::Frame& message, ClientSequence sequence) {
   absl::StatusOr<Frame> frame = FromProto(message, route_.session.sensor, *route_.map->labels());
-  if (frame.ok()) {
+  absl::Status status = frame.status();
+  if (status.ok()) status = CheckFrameWork(*frame, config_);
+  if (status.ok()) {
+    status = route_.map->capture_clocks().Note(
+        frame->source, frame->capture_time, message.clock_domain(), Now());
+  }
+  if (status.ok()) {
     frames_.push_back(
         {sequence, *std::move(frame), message.SerializeAsString(), std::move(reservation_)});
     return;
   }
-  refused_.push_back(
-      {sequence, WithFieldPrefix(frame.status(), absl::StrCat("frames[", next_, "]"))});
+  refused_.push_back({sequence, WithFieldPrefix(status, absl::StrCat("frames[", next_, "]"))});
 }
 
 absl::Status BatchIntake::HandOver(bool last_piece) {

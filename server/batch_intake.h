@@ -23,9 +23,22 @@ struct UploadRoute {
   std::shared_ptr<UploadObserver> observer;
 };
 
-/// OK if the numbering of a batch is sound: at least one frame, and client sequences from 1 that do
-/// not overflow. Errors: `InvalidArgument` with the field relative to the batch. Cheap.
+/// Frames that one batch may hold.
+inline constexpr int kMaxBatchFrames = 256;
+
+/// OK if the numbering of a batch is sound: 1 to `kMaxBatchFrames` frames, and client sequences
+/// from 1 that do not overflow. Errors: `InvalidArgument` with the field relative to the batch.
+/// Cheap.
 absl::Status CheckNumbering(const v1::FrameBatch& batch);
+
+/// Client sequence of the last frame of a batch that passed `CheckNumbering`.
+ClientSequence LastSequenceOf(const v1::FrameBatch& batch);
+
+/// A batch that was read and is not decoded yet.
+struct ReadBatch {
+  v1::FrameBatch frames;
+  FrameBudget::Reservation memory;  ///< That the message takes.
+};
 
 /// Takes one batch in, on a worker pool: compares the checksum, leaves out what is durable already,
 /// decodes and validates the rest frame by frame within the map's byte budget, and hands it to the
@@ -39,10 +52,10 @@ class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
 
   /// Starts; calls `done` once, from a thread of the pool or whoever frees budget. `batch` must
   /// have passed `CheckNumbering`. `pool` must outlive the batch.
-  static void Start(WorkerPool* pool, UploadRoute route, v1::FrameBatch batch, Done done);
+  static void Start(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done);
 
   /// Use `Start`.
-  BatchIntake(WorkerPool* pool, UploadRoute route, v1::FrameBatch batch, Done done);
+  BatchIntake(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done);
 
   /// Calls `done` if nobody has: a map that closes drops those who wait for its budget.
   ~BatchIntake();
@@ -62,7 +75,9 @@ class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
 
   WorkerPool* const pool_;
   const UploadRoute route_;
+  const FrameBudget::Reservation memory_;  ///< Of the message.
   v1::FrameBatch batch_;
+  const MapConfig config_;
   const std::uint64_t batch_bytes_;
   Done done_;
 

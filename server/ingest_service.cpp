@@ -1,5 +1,7 @@
 #include "server/ingest_service.h"
 
+#include <google/protobuf/util/time_util.h>
+
 #include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
 #include "server/upload_call.h"
@@ -17,6 +19,12 @@ absl::Status AnswerUploadState(const UploadTarget& target, v1::UploadState* resp
   if (state.last_active != Timestamp()) {
     *response->mutable_last_frame_time() = ToProto(state.last_active);
   }
+  const std::optional<std::chrono::nanoseconds> ahead =
+      target.map->capture_clocks().AheadOf(target.session.sensor);
+  if (ahead) {
+    *response->mutable_capture_time_ahead() =
+        google::protobuf::util::TimeUtil::NanosecondsToDuration(ahead->count());
+  }
   return absl::OkStatus();
 }
 
@@ -26,10 +34,9 @@ UploadStream::GrpcReactor* IngestService::UploadFrames(grpc::CallbackServerConte
   return UploadStream::Start(surroundings_);
 }
 
-grpc::ServerUnaryReactor* IngestService::UploadFrameBatch(
-    grpc::CallbackServerContext* /*context*/,
-    const v1::UploadFrameBatchRequest* request,
-    v1::UploadFrameBatchResponse* response) {
+grpc::ServerUnaryReactor* IngestService::UploadFrameBatch(grpc::CallbackServerContext* /*context*/,
+                                                          const grpc::ByteBuffer* request,
+                                                          grpc::ByteBuffer* response) {
   return UploadCall::Start(surroundings_, *request, response);
 }
 

@@ -7,7 +7,11 @@
 namespace steadymap {
 
 /// Takes frames from robots; see proto/steadymap/v1/ingest_service.proto.
-class IngestService final : public v1::IngestService::CallbackService {
+/// It is handed bytes, so that it can bound what a message holds before it is parsed.
+class IngestService final
+    : public v1::IngestService::WithRawCallbackMethod_UploadFrames<
+          v1::IngestService::WithRawCallbackMethod_UploadFrameBatch<
+              v1::IngestService::WithCallbackMethod_GetUploadState<v1::IngestService::Service>>> {
  public:
   explicit IngestService(const UploadStream::Surroundings& surroundings)
       : surroundings_(surroundings) {}
@@ -15,8 +19,8 @@ class IngestService final : public v1::IngestService::CallbackService {
   UploadStream::GrpcReactor* UploadFrames(grpc::CallbackServerContext* context) override;
 
   grpc::ServerUnaryReactor* UploadFrameBatch(grpc::CallbackServerContext* context,
-                                             const v1::UploadFrameBatchRequest* request,
-                                             v1::UploadFrameBatchResponse* response) override;
+                                             const grpc::ByteBuffer* request,
+                                             grpc::ByteBuffer* response) override;
 
   grpc::ServerUnaryReactor* GetUploadState(grpc::CallbackServerContext* context,
                                            const v1::GetUploadStateRequest* request,

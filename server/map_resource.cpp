@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 #include <google/protobuf/util/field_mask_util.h>
@@ -26,6 +27,9 @@ constexpr std::size_t kMaxRequestIdBytes = 64;
 constexpr std::int64_t kMaxRetentionSeconds = std::int64_t{100} * 366 * 24 * 3600;
 
 constexpr std::int64_t kMaxCommitDelayMs = 60'000;
+
+// The path that adds to the class table.
+constexpr char kClassesPath[] = "config.classes";
 
 absl::Status CheckLength(const char* field, const std::string& text, std::size_t max_bytes) {
   if (text.size() <= max_bytes) return absl::OkStatus();
@@ -70,6 +74,72 @@ absl::StatusOr<std::chrono::milliseconds> ReadCommitDelay(const v1::Map& map) {
   return std::chrono::milliseconds(milliseconds);
 }
 
+absl::Status ReadLabels(const v1::Map& map, std::map<std::string, std::string>* labels) {
+  constexpr std::size_t kMaxLabels = 64;
+  constexpr std::size_t kMaxValueBytes = 256;
+  const auto bad = [](const std::string& text) {
+    return InvalidField(reason::kBadValue, "map.labels", text);
+  };
+  if (static_cast<std::size_t>(map.labels_size()) > kMaxLabels) {
+    return bad(absl::StrCat("a map has at most ", kMaxLabels, " labels, got ", map.labels_size()));
+  }
+  for (const auto& [key, value] : map.labels()) {
+    if (IsValidId(key) && value.size() <= kMaxValueBytes) continue;
+    return bad(
+        absl::StrCat("a label's key must match [a-z][a-z0-9-]{0,62} and its value have at most ",
+                     kMaxValueBytes,
+                     " bytes, got \"",
+                     key.substr(0, 100),
+                     "\" with ",
+                     value.size(),
+                     " bytes"));
+  }
+  *labels = {map.labels().begin(), map.labels().end()};
+  return absl::OkStatus();
+}
+
+absl::Status ReadWorldFrame(const v1::WorldFrame& message, WorldFrame* frame) {
+  constexpr std::size_t kMaxDescriptionBytes = 512;
+  constexpr std::size_t kMaxFloorBytes = 64;
+  absl::Status status =
+      CheckLength("map.world_frame.description", message.description(), kMaxDescriptionBytes);
+  if (status.ok()) status = CheckLength("map.world_frame.floor", message.floor(), kMaxFloorBytes);
+  if (!status.ok()) return status;
+  frame->description = message.description();
+  frame->floor = message.floor();
+  frame->anchor.reset();
+  if (!message.has_anchor()) return absl::OkStatus();
+  const v1::GeoAnchor& anchor = message.anchor();
+  const auto lies_in = [](double value, double low, double high) {
+    return value >= low && value <= high;  // NaN does not.
+  };
+  if (!lies_in(anchor.latitude_deg(), -90.0, 90.0) ||
+      !lies_in(anchor.longitude_deg(), -180.0, 180.0) ||
+      !lies_in(anchor.altitude_m(), -1000.0, 10'000.0) ||
+      !lies_in(anchor.heading_deg(), 0.0, 360.0) || anchor.heading_deg() == 360.0) {
+    return InvalidField(reason::kBadValue,
+                        "map.world_frame.anchor",
+                        "latitude must lie in [-90, 90], longitude in [-180, 180] and heading in "
+                        "[0, 360) degrees, altitude in [-1000, 10000] metres");
+  }
+  frame->anchor = {
+      anchor.latitude_deg(), anchor.longitude_deg(), anchor.altitude_m(), anchor.heading_deg()};
+  return absl::OkStatus();
+}
+
+v1::WorldFrame ToProto(const WorldFrame& frame) {
+  v1::WorldFrame message;
+  message.set_description(frame.description);
+  message.set_floor(frame.floor);
+  if (frame.anchor) {
+    message.mutable_anchor()->set_latitude_deg(frame.anchor->latitude_deg);
+    message.mutable_anchor()->set_longitude_deg(frame.anchor->longitude_deg);
+    message.mutable_anchor()->set_altitude_m(frame.anchor->altitude_m);
+    message.mutable_anchor()->set_heading_deg(frame.anchor->heading_deg);
+  }
+  return message;
+}
+
 v1::MapCondition ToProto(MapRuntime::Condition condition) {
   switch (condition) {
     case MapRuntime::Condition::kOpening:
@@ -98,6 +168,7 @@ void FillState(const MapRuntime& map, v1::MapState* state) {
   const std::uint64_t integrated = snapshot.integrated().value();
   const std::uint64_t head = std::max(map.durable_head().value(), integrated);
   state->set_revision(snapshot.revision.value());
+  state->set_integrated_map_seq(integrated);
   state->set_durable_map_seq(head);
   state->set_lag_frames(head - integrated);
   state->set_refused_frames(map.refused_frames());
@@ -115,8 +186,9 @@ absl::Status NotChangeable(const std::string& path) {
   return InvalidField(reason::kBadValue,
                       "update_mask",
                       absl::StrCat("display_name, retention, retention.frame_log_age, "
-                                   "retention.frame_log_bytes, byte_budget and max_commit_delay "
-                                   "can be changed, not ",
+                                   "retention.frame_log_bytes, byte_budget, max_commit_delay, "
+                                   "labels and world_frame can be changed, and config.classes "
+                                   "added to, not ",
                                    path.substr(0, 100)));
 }
 
@@ -138,6 +210,8 @@ absl::Status ApplyPath(const std::string& path,
     record->max_commit_delay = *delay;
     return absl::OkStatus();
   }
+  if (path == "labels") return ReadLabels(map, &record->labels);
+  if (path == "world_frame") return ReadWorldFrame(map.world_frame(), &record->world_frame);
   const bool whole_retention = path == "retention";
   if (!whole_retention && path != "retention.frame_log_age" &&
       path != "retention.frame_log_bytes") {
@@ -169,7 +243,16 @@ v1::Map MakeMapResource(const MapRuntime& map) {
   FillState(map, resource.mutable_state());
   if (!record.condition.ok()) return resource;
   resource.set_display_name(record.display_name);
-  *resource.mutable_config() = ToProto(record.config);
+  MapConfig config = record.config;
+  // Of a map that is not open yet, those that it began with.
+  if (std::vector<SemanticClass> classes = map.classes(); !classes.empty()) {
+    config.classes = std::move(classes);
+  }
+  *resource.mutable_config() = ToProto(config);
+  resource.mutable_labels()->insert(record.labels.begin(), record.labels.end());
+  if (record.world_frame != WorldFrame()) {
+    *resource.mutable_world_frame() = ToProto(record.world_frame);
+  }
   resource.mutable_retention()->mutable_frame_log_age()->set_seconds(record.frame_log_age.count());
   resource.mutable_retention()->set_frame_log_bytes(record.frame_log_bytes);
   resource.set_byte_budget(record.byte_budget);
@@ -196,6 +279,10 @@ absl::Status CheckEtag(const MapRecord& record, const std::string& etag, std::st
       field);
 }
 
+absl::Status CheckRequestId(const std::string& request_id) {
+  return CheckLength("request_id", request_id, kMaxRequestIdBytes);
+}
+
 absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
                                      const RetentionOptions& defaults) {
   MapRecord record;
@@ -217,12 +304,13 @@ absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
                                      request.map_id().substr(0, 100),
                                      "\""));
   }
-  absl::Status status = CheckLength("request_id", request.request_id(), kMaxRequestIdBytes);
+  absl::Status status = CheckRequestId(request.request_id());
   if (!status.ok()) return status;
   absl::StatusOr<MapConfig> config = FromProto(request.map().config());
   if (!config.ok()) return WithFieldPrefix(config.status(), "map.config");
   record.config = *std::move(config);
-  for (const char* path : {"display_name", "retention", "byte_budget", "max_commit_delay"}) {
+  for (const char* path :
+       {"display_name", "retention", "byte_budget", "max_commit_delay", "labels", "world_frame"}) {
     if (status = ApplyPath(path, request.map(), defaults, &record); !status.ok()) return status;
   }
   record.create_time = Now();
@@ -239,9 +327,33 @@ absl::Status ApplyUpdate(const v1::Map& map,
     return InvalidField(reason::kBadValue, "update_mask", "update_mask must name what to change");
   }
   for (const std::string& path : mask.paths()) {
+    if (path == kClassesPath) continue;
     if (absl::Status status = ApplyPath(path, map, defaults, record); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<SemanticClass>> ReadAddedClasses(
+    const v1::Map& map, const FieldMask& mask, const std::vector<SemanticClass>& present) {
+  const bool is_asked =
+      std::find(mask.paths().begin(), mask.paths().end(), kClassesPath) != mask.paths().end();
+  if (!is_asked) return std::vector<SemanticClass>();
+  absl::StatusOr<std::vector<SemanticClass>> table = ReadClasses(map.config());
+  if (!table.ok()) return WithFieldPrefix(table.status(), "map.config");
+  for (const SemanticClass& row : present) {
+    const auto kept = std::find(table->begin(), table->end(), row);
+    if (kept == table->end()) {
+      return InvalidField(reason::kBadValue,
+                          "map.config.classes",
+                          absl::StrCat("classes can be added and not changed: the row of class ",
+                                       row.id.value(),
+                                       ", \"",
+                                       row.name,
+                                       "\", must be there as it is"));
+    }
+    table->erase(kept);
+  }
+  return table;
 }
 
 absl::Status ApplyReadMask(const FieldMask& mask, v1::Map* map) {

@@ -67,6 +67,8 @@ MapRuntime::MapRuntime(const MapRecord& record, const Dependencies& dependencies
       name_(record.name),
       dependencies_(dependencies),
       budget_account_(dependencies.budget->OpenAccount(dependencies.queue_bytes)),
+      read_account_(dependencies.read_budget->OpenAccount(dependencies.queue_bytes / 2)),
+      capture_clocks_(record.name.ToString()),
       queue_(kMaxQueuedFrames),
       integrator_(dependencies.store,
                   &clock_,
@@ -359,6 +361,7 @@ void MapRuntime::StopTaking(const absl::Status& status) {
   for (const PendingBatch& batch : queue_.Close(status)) batch.observer->OnFailed(status);
   waiters_.Fail(status);
   FrameBudget::Close(budget_account_);
+  FrameBudget::Close(read_account_);
 }
 
 void MapRuntime::Close(const absl::Status& status, bool commit, std::function<void()> on_closed) {

@@ -13,6 +13,7 @@
 #include <absl/synchronization/mutex.h>
 
 #include "core/map_config.h"
+#include "server/capture_clocks.h"
 #include "server/commit_waiters.h"
 #include "server/frame_budget.h"
 #include "server/frame_queue.h"
@@ -36,7 +37,8 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   /// What maps need of the server; all of it outlives them.
   struct Dependencies {
     Store* store = nullptr;
-    FrameBudget* budget = nullptr;
+    FrameBudget* budget = nullptr;       ///< Of frames.
+    FrameBudget* read_budget = nullptr;  ///< Of messages that are not decoded yet.
     WorkerPool* log_pool = nullptr;
     WorkerPool* map_pool = nullptr;
     CommitOptions commit;
@@ -108,9 +110,14 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   SessionTable& sessions() { return sessions_; }
 
+  CaptureClocks& capture_clocks() { return capture_clocks_; }
+
   const MapClock& clock() const { return clock_; }
 
   const std::shared_ptr<FrameBudget::Account>& budget_account() const { return budget_account_; }
+
+  /// For messages of uploads that are not decoded yet.
+  const std::shared_ptr<FrameBudget::Account>& read_account() const { return read_account_; }
 
   /// Hands a batch to the log. Errors: as `FrameQueue::Push`.
   absl::Status Enqueue(PendingBatch batch);
@@ -161,8 +168,10 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   const MapName name_;
   const Dependencies dependencies_;
   const std::shared_ptr<FrameBudget::Account> budget_account_;
+  const std::shared_ptr<FrameBudget::Account> read_account_;
   MapClock clock_;
   SessionTable sessions_;
+  CaptureClocks capture_clocks_;
   CommitWaiters waiters_;
   FrameQueue queue_;
   MapIntegrator integrator_;

@@ -1,5 +1,7 @@
 #include "server/map_service.h"
 
+#include <algorithm>
+#include <future>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -15,6 +17,13 @@ namespace {
 
 constexpr std::uint32_t kDefaultPageSize = 100;
 constexpr std::uint32_t kMaxPageSize = 1000;
+
+// A class table may have megabytes.
+constexpr std::size_t kMaxPageBytes = std::size_t{1} << 20;
+
+constexpr std::size_t kMaxMaps = 10'000;
+
+constexpr std::size_t kRememberedDeletions = 1000;
 
 }  // namespace
 
@@ -89,6 +98,12 @@ void MapService::Create(const v1::CreateMapRequest& request,
                       "map_id"));
       }
     } else {
+      if (surroundings_.maps->All().size() >= kMaxMaps) {
+        return finish(
+            MakeError(absl::StatusCode::kResourceExhausted,
+                      reason::kQueueFull,
+                      absl::StrCat("the server has ", kMaxMaps, " maps and takes no more")));
+      }
       map = surroundings_.maps->Create(*record);
       if (!map.ok()) return finish(map.status());
       spdlog::info("map {}: created, voxel size {} m, truncation {} m",
@@ -119,12 +134,18 @@ absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsRe
   const absl::StatusOr<std::string> after = ReadPageToken(scope, request.page_token());
   if (!after.ok()) return after.status();
   // One more than asked for tells whether there is another page.
-  std::vector<std::shared_ptr<MapRuntime>> maps =
+  const std::vector<std::shared_ptr<MapRuntime>> maps =
       surroundings_.maps->List(tenant, *after, *page_size + 1);
-  const bool more = maps.size() > *page_size;
-  if (more) maps.pop_back();
-  for (const std::shared_ptr<MapRuntime>& map : maps) *response->add_maps() = MakeMapResource(*map);
-  if (more) response->set_next_page_token(MakePageToken(scope, maps.back()->name().map));
+  std::size_t bytes = 0;
+  std::size_t shown = 0;
+  while (shown < maps.size() && shown < *page_size && bytes < kMaxPageBytes) {
+    v1::Map* map = response->add_maps();
+    *map = MakeMapResource(*maps[shown++]);
+    bytes += map->ByteSizeLong();
+  }
+  if (shown < maps.size()) {
+    response->set_next_page_token(MakePageToken(scope, maps[shown - 1]->name().map));
+  }
   return absl::OkStatus();
 }
 
@@ -135,15 +156,36 @@ absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* re
   if (!map.ok()) return map.status();
   MapRecord record = (*map)->record();
   if (!record.condition.ok()) return record.condition;
-  absl::Status status = CheckEtag(record, request.map().etag(), "map.etag");
-  if (status.ok()) {
-    status = ApplyUpdate(request.map(), request.update_mask(), surroundings_.retention, &record);
+  const std::string& request_id = request.request_id();
+  const bool is_repeated = !request_id.empty() && record.change_request_id == request_id;
+  if (!is_repeated) {
+    absl::Status status = CheckEtag(record, request.map().etag(), "map.etag");
+    if (status.ok()) status = CheckRequestId(request_id);
+    if (status.ok()) {
+      status = ApplyUpdate(request.map(), request.update_mask(), surroundings_.retention, &record);
+    }
+    if (status.ok()) status = AddClasses(request, map->get());
+    if (!status.ok()) return status;
+    ++record.version;
+    record.change_request_id = request_id;
+    if (status = surroundings_.maps->Update(**map, record); !status.ok()) return status;
   }
-  if (!status.ok()) return status;
-  ++record.version;
-  if (status = surroundings_.maps->Update(**map, record); !status.ok()) return status;
   *response = MakeMapResource(**map);
   return absl::OkStatus();
+}
+
+/// Adds the classes that an update asks for, and waits until they are durable: the next change must
+/// find them.
+absl::Status MapService::AddClasses(const v1::UpdateMapRequest& request, MapRuntime* map) {
+  if (absl::Status status = map->CheckReads(); !status.ok()) return status;
+  absl::StatusOr<std::vector<SemanticClass>> added =
+      ReadAddedClasses(request.map(), request.update_mask(), map->classes());
+  if (!added.ok()) return added.status();
+  if (added->empty()) return absl::OkStatus();
+  const auto result = std::make_shared<std::promise<absl::Status>>();
+  map->AddClasses(*std::move(added),
+                  [result](const absl::Status& status) { result->set_value(status); });
+  return WithFieldPrefix(result->get_future().get(), "map.config");
 }
 
 absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
@@ -151,15 +193,25 @@ absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
   if (!name.ok()) return name.status();
   const WriteTurn::Held turn(&changes_);
   const absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Get(*name, "name");
+  const Deletion deletion{*name, request.request_id()};
+  const bool is_repeated =
+      !deletion.request_id.empty() &&
+      std::find(deletions_.begin(), deletions_.end(), deletion) != deletions_.end();
+  if (is_repeated) return absl::OkStatus();
   if (!map.ok()) return map.status();
-  if (absl::Status status = CheckEtag((*map)->record(), request.etag(), "etag"); !status.ok()) {
-    return status;
-  }
+  absl::Status status = CheckEtag((*map)->record(), request.etag(), "etag");
+  if (status.ok()) status = CheckRequestId(request.request_id());
+  if (!status.ok()) return status;
   const MapKey key = (*map)->key();
-  return surroundings_.maps->Delete(*map, [this, key](const absl::Status& status) {
-    surroundings_.roster->EndMap(key, status);
-    surroundings_.watches->EndMap(key, status);
+  status = surroundings_.maps->Delete(*map, [this, key](const absl::Status& ended) {
+    surroundings_.roster->EndMap(key, ended);
+    surroundings_.watches->EndMap(key, ended);
   });
+  if (status.ok() && !deletion.request_id.empty()) {
+    deletions_.push_back(deletion);
+    if (deletions_.size() > kRememberedDeletions) deletions_.pop_front();
+  }
+  return status;
 }
 
 }  // namespace steadymap

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <deque>
+#include <string>
+
 #include "server/map_directory.h"
 #include "server/pool_call.h"
 #include "server/server_config.h"
@@ -43,13 +46,23 @@ class MapService final : public v1::MapService::CallbackService {
                                       google::protobuf::Empty* response) override;
 
  private:
+  /// A deletion that may be asked for again.
+  struct Deletion {
+    MapName name;
+    std::string request_id;
+
+    friend bool operator==(const Deletion&, const Deletion&) = default;
+  };
+
   void Create(const v1::CreateMapRequest& request, v1::Map* response, const FinishCall& finish);
   absl::Status List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response);
   absl::Status Update(const v1::UpdateMapRequest& request, v1::Map* response);
+  absl::Status AddClasses(const v1::UpdateMapRequest& request, MapRuntime* map);
   absl::Status Delete(const v1::DeleteMapRequest& request);
 
   const Surroundings surroundings_;
-  WriteTurn changes_;  ///< Changes of maps come one after another.
+  WriteTurn changes_;               ///< Changes of maps come one after another.
+  std::deque<Deletion> deletions_;  ///< The newest ones, oldest first. Of whoever has the turn.
 };
 
 }  // namespace steadymap

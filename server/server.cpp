@@ -108,6 +108,7 @@ class Server::Parts {
   LiveLimits limits_;
   CallsUnderWay calls_;
   FrameBudget budget_;
+  FrameBudget read_budget_;
   UploadRoster roster_;
   WatchHub watch_hub_;
   WorkerPool log_pool_;
@@ -136,6 +137,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       store_(std::move(store)),
       limits_(config.limits),
       budget_(config.limits.queue_bytes_total),
+      read_budget_(config.limits.queue_bytes_total / 2),
       watch_hub_({.store = store_.get(),
                   .max_watches = config.watch.max_watches,
                   .stall_timeout = absl::FromChrono(config.watch.stall_timeout),
@@ -145,6 +147,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       streams_({.stall_timeout = config.watch.stall_timeout}),
       maps_({store_.get(),
              &budget_,
+             &read_budget_,
              &log_pool_,
              &map_pool_,
              config.commit,
@@ -154,7 +157,11 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       admin_pool_("admin", kAdminThreads, kMaxWaitingCalls),
       readers_("read", ComputingThreads(), kMaxWaitingCalls),
       watchers_("watch", 2, config.watch.max_watches + kMaxWaitingCalls),
-      ingest_service_({&maps_, &roster_, &decoders_, &limits_}),
+      ingest_service_({&maps_,
+                       &roster_,
+                       &decoders_,
+                       &limits_,
+                       read_budget_.OpenAccount(config.limits.queue_bytes_total / 4)}),
       map_service_({&maps_, &roster_, &watch_hub_, &admin_pool_, config.retention}),
       query_service_({&maps_, store_.get(), &readers_, &streams_}),
       watch_openings_({.per_second = static_cast<double>(config.watch.openings_per_second),
@@ -280,6 +287,7 @@ void Server::Parts::SetLimits(const LimitOptions& limits) {
   live.max_message_bytes = config_.limits.max_message_bytes;
   limits_.Set(live);
   budget_.SetTotal(limits.queue_bytes_total);
+  read_budget_.SetTotal(limits.queue_bytes_total / 2);
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config,

@@ -31,7 +31,8 @@ struct LimitOptions {
   /// Bytes of frames that wait for one map's integration. A busy map fills it and slows its robots.
   std::size_t queue_bytes_per_map = std::size_t{64} << 20;
 
-  /// The same for all maps together: the bound on the daemon's memory under overload.
+  /// The same for all maps together. Messages that were read and wait to be decoded may take half
+  /// as much again, of one map and of all: the bound on the daemon's memory under overload.
   std::size_t queue_bytes_total = std::size_t{128} << 20;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -30,6 +31,25 @@ namespace steadymap {
 /// it.
 using MapUptime = std::chrono::nanoseconds;
 
+/// Where a world frame is on the Earth, WGS 84.
+struct GeoAnchor {
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+  double altitude_m = 0.0;   ///< Above the ellipsoid.
+  double heading_deg = 0.0;  ///< Of x, clockwise from true north.
+
+  friend bool operator==(const GeoAnchor&, const GeoAnchor&) = default;
+};
+
+/// What a map's coordinates mean, for its users.
+struct WorldFrame {
+  std::string description;
+  std::string floor;
+  std::optional<GeoAnchor> anchor;
+
+  friend bool operator==(const WorldFrame&, const WorldFrame&) = default;
+};
+
 /// A map as the store knows it: its resource without its content.
 struct MapRecord {
   MapKey key;
@@ -42,8 +62,11 @@ struct MapRecord {
   std::chrono::milliseconds max_commit_delay{0};  ///< 0: as the server is configured.
   Timestamp create_time;
   std::string incarnation;
-  std::string request_id;     ///< Of the request that created it; may be empty.
-  std::uint64_t version = 1;  ///< Counts changes of this record; the source of its etag.
+  std::map<std::string, std::string> labels;
+  WorldFrame world_frame;
+  std::string request_id;         ///< Of the request that created it; may be empty.
+  std::string change_request_id;  ///< Of the last one that changed it; may be empty.
+  std::uint64_t version = 1;      ///< Counts changes of this record; the source of its etag.
 
   /// OK, or `DataLoss` if the record is damaged on disk; then only `key` holds, and `name` where it
   /// could be read. Such a map is quarantined: it can be deleted, nothing else.

@@ -125,6 +125,33 @@ absl::Status DamagedValue(const ValuePlace& place, std::string_view what) {
                    absl::string_view(what.data(), what.size())));
 }
 
+namespace {
+
+storage::v1::WorldFrame ToProto(const WorldFrame& frame) {
+  storage::v1::WorldFrame proto;
+  proto.set_description(frame.description);
+  proto.set_floor(frame.floor);
+  if (frame.anchor) {
+    for (const double number : {frame.anchor->latitude_deg,
+                                frame.anchor->longitude_deg,
+                                frame.anchor->altitude_m,
+                                frame.anchor->heading_deg}) {
+      proto.add_anchor(number);
+    }
+  }
+  return proto;
+}
+
+WorldFrame FromProto(const storage::v1::WorldFrame& proto) {
+  WorldFrame frame{proto.description(), proto.floor(), std::nullopt};
+  if (proto.anchor_size() == 4) {
+    frame.anchor = {proto.anchor(0), proto.anchor(1), proto.anchor(2), proto.anchor(3)};
+  }
+  return frame;
+}
+
+}  // namespace
+
 storage::v1::MapRecord ToProto(const MapRecord& record) {
   storage::v1::MapRecord proto;
   proto.set_key(record.key.value());
@@ -144,6 +171,9 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
   proto.set_create_time_ns(record.create_time.nanoseconds());
   proto.set_incarnation(record.incarnation);
   proto.set_request_id(record.request_id);
+  proto.set_change_request_id(record.change_request_id);
+  proto.mutable_labels()->insert(record.labels.begin(), record.labels.end());
+  *proto.mutable_world_frame() = ToProto(record.world_frame);
   proto.set_version(record.version);
   return proto;
 }
@@ -163,6 +193,9 @@ absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
   result.create_time = Timestamp::FromNanoseconds(record.create_time_ns());
   result.incarnation = record.incarnation();
   result.request_id = record.request_id();
+  result.change_request_id = record.change_request_id();
+  result.labels = {record.labels().begin(), record.labels().end()};
+  result.world_frame = FromProto(record.world_frame());
   result.version = record.version();
   return result;
 }

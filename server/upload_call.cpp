@@ -1,12 +1,15 @@
 #include "server/upload_call.h"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
 #include "proto/grpc_status.h"
+#include "server/request_reader.h"
 #include "server/upload_request.h"
 
 namespace steadymap {
@@ -31,23 +34,50 @@ class UploadCall::Reactor final : public grpc::ServerUnaryReactor {
 };
 
 grpc::ServerUnaryReactor* UploadCall::Start(const UploadStream::Surroundings& surroundings,
-                                            const v1::UploadFrameBatchRequest& request,
-                                            v1::UploadFrameBatchResponse* response) {
+                                            const grpc::ByteBuffer& request,
+                                            grpc::ByteBuffer* response) {
   const absl::Status entered = surroundings.roster->EnterCall();
-  auto call = std::make_shared<UploadCall>();
+  auto call = std::make_shared<UploadCall>(surroundings);
   call->response_ = response;
   auto* reactor = new Reactor(call, entered.ok() ? surroundings.roster : nullptr);
   call->reactor_ = reactor;
-  const absl::Status status = entered.ok() ? call->TakeIn(surroundings, request) : entered;
-  if (!status.ok()) call->Finish(status);
+  if (entered.ok()) {
+    call->AwaitMemory(request);
+  } else {
+    call->Finish(entered);
+  }
   return reactor;
 }
 
-absl::Status UploadCall::TakeIn(const UploadStream::Surroundings& surroundings,
-                                const v1::UploadFrameBatchRequest& request) {
-  if (absl::Status status = CheckMessageSize(request, surroundings.limits->Get()); !status.ok()) {
-    return status;
-  }
+/// Leaves the message as it came until there is memory for what it holds.
+void UploadCall::AwaitMemory(const grpc::ByteBuffer& request) {
+  const std::size_t bytes = request.Length();
+  if (bytes > surroundings_.limits->Get().max_message_bytes) return TakeMessage(request, {});
+  std::optional<FrameBudget::Reservation> memory =
+      FrameBudget::TryReserve(surroundings_.call_account, bytes);
+  if (memory) return TakeMessage(request, *std::move(memory));
+  FrameBudget::Reserve(surroundings_.call_account,
+                       bytes,
+                       [self = shared_from_this(), request](FrameBudget::Reservation granted) {
+                         auto shared =
+                             std::make_shared<FrameBudget::Reservation>(std::move(granted));
+                         self->surroundings_.decoders->Submit([self, request, shared] {
+                           self->TakeMessage(request, std::move(*shared));
+                         });
+                       });
+}
+
+void UploadCall::TakeMessage(const grpc::ByteBuffer& request, FrameBudget::Reservation memory) {
+  if (IsAbandoned()) return;
+  v1::UploadFrameBatchRequest message;
+  absl::Status status =
+      ReadRequest(request, UploadRequestLimits(surroundings_.limits->Get()), &message);
+  if (status.ok()) status = TakeIn(std::move(message), std::move(memory));
+  if (!status.ok()) Finish(status);
+}
+
+absl::Status UploadCall::TakeIn(v1::UploadFrameBatchRequest request,
+                                FrameBudget::Reservation memory) {
   if (!v1::AckLevel_IsValid(request.wait_for())) {
     return InvalidField(reason::kBadValue,
                         "wait_for",
@@ -55,30 +85,26 @@ absl::Status UploadCall::TakeIn(const UploadStream::Surroundings& surroundings,
                                      static_cast<int>(request.wait_for())));
   }
   absl::StatusOr<UploadTarget> target = FindUploadTarget(
-      *surroundings.maps, request.map(), request.robot(), request.sensor(), request.session());
+      *surroundings_.maps, request.map(), request.robot(), request.sensor(), request.session());
   if (!target.ok()) return target.status();
   if (absl::Status status = CheckNumbering(request.batch()); !status.ok()) {
     return WithFieldPrefix(status, "batch");
   }
   map_ = target->map;
   if (request.wait_for() != v1::ACK_LEVEL_UNSPECIFIED) level_ = request.wait_for();
-  last_ = ClientSequence(request.batch().first_client_seq() +
-                         static_cast<std::uint64_t>(request.batch().frames_size()) - 1);
-  map_->WhenOpened([self = shared_from_this(), &surroundings, &request, session = target->session] {
-    self->StartIntake(surroundings, request, session);
-  });
+  last_ = LastSequenceOf(request.batch());
+  batch_ = {std::move(*request.mutable_batch()), std::move(memory)};
+  map_->WhenOpened(
+      [self = shared_from_this(), session = target->session] { self->StartIntake(session); });
   return absl::OkStatus();
 }
 
-void UploadCall::StartIntake(const UploadStream::Surroundings& surroundings,
-                             const v1::UploadFrameBatchRequest& request,
-                             const SessionName& session) {
-  // gRPC keeps the request until the call is finished.
+void UploadCall::StartIntake(const SessionName& session) {
   if (IsAbandoned()) return;
   const std::shared_ptr<UploadCall> self = shared_from_this();
-  BatchIntake::Start(surroundings.decoders,
+  BatchIntake::Start(surroundings_.decoders,
                      {map_, session, /*in_order=*/false, ClientSequence(), self},
-                     request.batch(),
+                     std::exchange(batch_, {}),
                      [self](const absl::Status& status) {
                        if (!status.ok()) return self->Finish(WithFieldPrefix(status, "batch"));
                        {
@@ -135,7 +161,7 @@ void UploadCall::Finish(const absl::Status& status) {
     const absl::MutexLock lock(&mutex_);
     if (finished_) return;
     finished_ = true;
-    if (status.ok()) FillAnswer();
+    if (status.ok()) *response_ = ToByteBuffer(MakeAnswer());
   }
   reactor_->Finish(ToGrpcStatus(status));
 }
@@ -152,13 +178,15 @@ bool UploadCall::IsDone() const {
   }
 }
 
-void UploadCall::FillAnswer() {
-  v1::UploadAck* ack = response_->mutable_ack();
+v1::UploadFrameBatchResponse UploadCall::MakeAnswer() const {
+  v1::UploadFrameBatchResponse response;
+  v1::UploadAck* ack = response.mutable_ack();
   ack->set_level(level_);
   ack->set_client_seq(last_.value());
   if (level_ != v1::ACK_LEVEL_RECEIVED) ack->set_map_seq(progress_.map_seq.value());
   if (level_ == v1::ACK_LEVEL_INTEGRATED) ack->set_revision(progress_.revision.value());
   for (const RefusedFrame& refused : refused_) *ack->add_refused() = ToProto(refused);
+  return response;
 }
 
 }  // namespace steadymap

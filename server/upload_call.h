@@ -18,11 +18,15 @@ namespace steadymap {
 /// Outlives the reactor as long as its frames are under way. Thread-safe.
 class UploadCall final : public UploadObserver, public std::enable_shared_from_this<UploadCall> {
  public:
-  /// Starts a call. The reactor deletes itself; `request` and `response` belong to gRPC and live as
-  /// long as it does.
+  /// Starts a call with a serialized `v1::UploadFrameBatchRequest`. The reactor deletes itself;
+  /// `response` belongs to gRPC and lives as long as it does.
   static grpc::ServerUnaryReactor* Start(const UploadStream::Surroundings& surroundings,
-                                         const v1::UploadFrameBatchRequest& request,
-                                         v1::UploadFrameBatchResponse* response);
+                                         const grpc::ByteBuffer& request,
+                                         grpc::ByteBuffer* response);
+
+  /// Use `Start`.
+  explicit UploadCall(const UploadStream::Surroundings& surroundings)
+      : surroundings_(surroundings) {}
 
   bool IsAbandoned() const override ABSL_LOCKS_EXCLUDED(mutex_);
   void OnReceived(ClientSequence through, std::vector<RefusedFrame> refused) override;
@@ -33,21 +37,24 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
  private:
   class Reactor;
 
-  absl::Status TakeIn(const UploadStream::Surroundings& surroundings,
-                      const v1::UploadFrameBatchRequest& request);
-  void StartIntake(const UploadStream::Surroundings& surroundings,
-                   const v1::UploadFrameBatchRequest& request,
-                   const SessionName& session);
+  void AwaitMemory(const grpc::ByteBuffer& request);
+  void TakeMessage(const grpc::ByteBuffer& request, FrameBudget::Reservation memory);
+  absl::Status TakeIn(v1::UploadFrameBatchRequest request, FrameBudget::Reservation memory);
+  void StartIntake(const SessionName& session);
   void AnswerIfDone() ABSL_LOCKS_EXCLUDED(mutex_);
   void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void FillAnswer() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  v1::UploadFrameBatchResponse MakeAnswer() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const UploadStream::Surroundings surroundings_;
 
   // Touched by none but whoever sets `finished_`.
   Reactor* reactor_ = nullptr;
-  v1::UploadFrameBatchResponse* response_ = nullptr;
+  grpc::ByteBuffer* response_ = nullptr;
 
-  std::shared_ptr<MapRuntime> map_;  ///< Set before anything is under way.
+  // Set before anything is under way.
+  std::shared_ptr<MapRuntime> map_;
+  ReadBatch batch_;  ///< Until the map is open.
   v1::AckLevel level_ = v1::ACK_LEVEL_DURABLE;
   ClientSequence last_;  ///< Of the batch.
 

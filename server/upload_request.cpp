@@ -5,6 +5,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
+#include "server/batch_intake.h"
 
 namespace steadymap {
 namespace {
@@ -34,15 +35,10 @@ absl::StatusOr<UploadTarget> FindUploadTarget(const MapDirectory& maps,
   return UploadTarget{*std::move(found), SessionName{{robot, named_sensor}, session}};
 }
 
-absl::Status CheckMessageSize(const google::protobuf::MessageLite& message,
-                              const LimitOptions& limits) {
-  const std::size_t bytes = message.ByteSizeLong();
-  if (bytes <= limits.max_message_bytes) return absl::OkStatus();
-  return MakeError(
-      absl::StatusCode::kResourceExhausted,
-      reason::kMessageTooLarge,
-      absl::StrCat(
-          "a message may have ", limits.max_message_bytes, " bytes, this one has ", bytes));
+RequestLimits UploadRequestLimits(const LimitOptions& limits) {
+  // A frame with four images and whatever later versions add.
+  constexpr std::size_t kFieldsPerFrame = 64;
+  return {limits.max_message_bytes, (kMaxBatchFrames + 1) * kFieldsPerFrame};
 }
 
 }  // namespace steadymap

@@ -5,10 +5,10 @@
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
-#include <google/protobuf/message_lite.h>
 
 #include "server/map_directory.h"
 #include "server/map_runtime.h"
+#include "server/request_reader.h"
 #include "server/server_config.h"
 
 namespace steadymap {
@@ -27,9 +27,8 @@ absl::StatusOr<UploadTarget> FindUploadTarget(const MapDirectory& maps,
                                               const std::string& sensor,
                                               const std::string& session);
 
-/// OK if a message is no larger than the server takes. gRPC itself lets a bit more in, so that the
-/// client hears the reason. Errors: `ResourceExhausted` with reason `MESSAGE_TOO_LARGE`.
-absl::Status CheckMessageSize(const google::protobuf::MessageLite& message,
-                              const LimitOptions& limits);
+/// What a message of an upload may hold. gRPC itself lets a bit more in, so that the client hears
+/// the reason.
+RequestLimits UploadRequestLimits(const LimitOptions& limits);
 
 }  // namespace steadymap

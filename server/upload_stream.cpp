@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "proto/grpc_status.h"
+#include "server/request_reader.h"
 #include "server/upload_request.h"
 
 namespace steadymap {
@@ -98,12 +99,36 @@ void UploadStream::Drain(const absl::Status& status) {
 }
 
 void UploadStream::OnRead(bool ok) {
-  absl::Status status;
-  if (ok) status = HandleMessage();
+  if (ok) return AwaitMemory();
   {
     const absl::MutexLock lock(&mutex_);
     reading_ = false;
-    if (!ok && !ending_) ending_ = absl::OkStatus();
+    if (!ending_) ending_ = absl::OkStatus();
+  }
+  Drive();
+}
+
+/// Leaves the message as it came until there is memory for what it holds; nothing more is read
+/// meanwhile.
+void UploadStream::AwaitMemory() {
+  const std::size_t bytes = request_.Length();
+  if (map_ == nullptr || bytes > limits_.max_message_bytes) return TakeMessage({});
+  std::optional<FrameBudget::Reservation> memory =
+      FrameBudget::TryReserve(map_->read_account(), bytes);
+  if (memory) return TakeMessage(*std::move(memory));
+  FrameBudget::Reserve(
+      map_->read_account(), bytes, [self = shared_from_this()](FrameBudget::Reservation granted) {
+        auto shared = std::make_shared<FrameBudget::Reservation>(std::move(granted));
+        self->surroundings_.decoders->Submit(
+            [self, shared] { self->TakeMessage(std::move(*shared)); });
+      });
+}
+
+void UploadStream::TakeMessage(FrameBudget::Reservation memory) {
+  const absl::Status status = HandleMessage(std::move(memory));
+  {
+    const absl::MutexLock lock(&mutex_);
+    reading_ = false;
     if (!status.ok() && !end_) end_ = status;
   }
   Drive();
@@ -172,7 +197,7 @@ UploadStream::Action UploadStream::Decide() {
   // What is due is said before the end, unless nobody listens.
   if (!writing_ && !broken_ && (opened_ || answers_.HasNext())) {
     writing_ = true;
-    response_ = opened_ ? *std::move(opened_) : answers_.TakeNext();
+    response_ = ToByteBuffer(opened_ ? *std::move(opened_) : answers_.TakeNext());
     opened_.reset();
     return Action::kWrite;
   }
@@ -199,7 +224,6 @@ UploadStream::Action UploadStream::Decide() {
 void UploadStream::Perform(Action action) {
   switch (action) {
     case Action::kRead:
-      request_.Clear();
       reactor_->StartRead(&request_);
       break;
     case Action::kWrite:
@@ -226,7 +250,7 @@ void UploadStream::Perform(Action action) {
 }
 
 void UploadStream::TakeIn() {
-  v1::FrameBatch batch;
+  ReadBatch batch;
   ClientSequence predecessor;
   {
     const absl::MutexLock lock(&mutex_);
@@ -235,12 +259,9 @@ void UploadStream::TakeIn() {
       taking_in_ = false;
       return;
     }
-    batch.Swap(&inbox_.front());
+    batch = std::move(inbox_.front());
     inbox_.pop_front();
-    predecessor =
-        std::exchange(last_in_intake_,
-                      ClientSequence(batch.first_client_seq() +
-                                     static_cast<std::uint64_t>(batch.frames_size()) - 1));
+    predecessor = std::exchange(last_in_intake_, LastSequenceOf(batch.frames));
   }
   const std::shared_ptr<UploadStream> self = shared_from_this();
   BatchIntake::Start(surroundings_.decoders,
@@ -272,21 +293,23 @@ bool UploadStream::IsSettled() const {
   return inbox_.empty() && !taking_in_ && !awaiting_map_ && integrated_ >= last_taken_;
 }
 
-absl::Status UploadStream::HandleMessage() {
-  if (absl::Status status = CheckMessageSize(request_, limits_); !status.ok()) {
-    return status;
-  }
-  switch (request_.kind_case()) {
+absl::Status UploadStream::HandleMessage(FrameBudget::Reservation memory) {
+  v1::UploadFramesRequest request;
+  absl::Status status = ReadRequest(request_, UploadRequestLimits(limits_), &request);
+  request_.Clear();
+  if (!status.ok()) return status;
+  switch (request.kind_case()) {
     case v1::UploadFramesRequest::kOpen:
       if (map_ != nullptr) {
         return InvalidField(reason::kBadValue, "open", "the stream is open already");
       }
-      return WithFieldPrefix(HandleOpen(request_.open()), "open");
+      return WithFieldPrefix(HandleOpen(request.open()), "open");
     case v1::UploadFramesRequest::kBatch:
       if (map_ == nullptr) {
         return InvalidField(reason::kBadValue, "batch", "a stream begins with `open`");
       }
-      return WithFieldPrefix(HandleBatch(request_.mutable_batch()), "batch");
+      return WithFieldPrefix(HandleBatch({std::move(*request.mutable_batch()), std::move(memory)}),
+                             "batch");
     default:
       return InvalidField(reason::kBadValue, "kind", "a message must hold `open` or `batch`");
   }
@@ -310,11 +333,14 @@ absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
     entered_ = false;
     return status;
   }
-  map_->WhenOpened([self = shared_from_this()] { self->OnMapOpened(); });
+  const ClientSequence known_durable(open.last_durable_client_seq());
+  map_->WhenOpened(
+      [self = shared_from_this(), known_durable] { self->OnMapOpened(known_durable); });
   return absl::OkStatus();
 }
 
-void UploadStream::OnMapOpened() {
+/// `known_durable`: the last frame that the client knows to be durable.
+void UploadStream::OnMapOpened(ClientSequence known_durable) {
   const absl::Status status = WithFieldPrefix(map_->CheckReads(), "open");
   const SessionState state = map_->sessions().State(session_, map_->snapshot()->integrated());
   spdlog::debug("map {} sensor {} session {}: upload opened behind {}",
@@ -327,6 +353,18 @@ void UploadStream::OnMapOpened() {
   opened->set_resume_client_seq(state.durable.value());
   opened->set_max_message_bytes(limits_.max_message_bytes);
   opened->set_max_image_side_px(static_cast<std::uint32_t>(kMaxImageSidePx));
+  if (status.ok() && known_durable > state.durable) {
+    opened->mutable_lost()->set_first(state.durable.value() + 1);
+    opened->mutable_lost()->set_last(known_durable.value());
+    spdlog::warn(
+        "map {} sensor {} session {}: frames {} to {} were acknowledged as durable and are "
+        "not here; was the store set back to an older copy?",
+        map_->name().ToString(),
+        session_.sensor.ToString(),
+        session_.session,
+        state.durable.value() + 1,
+        known_durable.value());
+  }
   {
     const absl::MutexLock lock(&mutex_);
     awaiting_map_ = false;
@@ -340,23 +378,23 @@ void UploadStream::OnMapOpened() {
   Drive();
 }
 
-absl::Status UploadStream::HandleBatch(v1::FrameBatch* batch) {
-  if (absl::Status status = CheckNumbering(*batch); !status.ok()) return status;
-  const auto frames = static_cast<std::uint64_t>(batch->frames_size());
-  const std::uint64_t bytes = batch->ByteSizeLong();
+absl::Status UploadStream::HandleBatch(ReadBatch batch) {
+  if (absl::Status status = CheckNumbering(batch.frames); !status.ok()) return status;
+  const auto frames = static_cast<std::uint64_t>(batch.frames.frames_size());
+  const std::uint64_t bytes = batch.frames.ByteSizeLong();
   const absl::MutexLock lock(&mutex_);
-  if (batch->first_client_seq() <= last_read_.value()) {
+  if (batch.frames.first_client_seq() <= last_read_.value()) {
     return InvalidField(reason::kBadSequence,
                         "first_client_seq",
                         absl::StrCat("client sequences rise within a stream: after ",
                                      last_read_.value(),
                                      " came ",
-                                     batch->first_client_seq()));
+                                     batch.frames.first_client_seq()));
   }
   if (absl::Status status = answers_.Spend(frames, bytes); !status.ok()) return status;
-  last_read_ = ClientSequence(batch->first_client_seq() + frames - 1);
+  last_read_ = LastSequenceOf(batch.frames);
   if (ending_ || end_) return absl::OkStatus();
-  inbox_.emplace_back().Swap(batch);
+  inbox_.push_back(std::move(batch));
   return absl::OkStatus();
 }
 

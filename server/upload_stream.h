@@ -10,9 +10,11 @@
 #include <absl/base/thread_annotations.h>
 #include <absl/status/status.h>
 #include <absl/synchronization/mutex.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "server/batch_intake.h"
+#include "server/frame_budget.h"
 #include "server/live_limits.h"
 #include "server/map_directory.h"
 #include "server/server_config.h"
@@ -35,7 +37,7 @@ class UploadStream final : public UploadObserver,
                            public ActiveUpload,
                            public std::enable_shared_from_this<UploadStream> {
  public:
-  using GrpcReactor = grpc::ServerBidiReactor<v1::UploadFramesRequest, v1::UploadFramesResponse>;
+  using GrpcReactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
   /// What streams need of the server; all of it outlives them.
   struct Surroundings {
@@ -43,6 +45,8 @@ class UploadStream final : public UploadObserver,
     UploadRoster* roster = nullptr;
     WorkerPool* decoders = nullptr;
     const LiveLimits* limits = nullptr;
+    /// For messages of calls without a stream, which are read before it is known for which map.
+    std::shared_ptr<FrameBudget::Account> call_account;
   };
 
   /// Starts a stream. The reactor deletes itself.
@@ -79,16 +83,18 @@ class UploadStream final : public UploadObserver,
   void RequestCommit() ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsSettled() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  absl::Status HandleMessage() ABSL_LOCKS_EXCLUDED(mutex_);
+  void AwaitMemory() ABSL_LOCKS_EXCLUDED(mutex_);
+  void TakeMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status HandleMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleOpen(const v1::UploadOpen& open) ABSL_LOCKS_EXCLUDED(mutex_);
-  void OnMapOpened() ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::Status HandleBatch(v1::FrameBatch* batch) ABSL_LOCKS_EXCLUDED(mutex_);
+  void OnMapOpened(ClientSequence known_durable) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status HandleBatch(ReadBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Surroundings surroundings_;
-  const LimitOptions limits_;          ///< As they were when the stream began.
-  Reactor* reactor_ = nullptr;         ///< Valid until it has been finished.
-  v1::UploadFramesRequest request_;    ///< Of the read in flight.
-  v1::UploadFramesResponse response_;  ///< Of the write in flight.
+  const LimitOptions limits_;   ///< As they were when the stream began.
+  Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
+  grpc::ByteBuffer request_;    ///< Of the read in flight, or waiting for memory.
+  grpc::ByteBuffer response_;   ///< Of the write in flight.
 
   // Set once, by the reading side and under the lock, before any batch is taken in.
   std::shared_ptr<MapRuntime> map_;
@@ -105,8 +111,8 @@ class UploadStream final : public UploadObserver,
   bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;                       ///< It is not open yet.
   std::optional<v1::UploadFramesResponse> opened_ ABSL_GUARDED_BY(mutex_);  ///< To be written.
   UploadAnswers answers_ ABSL_GUARDED_BY(mutex_);
-  std::deque<v1::FrameBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< Read; at most one.
-  bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;            ///< A batch is being decoded.
+  std::deque<ReadBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< At most one.
+  bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;       ///< A batch is being decoded.
   bool commit_requested_ ABSL_GUARDED_BY(mutex_) = false;
 
   ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Of the newest batch.

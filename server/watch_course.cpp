@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "proto/convert_watch.h"
+#include "server/request_reader.h"
 #include "server/upload_roster.h"
 
 namespace steadymap {
@@ -42,13 +43,13 @@ grpc::ByteBuffer MakeResync(Revision revision, const std::string& why) {
   v1::WatchMapResponse message;
   message.mutable_resync()->set_revision(revision.value());
   message.mutable_resync()->set_reason(why);
-  return Serialize(message);
+  return ToByteBuffer(message);
 }
 
 grpc::ByteBuffer MakeGoodbye() {
   v1::WatchMapResponse message;
   message.mutable_goodbye()->mutable_reconnect_after()->set_seconds(kReconnectAfterSeconds);
-  return Serialize(message);
+  return ToByteBuffer(message);
 }
 
 }  // namespace
@@ -277,7 +278,7 @@ grpc::ByteBuffer WatchCourse::MakeCreated() const {
   created->set_truncation_m(config.truncation_m);
   created->set_incarnation(scope_.incarnation);
   created->set_continues_step(continues_step_);
-  return Serialize(message);
+  return ToByteBuffer(message);
 }
 
 }  // namespace steadymap

@@ -4,13 +4,13 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 
 #include "core/error.h"
 #include "core/tsdf_codec.h"
 #include "proto/convert_event.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_object.h"
+#include "server/request_reader.h"
 
 namespace steadymap {
 namespace {
@@ -32,15 +32,6 @@ constexpr std::size_t kMinResumableBytes = std::size_t{64} << 10;
 constexpr std::size_t kMinResumableMessages = 3;
 
 }  // namespace
-
-grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message) {
-  grpc::ByteBuffer bytes;
-  bool owned = false;
-  // Fails for messages above 2 GiB alone.
-  const grpc::Status status =
-      grpc::SerializationTraits<v1::WatchMapResponse>::Serialize(message, &bytes, &owned);
-  return status.ok() ? bytes : grpc::ByteBuffer();
-}
 
 WatchMessages::WatchMessages(Source source, StepPlan step, const Cancellation& cancellation)
     : source_(std::move(source)), step_(std::move(step)) {
@@ -107,12 +98,12 @@ absl::StatusOr<std::optional<grpc::ByteBuffer>> WatchMessages::At(std::size_t pl
 }
 
 absl::StatusOr<std::optional<grpc::ByteBuffer>> WatchMessages::Make(std::size_t place) const {
-  if (place < fragments_.size()) return Serialize(MakeFragment(place));
-  if (place + 1 == count()) return Serialize(MakeProgress());
+  if (place < fragments_.size()) return ToByteBuffer(MakeFragment(place));
+  if (place + 1 == count()) return ToByteBuffer(MakeProgress());
   const absl::StatusOr<v1::WatchMapResponse> events = MakeEvents(place - fragments_.size());
   if (!events.ok()) return events.status();
   if (events->events().events().empty()) return std::optional<grpc::ByteBuffer>();
-  return Serialize(*events);
+  return ToByteBuffer(*events);
 }
 
 v1::WatchMapResponse WatchMessages::MakeFragment(std::size_t place) const {

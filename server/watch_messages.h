@@ -20,9 +20,6 @@
 
 namespace steadymap {
 
-/// A message as it goes to gRPC. Copies share the bytes.
-grpc::ByteBuffer Serialize(const v1::WatchMapResponse& message);
-
 /// The messages of one step, made when they are first asked for. All watchers with the same filter
 /// who take the same step share them: a small step's messages are kept, so that each is made once;
 /// those of a large one are made for each watcher, so that one who stalls holds little.

@@ -3,15 +3,22 @@
 #include <utility>
 
 #include <absl/time/clock.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
 #include "proto/grpc_status.h"
 #include "server/pool_call.h"
+#include "server/request_reader.h"
 
 namespace steadymap {
+namespace {
+
+// A filter of some hundred boxes and classes is far below that.
+constexpr RequestLimits kRequestLimits{.max_bytes = std::size_t{1} << 20, .max_fields = 20'000};
+
+}  // namespace
+
 namespace {}  // namespace
 
 /// What gRPC holds: passes its reports on.
@@ -41,9 +48,9 @@ WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
   auto stream = std::make_shared<WatchStream>(surroundings, context);
   auto* reactor = new Reactor(stream);
   stream->reactor_ = reactor;
-  grpc::ByteBuffer bytes(request);
   v1::WatchMapRequest message;
-  if (grpc::SerializationTraits<v1::WatchMapRequest>::Deserialize(&bytes, &message).ok()) {
+  stream->request_status_ = steadymap::ReadRequest(request, kRequestLimits, &message);
+  if (stream->request_status_.ok()) {
     stream->course_.emplace(
         surroundings.maps, surroundings.hub, std::move(message), stream->cancellation_);
   }
@@ -204,7 +211,7 @@ absl::Status WatchStream::ReadRequest() {
   if (std::exchange(has_read_request_, true)) return absl::OkStatus();
   absl::Status status = surroundings_.openings->Take(peer_, absl::Now());
   if (!status.ok()) return status;
-  if (!course_) return absl::InvalidArgumentError("the request is no WatchMapRequest");
+  if (!course_) return request_status_;
   status = course_->ReadRequest();
   if (!status.ok()) return status;
   course_->map()->WhenOpened([self = shared_from_this()] { self->Schedule(); });

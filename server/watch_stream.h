@@ -77,6 +77,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
 
   const Surroundings surroundings_;
   const std::string peer_;
+  absl::Status request_status_;      ///< Of reading it; set before anything else happens.
   Reactor* reactor_ = nullptr;       ///< Valid until it has been finished.
   const Cancellation cancellation_;  ///< Once the watcher has gone.
 

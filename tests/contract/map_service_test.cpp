@@ -231,6 +231,91 @@ TEST_P(MapServiceTest, WhatIsFixedCannotBeUpdated) {
   EXPECT_EQ(service_.GetMap(map.name())->etag(), map.etag());
 }
 
+TEST_P(MapServiceTest, LabelsAndWorldFrameAreKept) {
+  v1::CreateMapRequest request = Request();
+  (*request.mutable_map()->mutable_labels())["site"] = "north";
+  v1::WorldFrame& frame = *request.mutable_map()->mutable_world_frame();
+  frame.set_description("x along the gate");
+  frame.set_floor("2");
+  frame.mutable_anchor()->set_latitude_deg(48.1);
+  frame.mutable_anchor()->set_heading_deg(270.0);
+  v1::Map map;
+  ASSERT_TRUE(Create(request, &map).ok());
+  map.mutable_labels()->clear();
+  (*map.mutable_labels())["shift"] = "";
+  v1::Map updated;
+  ASSERT_TRUE(Update(map, {"labels"}, &updated).ok());
+  service_.Restart();
+  const v1::Map kept = *service_.GetMap(map.name());
+  EXPECT_EQ(kept.labels_size(), 1);
+  EXPECT_TRUE(kept.labels().contains("shift"));
+  EXPECT_EQ(kept.world_frame().SerializeAsString(), frame.SerializeAsString());
+  map.clear_etag();
+  (*map.mutable_labels())["Not an id"] = "x";
+  EXPECT_THAT(Update(map, {"labels"}, &updated),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.labels"));
+  map.mutable_world_frame()->mutable_anchor()->set_heading_deg(360.0);
+  EXPECT_THAT(Update(map, {"world_frame"}, &updated),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.world_frame.anchor"));
+}
+
+TEST_P(MapServiceTest, ClassesCanBeAddedAndNotChanged) {
+  v1::Map map = *service_.GetMap(service_.CreateMap("hall"));
+  const int present = map.config().classes_size();
+  v1::SemanticClass* added = map.mutable_config()->add_classes();
+  added->set_id(500);
+  added->set_name("robot dog");
+  added->set_motion(v1::CLASS_MOTION_DYNAMIC);
+  v1::Map updated;
+  ASSERT_TRUE(Update(map, {"config.classes"}, &updated).ok());
+  EXPECT_EQ(updated.config().classes_size(), present + 1);
+  EXPECT_NE(updated.etag(), map.etag());
+  EXPECT_EQ(updated.state().durable_map_seq(), 1U) << "an entry of the log";
+  map.clear_etag();
+  ASSERT_TRUE(Update(map, {"config.classes"}, &updated).ok()) << "nothing is left to add";
+  EXPECT_EQ(updated.state().durable_map_seq(), 1U);
+  v1::FrameBatch batch = MakeBatch(1, 1);
+  ASSERT_TRUE(UploadAndClose(&service_, {map.name()}, batch).ok());
+  EXPECT_EQ(service_.GetMap(map.name())->state().integrated_map_seq(), 2U);
+  service_.Restart();
+  EXPECT_EQ(service_.GetMap(map.name())->config().classes(present).name(), "robot dog");
+  map.mutable_config()->mutable_classes(3)->set_name("another name");
+  EXPECT_THAT(Update(map, {"config.classes"}, &updated),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.classes"));
+  map.mutable_config()->clear_classes();
+  EXPECT_THAT(Update(map, {"config.classes"}, &updated),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.classes"));
+}
+
+TEST_P(MapServiceTest, ChangesThatAreSentAgainChangeNothing) {
+  const v1::Map map = *service_.GetMap(service_.CreateMap("hall"));
+  v1::UpdateMapRequest update;
+  *update.mutable_map() = map;
+  update.mutable_map()->set_display_name("The hall");
+  update.mutable_update_mask()->add_paths("display_name");
+  update.set_request_id("change-1");
+  v1::Map first;
+  v1::Map second;
+  ASSERT_TRUE(
+      Call([&](auto* context) { return service_.maps().UpdateMap(context, update, &first); }).ok());
+  service_.Restart();
+  ASSERT_TRUE(
+      Call([&](auto* context) { return service_.maps().UpdateMap(context, update, &second); }).ok())
+      << "though the etag is of the map before";
+  EXPECT_EQ(second.etag(), first.etag());
+  v1::DeleteMapRequest remove;
+  remove.set_name(map.name());
+  remove.set_request_id("change-2");
+  google::protobuf::Empty response;
+  const auto call = [&](auto* context) {
+    return service_.maps().DeleteMap(context, remove, &response);
+  };
+  EXPECT_TRUE(Call(call).ok());
+  EXPECT_TRUE(Call(call).ok());
+  remove.set_request_id("change-3");
+  EXPECT_THAT(Call(call), IsError(StatusCode::kNotFound, "NOT_FOUND", "name"));
+}
+
 TEST_P(MapServiceTest, DeleteWithAnOldEtagIsRefused) {
   const v1::Map map = *service_.GetMap(service_.CreateMap("hall"));
   v1::DeleteMapRequest request;

@@ -123,6 +123,14 @@ TEST_P(UploadCallTest, WrongNamesAndNumberingNameTheField) {
               IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "batch.frames"));
 }
 
+TEST_P(UploadCallTest, AMillionEmptyFramesAreRefused) {
+  v1::FrameBatch batch;
+  batch.set_first_client_seq(1);
+  for (int i = 0; i < 1'000'000; ++i) batch.add_frames();
+  EXPECT_THAT(UploadByCall(&service_, session_, batch, v1::ACK_LEVEL_DURABLE).status(),
+              IsError(StatusCode::kResourceExhausted, "MESSAGE_TOO_LARGE", ""));
+}
+
 TEST_P(UploadCallTest, DrainingServerRefuses) {
   service_.server().Drain();
   EXPECT_THAT(Upload(1, 1, v1::ACK_LEVEL_DURABLE).status(),

@@ -1,3 +1,5 @@
+#include <ctime>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -170,6 +172,52 @@ TEST_P(UploadStreamTest, NumberingThatCannotBeIsRefused) {
               IsError(StatusCode::kInvalidArgument, "BAD_SEQUENCE", "batch.first_client_seq"));
   EXPECT_THAT(upload(MakeBatch(1, 0)),
               IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "batch.frames"));
+}
+
+TEST_P(UploadStreamTest, ABatchOfTooManyFramesIsRefused) {
+  v1::FrameBatch batch;
+  batch.set_first_client_seq(1);
+  for (int i = 0; i < 257; ++i) batch.add_frames();
+  EXPECT_THAT(UploadAndClose(&service_, session_, batch),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "batch.frames"));
+  for (int i = 0; i < 100'000; ++i) batch.add_frames();
+  EXPECT_THAT(UploadAndClose(&service_, session_, batch),
+              IsError(StatusCode::kResourceExhausted, "MESSAGE_TOO_LARGE", ""));
+}
+
+TEST_P(UploadStreamTest, FramesThatTheStoreHasLostAreNamed) {
+  ASSERT_TRUE(UploadAndClose(&service_, session_, MakeBatch(1, 3)).ok());
+  UploadClient client(&service_);
+  v1::UploadFramesRequest request;
+  request.mutable_open()->set_map(map_);
+  request.mutable_open()->set_robot(session_.robot);
+  request.mutable_open()->set_session(session_.session);
+  request.mutable_open()->set_last_durable_client_seq(7);
+  client.Send(request);
+  const std::optional<v1::UploadFramesResponse> response = client.Read();
+  ASSERT_TRUE(response && response->has_opened());
+  EXPECT_EQ(response->opened().resume_client_seq(), 3U);
+  EXPECT_EQ(response->opened().lost().first(), 4U);
+  EXPECT_EQ(response->opened().lost().last(), 7U);
+  ASSERT_TRUE(client.Send(MakeBatch(4, 4)));
+  EXPECT_TRUE(client.Close().ok());
+  EXPECT_EQ(client.newest(v1::ACK_LEVEL_INTEGRATED).client_seq(), 7U);
+}
+
+TEST_P(UploadStreamTest, StateSaysHowFarTheSensorsClockIsAhead) {
+  v1::FrameBatch batch = MakeBatch(1, 1);
+  batch.mutable_frames(0)->mutable_capture_time()->set_seconds(time(nullptr) + 60);
+  ASSERT_TRUE(UploadAndClose(&service_, session_, batch).ok());
+  v1::GetUploadStateRequest request;
+  request.set_map(map_);
+  request.set_robot(session_.robot);
+  request.set_session(session_.session);
+  v1::UploadState state;
+  ASSERT_TRUE(Call([&](auto* context) {
+                return service_.ingest().GetUploadState(context, request, &state);
+              }).ok());
+  EXPECT_GT(state.capture_time_ahead().seconds(), 0);
+  EXPECT_LE(state.capture_time_ahead().seconds(), 60);
 }
 
 TEST_P(UploadStreamTest, MoreFramesThanCreditIsRefused) {

@@ -33,6 +33,9 @@ MapRecord MakeMapRecord(const std::string& tenant, const std::string& map) {
   record.create_time = Timestamp::FromNanoseconds(1'700'000'000'123'456'789);
   record.incarnation = "incarnation-1";
   record.request_id = "request-1";
+  record.change_request_id = "request-2";
+  record.labels = {{"site", "north"}, {"shift", ""}};
+  record.world_frame = {"at the gate", "2", GeoAnchor{48.1, 11.5, 519.0, 90.0}};
   record.version = 5;
   return record;
 }
@@ -149,6 +152,7 @@ ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed) 
   event.center_world = vector();
   if (type == EventType::kMoved) {
     event.old_center_world = vector();
+    event.move = {{vector(), number(random)}, {vector(), number(random)}};
     event.confidence = 1.0 / 3.0;
   }
   event.before = {number(random), 0.5, 1.0 / 3.0, 4.0};
