@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/identifiers.h"
+#include "core/map_object.h"
 #include "core/stationarity.h"
 #include "core/timestamp.h"
 
@@ -21,7 +22,7 @@ enum class EventType {
   kRemoved,     ///< No longer stands where it stood.
   kReturned,    ///< Stands again where it stood before it was removed.
   kMerged,      ///< Turned out to be part of another object, `related`.
-  kSplit,       ///< Turned out to be two, or to be left of one that went; the other is `related`.
+  kSplit,       ///< Became an object of its own; was part of `related` so far.
   kRobotLost,   ///< A robot's frames disagree with the whole map; they are not used.
   kRobotFound,  ///< They agree again.
 };
@@ -39,7 +40,17 @@ enum class EventReason {
   kAgreement,     ///< Frames fit the map again.
 };
 
-/// One entry of a map's history.
+/// How an object moved: where its frame stood, and where the same frame stands now.
+struct ObjectMove {
+  UprightPose T_world_before;
+  UprightPose T_world_after;
+
+  friend bool operator==(const ObjectMove&, const ObjectMove&) = default;
+};
+
+/// One entry of a map's history. Who adds each object that is created, returns or is split off, and
+/// drops each that is removed or merged and the `related` one of each move, has those that are part
+/// of the map.
 struct ObjectEvent {
   EventType type = EventType::kCreated;
   EventReason reason = EventReason::kNewSurface;
@@ -49,6 +60,7 @@ struct ObjectEvent {
   Revision revision;  ///< Of that frame: the first revision that shows it.
   Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  ///< Of its cuboid, after the event.
   std::optional<Eigen::Vector3d> old_center_world;         ///< For moves.
+  std::optional<ObjectMove> move;                          ///< For moves told by the shape.
   std::optional<double> confidence;                        ///< For moves, in [0, 1].
   Belief before;
   Belief after;

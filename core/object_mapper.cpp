@@ -168,8 +168,8 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
     return;
   }
   BecomeHistory(&part);
-  ObjectEvent split = map_->MakeEvent(EventType::kSplit, EventReason::kDisconnected, *object);
-  split.related = part.id();
+  ObjectEvent split = map_->MakeEvent(EventType::kSplit, EventReason::kDisconnected, part);
+  split.related = object->id();
   map_->Tell(split);
   map_->Tell(map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, part));
 }

@@ -191,6 +191,7 @@ class MoveSearch {
             EventReason reason,
             const std::optional<ShapeMatch>& match) {
     const Eigen::Vector3d old_center_world = before->cuboid().center_world;
+    const UprightPose T_world_before = before->state().T_world_object;
     if (match.has_value()) {
       map_->MarkLeaves(
           after,
@@ -210,6 +211,9 @@ class MoveSearch {
     ObjectEvent event = map_->MakeEvent(EventType::kMoved, reason, *before);
     event.before = belief_before;
     event.old_center_world = old_center_world;
+    if (match.has_value()) {
+      event.move = {T_world_before, UprightPoseOf(match->T_world_object)};
+    }
     event.confidence = match.has_value() ? match->confidence() : kConfidenceWithoutShape;
     event.related = after->id();
     map_->Tell(event);

@@ -82,6 +82,18 @@ absl::Status ReadBeliefs(const v1::ObjectEvent& message, ObjectEvent* event) {
   return absl::OkStatus();
 }
 
+absl::Status ReadMove(const v1::ObjectEvent& message, ObjectEvent* event) {
+  if (!message.has_world_from_object_before() && !message.has_world_from_object_after()) {
+    return absl::OkStatus();
+  }
+  const absl::StatusOr<UprightPose> before = FromProto(message.world_from_object_before());
+  if (!before.ok()) return WithFieldPrefix(before.status(), "world_from_object_before");
+  const absl::StatusOr<UprightPose> after = FromProto(message.world_from_object_after());
+  if (!after.ok()) return WithFieldPrefix(after.status(), "world_from_object_after");
+  event->move = {*before, *after};
+  return absl::OkStatus();
+}
+
 /// Where it happened, and how sure that is.
 absl::Status ReadPlaces(const v1::ObjectEvent& message, ObjectEvent* event) {
   if (!message.has_center_m()) {
@@ -96,6 +108,7 @@ absl::Status ReadPlaces(const v1::ObjectEvent& message, ObjectEvent* event) {
     if (!old_center.ok()) return old_center.status();
     event->old_center_world = *old_center;
   }
+  if (absl::Status status = ReadMove(message, event); !status.ok()) return status;
   if (!message.has_confidence()) return absl::OkStatus();
   event->confidence = message.confidence();
   // NaN fails the comparison.
@@ -172,6 +185,10 @@ v1::ObjectEvent ToProto(EventNumber number, const ObjectEvent& event) {
   *message.mutable_center_m() = ToProto(event.center_world);
   if (event.old_center_world) *message.mutable_old_center_m() = ToProto(*event.old_center_world);
   if (event.confidence) message.set_confidence(*event.confidence);
+  if (event.move) {
+    *message.mutable_world_from_object_before() = ToProto(event.move->T_world_before);
+    *message.mutable_world_from_object_after() = ToProto(event.move->T_world_after);
+  }
   if (!IsAboutRobot(event.type)) {
     *message.mutable_before() = ToProto(event.before);
     *message.mutable_after() = ToProto(event.after);

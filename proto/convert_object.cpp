@@ -97,20 +97,6 @@ v1::ObjectStanding StandingToProto(ObjectStanding standing) {
   return v1::OBJECT_STANDING_UNSPECIFIED;
 }
 
-absl::StatusOr<UprightPose> ReadPose(const v1::UprightPose& message) {
-  const UprightPose pose{FromProto(message.position_m()), message.yaw_rad()};
-  absl::Status status = CheckVector("position_m", message.has_position_m(), pose.position_world);
-  if (status.ok()) status = CheckFinite({{"yaw_rad", pose.yaw_rad}});
-  if (!status.ok()) return status;
-  if ((pose.position_world.array().abs() > kMaxPositionM).any()) {
-    return InvalidField(
-        reason::kBadValue,
-        "position_m",
-        absl::StrCat("position_m must lie within ", kMaxPositionM, " m of the origin"));
-  }
-  return pose;
-}
-
 absl::StatusOr<std::vector<ClassVote>> ReadVotes(const v1::Object& message) {
   std::vector<ClassVote> votes;
   votes.reserve(static_cast<std::size_t>(message.votes_size()));
@@ -134,7 +120,7 @@ absl::StatusOr<std::vector<ClassVote>> ReadVotes(const v1::Object& message) {
 absl::Status ReadParts(const v1::Object& message, ObjectState* object) {
   const absl::StatusOr<Cuboid> cuboid = FromProto(message.cuboid());
   if (!cuboid.ok()) return WithFieldPrefix(cuboid.status(), "cuboid");
-  const absl::StatusOr<UprightPose> pose = ReadPose(message.world_from_object());
+  const absl::StatusOr<UprightPose> pose = FromProto(message.world_from_object());
   if (!pose.ok()) return WithFieldPrefix(pose.status(), "world_from_object");
   const absl::StatusOr<Belief> belief = FromProto(message.belief());
   if (!belief.ok()) return WithFieldPrefix(belief.status(), "belief");
@@ -162,6 +148,27 @@ double ClassConfidence(const ObjectState& object) {
 }
 
 }  // namespace
+
+absl::StatusOr<UprightPose> FromProto(const v1::UprightPose& message) {
+  const UprightPose pose{FromProto(message.position_m()), message.yaw_rad()};
+  absl::Status status = CheckVector("position_m", message.has_position_m(), pose.position_world);
+  if (status.ok()) status = CheckFinite({{"yaw_rad", pose.yaw_rad}});
+  if (!status.ok()) return status;
+  if ((pose.position_world.array().abs() > kMaxPositionM).any()) {
+    return InvalidField(
+        reason::kBadValue,
+        "position_m",
+        absl::StrCat("position_m must lie within ", kMaxPositionM, " m of the origin"));
+  }
+  return pose;
+}
+
+v1::UprightPose ToProto(const UprightPose& pose) {
+  v1::UprightPose message;
+  *message.mutable_position_m() = ToProto(pose.position_world);
+  message.set_yaw_rad(pose.yaw_rad);
+  return message;
+}
 
 absl::StatusOr<Belief> FromProto(const v1::Belief& message) {
   absl::Status status = CheckFinite({{"change_mean_m", message.change_mean_m()}});
@@ -246,9 +253,7 @@ v1::Object ToProto(const MapObject& object) {
     added->set_weight(vote.weight);
   }
   *message.mutable_cuboid() = ToProto(object.cuboid);
-  *message.mutable_world_from_object()->mutable_position_m() =
-      ToProto(object.T_world_object.position_world);
-  message.mutable_world_from_object()->set_yaw_rad(object.T_world_object.yaw_rad);
+  *message.mutable_world_from_object() = ToProto(object.T_world_object);
   *message.mutable_belief() = ToProto(object.belief);
   message.set_stationarity(object.belief.stationarity());
   *message.mutable_first_seen() = ToProto(object.first_seen);

@@ -15,6 +15,11 @@ namespace steadymap {
 absl::StatusOr<Belief> FromProto(const v1::Belief& message);
 v1::Belief ToProto(const Belief& belief);
 
+/// Errors: `InvalidArgument` with reason `BAD_VALUE` for a pose that is absent, not finite, or
+/// further than `kMaxPositionM` from the origin.
+absl::StatusOr<UprightPose> FromProto(const v1::UprightPose& message);
+v1::UprightPose ToProto(const UprightPose& pose);
+
 /// Errors: `InvalidArgument` with reason `BAD_VALUE` for numbers that are not finite and sides
 /// below 0; an absent part is an error of that part.
 absl::StatusOr<Cuboid> FromProto(const v1::Cuboid& message);

@@ -168,6 +168,12 @@ storage::v1::EventRecord ToProto(const ObjectEvent& event) {
   Add(event.center_world, record.mutable_center());
   if (event.old_center_world) Add(*event.old_center_world, record.mutable_old_center());
   if (event.confidence) record.set_confidence(*event.confidence);
+  if (event.move) {
+    for (const UprightPose& pose : {event.move->T_world_before, event.move->T_world_after}) {
+      Add(pose.position_world, record.mutable_move());
+      record.add_move(pose.yaw_rad);
+    }
+  }
   BeliefToProto(event.before, record.mutable_before());
   BeliefToProto(event.after, record.mutable_after());
   record.set_related(event.related.value());
@@ -182,7 +188,7 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
   if (record.type() < 1 || record.type() > kEventTypes || record.reason() < 1 ||
       record.reason() > kEventReasons || record.class_id() > kMaxClassId ||
       record.center_size() != 3 || record.old_center_size() % 3 != 0 ||
-      record.old_center_size() > 3) {
+      record.old_center_size() > 3 || (record.move_size() != 0 && record.move_size() != 8)) {
     return Impossible("an event record holds no event");
   }
   ObjectEvent event;
@@ -195,6 +201,10 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
   event.center_world = VectorAt(record.center(), 0);
   if (record.old_center_size() == 3) event.old_center_world = VectorAt(record.old_center(), 0);
   if (record.has_confidence()) event.confidence = record.confidence();
+  if (record.move_size() == 8) {
+    event.move = {{VectorAt(record.move(), 0), record.move(3)},
+                  {VectorAt(record.move(), 4), record.move(7)}};
+  }
   event.before = BeliefFromProto(record.before());
   event.after = BeliefFromProto(record.after());
   event.related = ObjectId{record.related()};

@@ -32,6 +32,13 @@ void WriteVectorJson(const char* key, const v1::Vector3& vector, JsonWriter* jso
 }
 
 // The members of a belief, within an object that is open.
+void WritePoseJson(const char* key, const v1::UprightPose& pose, JsonWriter* json) {
+  json->Key(key).BeginObject();
+  WriteVectorJson("position", pose.position_m(), json);
+  json->Key("yaw").Number(pose.yaw_rad());
+  json->EndObject();
+}
+
 void WriteBeliefMembers(const v1::Belief& belief, JsonWriter* json) {
   json->Key("stationarity").Number(StationarityOf(belief));
   json->Key("alpha").Number(belief.alpha());
@@ -203,6 +210,10 @@ void WriteEventJson(const v1::ObjectEvent& event, const ClassNames& classes, Jso
   if (event.has_old_center_m()) {
     WriteVectorJson("old_center", event.old_center_m(), json);
     WriteVectorJson("new_center", event.center_m(), json);
+  }
+  if (event.has_world_from_object_before() && event.has_world_from_object_after()) {
+    WritePoseJson("pose_before", event.world_from_object_before(), json);
+    WritePoseJson("pose_after", event.world_from_object_after(), json);
   }
   if (event.has_confidence()) json->Key("confidence").Number(event.confidence());
   if (event.related_object_id() != 0) json->Key("related").Integer(event.related_object_id());

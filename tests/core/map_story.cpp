@@ -106,6 +106,35 @@ void MapStory::Commit() {
   map_ = commit.snapshot;
   events_.insert(events_.end(), commit.delta.events.begin(), commit.delta.events.end());
   ASSERT_TRUE(Apply(commit.delta, &told_).ok());
+  for (const ObjectEvent& event : commit.delta.events) Replay(event);
+  std::set<ObjectId> present;
+  for (const auto& [id, object] : map_->objects) {
+    if (object->standing == ObjectStanding::kPresent) present.insert(id);
+  }
+  EXPECT_EQ(present_by_events_, present) << "at revision " << map_->revision.value();
+}
+
+void MapStory::Replay(const ObjectEvent& event) {
+  switch (event.type) {
+    case EventType::kCreated:
+    case EventType::kReturned:
+    case EventType::kSplit:
+      EXPECT_TRUE(present_by_events_.insert(event.object).second) << event.object.value();
+      break;
+    case EventType::kMoved:
+      EXPECT_TRUE(present_by_events_.contains(event.object) || event.related != kBackgroundId);
+      present_by_events_.insert(event.object);
+      present_by_events_.erase(event.related);
+      break;
+    case EventType::kRemoved:
+    case EventType::kMerged:
+      EXPECT_EQ(present_by_events_.erase(event.object), 1U) << event.object.value();
+      break;
+    case EventType::kUpdated:
+    case EventType::kRobotLost:
+    case EventType::kRobotFound:
+      break;
+  }
 }
 
 std::map<LeafKey, std::string> PackedLeaves(const MapSnapshot& map) {

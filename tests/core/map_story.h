@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,12 +68,16 @@ class MapStory {
  private:
   void Commit();
 
+  /// Follows the present objects by the events alone.
+  void Replay(const ObjectEvent& event);
+
   MapConfig config_;
   MapperOptions options_;
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> map_;
   MapSnapshot told_;
   std::vector<ObjectEvent> events_;
+  std::set<ObjectId> present_by_events_;
 };
 
 /// All leaves of a map, as they are stored.

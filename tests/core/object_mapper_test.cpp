@@ -289,10 +289,10 @@ TEST(ObjectMapper, CutsOffThePartOfAPileThatWasTakenAway) {
   story.Look({FarWall(), Pile(0.2)}, 25);
   const std::vector<ObjectEvent> split = story.EventsOf(EventType::kSplit, kGoodsClass);
   ASSERT_EQ(split.size(), 1U);
-  EXPECT_EQ(split[0].object, pile);
+  EXPECT_EQ(split[0].related, pile);
   const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
   ASSERT_EQ(removed.size(), 1U);
-  EXPECT_EQ(removed[0].object, split[0].related);
+  EXPECT_EQ(removed[0].object, split[0].object);
   EXPECT_GT(removed[0].center_world.z(), 0.2);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   const MapObject& rest = *story.Present(kGoodsClass)[0];

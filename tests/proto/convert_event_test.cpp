@@ -33,6 +33,7 @@ ObjectEvent RandomEvent(std::mt19937* random) {
   if (event.type == EventType::kMoved) {
     event.old_center_world = Eigen::Vector3d(place(*random), place(*random), place(*random));
     event.confidence = positive(*random) / 20.0;
+    event.move = {{event.center_world, 0.5}, {*event.old_center_world, place(*random)}};
   }
   if (event.type != EventType::kRobotLost && event.type != EventType::kRobotFound) {
     event.before = {place(*random), positive(*random), positive(*random), positive(*random)};

@@ -153,6 +153,8 @@ class Event:
         revision: the first that shows what the event tells.
         center_m: float64 (3,), centre of the cuboid after the event, world frame, metres.
         old_center_m: for moves the centre before, likewise; else None.
+        T_world_object_before, T_world_object_after: for moves recognised by the shape, float64
+            (4, 4): where the object's frame stood, and where the same frame stands now; else None.
         confidence: for moves how sure the map is that it is the same thing, in [0, 1]; else None.
         before, after: beliefs before and after the event; None for events of robots.
         related_object_id: the other object of a move, merge or split; None: there is none.
@@ -170,6 +172,8 @@ class Event:
     revision: int
     center_m: np.ndarray
     old_center_m: Optional[np.ndarray]
+    T_world_object_before: Optional[np.ndarray]
+    T_world_object_after: Optional[np.ndarray]
     confidence: Optional[float]
     before: Optional[Belief]
     after: Optional[Belief]
@@ -232,6 +236,16 @@ def event_from_proto(message: event_pb2.ObjectEvent) -> Event:
         revision=message.revision,
         center_m=vector_from_proto(message.center_m),
         old_center_m=vector_from_proto(message.old_center_m) if has("old_center_m") else None,
+        T_world_object_before=(
+            _upright_matrix(message.world_from_object_before)
+            if has("world_from_object_before")
+            else None
+        ),
+        T_world_object_after=(
+            _upright_matrix(message.world_from_object_after)
+            if has("world_from_object_after")
+            else None
+        ),
         confidence=message.confidence if has("confidence") else None,
         before=belief_from_proto(message.before) if has("before") else None,
         after=belief_from_proto(message.after) if has("after") else None,
