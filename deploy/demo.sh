@@ -64,7 +64,7 @@ cmake --preset release >"$log" 2>&1
 log=""
 
 begin "building into build/release"
-cmake --build --preset release --target steadymap steadymapd
+cmake --build --preset release --target steadymap steadymapd steadymap_python
 
 begin "starting a daemon with a store in $work/data"
 log=$work/steadymapd.log
