@@ -27,8 +27,11 @@ constexpr char kUploadFooter[] =
     "                _predicted.png with _labels.json\n\n"
     "--label-map names a text file with a line `FROM TO` for each class id of the recording that\n"
     "the map knows by another one. --T-world-dataset names a text file with the 4x4 matrix that\n"
-    "takes the recording's world to the map's. A map that does not exist is created with the\n"
-    "server's defaults; use `steadymap map create` first to choose its voxel size.";
+    "takes the recording's world to the map's. A map that does not exist is created if --policy "
+    "says\n"
+    "how; the options from --policy to --classes are those of `steadymap map create`, whose "
+    "--help\n"
+    "tells more of them.";
 
 }  // namespace
 

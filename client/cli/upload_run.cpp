@@ -15,6 +15,7 @@
 #include "client/map_client.h"
 #include "client/uploader.h"
 #include "core/error.h"
+#include "proto/convert_map.h"
 
 namespace steadymap {
 namespace {
@@ -27,25 +28,36 @@ absl::Status CheckId(const char* what, const std::string& id) {
                                     id + "\"");
 }
 
-// Makes sure that the map is there: somebody who uploads to a new name wants a map of that name.
+absl::Status NoSuchMap(const MapName& name) {
+  return MakeError(absl::StatusCode::kNotFound,
+                   reason::kNotFound,
+                   "there is no map " + name.ToString() +
+                       "; say how to build it with --policy, such as --policy static or --policy "
+                       "pocd, or use: steadymap map create " +
+                       (name.tenant == "default" ? name.map : name.ToString()));
+}
+
+// Makes sure that the map is there, as the options want it. How a map is built cannot be changed
+// later, so that none is created before somebody has chosen its policy.
 absl::Status EnsureMap(const MapName& name,
                        const UploadRunOptions& options,
                        CommandContext* context) {
+  const absl::StatusOr<MapConfig> config = ConfigOf(options.new_map);
+  if (!config.ok()) return config.status();
   const absl::StatusOr<v1::Map> present = LookUpMap(name, RetryTime(options.retry_for_s), context);
+  if (present.ok()) return CheckPresentMap(options.new_map, *config, *present);
   if (present.status().code() != absl::StatusCode::kNotFound) return present.status();
-  if (options.no_create) {
-    return MakeError(absl::StatusCode::kNotFound,
-                     reason::kNotFound,
-                     "there is no map " + name.ToString() +
-                         "; create it with: steadymap map create " +
-                         (name.tenant == "default" ? name.map : name.ToString()));
+  if (!options.new_map.policy) return NoSuchMap(name);
+  MapClient client(context->Channel());
+  absl::StatusOr<v1::Map> created = client.CreateMap(name, ToProto(*config));
+  if (created.status().code() == absl::StatusCode::kAlreadyExists) {
+    created = client.GetMap(name);
+    if (created.ok()) return CheckPresentMap(options.new_map, *config, *created);
   }
-  const absl::StatusOr<v1::Map> created = MapClient(context->Channel()).CreateMap(name, {});
-  if (created.status().code() == absl::StatusCode::kAlreadyExists) return absl::OkStatus();
   if (!created.ok()) return created.status();
-  const v1::MapConfig& config = created->config();
-  context->err << "created " << created->name() << " with " << LengthText(config.voxel_size_m())
-               << " voxels and " << LengthText(config.truncation_m()) << " truncation" << std::endl;
+  context->err << "created " << created->name() << " with the policy " << *options.new_map.policy
+               << ", " << LengthText(config->voxel_size_m) << " voxels and "
+               << LengthText(config->truncation_m) << " truncation" << std::endl;
   return absl::OkStatus();
 }
 
@@ -153,7 +165,6 @@ void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
                    "Id of the upload session, by which the same command goes on where a killed one "
                    "stopped")
       ->type_name("ID");
-  command->add_flag("--no-create", options->no_create, "Do not create a map that does not exist");
   command
       ->add_option("--retry-for",
                    options->retry_for_s,
@@ -161,6 +172,7 @@ void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_flag("--json", options->as_json, "Print the summary as JSON");
+  AddMapOptions(command, &options->new_map);
 }
 
 absl::Status RunUpload(const UploadRunOptions& options,

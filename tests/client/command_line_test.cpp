@@ -293,11 +293,22 @@ TEST_F(CommandLineTest, RenderOfAnEmptyMapIsAPicture) {
 }
 
 TEST_F(CommandLineTest, SimulateCreatesTheMapAndWaitsForIntegration) {
-  const Outcome outcome =
-      Run({"simulate", "demo", "--route", "twin", "--ideal", "--stride", "40", "--robot", "r2"});
+  const Outcome outcome = Run({"simulate",
+                               "demo",
+                               "--policy",
+                               "static",
+                               "--route",
+                               "twin",
+                               "--ideal",
+                               "--stride",
+                               "40",
+                               "--robot",
+                               "r2"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(maps_.maps.contains("tenants/default/maps/demo"));
-  EXPECT_NE(outcome.err.find("created tenants/default/maps/demo"), std::string::npos);
+  EXPECT_NE(outcome.err.find("created tenants/default/maps/demo with the policy static, 5 cm"),
+            std::string::npos)
+      << outcome.err;
   EXPECT_NE(outcome.out.find(" frames integrated in "), std::string::npos);
   EXPECT_NE(outcome.out.find(" 0 refused"), std::string::npos);
 }
@@ -307,7 +318,7 @@ TEST_F(CommandLineTest, WhatSimulateWritesUploadReads) {
   ASSERT_EQ(Run({"simulate", "--write", recording, "--route", "twin", "--stride", "40"}).exit_code,
             0);
   const Outcome outcome =
-      Run({"upload", "demo", "--format", "torwic", recording, "--stride", "2", "--json"});
+      Run({"upload", "demo", "--format", "torwic", recording, "--policy", "pocd", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("\"refused_count\": 0"), std::string::npos) << outcome.out;
   EXPECT_EQ(outcome.out.find("\"integrated\": 0,"), std::string::npos) << outcome.out;
@@ -318,9 +329,64 @@ TEST_F(CommandLineTest, UploadErrorsAreOneLineAndUploadNothing) {
   ExpectFailure({"simulate", "k", "--route", "nowhere"}, 1, "\"nowhere\"");
   ExpectFailure({"simulate", "--route", "twin"}, 1, "--write");
   ExpectFailure({"simulate", "k", "--route", "twin", "--robot", "R2"}, 1, "\"R2\"");
-  ExpectFailure({"simulate", "k", "--route", "twin", "--no-create"}, 1, "steadymap map create k");
   EXPECT_EQ(ingest_.streams_opened(), 0U);
   EXPECT_TRUE(maps_.maps.empty());
+}
+
+TEST_F(CommandLineTest, UploadingToAMapThatIsMissingAsksForItsPolicy) {
+  const std::vector<std::string> command = {"simulate", "k", "--route", "twin", "--stride", "40"};
+  ExpectFailure(command, 1, "--policy pocd");
+  ExpectFailure(command, 1, "steadymap map create k");
+  std::vector<std::string> with_voxels = command;
+  with_voxels.insert(with_voxels.end(), {"--voxel-size", "0.1"});
+  ExpectFailure(with_voxels, 1, "--policy");
+  std::vector<std::string> misspelt = command;
+  misspelt.insert(misspelt.end(), {"--policy", "magic"});
+  ExpectFailure(misspelt, 1, "\"magic\"");
+  EXPECT_TRUE(maps_.maps.empty());
+  EXPECT_EQ(ingest_.streams_opened(), 0U);
+}
+
+TEST_F(CommandLineTest, UploadCreatesTheMapThatItsOptionsDescribe) {
+  std::ofstream(PathOf("classes.txt")) << "1 floor\n2 person dynamic\n40 cart\n";
+  const Outcome outcome = Run({"simulate",
+                               "k",
+                               "--route",
+                               "twin",
+                               "--stride",
+                               "40",
+                               "--policy",
+                               "voxel_change",
+                               "--voxel-size",
+                               "0.1",
+                               "--truncation",
+                               "0.4",
+                               "--max-depth",
+                               "5",
+                               "--classes",
+                               PathOf("classes.txt")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const v1::MapConfig& config = maps_.maps.at("tenants/default/maps/k").config();
+  EXPECT_EQ(config.policy(), v1::UPDATE_POLICY_VOXEL_CHANGE);
+  EXPECT_EQ(config.voxel_size_m(), 0.1);
+  EXPECT_EQ(config.truncation_m(), 0.4);
+  EXPECT_EQ(config.max_depth_m(), 5.0);
+  EXPECT_EQ(config.classes_size(), 3);
+}
+
+TEST_F(CommandLineTest, OptionsThatAMapContradictsAreAnErrorAndThoseThatItHasAreNot) {
+  ASSERT_EQ(Run({"map", "create", "k", "--policy", "pocd", "--voxel-size", "0.1"}).exit_code, 0);
+  const auto with = [](const std::vector<std::string>& options) {
+    std::vector<std::string> command = {"simulate", "k", "--route", "twin", "--stride", "40"};
+    command.insert(command.end(), options.begin(), options.end());
+    return command;
+  };
+  ExpectFailure(with({"--policy", "static"}), 1, "has --policy pocd, not static");
+  ExpectFailure(with({"--voxel-size", "0.05"}), 1, "has --voxel-size 10 cm, not 5 cm");
+  std::ofstream(PathOf("classes.txt")) << "1 floor\n";
+  ExpectFailure(with({"--classes", PathOf("classes.txt")}), 1, "--classes");
+  EXPECT_EQ(ingest_.streams_opened(), 0U);
+  EXPECT_EQ(Run(with({"--policy", "pocd", "--voxel-size", "0.1"})).exit_code, 0);
 }
 
 class RefusingServerTest : public CommandLineTest {
@@ -343,7 +409,8 @@ class RefusingServerTest : public CommandLineTest {
 };
 
 TEST_F(RefusingServerTest, RefusedFramesFailTheCommandButNotTheUpload) {
-  const Outcome outcome = Run({"simulate", "demo", "--route", "twin", "--stride", "40"});
+  const Outcome outcome =
+      Run({"simulate", "demo", "--policy", "static", "--route", "twin", "--stride", "40"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.out.find(" 1 refused"), std::string::npos);
   EXPECT_NE(outcome.err.find("the first was frame 2: label 99 [LABEL_OUT_OF_RANGE, "
