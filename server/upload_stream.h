@@ -82,6 +82,7 @@ class UploadStream final : public UploadObserver,
   absl::Status HandleMessage() ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleOpen(const v1::UploadOpen& open) ABSL_LOCKS_EXCLUDED(mutex_);
   void OnMapOpened() ABSL_LOCKS_EXCLUDED(mutex_);
+  void NoteMissingLabels(const v1::FrameBatch& batch);
   absl::Status HandleBatch(v1::FrameBatch* batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Surroundings surroundings_;
@@ -93,6 +94,7 @@ class UploadStream final : public UploadObserver,
   // Set once, by the reading side and under the lock, before any batch is taken in.
   std::shared_ptr<MapRuntime> map_;
   SessionName session_;
+  bool wants_labels_ = false;  ///< Its map keeps objects, and no frame without labels has come yet.
 
   mutable absl::Mutex mutex_;
   bool driving_ ABSL_GUARDED_BY(mutex_) = false;

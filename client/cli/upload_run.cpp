@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +14,7 @@
 #include "client/cli/map_lookup.h"
 #include "client/cli/number_text.h"
 #include "client/cli/progress_report.h"
+#include "client/cli/upload_notes.h"
 #include "client/map_client.h"
 #include "client/uploader.h"
 #include "core/error.h"
@@ -37,28 +40,35 @@ absl::Status NoSuchMap(const MapName& name) {
                        (name.tenant == "default" ? name.map : name.ToString()));
 }
 
-// Makes sure that the map is there, as the options want it. How a map is built cannot be changed
-// later, so that none is created before somebody has chosen its policy.
-absl::Status EnsureMap(const MapName& name,
-                       const UploadRunOptions& options,
-                       CommandContext* context) {
+absl::StatusOr<UpdatePolicy> PolicyOfPresentMap(const v1::Map& map,
+                                                const MapConfig& wanted,
+                                                const MapOptions& options) {
+  if (absl::Status status = CheckPresentMap(options, wanted, map); !status.ok()) return status;
+  return FromProto(map.config().policy());
+}
+
+// Makes sure that the map is there, as the options want it; its policy. How a map is built cannot
+// be changed later, so that none is created before somebody has chosen its policy.
+absl::StatusOr<UpdatePolicy> EnsureMap(const MapName& name,
+                                       const UploadRunOptions& options,
+                                       CommandContext* context) {
   const absl::StatusOr<MapConfig> config = ConfigOf(options.new_map);
   if (!config.ok()) return config.status();
   const absl::StatusOr<v1::Map> present = LookUpMap(name, RetryTime(options.retry_for_s), context);
-  if (present.ok()) return CheckPresentMap(options.new_map, *config, *present);
+  if (present.ok()) return PolicyOfPresentMap(*present, *config, options.new_map);
   if (present.status().code() != absl::StatusCode::kNotFound) return present.status();
   if (!options.new_map.policy) return NoSuchMap(name);
   MapClient client(context->Channel());
   absl::StatusOr<v1::Map> created = client.CreateMap(name, ToProto(*config));
   if (created.status().code() == absl::StatusCode::kAlreadyExists) {
     created = client.GetMap(name);
-    if (created.ok()) return CheckPresentMap(options.new_map, *config, *created);
+    if (created.ok()) return PolicyOfPresentMap(*created, *config, options.new_map);
   }
   if (!created.ok()) return created.status();
   context->err << "created " << created->name() << " with the policy " << *options.new_map.policy
                << ", " << LengthText(config->voxel_size_m) << " voxels and "
                << LengthText(config->truncation_m) << " truncation" << std::endl;
-  return absl::OkStatus();
+  return config->policy;
 }
 
 UploaderOptions OptionsOfUploader(const UploadRunOptions& options, ProgressReport* report) {
@@ -183,18 +193,24 @@ absl::Status RunUpload(const UploadRunOptions& options,
   absl::Status status = CheckId("robot", options.source.robot);
   if (status.ok()) status = CheckId("sensor", options.source.sensor);
   if (status.ok() && !options.session.empty()) status = CheckId("session", options.session);
-  if (status.ok()) status = EnsureMap(*name, options, context);
   if (!status.ok()) return status;
+  const absl::StatusOr<UpdatePolicy> policy = EnsureMap(*name, options, context);
+  if (!policy.ok()) return policy.status();
 
   const double start_s = SteadySeconds();
   ProgressReport report(
       &context->err, context->err_is_terminal, "integrated", source->frame_count(), SteadySeconds);
   UploadOutcome outcome;
   FrameUploader uploader(context->Channels(), *name, OptionsOfUploader(options, &report));
-  absl::StatusOr<UploadSummary> summary =
-      UploadAll(source, &uploader, [&](const UnreadableFrame& frame) {
-        outcome.unreadable.push_back(frame);
-      });
+  UploadNotes notes(*policy);
+  UploadAllCallbacks callbacks;
+  callbacks.on_unreadable = [&outcome](const UnreadableFrame& frame) {
+    outcome.unreadable.push_back(frame);
+  };
+  callbacks.on_frame = [&notes, &report](const v1::Frame& frame) {
+    if (const std::optional<std::string> note = notes.Look(frame)) report.Note(*note);
+  };
+  absl::StatusOr<UploadSummary> summary = UploadAll(source, &uploader, callbacks);
   report.End();
   if (!summary.ok()) return summary.status();
   outcome.map = name->ToString();

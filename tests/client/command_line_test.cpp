@@ -64,7 +64,7 @@ class CommandLineTest : public ::testing::Test {
   std::string server_asked_;
   FakeMapService maps_;
   FakeQueryService queries_;
-  FakeIngestService ingest_{{AcceptAll}};
+  FakeIngestService ingest_{std::vector<FakeIngestService::Script>(8, AcceptAll)};
   FakeServer server_{&maps_, &queries_, &ingest_};
 };
 
@@ -387,6 +387,31 @@ TEST_F(CommandLineTest, OptionsThatAMapContradictsAreAnErrorAndThoseThatItHasAre
   ExpectFailure(with({"--classes", PathOf("classes.txt")}), 1, "--classes");
   EXPECT_EQ(ingest_.streams_opened(), 0U);
   EXPECT_EQ(Run(with({"--policy", "pocd", "--voxel-size", "0.1"})).exit_code, 0);
+}
+
+TEST_F(CommandLineTest, AMapOfObjectsThatGetsNoLabelsIsWarnedAboutOnce) {
+  const std::string recording = PathOf("recording");
+  ASSERT_EQ(Run({"simulate", "--write", recording, "--route", "twin", "--stride", "40"}).exit_code,
+            0);
+  const auto warnings = [&](const std::string& map, const std::string& policy) {
+    const Outcome outcome =
+        Run({"upload", map, "--policy", policy, "--format", "torwic", recording});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = outcome.err.find("neither labels nor", at)) != std::string::npos;
+         ++at) {
+      ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(warnings("labelled", "pocd"), 0U);
+  for (const auto& sequence : std::filesystem::directory_iterator(recording)) {
+    std::filesystem::remove_all(sequence.path() / "Segmentation");
+    std::filesystem::remove_all(sequence.path() / "Instances");
+  }
+  EXPECT_EQ(warnings("objects", "pocd"), 1U);
+  EXPECT_EQ(warnings("objects", "pocd"), 1U);
+  EXPECT_EQ(warnings("surface", "static"), 0U);
 }
 
 class RefusingServerTest : public CommandLineTest {
