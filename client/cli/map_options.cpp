@@ -68,7 +68,9 @@ const char kMapOptionsHelp[] =
     "them.\n"
     "--classes names a text file with a line `ID NAME [static|semi-static|dynamic|background]` a "
     "class;\n"
-    "pixels of dynamic classes are never mapped. Without it the map has the TorWIC classes.";
+    "pixels of dynamic classes are never mapped. A name of several words needs the word behind "
+    "it.\n"
+    "Without --classes the map has the TorWIC classes.";
 
 void AddMapOptions(CLI::App* command, MapOptions* options) {
   const MapConfig defaults;
