@@ -280,6 +280,27 @@ TEST_F(CommandLineTest, ExportWritesTheWholeFileOrNone) {
                 "lowest");
 }
 
+TEST_F(CommandLineTest, FilesOfAnotherEndingAreRefusedBeforeTheServerIsAsked) {
+  for (const char* name : {"map.jpg", "map", "map.png.gz", ".png"}) {
+    ExpectFailure({"render", "kitchen", "--output", PathOf(name)}, 1, "ends in .png");
+  }
+  ExpectFailure(
+      {"export", "kitchen", "--format", "vdb", "--output", PathOf("map.ply")}, 1, "ends in .vdb");
+  ExpectFailure({"export", "kitchen", "--format", "glb", "--output", PathOf("map")}, 1, ".glb");
+  std::ofstream(PathOf("file")) << "in the way";
+  ExpectFailure({"mirror", "kitchen", "--output", PathOf("file")}, 1, "cannot make the folder");
+  ExpectFailure({"evaluate", "--route", "twin", "--pictures", PathOf("file/pictures")},
+                1,
+                "cannot make the folder");
+  EXPECT_EQ(server_asked_, "");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+
+  queries_.SetFile({"ply\n"}, "ply\n");
+  const Outcome outcome =
+      Run({"export", "kitchen", "--format", "ply", "--output", PathOf("MAP.PLY")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
 TEST_F(CommandLineTest, RenderOfAnEmptyMapIsAPicture) {
   v1::GetMapSectionResponse& response = queries_.section.emplace_back();
   response.mutable_header()->set_voxel_size_m(0.05);
