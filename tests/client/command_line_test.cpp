@@ -435,6 +435,52 @@ TEST_F(CommandLineTest, AMapOfObjectsThatGetsNoLabelsIsWarnedAboutOnce) {
   EXPECT_EQ(warnings("surface", "static"), 0U);
 }
 
+TEST_F(CommandLineTest, DepthOfAWrongUnitIsRefusedBeforeAnythingIsUploaded) {
+  const std::string recording = PathOf("recording");
+  ASSERT_EQ(Run({"simulate", "--write", recording, "--route", "twin", "--stride", "40"}).exit_code,
+            0);
+  const auto upload = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> command = {
+        "upload", "k", "--policy", "static", "--format", "torwic", recording};
+    command.insert(command.end(), options.begin(), options.end());
+    return command;
+  };
+  ExpectFailure(upload({"--depth-scale", "0.000001"}), 1, "--depth-scale");
+  ExpectFailure(upload({"--depth-scale", "0.1"}), 1, "at 0.1 m a unit");
+  ExpectFailure(upload({"--depth-scale", "1000"}), 1, "metres a unit in [1e-6, 0.1]");
+  ExpectFailure(upload({"--intrinsics", "525,525,320"}), 1, "fx,fy,cx,cy");
+  ExpectFailure(upload({"--intrinsics", "525,525,9999,240"}), 1, "640 x 360");
+  EXPECT_TRUE(maps_.maps.empty());
+  EXPECT_EQ(ingest_.streams_opened(), 0U);
+  EXPECT_EQ(Run(upload({"--depth-scale", "0.001", "--intrinsics", "461,461,325,178"})).exit_code,
+            0);
+}
+
+TEST_F(CommandLineTest, TimesBefore2000AreWarnedAbout) {
+  const std::string recording = PathOf("recording");
+  ASSERT_EQ(Run({"simulate", "--write", recording, "--route", "twin", "--stride", "40"}).exit_code,
+            0);
+  const auto upload = [&] {
+    return Run({"upload", "k", "--policy", "static", "--format", "torwic", recording});
+  };
+  EXPECT_EQ(upload().err.find("before 2000"), std::string::npos);
+  for (const auto& sequence : std::filesystem::directory_iterator(recording)) {
+    const std::filesystem::path poses = sequence.path() / "poses.txt";
+    std::ostringstream moved;
+    std::ifstream lines(poses);
+    std::string id;
+    std::string seconds;
+    for (std::string rest; lines >> id >> seconds && std::getline(lines, rest);) {
+      moved << id << ' ' << std::stoll(seconds) - 1'600'000'000 << rest << '\n';
+    }
+    lines.close();
+    std::ofstream(poses) << moved.str();
+  }
+  const Outcome outcome = upload();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("the recording begins at 1971-"), std::string::npos) << outcome.err;
+}
+
 class RefusingServerTest : public CommandLineTest {
  protected:
   RefusingServerTest() {
