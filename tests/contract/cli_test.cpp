@@ -194,6 +194,7 @@ TEST_F(CliTest, ASessionThatIsRepeatedCountsOnce) {
   };
   const std::string state = Run({"map", "get", "twin", "--json"}).out;
   EXPECT_NE(revision(first.out), "\"revision\": 0\n}\n");
+  EXPECT_EQ(revision(second.out), revision(first.out));
   EXPECT_EQ(revision(first.out).substr(0, revision(first.out).find('\n')) + ",",
             revision(state).substr(0, revision(state).find('\n')));
 }
