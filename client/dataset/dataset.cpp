@@ -84,7 +84,7 @@ absl::Status ApplyOptions(const DatasetOptions& options, RecordedSequence* seque
   if (!depth.ok()) return depth.status();
   const auto [fx, fy, cx, cy] = *options.intrinsics;
   sequence->camera = {depth->size.width_px, depth->size.height_px, fx, fy, cx, cy};
-  const absl::Status status = ValidateCamera(sequence->camera);
+  absl::Status status = ValidateCamera(sequence->camera);
   if (status.ok()) return status;
   return absl::InvalidArgumentError(absl::StrCat("expected the intrinsics of a camera of ",
                                                  depth->size.width_px,
