@@ -94,7 +94,9 @@ class UploadStream final : public UploadObserver,
   // Set once, by the reading side and under the lock, before any batch is taken in.
   std::shared_ptr<MapRuntime> map_;
   SessionName session_;
-  bool wants_labels_ = false;  ///< Its map keeps objects, and no frame without labels has come yet.
+
+  /// Of the reading side: the map keeps objects, and no frame without labels has come yet.
+  bool wants_labels_ = false;
 
   mutable absl::Mutex mutex_;
   bool driving_ ABSL_GUARDED_BY(mutex_) = false;

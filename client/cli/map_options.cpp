@@ -116,6 +116,7 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
 absl::Status CheckPresentMap(const MapOptions& options,
                              const MapConfig& wanted,
                              const v1::Map& present) {
+  if (options == MapOptions()) return absl::OkStatus();
   const absl::StatusOr<MapConfig> found = FromProto(present.config());
   if (!found.ok()) return found.status();
   if (options.policy && found->policy != wanted.policy) {

@@ -24,6 +24,8 @@ struct MapOptions {
   std::optional<double> truncation_m;  ///< Metres; else 0.15, or three voxels if that fits better.
   std::optional<double> max_depth_m;   ///< Metres.
   std::optional<std::string> classes_file;  ///< As `LoadClassTable` reads it.
+
+  friend bool operator==(const MapOptions&, const MapOptions&) = default;
 };
 
 /// Adds options that change a MapOptions, which must outlive the command.

@@ -44,7 +44,8 @@ absl::StatusOr<UpdatePolicy> PolicyOfPresentMap(const v1::Map& map,
                                                 const MapConfig& wanted,
                                                 const MapOptions& options) {
   if (absl::Status status = CheckPresentMap(options, wanted, map); !status.ok()) return status;
-  return FromProto(map.config().policy());
+  // A newer server may have more policies. Nothing is known of what they make of frames.
+  return FromProto(map.config().policy()).value_or(UpdatePolicy::kStatic);
 }
 
 // Makes sure that the map is there, as the options want it; its policy. How a map is built cannot
