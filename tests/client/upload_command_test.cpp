@@ -112,6 +112,14 @@ TEST_F(UploadCommandTest, OptionsThatAMapContradictsAreAnErrorAndThoseThatItHasA
   EXPECT_EQ(Run(with({"--policy", "pocd", "--voxel-size", "0.1"})).exit_code, 0);
 }
 
+TEST_F(UploadCommandTest, AMapWhosePolicyOnlyItsServerKnowsTakesFrames) {
+  v1::Map& map = maps_.maps["tenants/default/maps/k"];
+  map.set_name("tenants/default/maps/k");
+  map.mutable_config()->set_policy(static_cast<v1::UpdatePolicy>(99));
+  const Outcome outcome = Run({"simulate", "k", "--route", "twin", "--stride", "40"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
 TEST_F(UploadCommandTest, AMapOfObjectsThatGetsNoLabelsIsWarnedAboutOnce) {
   const std::string recording = PathOf("recording");
   ASSERT_EQ(Run({"simulate", "--write", recording, "--route", "twin", "--stride", "40"}).exit_code,
