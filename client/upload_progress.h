@@ -17,7 +17,9 @@ struct UploadProgress {
   std::uint64_t sent_again = 0;  ///< Sendings beyond the first, after reconnections.
   std::uint64_t reconnections = 0;
   std::uint64_t bytes_sent = 0;  ///< Of serialized batches.
-  std::uint64_t revision = 0;    ///< Newest revision that an acknowledgement named.
+  /// Newest revision that an acknowledgement named; where frames were integrated by an earlier
+  /// stream, whose acknowledgements did not come, that of the map when this was found out.
+  std::uint64_t revision = 0;
 
   friend bool operator==(const UploadProgress&, const UploadProgress&) = default;
 };

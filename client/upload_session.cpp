@@ -128,7 +128,8 @@ bool FrameUploader::Session::WaitBeforeRetry(const absl::Status& status,
 absl::Status FrameUploader::Session::RunStream() {
   grpc::ClientContext context;
   if (!BeginStream(&context)) return absl::CancelledError("the upload was given up");
-  const auto stub = v1::IngestService::NewStub(open_channel_());
+  const std::shared_ptr<grpc::ChannelInterface> channel = open_channel_();
+  const auto stub = v1::IngestService::NewStub(channel);
   const std::unique_ptr<Stream> stream = stub->UploadFrames(&context);
   stream->Write(OpenMessage());
   std::thread reader([this, &stream] { ReadResponses(stream.get()); });
@@ -142,7 +143,7 @@ absl::Status FrameUploader::Session::RunStream() {
     if (cancelled_) return absl::CancelledError("the upload was given up");
     if (!stream_.error.ok()) return stream_.error;
   }
-  return status.ok() ? ConfirmIntegration(stub.get()) : status;
+  return status.ok() ? ConfirmIntegration(channel) : status;
 }
 
 bool FrameUploader::Session::BeginStream(grpc::ClientContext* context) {
@@ -233,7 +234,8 @@ absl::Status FrameUploader::Session::Take(const v1::UploadFramesResponse& respon
 
 // After the stream ended with OK. The acknowledgement of frames that an earlier, broken stream
 // brought may have been lost with it, so the server is asked where the session stands.
-absl::Status FrameUploader::Session::ConfirmIntegration(v1::IngestService::StubInterface* stub) {
+absl::Status FrameUploader::Session::ConfirmIntegration(
+    const std::shared_ptr<grpc::ChannelInterface>& channel) {
   {
     const absl::MutexLock lock(&mutex_);
     if (finishing_ && queue_.all_integrated()) return absl::OkStatus();
@@ -249,15 +251,30 @@ absl::Status FrameUploader::Session::ConfirmIntegration(v1::IngestService::StubI
   request.set_sensor(options_.sensor);
   request.set_session(options_.session);
   v1::UploadState state;
-  const grpc::Status status = stub->GetUploadState(&context, request, &state);
+  const grpc::Status status =
+      v1::IngestService::NewStub(channel)->GetUploadState(&context, request, &state);
   if (!status.ok()) return FromGrpcStatus(status);
   v1::UploadAck ack;
   ack.set_level(v1::ACK_LEVEL_INTEGRATED);
   ack.set_client_seq(state.integrated_client_seq());
+  ack.set_revision(AskForRevision(channel));
   const absl::MutexLock lock(&mutex_);
   absl::Status taken = queue_.Acknowledge(ack);
   if (!taken.ok() || queue_.all_integrated()) return taken;
   return absl::UnavailableError("the server ended the upload before everything was integrated");
+}
+
+// The map's revision, after its integration was confirmed; 0 where this client may not ask.
+std::uint64_t FrameUploader::Session::AskForRevision(
+    const std::shared_ptr<grpc::ChannelInterface>& channel) const {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kConfirmationTimeout);
+  v1::GetMapRequest request;
+  request.set_name(map_);
+  request.mutable_read_mask()->add_paths("state.revision");
+  v1::Map map;
+  const grpc::Status status = v1::MapService::NewStub(channel)->GetMap(&context, request, &map);
+  return status.ok() ? map.state().revision() : 0;
 }
 
 void FrameUploader::Session::FailStream(const absl::Status& error) {

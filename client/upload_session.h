@@ -17,6 +17,7 @@
 #include "core/identifiers.h"
 
 #include "steadymap/v1/ingest_service.grpc.pb.h"
+#include "steadymap/v1/map_service.grpc.pb.h"
 
 namespace steadymap {
 
@@ -61,8 +62,9 @@ class FrameUploader::Session {
   void WriteBatches(Stream* stream) ABSL_LOCKS_EXCLUDED(mutex_);
   void ReadResponses(Stream* stream) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status Take(const v1::UploadFramesResponse& response) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::Status ConfirmIntegration(v1::IngestService::StubInterface* stub)
+  absl::Status ConfirmIntegration(const std::shared_ptr<grpc::ChannelInterface>& channel)
       ABSL_LOCKS_EXCLUDED(mutex_);
+  std::uint64_t AskForRevision(const std::shared_ptr<grpc::ChannelInterface>& channel) const;
 
   v1::UploadFramesRequest OpenMessage() const ABSL_LOCKS_EXCLUDED(mutex_);
   void FailStream(const absl::Status& error) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

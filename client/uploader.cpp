@@ -22,17 +22,17 @@ UploadProgress FrameUploader::progress() const { return session_->progress(); }
 
 const std::string& FrameUploader::session() const { return session_->name(); }
 
-absl::StatusOr<UploadSummary> UploadAll(
-    FrameSource* source,
-    FrameUploader* uploader,
-    const std::function<void(const UnreadableFrame&)>& on_unreadable) {
+absl::StatusOr<UploadSummary> UploadAll(FrameSource* source,
+                                        FrameUploader* uploader,
+                                        const UploadAllCallbacks& callbacks) {
   for (std::size_t index = 0;; ++index) {
     absl::StatusOr<std::optional<v1::Frame>> frame = source->Next();
     if (!frame.ok()) {
-      if (on_unreadable) on_unreadable({index, frame.status()});
+      if (callbacks.on_unreadable) callbacks.on_unreadable({index, frame.status()});
       continue;
     }
     if (!frame->has_value()) break;
+    if (callbacks.on_frame) callbacks.on_frame(**frame);
     const absl::Status pushed = uploader->Push(std::move(**frame));
     if (!pushed.ok()) return pushed;
   }

@@ -116,11 +116,15 @@ struct UnreadableFrame {
   absl::Status status;
 };
 
-/// Pushes all frames of `source` and finishes. Frames that the source cannot read are left out and
-/// given to `on_unreadable`, from the calling thread.
-absl::StatusOr<UploadSummary> UploadAll(
-    FrameSource* source,
-    FrameUploader* uploader,
-    const std::function<void(const UnreadableFrame&)>& on_unreadable = {});
+/// What `UploadAll` reports on its way, from the calling thread. Each may be empty.
+struct UploadAllCallbacks {
+  std::function<void(const UnreadableFrame&)> on_unreadable{};
+  std::function<void(const v1::Frame&)> on_frame{};  ///< Before the frame is pushed.
+};
+
+/// Pushes all frames of `source` and finishes. Frames that the source cannot read are left out.
+absl::StatusOr<UploadSummary> UploadAll(FrameSource* source,
+                                        FrameUploader* uploader,
+                                        const UploadAllCallbacks& callbacks = {});
 
 }  // namespace steadymap

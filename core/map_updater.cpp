@@ -45,4 +45,8 @@ std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const Mapper
   return nullptr;
 }
 
+bool KeepsObjects(UpdatePolicy policy) {
+  return policy != UpdatePolicy::kStatic && policy != UpdatePolicy::kVoxelChange;
+}
+
 }  // namespace steadymap

@@ -25,4 +25,8 @@ class MapUpdater {
 /// The updater of the configuration's policy. The configuration must be valid.
 std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const MapperOptions& options);
 
+/// Whether maps of this policy consist of objects, which are found by the labels and instances of
+/// frames: a frame that has neither shows them none.
+bool KeepsObjects(UpdatePolicy policy);
+
 }  // namespace steadymap

@@ -10,6 +10,7 @@ set -euo pipefail
 
 usage="usage: demo.sh [--route ROUTE | --dataset FORMAT PATH...]"
 source=(simulate --route 1-5)
+policy=pocd
 case "${1:-}" in
   "") ;;
   --route)
@@ -19,6 +20,8 @@ case "${1:-}" in
   --dataset)
     (($# >= 3)) || { echo "demo.sh: $usage" >&2; exit 2; }
     source=(upload --format "$2")
+    # Recordings without labels show no objects.
+    [[ "$2" != seven-scenes && "$2" != tum ]] || policy=static
     for path in "${@:3}"; do
       [[ -d "$path" ]] || { echo "demo.sh: $path: expected a folder, found none" >&2; exit 2; }
       source+=("$(realpath "$path")")
@@ -64,7 +67,7 @@ cmake --preset release >"$log" 2>&1
 log=""
 
 begin "building into build/release"
-cmake --build --preset release --target steadymap steadymapd
+cmake --build --preset release --target steadymap steadymapd steadymap_python
 
 begin "starting a daemon with a store in $work/data"
 log=$work/steadymapd.log
@@ -85,7 +88,7 @@ echo "steadymapd listens on $server"
 steadymap() { build/release/client/cli/steadymap --server "$server" "$@"; }
 
 begin "uploading: ${source[*]}"
-steadymap map create demo --policy pocd
+steadymap map create demo --policy "$policy"
 steadymap "${source[0]}" demo "${source[@]:1}"
 
 begin "what the map holds"

@@ -9,12 +9,17 @@
 
 #include "core/error.h"
 
-#include "google/rpc/error_details.pb.h"
-
 namespace steadymap {
 namespace {
 
 constexpr char kDomain[] = "steadymap";
+constexpr std::string_view kTypeUrlPrefix = "type.googleapis.com/";
+
+// What the details are called on the wire; their messages have names of our own (status.proto).
+constexpr std::string_view kErrorInfo = "google.rpc.ErrorInfo";
+constexpr std::string_view kBadRequest = "google.rpc.BadRequest";
+constexpr std::string_view kRetryInfo = "google.rpc.RetryInfo";
+
 constexpr int kMaxCode = static_cast<int>(absl::StatusCode::kUnauthenticated);
 
 /// How long to wait before the next try.
@@ -46,12 +51,30 @@ std::string TrailerText(const absl::Status& status) {
   return text;
 }
 
-void AddRetryInfo(std::string_view reason, google::rpc::Status* message) {
+void AddDetail(std::string_view name,
+               const google::protobuf::Message& detail,
+               v1::Status* message) {
+  google::protobuf::Any* any = message->add_details();
+  any->set_type_url(std::string(kTypeUrlPrefix) + std::string(name));
+  any->set_value(detail.SerializeAsString());
+}
+
+/// Whether `any` is a detail of that name and can be read. Any text may stand before the last
+/// slash.
+bool ReadDetail(const google::protobuf::Any& any,
+                std::string_view name,
+                google::protobuf::Message* detail) {
+  const std::string_view url = any.type_url();
+  const std::size_t slash = url.rfind('/');
+  return slash != url.npos && url.substr(slash + 1) == name && detail->ParseFromString(any.value());
+}
+
+void AddRetryInfo(std::string_view reason, v1::Status* message) {
   for (const RetryDelay& delay : kRetryDelays) {
     if (delay.reason != reason) continue;
-    google::rpc::RetryInfo info;
+    v1::RetryInfo info;
     info.mutable_retry_delay()->set_seconds(delay.seconds);
-    message->add_details()->PackFrom(info);
+    AddDetail(kRetryInfo, info, message);
   }
 }
 
@@ -64,28 +87,28 @@ std::int64_t ReadDelayMs(const google::protobuf::Duration& delay) {
 
 }  // namespace
 
-google::rpc::Status ToProto(const absl::Status& status) {
-  google::rpc::Status message;
+v1::Status ToProto(const absl::Status& status) {
+  v1::Status message;
   message.set_code(static_cast<int>(status.code()));
   message.set_message(TrailerText(status));
   const std::string reason = ReasonOf(status);
   if (reason.empty()) return message;
-  google::rpc::ErrorInfo info;
+  v1::ErrorInfo info;
   info.set_reason(reason);
   info.set_domain(kDomain);
-  message.add_details()->PackFrom(info);
+  AddDetail(kErrorInfo, info, &message);
   if (const std::string field = FieldOf(status); !field.empty()) {
-    google::rpc::BadRequest bad_request;
-    google::rpc::BadRequest::FieldViolation* violation = bad_request.add_field_violations();
+    v1::BadRequest bad_request;
+    v1::BadRequest::FieldViolation* violation = bad_request.add_field_violations();
     violation->set_field(field);
     violation->set_description(message.message());
-    message.add_details()->PackFrom(bad_request);
+    AddDetail(kBadRequest, bad_request, &message);
   }
   AddRetryInfo(reason, &message);
   return message;
 }
 
-absl::Status FromProto(const google::rpc::Status& message) {
+absl::Status FromProto(const v1::Status& message) {
   if (message.code() == 0) return absl::OkStatus();
   const bool known = message.code() > 0 && message.code() <= kMaxCode;
   const absl::StatusCode code =
@@ -94,14 +117,15 @@ absl::Status FromProto(const google::rpc::Status& message) {
   std::string field;
   std::int64_t retry_delay_ms = 0;
   for (const google::protobuf::Any& detail : message.details()) {
-    google::rpc::ErrorInfo info;
-    google::rpc::BadRequest bad_request;
-    google::rpc::RetryInfo retry;
-    if (detail.UnpackTo(&info)) {
+    v1::ErrorInfo info;
+    v1::BadRequest bad_request;
+    v1::RetryInfo retry;
+    if (ReadDetail(detail, kErrorInfo, &info)) {
       if (info.domain() == kDomain) reason = info.reason();
-    } else if (detail.UnpackTo(&bad_request) && bad_request.field_violations_size() > 0) {
+    } else if (ReadDetail(detail, kBadRequest, &bad_request) &&
+               bad_request.field_violations_size() > 0) {
       field = bad_request.field_violations(0).field();
-    } else if (detail.UnpackTo(&retry)) {
+    } else if (ReadDetail(detail, kRetryInfo, &retry)) {
       retry_delay_ms = ReadDelayMs(retry.retry_delay());
     }
   }

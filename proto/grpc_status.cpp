@@ -19,7 +19,7 @@ bool IsMessageTooLarge(const grpc::Status& status) {
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
-  const google::rpc::Status details = ToProto(status);
+  const v1::Status details = ToProto(status);
   return {static_cast<grpc::StatusCode>(details.code()),
           details.message(),
           details.details().empty() ? std::string() : details.SerializeAsString()};
@@ -30,7 +30,7 @@ absl::Status FromGrpcStatus(const grpc::Status& status) {
     return MakeError(
         absl::StatusCode::kResourceExhausted, reason::kMessageTooLarge, status.error_message());
   }
-  google::rpc::Status details;
+  v1::Status details;
   // Other servers and proxies put what they like into the trailer: it counts only where it says
   // the same as the status.
   if (status.error_details().empty() || !details.ParseFromString(status.error_details()) ||

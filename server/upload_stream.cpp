@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "core/map_updater.h"
 #include "proto/grpc_status.h"
 #include "server/request_reader.h"
 #include "server/upload_request.h"
@@ -327,6 +328,7 @@ absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
     map_ = target->map;
     session_ = target->session;
   }
+  wants_labels_ = KeepsObjects(map_->record().config.policy);
   absl::Status status = surroundings_.roster->Enter(map_->key(), session_, shared_from_this());
   if (!status.ok()) {
     const absl::MutexLock lock(&mutex_);
@@ -378,8 +380,25 @@ void UploadStream::OnMapOpened(ClientSequence known_durable) {
   Drive();
 }
 
+/// Says once what a map of objects makes of frames that show it none.
+void UploadStream::NoteMissingLabels(const v1::FrameBatch& batch) {
+  if (!wants_labels_) return;
+  const auto frame = std::find_if(batch.frames().begin(), batch.frames().end(), [](const auto& f) {
+    return !f.has_labels() && !f.has_instances();
+  });
+  if (frame == batch.frames().end()) return;
+  wants_labels_ = false;
+  spdlog::warn(
+      "map {} sensor {} session {}: frames have neither labels nor instances; the map keeps "
+      "objects and sees none in them",
+      map_->name().ToString(),
+      session_.sensor.ToString(),
+      session_.session);
+}
+
 absl::Status UploadStream::HandleBatch(ReadBatch batch) {
   if (absl::Status status = CheckNumbering(batch.frames); !status.ok()) return status;
+  NoteMissingLabels(batch.frames);
   const auto frames = static_cast<std::uint64_t>(batch.frames.frames_size());
   const std::uint64_t bytes = batch.frames.ByteSizeLong();
   const absl::MutexLock lock(&mutex_);

@@ -88,6 +88,7 @@ class UploadStream final : public UploadObserver,
   absl::Status HandleMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleOpen(const v1::UploadOpen& open) ABSL_LOCKS_EXCLUDED(mutex_);
   void OnMapOpened(ClientSequence known_durable) ABSL_LOCKS_EXCLUDED(mutex_);
+  void NoteMissingLabels(const v1::FrameBatch& batch);
   absl::Status HandleBatch(ReadBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Surroundings surroundings_;
@@ -99,6 +100,9 @@ class UploadStream final : public UploadObserver,
   // Set once, by the reading side and under the lock, before any batch is taken in.
   std::shared_ptr<MapRuntime> map_;
   SessionName session_;
+
+  /// Of the reading side: the map keeps objects, and no frame without labels has come yet.
+  bool wants_labels_ = false;
 
   mutable absl::Mutex mutex_;
   bool driving_ ABSL_GUARDED_BY(mutex_) = false;

@@ -58,4 +58,10 @@ absl::StatusOr<Box> ParseBox(std::string_view text) {
   return box;
 }
 
+absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text) {
+  const std::optional<std::vector<double>> numbers = ParseNumbers(text, 4);
+  if (!numbers) return Expected("a camera fx,fy,cx,cy in pixels", text);
+  return std::array{(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
+}
+
 }  // namespace steadymap

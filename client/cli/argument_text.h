@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -21,5 +22,8 @@ absl::StatusOr<Eigen::Vector3d> ParsePoint(std::string_view text);
 
 /// A box `x0,y0,z0,x1,y1,z1` from its lowest to its highest corner, world frame, metres, finite.
 absl::StatusOr<Box> ParseBox(std::string_view text);
+
+/// A camera `fx,fy,cx,cy`, pixels, finite.
+absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text);
 
 }  // namespace steadymap

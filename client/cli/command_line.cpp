@@ -35,6 +35,7 @@ constexpr char kCommandLineFooter[] =
     "Results go to standard output, everything else to standard error; the exit code is 0 only on\n"
     "success.\n\n"
     "  steadymapd --data-dir /var/lib/steadymap &\n"
+    "  steadymap map create kitchen --policy static --voxel-size 0.02\n"
     "  steadymap upload kitchen --format seven-scenes ~/data/7scenes-kitchen\n"
     "  steadymap export kitchen --format ply --output kitchen.ply";
 

@@ -50,8 +50,6 @@ std::string EvaluateFooter() {
 }
 
 absl::Status WritePicture(const std::filesystem::path& path, const Image<Rgb>& picture) {
-  std::error_code error;
-  std::filesystem::create_directories(path.parent_path(), error);
   absl::StatusOr<OutputFile> file = OutputFile::Create(path);
   if (!file.ok()) return file.status();
   const absl::Status status = file->Write(EncodeColorPng(picture));
@@ -133,6 +131,9 @@ void EvaluateCommand::AddSources(CLI::App* command) {
 absl::Status EvaluateCommand::Run() const {
   if (routes_.empty() && sequences_.empty()) {
     return absl::InvalidArgumentError("expected a --route, or a --format and its --sequence");
+  }
+  if (!pictures_folder_.empty()) {
+    if (absl::Status status = MakeFolder(pictures_folder_); !status.ok()) return status;
   }
   const absl::StatusOr<std::vector<Evaluation>> evaluations = EvaluateAll();
   if (!evaluations.ok()) return evaluations.status();

@@ -38,7 +38,7 @@ ExportCommand::ExportCommand(CLI::App* app, CommandContext* context) : context_(
   CLI::App* const command = app->add_subcommand("export", "Write a map to a file");
   command->footer(kExportFooter);
   command->add_option("NAME", map_, "The map")->required();
-  command->add_option("--format", format_, "Format of the file")
+  command->add_option("--format", format_, "Format of the file, and its ending")
       ->required()
       ->check(CLI::IsMember({"ply", "vdb", "glb"}));
   command->add_option("--output", output_, "The file")->required()->type_name("FILE");
@@ -53,6 +53,7 @@ ExportCommand::ExportCommand(CLI::App* app, CommandContext* context) : context_(
 absl::Status ExportCommand::Run() const {
   const absl::StatusOr<MapName> name = ParseMapArgument(map_);
   if (!name.ok()) return name.status();
+  if (absl::Status status = CheckEnding(output_, "." + format_); !status.ok()) return status;
   VolumeSelection selection;
   if (!box_.empty()) {
     const absl::StatusOr<Box> parsed = ParseBox(box_);

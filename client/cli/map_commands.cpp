@@ -5,29 +5,14 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/argument_text.h"
-#include "client/cli/class_table_file.h"
-#include "client/cli/enumerator_text.h"
 #include "client/cli/map_text.h"
 #include "client/map_client.h"
-#include "core/error.h"
 #include "proto/convert_map.h"
 
 namespace steadymap {
 namespace {
 
 constexpr char kNameHelp[] = "Id of the map in the tenant `default`, or tenants/T/maps/M";
-
-// Truncations that the server takes, in voxels, and the one it takes when it has the choice.
-constexpr double kMinTruncationVoxels = 2.0;
-constexpr double kMaxTruncationVoxels = 16.0;
-constexpr double kUsualTruncationVoxels = 3.0;
-
-// The default truncation where the voxel size allows it.
-double DefaultTruncation(const MapConfig& config) {
-  const double voxels = config.truncation_m / config.voxel_size_m;
-  if (voxels >= kMinTruncationVoxels && voxels <= kMaxTruncationVoxels) return config.truncation_m;
-  return kUsualTruncationVoxels * config.voxel_size_m;
-}
 
 }  // namespace
 
@@ -42,35 +27,9 @@ MapCommands::MapCommands(CLI::App* app, CommandContext* context) : context_(cont
 
 void MapCommands::AddCreate(CLI::App* map) {
   CLI::App* const command = map->add_subcommand("create", "Create an empty map");
-  command->footer(
-      "How a map is built is fixed here, so that its frames always lead to the same map.\n"
-      "The truncation's default is 0.15 m, or three voxels where 0.15 m is not 2 to 16 of them.\n"
-      "--classes names a text file with a line `ID NAME [static|semi-static|dynamic|background]` a "
-      "class;\n"
-      "pixels of dynamic classes are never mapped. Without it the map has the TorWIC classes.");
+  command->footer(std::string(kMapOptionsHelp) + "\nThe policy is static unless one is named.");
   command->add_option("NAME", name_, kNameHelp)->required();
-  command->add_option("--voxel-size", config_.voxel_size_m, "Edge of a voxel, metres, 0.001 to 1")
-      ->capture_default_str();
-  command
-      ->add_option_function<double>(
-          "--truncation",
-          [this](const double& truncation_m) {
-            config_.truncation_m = truncation_m;
-            truncation_given_ = true;
-          },
-          "Distances are kept within this of a surface, metres, 2 to 16 voxels")
-      ->default_str("0.15");
-  command
-      ->add_option("--policy",
-                   policy_,
-                   "How the map decides what to believe: " + WordsOf(v1::UpdatePolicy_descriptor()))
-      ->capture_default_str();
-  command->add_option("--classes", classes_file_, "File with the map's class table")
-      ->type_name("FILE");
-  command
-      ->add_option(
-          "--max-depth", config_.max_depth_m, "Depth beyond this is not used, metres, 0.1 to 100")
-      ->capture_default_str();
+  AddMapOptions(command, &map_options_);
   command
       ->add_option("--max-commit-delay",
                    max_commit_delay_ms_,
@@ -103,34 +62,10 @@ void MapCommands::AddDelete(CLI::App* map) {
   command->callback([this] { context_->action = [this] { return Delete(); }; });
 }
 
-absl::StatusOr<MapConfig> MapCommands::ConfigFromOptions() const {
-  MapConfig config = config_;
-  const int policy = NumberOf(v1::UpdatePolicy_descriptor(), policy_);
-  if (policy == 0) {
-    return InvalidField(reason::kBadValue,
-                        "policy",
-                        "the policy must be one of " + WordsOf(v1::UpdatePolicy_descriptor()) +
-                            ", got \"" + policy_ + "\"");
-  }
-  const absl::StatusOr<UpdatePolicy> known = FromProto(static_cast<v1::UpdatePolicy>(policy));
-  if (!known.ok()) return known.status();
-  config.policy = *known;
-  if (!truncation_given_) config.truncation_m = DefaultTruncation(config);
-  if (!classes_file_.empty()) {
-    absl::StatusOr<std::vector<SemanticClass>> classes = LoadClassTable(classes_file_);
-    if (!classes.ok()) return classes.status();
-    config.classes = *std::move(classes);
-  }
-  // Here rather than on the server, which takes zeros for "the default".
-  const absl::Status status = ValidateMapConfig(config);
-  if (!status.ok()) return status;
-  return config;
-}
-
 absl::Status MapCommands::Create() const {
   const absl::StatusOr<MapName> name = ParseMapArgument(name_);
   if (!name.ok()) return name.status();
-  const absl::StatusOr<MapConfig> config = ConfigFromOptions();
+  const absl::StatusOr<MapConfig> config = ConfigOf(map_options_);
   if (!config.ok()) return config.status();
   const absl::StatusOr<v1::Map> map =
       MapClient(context_->Channel())

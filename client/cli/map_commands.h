@@ -1,11 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <absl/status/status.h>
 
 #include "client/cli/command_context.h"
-#include "core/map_config.h"
+#include "client/cli/map_options.h"
 
 namespace steadymap {
 
@@ -24,17 +25,13 @@ class MapCommands {
   absl::Status Get() const;
   absl::Status List() const;
   absl::Status Delete() const;
-  absl::StatusOr<MapConfig> ConfigFromOptions() const;
 
   CommandContext* context_;
   std::string name_;
   std::string tenant_ = "default";
   bool as_json_ = false;
-  MapConfig config_;
-  bool truncation_given_ = false;
-  std::string policy_ = "static";
+  MapOptions map_options_;
   std::int64_t max_commit_delay_ms_ = 0;  ///< 0: the server's.
-  std::string classes_file_;
 };
 
 }  // namespace steadymap

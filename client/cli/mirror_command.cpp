@@ -139,12 +139,7 @@ MirrorCommand::MirrorCommand(CLI::App* app, CommandContext* context) : context_(
 absl::Status MirrorCommand::Run() const {
   const absl::StatusOr<MapName> name = ParseMapArgument(map_);
   if (!name.ok()) return name.status();
-  std::error_code error;
-  std::filesystem::create_directories(output_, error);
-  if (error) {
-    return absl::FailedPreconditionError("cannot make the folder " + output_ + ": " +
-                                         error.message());
-  }
+  if (absl::Status status = MakeFolder(output_); !status.ok()) return status;
   const absl::StatusOr<v1::Map> map = LookUpMap(*name, RetryTime(retry_for_s_), context_);
   if (!map.ok()) return map.status();
   absl::StatusOr<MapFilter> filter = ReadWatchFilter(filter_, ClassNames(map->config()));

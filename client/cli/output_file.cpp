@@ -4,9 +4,12 @@
 #include <system_error>
 #include <utility>
 
+#include <absl/strings/ascii.h>
 #include <absl/strings/str_cat.h>
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "core/absl_text.h"
 
 namespace steadymap {
 namespace {
@@ -77,6 +80,20 @@ absl::Status OutputFile::Commit() {
   if (error) return CannotWrite(path_, error);
   temporary_path_.clear();
   return absl::OkStatus();
+}
+
+absl::Status CheckEnding(const std::filesystem::path& path, std::string_view ending) {
+  if (absl::AsciiStrToLower(path.extension().string()) == ending) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("expected a file that ends in ", Absl(ending), ", got ", path.string()));
+}
+
+absl::Status MakeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("cannot make the folder ", folder.string(), ": ", error.message()));
 }
 
 }  // namespace steadymap

@@ -37,4 +37,12 @@ class OutputFile {
   int descriptor_ = -1;                   ///< Below 0: not open.
 };
 
+/// OK if `path` ends as files of a format do, such as `.png`, in letters of either case.
+/// Errors: `InvalidArgument` naming the path and the ending.
+absl::Status CheckEnding(const std::filesystem::path& path, std::string_view ending);
+
+/// Makes the folder and those around it where they do not exist.
+/// Errors: `FailedPrecondition` with the folder and the reason.
+absl::Status MakeFolder(const std::filesystem::path& folder);
+
 }  // namespace steadymap

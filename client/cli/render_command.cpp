@@ -103,6 +103,7 @@ RenderCommand::RenderCommand(CLI::App* app, CommandContext* context) : context_(
 absl::Status RenderCommand::Run() const {
   const absl::StatusOr<MapName> name = ParseMapArgument(map_);
   if (!name.ok()) return name.status();
+  if (absl::Status status = CheckEnding(output_, ".png"); !status.ok()) return status;
   absl::StatusOr<OutputFile> file = OutputFile::Create(output_);
   if (!file.ok()) return file.status();
   MapClient client(context_->Channel());

@@ -18,7 +18,10 @@ std::string SimulateFooter() {
       "written\n"
       "to a folder in the TorWIC layout. The same route and seed give the same frames.\n\nRoutes:";
   for (const std::string& route : RouteNames()) footer += " " + route;
-  return footer + " clutter-SEED";
+  return footer +
+         " clutter-SEED\n\nA map that does not exist is created if --policy says how; the options "
+         "from --policy to\n--classes are those of `steadymap map create`, whose --help tells more "
+         "of them.";
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ class UploadCommand {
   std::vector<std::string> paths_;
   std::string label_map_file_;
   std::string T_world_dataset_file_;
+  std::string intrinsics_;  ///< As on the command line.
   DatasetOptions dataset_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -12,9 +14,11 @@
 #include "client/cli/map_lookup.h"
 #include "client/cli/number_text.h"
 #include "client/cli/progress_report.h"
+#include "client/cli/upload_notes.h"
 #include "client/map_client.h"
 #include "client/uploader.h"
 #include "core/error.h"
+#include "proto/convert_map.h"
 
 namespace steadymap {
 namespace {
@@ -27,26 +31,45 @@ absl::Status CheckId(const char* what, const std::string& id) {
                                     id + "\"");
 }
 
-// Makes sure that the map is there: somebody who uploads to a new name wants a map of that name.
-absl::Status EnsureMap(const MapName& name,
-                       const UploadRunOptions& options,
-                       CommandContext* context) {
+absl::Status NoSuchMap(const MapName& name) {
+  return MakeError(absl::StatusCode::kNotFound,
+                   reason::kNotFound,
+                   "there is no map " + name.ToString() +
+                       "; say how to build it with --policy, such as --policy static or --policy "
+                       "pocd, or use: steadymap map create " +
+                       (name.tenant == "default" ? name.map : name.ToString()));
+}
+
+absl::StatusOr<UpdatePolicy> PolicyOfPresentMap(const v1::Map& map,
+                                                const MapConfig& wanted,
+                                                const MapOptions& options) {
+  if (absl::Status status = CheckPresentMap(options, wanted, map); !status.ok()) return status;
+  // A newer server may have more policies. Nothing is known of what they make of frames.
+  return FromProto(map.config().policy()).value_or(UpdatePolicy::kStatic);
+}
+
+// Makes sure that the map is there, as the options want it; its policy. How a map is built cannot
+// be changed later, so that none is created before somebody has chosen its policy.
+absl::StatusOr<UpdatePolicy> EnsureMap(const MapName& name,
+                                       const UploadRunOptions& options,
+                                       CommandContext* context) {
+  const absl::StatusOr<MapConfig> config = ConfigOf(options.new_map);
+  if (!config.ok()) return config.status();
   const absl::StatusOr<v1::Map> present = LookUpMap(name, RetryTime(options.retry_for_s), context);
+  if (present.ok()) return PolicyOfPresentMap(*present, *config, options.new_map);
   if (present.status().code() != absl::StatusCode::kNotFound) return present.status();
-  if (options.no_create) {
-    return MakeError(absl::StatusCode::kNotFound,
-                     reason::kNotFound,
-                     "there is no map " + name.ToString() +
-                         "; create it with: steadymap map create " +
-                         (name.tenant == "default" ? name.map : name.ToString()));
+  if (!options.new_map.policy) return NoSuchMap(name);
+  MapClient client(context->Channel());
+  absl::StatusOr<v1::Map> created = client.CreateMap(name, ToProto(*config));
+  if (created.status().code() == absl::StatusCode::kAlreadyExists) {
+    created = client.GetMap(name);
+    if (created.ok()) return PolicyOfPresentMap(*created, *config, options.new_map);
   }
-  const absl::StatusOr<v1::Map> created = MapClient(context->Channel()).CreateMap(name, {});
-  if (created.status().code() == absl::StatusCode::kAlreadyExists) return absl::OkStatus();
   if (!created.ok()) return created.status();
-  const v1::MapConfig& config = created->config();
-  context->err << "created " << created->name() << " with " << LengthText(config.voxel_size_m())
-               << " voxels and " << LengthText(config.truncation_m()) << " truncation" << std::endl;
-  return absl::OkStatus();
+  context->err << "created " << created->name() << " with the policy " << *options.new_map.policy
+               << ", " << LengthText(config->voxel_size_m) << " voxels and "
+               << LengthText(config->truncation_m) << " truncation" << std::endl;
+  return config->policy;
 }
 
 UploaderOptions OptionsOfUploader(const UploadRunOptions& options, ProgressReport* report) {
@@ -153,7 +176,6 @@ void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
                    "Id of the upload session, by which the same command goes on where a killed one "
                    "stopped")
       ->type_name("ID");
-  command->add_flag("--no-create", options->no_create, "Do not create a map that does not exist");
   command
       ->add_option("--retry-for",
                    options->retry_for_s,
@@ -161,6 +183,7 @@ void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_flag("--json", options->as_json, "Print the summary as JSON");
+  AddMapOptions(command, &options->new_map);
 }
 
 absl::Status RunUpload(const UploadRunOptions& options,
@@ -171,18 +194,24 @@ absl::Status RunUpload(const UploadRunOptions& options,
   absl::Status status = CheckId("robot", options.source.robot);
   if (status.ok()) status = CheckId("sensor", options.source.sensor);
   if (status.ok() && !options.session.empty()) status = CheckId("session", options.session);
-  if (status.ok()) status = EnsureMap(*name, options, context);
   if (!status.ok()) return status;
+  const absl::StatusOr<UpdatePolicy> policy = EnsureMap(*name, options, context);
+  if (!policy.ok()) return policy.status();
 
   const double start_s = SteadySeconds();
   ProgressReport report(
       &context->err, context->err_is_terminal, "integrated", source->frame_count(), SteadySeconds);
   UploadOutcome outcome;
   FrameUploader uploader(context->Channels(), *name, OptionsOfUploader(options, &report));
-  absl::StatusOr<UploadSummary> summary =
-      UploadAll(source, &uploader, [&](const UnreadableFrame& frame) {
-        outcome.unreadable.push_back(frame);
-      });
+  UploadNotes notes(*policy);
+  UploadAllCallbacks callbacks;
+  callbacks.on_unreadable = [&outcome](const UnreadableFrame& frame) {
+    outcome.unreadable.push_back(frame);
+  };
+  callbacks.on_frame = [&notes, &report](const v1::Frame& frame) {
+    if (const std::optional<std::string> note = notes.Look(frame)) report.Note(*note);
+  };
+  absl::StatusOr<UploadSummary> summary = UploadAll(source, &uploader, callbacks);
   report.End();
   if (!summary.ok()) return summary.status();
   outcome.map = name->ToString();

@@ -146,7 +146,8 @@ DatasetFormat CoFusionFormat() {
   return {"co-fusion",
           "calibration.txt and a folder depth_original or depth_noise",
           IsCoFusionSequence,
-          IndexCoFusionSequence};
+          IndexCoFusionSequence,
+          /*has_depth_unit=*/false};
 }
 
 }  // namespace steadymap

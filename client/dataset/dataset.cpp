@@ -9,9 +9,11 @@
 #include <absl/strings/str_join.h>
 
 #include "client/dataset/folder_listing.h"
+#include "client/dataset/image_file.h"
 #include "client/dataset/recorded_frame_source.h"
 #include "client/dataset/recorded_sequence.h"
 #include "client/dataset/text_file.h"
+#include "core/absl_text.h"
 
 namespace steadymap {
 namespace {
@@ -52,8 +54,49 @@ absl::StatusOr<std::vector<fs::path>> FindSequences(const DatasetFormat& format,
                              ", or a folder of such sequences");
 }
 
+// Written so that NaN fails.
+bool IsMetresPerUnit(double metres) { return metres >= 1e-6 && metres <= 0.1; }
+
+// OK if the options suit the format, whatever the recording.
+absl::Status CheckOptions(const DatasetFormat& format, const DatasetOptions& options) {
+  if (options.stride < 1) return absl::InvalidArgumentError("stride must be at least 1, got 0");
+  if (!format.has_depth_unit && (options.metres_per_unit || options.intrinsics)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("recordings in the format ",
+                     Absl(format.name),
+                     " hold depth in metres and say their camera: they take neither a depth scale "
+                     "nor intrinsics"));
+  }
+  if (options.metres_per_unit && !IsMetresPerUnit(*options.metres_per_unit)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the depth scale must be metres a unit in [1e-6, 0.1], such as 0.001 for "
+                     "millimetres, got ",
+                     *options.metres_per_unit));
+  }
+  return absl::OkStatus();
+}
+
+// Puts what the options say in place of what the recording says.
+absl::Status ApplyOptions(const DatasetOptions& options, RecordedSequence* sequence) {
+  if (options.metres_per_unit) sequence->metres_per_unit = *options.metres_per_unit;
+  if (!options.intrinsics) return absl::OkStatus();
+  const absl::StatusOr<ImageFile> depth = ReadImageFile(sequence->frames.front().depth);
+  if (!depth.ok()) return depth.status();
+  const auto [fx, fy, cx, cy] = *options.intrinsics;
+  sequence->camera = {depth->size.width_px, depth->size.height_px, fx, fy, cx, cy};
+  absl::Status status = ValidateCamera(sequence->camera);
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat("expected the intrinsics of a camera of ",
+                                                 depth->size.width_px,
+                                                 " x ",
+                                                 depth->size.height_px,
+                                                 " pixels: ",
+                                                 status.message()));
+}
+
 absl::StatusOr<std::vector<RecordedSequence>> IndexSequences(const DatasetFormat& format,
-                                                             const std::vector<fs::path>& paths) {
+                                                             const std::vector<fs::path>& paths,
+                                                             const DatasetOptions& options) {
   std::vector<RecordedSequence> sequences;
   for (const fs::path& path : paths) {
     const absl::StatusOr<std::vector<fs::path>> folders = FindSequences(format, path);
@@ -65,6 +108,8 @@ absl::StatusOr<std::vector<RecordedSequence>> IndexSequences(const DatasetFormat
         return absl::InvalidArgumentError(
             absl::StrCat(folder.string(), ": expected frames with a pose, found none"));
       }
+      absl::Status status = ApplyOptions(options, &*sequence);
+      if (!status.ok()) return status;
       sequences.push_back(*std::move(sequence));
     }
   }
@@ -72,7 +117,6 @@ absl::StatusOr<std::vector<RecordedSequence>> IndexSequences(const DatasetFormat
 }
 
 absl::StatusOr<PlaybackOptions> LoadPlaybackOptions(const DatasetOptions& options) {
-  if (options.stride < 1) return absl::InvalidArgumentError("stride must be at least 1, got 0");
   PlaybackOptions playback;
   playback.stride = options.stride;
   playback.include_color = options.include_color;
@@ -101,6 +145,11 @@ std::vector<std::string> DatasetFormats() {
   return names;
 }
 
+bool HasDepthUnit(std::string_view format) {
+  const absl::StatusOr<DatasetFormat> found = FindFormat(format);
+  return found.ok() && found->has_depth_unit;
+}
+
 absl::StatusOr<std::unique_ptr<DatasetSource>> OpenDataset(
     std::string_view format,
     const std::vector<std::filesystem::path>& paths,
@@ -108,9 +157,10 @@ absl::StatusOr<std::unique_ptr<DatasetSource>> OpenDataset(
   const absl::StatusOr<DatasetFormat> found = FindFormat(format);
   if (!found.ok()) return found.status();
   if (paths.empty()) return absl::InvalidArgumentError("expected a path of a data set, found none");
+  if (absl::Status status = CheckOptions(*found, options); !status.ok()) return status;
   absl::StatusOr<PlaybackOptions> playback = LoadPlaybackOptions(options);
   if (!playback.ok()) return playback.status();
-  absl::StatusOr<std::vector<RecordedSequence>> sequences = IndexSequences(*found, paths);
+  absl::StatusOr<std::vector<RecordedSequence>> sequences = IndexSequences(*found, paths, options);
   if (!sequences.ok()) return sequences.status();
   return std::make_unique<RecordedFrameSource>(*std::move(sequences), *std::move(playback));
 }

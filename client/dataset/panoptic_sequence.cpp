@@ -137,7 +137,8 @@ DatasetFormat PanopticFormat() {
   return {"panoptic",
           "timestamps.csv and files ID_depth.tiff, ID_pose.txt",
           IsPanopticSequence,
-          IndexPanopticSequence};
+          IndexPanopticSequence,
+          /*has_depth_unit=*/false};
 }
 
 }  // namespace steadymap

@@ -77,6 +77,33 @@ absl::Status PackLabels(const std::filesystem::path& file,
   return absl::OkStatus();
 }
 
+// A median needs no more of an image than every so many pixels; prime, so that it does not keep to
+// few columns.
+constexpr std::size_t kDepthPixelStep = 13;
+
+// Adds the depth of some pixels that have any, metres; false if the depth cannot be read.
+bool AppendDepth(const RecordedSequence& sequence,
+                 const RecordedFrame& frame,
+                 std::vector<float>* depth_m) {
+  v1::DepthImage packed;
+  if (!PackDepthFile(frame.depth, sequence.camera, sequence.metres_per_unit, &packed).ok()) {
+    return false;
+  }
+  const bool is_png = packed.encoding() == v1::DEPTH_ENCODING_PNG_UINT16;
+  const absl::StatusOr<Image<std::uint16_t>> units =
+      DecodeDepth(packed.data(),
+                  is_png ? PixelEncoding::kPng : PixelEncoding::kZstdUint16,
+                  sequence.camera.width_px,
+                  sequence.camera.height_px);
+  if (!units.ok()) return false;
+  for (std::size_t i = 0; i < units->size(); i += kDepthPixelStep) {
+    const std::uint16_t unit = units->data()[i];
+    if (unit == kNoDepth || unit == kInvalidDepth) continue;
+    depth_m->push_back(static_cast<float>(unit * sequence.metres_per_unit));
+  }
+  return true;
+}
+
 }  // namespace
 
 RecordedFrameSource::RecordedFrameSource(std::vector<RecordedSequence> sequences,
@@ -89,6 +116,28 @@ RecordedFrameSource::RecordedFrameSource(std::vector<RecordedSequence> sequences
     const std::size_t count = sequences_[sequence].frames.size();
     for (std::size_t i = 0; i < count; i += options_.stride) places_.push_back({sequence, i});
   }
+}
+
+RecordingSample RecordedFrameSource::Sample(std::size_t frame_count) const {
+  RecordingSample sample;
+  std::vector<float> depth_m;
+  frame_count = std::min(frame_count, places_.size());
+  for (std::size_t i = 0; i < frame_count; ++i) {
+    const Place place =
+        places_[i * (places_.size() - 1) / std::max<std::size_t>(frame_count - 1, 1)];
+    const RecordedSequence& sequence = sequences_[place.sequence];
+    if (!AppendDepth(sequence, sequence.frames[place.frame], &depth_m)) continue;
+    if (sample.frame_count++ == 0) sample.metres_per_unit = sequence.metres_per_unit;
+  }
+  if (!places_.empty()) {
+    sample.first_time = sequences_[places_[0].sequence].frames[places_[0].frame].time;
+  }
+  if (!depth_m.empty()) {
+    const auto middle = depth_m.begin() + static_cast<std::ptrdiff_t>(depth_m.size() / 2);
+    std::nth_element(depth_m.begin(), middle, depth_m.end());
+    sample.median_depth_m = static_cast<double>(*middle);
+  }
+  return sample;
 }
 
 absl::StatusOr<std::optional<v1::Frame>> RecordedFrameSource::Next() {

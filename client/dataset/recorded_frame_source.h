@@ -30,6 +30,8 @@ class RecordedFrameSource : public DatasetSource {
 
   std::size_t skipped_count() const override { return skipped_count_; }
 
+  RecordingSample Sample(std::size_t frame_count) const override;
+
   absl::StatusOr<std::optional<v1::Frame>> Next() override;
 
  private:

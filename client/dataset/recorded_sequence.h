@@ -51,6 +51,7 @@ struct DatasetFormat {
   bool (*is_sequence)(const std::filesystem::path& folder);
   /// Indexes a folder for which `is_sequence` holds.
   absl::StatusOr<RecordedSequence> (*index)(const std::filesystem::path& folder);
+  bool has_depth_unit = true;  ///< Depth images hold whole units; else metres.
 };
 
 /// TorWIC-Mapping (`torwic_sequence.cpp`).

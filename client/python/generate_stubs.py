@@ -15,12 +15,8 @@ import tempfile
 from pathlib import Path
 from typing import List, Optional
 
-# Other packages ship google/rpc/*.proto as well, and Python's protobuf refuses a second file of
-# that name in one process. The wire format knows no package names, so ours get one of their own.
-RENAMED = [("google/rpc/", "steadymap/rpc/"), ("google.rpc", "steadymap.rpc")]
-
 # `from steadymap.v1 import frame_pb2`: generated code takes the proto's package for Python's.
-GENERATED_IMPORT = re.compile(r"^(from|import) steadymap\.(v1|rpc)\b", re.MULTILINE)
+GENERATED_IMPORT = re.compile(r"^(from|import) steadymap\.v1\b", re.MULTILINE)
 
 PACKAGE_TEXT = '"""Generated from the .proto files; private to steadymap."""\n'
 
@@ -39,20 +35,12 @@ def find_compiler(protoc: Optional[str], plugin: Optional[str]) -> List[str]:
     )
 
 
-def stage_protos(proto_folder: Path, staging: Path) -> List[str]:
-    """Copies the public .proto files under their own package; returns their relative paths."""
-    names = []
-    for folder in ("google/rpc", "steadymap/v1"):
-        for source in sorted((proto_folder / folder).glob("*.proto")):
-            name = source.relative_to(proto_folder).as_posix()
-            text = source.read_text(encoding="utf-8")
-            for old, new in RENAMED:
-                name = name.replace(old, new)
-                text = text.replace(old, new)
-            target = staging / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
-            names.append(name)
+def find_protos(proto_folder: Path) -> List[str]:
+    """The paths of the public .proto files, relative to `proto_folder`."""
+    names = sorted(
+        source.relative_to(proto_folder).as_posix()
+        for source in (proto_folder / "steadymap/v1").glob("*.proto")
+    )
     if not names:
         raise SystemExit(f"generate_stubs.py: no .proto files under {proto_folder}")
     return names
@@ -67,15 +55,14 @@ def generate(
     """Writes the stubs to `output_folder`, which becomes `steadymap/_generated`."""
     compiler = find_compiler(protoc, plugin)
     with tempfile.TemporaryDirectory() as scratch:
-        staging, made = Path(scratch, "proto"), Path(scratch, "python")
-        made.mkdir()
-        names = stage_protos(proto_folder, staging)
+        made = Path(scratch)
+        names = find_protos(proto_folder)
         outputs = [f"--python_out={made}", f"--grpc_python_out={made}"]
-        subprocess.run([*compiler, f"-I{staging}", *outputs, *names], check=True)
+        subprocess.run([*compiler, f"-I{proto_folder}", *outputs, *names], check=True)
         shutil.rmtree(output_folder, ignore_errors=True)
         for source in sorted(made.rglob("*.py")):
             text = source.read_text(encoding="utf-8")
-            text = GENERATED_IMPORT.sub(r"\1 steadymap._generated.\2", text)
+            text = GENERATED_IMPORT.sub(r"\1 steadymap._generated.v1", text)
             if source.name.endswith("_grpc.py") and "channel.unary" not in text:
                 continue  # Messages only: the plugin wrote a file without a service.
             target = output_folder / source.relative_to(made / "steadymap")

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -118,9 +119,27 @@ TEST_F(LoadClassTableTest, ReadsIdsNamesAndMotions) {
 }
 
 TEST_F(LoadClassTableTest, ErrorsNameFileAndLine) {
-  const auto classes = LoadClassTable(folder_.Write("bad.txt", "0 floor\n70000 wall\n"));
-  EXPECT_EQ(classes.status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_NE(std::string(classes.status().message()).find("bad.txt:2:"), std::string::npos);
+  const auto error_of = [this](const std::string& text) {
+    const auto classes = LoadClassTable(folder_.Write("bad.txt", text));
+    EXPECT_EQ(classes.status().code(), absl::StatusCode::kInvalidArgument) << text;
+    const std::string message(classes.status().message());
+    return message.substr(std::min(message.size(), message.find("bad.txt")));
+  };
+  EXPECT_TRUE(error_of("0 floor\n70000 wall\n").starts_with("bad.txt:2: expected an id in [0, "));
+  EXPECT_TRUE(error_of("-1 wall\n").starts_with("bad.txt:1: expected an id"));
+  EXPECT_TRUE(error_of("1.5 wall\n").starts_with("bad.txt:1: expected an id"));
+  EXPECT_TRUE(error_of("wall 1\n").starts_with("bad.txt:1: expected an id"));
+  EXPECT_TRUE(error_of("# ids\n\n3\n").starts_with("bad.txt:3: expected a name"));
+  const std::string misspelt = error_of("1 floor\n2 fork truck dynamik\n");
+  EXPECT_TRUE(misspelt.starts_with("bad.txt:2: ")) << misspelt;
+  EXPECT_NE(misspelt.find("got \"dynamik\""), std::string::npos) << misspelt;
+  EXPECT_TRUE(error_of("1 person moving\n").starts_with("bad.txt:1: "));
+  EXPECT_TRUE(error_of("1 person dynamic color=red\n").starts_with("bad.txt:1: "));
+  EXPECT_EQ(error_of("1 floor\n2 wall\n1 rack\n"),
+            "bad.txt:3: expected each id once, got 1 again after line 1");
+}
+
+TEST_F(LoadClassTableTest, FilesWithoutAnyClassAreErrors) {
   EXPECT_FALSE(LoadClassTable(folder_.Write("no-name.txt", "3\n")).ok());
   EXPECT_FALSE(LoadClassTable(folder_.Write("empty.txt", "# nothing\n")).ok());
   EXPECT_EQ(LoadClassTable(folder_.path() / "missing").status().code(),

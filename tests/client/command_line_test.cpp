@@ -3,70 +3,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "proto/convert_status.h"
-#include "tests/client/fake_ingest_service.h"
-#include "tests/client/fake_map_server.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/client/command_line_fixture.h"
 
 namespace steadymap {
 namespace {
-
-/// What a command printed and returned.
-struct Outcome {
-  int exit_code = 0;
-  std::string out;
-  std::string err;
-};
-
-grpc::Status AcceptAll(ScriptedStream& stream) {
-  stream.ReadOpen();
-  stream.SendOpened(0, 100'000);
-  return stream.AcceptRest();
-}
-
-/// Runs commands in this process against services in this process.
-class CommandLineTest : public ::testing::Test {
- protected:
-  Outcome Run(const std::vector<std::string>& arguments) {
-    std::ostringstream out;
-    std::ostringstream err;
-    CommandContext context{.out = out, .err = err};
-    context.open_channel = [this](const std::string& server) {
-      server_asked_ = server;
-      return server_.channel();
-    };
-    const int exit_code = RunCommandLine(arguments, &context);
-    return {exit_code, out.str(), err.str()};
-  }
-
-  /// Runs a command that must fail with one line that holds `part`.
-  void ExpectFailure(const std::vector<std::string>& arguments,
-                     int exit_code,
-                     const std::string& part) {
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_TRUE(outcome.err.starts_with("steadymap: ")) << outcome.err;
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
-  }
-
-  std::string PathOf(const std::string& name) const { return (folder_.path() / name).string(); }
-
-  TemporaryFolder folder_;
-  std::string server_asked_;
-  FakeMapService maps_;
-  FakeQueryService queries_;
-  FakeIngestService ingest_{{AcceptAll}};
-  FakeServer server_{&maps_, &queries_, &ingest_};
-};
 
 TEST_F(CommandLineTest, HelpAndVersionSucceedAndGoToStandardOutput) {
   for (const std::vector<std::string>& arguments :
@@ -280,6 +226,27 @@ TEST_F(CommandLineTest, ExportWritesTheWholeFileOrNone) {
                 "lowest");
 }
 
+TEST_F(CommandLineTest, FilesOfAnotherEndingAreRefusedBeforeTheServerIsAsked) {
+  for (const char* name : {"map.jpg", "map", "map.png.gz", ".png"}) {
+    ExpectFailure({"render", "kitchen", "--output", PathOf(name)}, 1, "ends in .png");
+  }
+  ExpectFailure(
+      {"export", "kitchen", "--format", "vdb", "--output", PathOf("map.ply")}, 1, "ends in .vdb");
+  ExpectFailure({"export", "kitchen", "--format", "glb", "--output", PathOf("map")}, 1, ".glb");
+  std::ofstream(PathOf("file")) << "in the way";
+  ExpectFailure({"mirror", "kitchen", "--output", PathOf("file")}, 1, "cannot make the folder");
+  ExpectFailure({"evaluate", "--route", "twin", "--pictures", PathOf("file/pictures")},
+                1,
+                "cannot make the folder");
+  EXPECT_EQ(server_asked_, "");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+
+  queries_.SetFile({"ply\n"}, "ply\n");
+  const Outcome outcome =
+      Run({"export", "kitchen", "--format", "ply", "--output", PathOf("MAP.PLY")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
 TEST_F(CommandLineTest, RenderOfAnEmptyMapIsAPicture) {
   v1::GetMapSectionResponse& response = queries_.section.emplace_back();
   response.mutable_header()->set_voxel_size_m(0.05);
@@ -290,66 +257,6 @@ TEST_F(CommandLineTest, RenderOfAnEmptyMapIsAPicture) {
   std::string magic(4, '\0');
   std::ifstream(PathOf("map.png")).read(magic.data(), 4);
   EXPECT_EQ(magic, "\x89PNG");
-}
-
-TEST_F(CommandLineTest, SimulateCreatesTheMapAndWaitsForIntegration) {
-  const Outcome outcome =
-      Run({"simulate", "demo", "--route", "twin", "--ideal", "--stride", "40", "--robot", "r2"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_TRUE(maps_.maps.contains("tenants/default/maps/demo"));
-  EXPECT_NE(outcome.err.find("created tenants/default/maps/demo"), std::string::npos);
-  EXPECT_NE(outcome.out.find(" frames integrated in "), std::string::npos);
-  EXPECT_NE(outcome.out.find(" 0 refused"), std::string::npos);
-}
-
-TEST_F(CommandLineTest, WhatSimulateWritesUploadReads) {
-  const std::string recording = PathOf("recording");
-  ASSERT_EQ(Run({"simulate", "--write", recording, "--route", "twin", "--stride", "40"}).exit_code,
-            0);
-  const Outcome outcome =
-      Run({"upload", "demo", "--format", "torwic", recording, "--stride", "2", "--json"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("\"refused_count\": 0"), std::string::npos) << outcome.out;
-  EXPECT_EQ(outcome.out.find("\"integrated\": 0,"), std::string::npos) << outcome.out;
-}
-
-TEST_F(CommandLineTest, UploadErrorsAreOneLineAndUploadNothing) {
-  ExpectFailure({"upload", "k", "--format", "tum", PathOf("missing")}, 1, "missing");
-  ExpectFailure({"simulate", "k", "--route", "nowhere"}, 1, "\"nowhere\"");
-  ExpectFailure({"simulate", "--route", "twin"}, 1, "--write");
-  ExpectFailure({"simulate", "k", "--route", "twin", "--robot", "R2"}, 1, "\"R2\"");
-  ExpectFailure({"simulate", "k", "--route", "twin", "--no-create"}, 1, "steadymap map create k");
-  EXPECT_EQ(ingest_.streams_opened(), 0U);
-  EXPECT_TRUE(maps_.maps.empty());
-}
-
-class RefusingServerTest : public CommandLineTest {
- protected:
-  RefusingServerTest() {
-    ingest_.SetScripts({[](ScriptedStream& stream) {
-      stream.ReadOpen();
-      stream.SendOpened(0, 1'000);
-      v1::FrameBatch batch;
-      while (stream.ReadBatch(&batch)) {
-      }
-      v1::RefusedFrame refused;
-      refused.set_client_seq(2);
-      *refused.mutable_status() =
-          ToProto(InvalidField(reason::kLabelOutOfRange, "frames[1].labels", "label 99"));
-      stream.SendAck(v1::ACK_LEVEL_INTEGRATED, stream.received().back(), {refused});
-      return grpc::Status::OK;
-    }});
-  }
-};
-
-TEST_F(RefusingServerTest, RefusedFramesFailTheCommandButNotTheUpload) {
-  const Outcome outcome = Run({"simulate", "demo", "--route", "twin", "--stride", "40"});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.out.find(" 1 refused"), std::string::npos);
-  EXPECT_NE(outcome.err.find("the first was frame 2: label 99 [LABEL_OUT_OF_RANGE, "
-                             "frames[1].labels]"),
-            std::string::npos)
-      << outcome.err;
 }
 
 TEST(ErrorLine, NamesTheServerThatCannotBeReached) {

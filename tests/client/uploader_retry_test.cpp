@@ -145,6 +145,27 @@ TEST(FrameUploader, AsksForTheStateWhenAnIntegrationWasNotAcknowledged) {
   const absl::StatusOr<UploadSummary> summary = harness.Upload(5);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_EQ(summary->progress.integrated, 5U);
+  EXPECT_EQ(summary->progress.revision, 0U) << "who may upload need not be allowed to read";
+}
+
+TEST(FrameUploader, ASessionThatIsSentAgainNamesTheMapsRevision) {
+  FakeIngestService ingest({[](ScriptedStream& stream) {
+    stream.ReadOpen();
+    stream.SendOpened(5, 100);
+    return stream.AcceptRest();
+  }});
+  ingest.state.set_resume_client_seq(5);
+  ingest.state.set_integrated_client_seq(5);
+  FakeMapService maps;
+  maps.maps[kKitchen.ToString()].mutable_state()->set_revision(17);
+  FakeServer server(&ingest, &maps);
+  FrameUploader uploader(server.channels(), kKitchen, {});
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(uploader.Push(FrameOfBytes(100)).ok());
+  const absl::StatusOr<UploadSummary> summary = uploader.Finish();
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  EXPECT_EQ(summary->progress.sent, 0U);
+  EXPECT_EQ(summary->progress.integrated, 5U);
+  EXPECT_EQ(summary->progress.revision, 17U);
 }
 
 TEST(FrameUploader, AnEndBeforeEverythingWasIntegratedIsRetried) {

@@ -263,8 +263,11 @@ TEST(UploadAll, LeavesOutWhatTheSourceCannotRead) {
   DamagedSource source;
   FrameUploader uploader(harness.server.channels(), kKitchen, harness.options);
   std::vector<std::size_t> unreadable;
-  const absl::StatusOr<UploadSummary> summary = UploadAll(
-      &source, &uploader, [&](const UnreadableFrame& frame) { unreadable.push_back(frame.index); });
+  UploadAllCallbacks callbacks;
+  callbacks.on_unreadable = [&unreadable](const UnreadableFrame& frame) {
+    unreadable.push_back(frame.index);
+  };
+  const absl::StatusOr<UploadSummary> summary = UploadAll(&source, &uploader, callbacks);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_EQ(unreadable, std::vector<std::size_t>{1});
   EXPECT_EQ(received, Sequences(1, 3));

@@ -95,6 +95,7 @@ TEST_F(CliTest, UnknownMapsAndImpossibleOnesAreErrorsOfOneLine) {
 }
 
 TEST_F(CliTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
+  ASSERT_EQ(Run({"map", "create", "hall"}).exit_code, 0);
   const Outcome upload =
       Run({"simulate", "hall", "--route", "baseline", "--ideal", "--stride", "10", "--json"});
   ASSERT_EQ(upload.exit_code, 0) << upload.err;
@@ -180,6 +181,7 @@ TEST_F(CliTest, ObjectsOfAChangedPlaceAreListedExportedAndDrawnAndSurviveAKill) 
 }
 
 TEST_F(CliTest, ASessionThatIsRepeatedCountsOnce) {
+  ASSERT_EQ(Run({"map", "create", "twin"}).exit_code, 0);
   const std::vector<std::string> command = {
       "simulate", "twin", "--route", "twin", "--stride", "10", "--session", "s-1", "--json"};
   const Outcome first = Run(command);
@@ -192,6 +194,7 @@ TEST_F(CliTest, ASessionThatIsRepeatedCountsOnce) {
   };
   const std::string state = Run({"map", "get", "twin", "--json"}).out;
   EXPECT_NE(revision(first.out), "\"revision\": 0\n}\n");
+  EXPECT_EQ(revision(second.out), revision(first.out));
   EXPECT_EQ(revision(first.out).substr(0, revision(first.out).find('\n')) + ",",
             revision(state).substr(0, revision(state).find('\n')));
 }

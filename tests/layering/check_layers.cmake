@@ -12,7 +12,7 @@ endif()
 # ones that must not.
 set(STANDARD_HEADER "<[a-z_0-9]+>")
 set(POSIX_HEADER "<[a-z_0-9]+\\.h>|<sys/[a-z_]+\\.h>|<netinet/[a-z_]+\\.h>|<arpa/[a-z_]+\\.h>")
-set(GENERATED_PROTO "\"(steadymap/v1|google/rpc|google/protobuf)/[a-z_]+\\.pb\\.h\"")
+set(GENERATED_PROTO "\"(steadymap/v1|google/protobuf)/[a-z_]+\\.pb\\.h\"")
 set(GENERATED_SERVICE "\"steadymap/v1/[a-z_]+\\.grpc\\.pb\\.h\"")
 
 set(FOLDERS core proto client server)

@@ -5,15 +5,86 @@
 #include <tuple>
 #include <vector>
 
+#include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "proto/grpc_status.h"
 
-#include "google/rpc/error_details.pb.h"
+#include "steadymap/v1/ingest_service.pb.h"
 
 namespace steadymap {
 namespace {
+
+/// A detail as any server packs it.
+google::protobuf::Any Detail(const std::string& name, const google::protobuf::Message& message) {
+  google::protobuf::Any detail;
+  detail.set_type_url("type.googleapis.com/google.rpc." + name);
+  detail.set_value(message.SerializeAsString());
+  return detail;
+}
+
+/// A field of length `bytes` on the wire; short ones only.
+std::string Field(int number, const std::string& bytes) {
+  return std::string{static_cast<char>(number << 3 | 2), static_cast<char>(bytes.size())} + bytes;
+}
+
+TEST(ConvertStatus, TheTrailerIsAStandardStatus) {
+  const grpc::Status status = ToGrpcStatus(InvalidField("BAD_NAME", "map_id", "no good"));
+  const std::string info = Field(1, "BAD_NAME") + Field(2, "steadymap");
+  const std::string bad_request = Field(1, Field(1, "map_id") + Field(2, "no good"));
+  EXPECT_EQ(
+      status.error_details(),
+      "\x08\x03" + Field(2, "no good") +
+          Field(3, Field(1, "type.googleapis.com/google.rpc.ErrorInfo") + Field(2, info)) +
+          Field(3, Field(1, "type.googleapis.com/google.rpc.BadRequest") + Field(2, bad_request)));
+}
+
+TEST(ConvertStatus, EveryDetailGoesByItsStandardName) {
+  const v1::Status message =
+      ToProto(MakeError(absl::StatusCode::kUnavailable, reason::kDraining, "text", "field"));
+  std::vector<std::string> urls;
+  for (const auto& detail : message.details()) urls.push_back(detail.type_url());
+  EXPECT_EQ(urls,
+            (std::vector<std::string>{"type.googleapis.com/google.rpc.ErrorInfo",
+                                      "type.googleapis.com/google.rpc.BadRequest",
+                                      "type.googleapis.com/google.rpc.RetryInfo"}));
+}
+
+TEST(ConvertStatus, DetailsOfOtherNamesAndBrokenOnesAreIgnored) {
+  v1::ErrorInfo info;
+  info.set_reason("BAD_NAME");
+  info.set_domain("steadymap");
+  const auto reason_of = [&](const std::string& type_url, const std::string& value) {
+    v1::Status message;
+    message.set_code(3);
+    message.add_details()->set_type_url(type_url);
+    message.mutable_details(0)->set_value(value);
+    return ReasonOf(FromProto(message));
+  };
+  const std::string bytes = info.SerializeAsString();
+  EXPECT_EQ(reason_of("type.googleapis.com/google.rpc.ErrorInfo", bytes), "BAD_NAME");
+  EXPECT_EQ(reason_of("example.com/types/google.rpc.ErrorInfo", bytes), "BAD_NAME");
+  EXPECT_EQ(reason_of("type.googleapis.com/steadymap.v1.ErrorInfo", bytes), "");
+  EXPECT_EQ(reason_of("google.rpc.ErrorInfo", bytes), "");
+  EXPECT_EQ(reason_of("", bytes), "");
+  EXPECT_EQ(reason_of("type.googleapis.com/google.rpc.ErrorInfo", "\xff"), "");
+}
+
+// Another library in the process may bring the originals, and protobuf ends a process in which two
+// files or messages have one name.
+TEST(ConvertStatus, NothingIsRegisteredUnderNamesOfGoogleRpc) {
+  const auto* const pool = google::protobuf::DescriptorPool::generated_pool();
+  // Also brings the messages of uploads, which hold a status, into this program.
+  EXPECT_EQ(v1::RefusedFrame::descriptor()->FindFieldByName("status")->message_type(),
+            v1::Status::descriptor());
+  for (const char* name : {"Status", "ErrorInfo", "BadRequest", "RetryInfo"}) {
+    EXPECT_NE(pool->FindMessageTypeByName(std::string("steadymap.v1.") + name), nullptr) << name;
+    EXPECT_EQ(pool->FindMessageTypeByName(std::string("google.rpc.") + name), nullptr) << name;
+  }
+  EXPECT_EQ(pool->FindFileByName("google/rpc/status.proto"), nullptr);
+  EXPECT_EQ(pool->FindFileByName("google/rpc/error_details.proto"), nullptr);
+}
 
 TEST(ConvertStatus, CodeMessageReasonAndFieldComeBack) {
   const absl::Status status = InvalidField("BAD_NAME", "frames[3].depth", "no good");
@@ -33,10 +104,12 @@ TEST(ConvertStatus, EveryCodeComesBack) {
 
 TEST(ConvertStatus, WhatMayPassByWaitingSaysHowLong) {
   const auto retries = [](std::string_view reason) {
-    const google::rpc::Status message =
+    const v1::Status message =
         ToProto(MakeError(absl::StatusCode::kResourceExhausted, reason, "text"));
     int count = 0;
-    for (const auto& detail : message.details()) count += detail.Is<google::rpc::RetryInfo>();
+    for (const auto& detail : message.details()) {
+      count += detail.type_url() == "type.googleapis.com/google.rpc.RetryInfo";
+    }
     return count;
   };
   for (const auto reason :
@@ -62,12 +135,12 @@ TEST(ConvertStatus, ADelayThatMakesNoSenseIsCut) {
   for (const auto& [seconds, nanos, expected_ms] :
        std::vector<std::tuple<std::int64_t, int, std::int64_t>>{
            {1, 500'000'000, 1'500}, {-5, 0, 0}, {1'000'000'000'000, 0, 600'000}, {0, -7, 0}}) {
-    google::rpc::Status message =
+    v1::Status message =
         ToProto(MakeError(absl::StatusCode::kUnavailable, reason::kChecksum, "text"));
-    google::rpc::RetryInfo info;
+    v1::RetryInfo info;
     info.mutable_retry_delay()->set_seconds(seconds);
     info.mutable_retry_delay()->set_nanos(nanos);
-    message.add_details()->PackFrom(info);
+    *message.add_details() = Detail("RetryInfo", info);
     EXPECT_EQ(RetryDelayMsOf(FromProto(message)), expected_ms) << seconds;
   }
 }
@@ -90,18 +163,18 @@ TEST(ConvertStatus, StatusOfAnotherServerKeepsCodeAndMessage) {
 }
 
 TEST(ConvertStatus, ReasonOfAnotherDomainIsIgnored) {
-  google::rpc::Status message;
+  v1::Status message;
   message.set_code(5);
-  google::rpc::ErrorInfo info;
+  v1::ErrorInfo info;
   info.set_reason("QUOTA");
   info.set_domain("example.com");
-  message.add_details()->PackFrom(info);
+  *message.add_details() = Detail("ErrorInfo", info);
   EXPECT_EQ(ReasonOf(FromProto(message)), "");
   EXPECT_EQ(FromProto(message).code(), absl::StatusCode::kNotFound);
 }
 
 TEST(ConvertStatus, CodeThatIsNoneIsUnknown) {
-  google::rpc::Status message;
+  v1::Status message;
   for (const int code : {-1, 17, 1 << 30}) {
     message.set_code(code);
     EXPECT_EQ(FromProto(message).code(), absl::StatusCode::kUnknown);

@@ -9,7 +9,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
-from typing import Optional
+from typing import Optional, Sequence
 
 import steadymap
 
@@ -26,10 +26,16 @@ def program(variable: str) -> str:
 
 
 class DaemonProcess:
-    """steadymapd on loopback, on a free port, with its store in a folder of its own."""
+    """steadymapd on loopback, on a free port, with its store in a folder of its own.
 
-    def __init__(self, folder: Path) -> None:
+    `executable` is another steadymapd than that of this build; `options` go before the usual ones.
+    """
+
+    def __init__(
+        self, folder: Path, executable: Optional[Path] = None, options: Sequence[object] = ()
+    ) -> None:
         self._folder = folder
+        self._command = [str(executable or program("STEADYMAPD")), *map(str, options)]
         self._process: Optional[subprocess.Popen] = None
         self._start("127.0.0.1:0")
         self.address = "127.0.0.1:" + (folder / "port").read_text(encoding="ascii").strip()
@@ -74,7 +80,7 @@ class DaemonProcess:
             with open(self._folder / "steadymapd.log", "ab") as log:
                 self._process = subprocess.Popen(
                     [
-                        program("STEADYMAPD"),
+                        *self._command,
                         *("--listen", listen),
                         *("--data-dir", str(self._folder / "data")),
                         *("--port-file", str(self._folder / "port")),

@@ -6,7 +6,7 @@ import grpc
 from google.protobuf import any_pb2
 
 from steadymap import errors
-from steadymap._generated.rpc import error_details_pb2, status_pb2
+from steadymap._generated.v1 import status_pb2
 
 
 class FakeRpcError(grpc.RpcError):
@@ -35,7 +35,7 @@ def packed(name, message):
 
 def info(reason, domain="steadymap", **metadata):
     return packed(
-        "ErrorInfo", error_details_pb2.ErrorInfo(reason=reason, domain=domain, metadata=metadata)
+        "ErrorInfo", status_pb2.ErrorInfo(reason=reason, domain=domain, metadata=metadata)
     )
 
 
@@ -47,9 +47,9 @@ def trailer(code, *details):
 class ErrorFromRpc(unittest.TestCase):
     def test_carries_reason_field_metadata_and_delay(self):
         code = grpc.StatusCode.INVALID_ARGUMENT
-        violations = error_details_pb2.BadRequest()
+        violations = status_pb2.BadRequest()
         violations.field_violations.add(field="frames[3].depth.data", description="too short")
-        retry = error_details_pb2.RetryInfo()
+        retry = status_pb2.RetryInfo()
         retry.retry_delay.FromMilliseconds(1500)
         details = (
             info("IMAGE_SIZE_MISMATCH", expected="8"),

@@ -37,6 +37,14 @@ def run_python(*arguments, path=None):
     return done.stdout
 
 
+def blocks_of_the_readme():
+    """Its indented blocks: commands and code."""
+    text = (SOURCE / "README.md").read_text(encoding="utf-8")
+    return [
+        textwrap.dedent(block) for block in re.findall(r"(?:^(?: {4}.*)?\n)+", text, re.MULTILINE)
+    ]
+
+
 class TemporaryFolderTest(DaemonTest):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -45,12 +53,16 @@ class TemporaryFolderTest(DaemonTest):
 
 
 class AnInstalledPackage(TemporaryFolderTest):
-    def test_works_without_the_tree_that_it_came_from(self):
-        # A copy, because setuptools builds inside the folder that it installs.
-        tree, target = self.folder / "tree", self.folder / "installed"
+    def copy_tree(self):
+        """A copy of what an installation reads, because setuptools builds inside of it."""
+        tree = self.folder / "tree"
         for part in ("client/python", "proto"):
-            ignored = shutil.ignore_patterns("build", "*.egg-info", "__pycache__")
+            ignored = shutil.ignore_patterns("build", "*.egg-info", "__pycache__", "_generated")
             shutil.copytree(SOURCE / part, tree / part, ignore=ignored)
+        return tree
+
+    def test_works_without_the_tree_that_it_came_from(self):
+        tree, target = self.copy_tree(), self.folder / "installed"
         options = ["--no-build-isolation", "--no-deps", "--no-index", "--quiet"]
         options += ["--disable-pip-version-check", "--target", target]
         run_python("-m", "pip", "install", *options, tree / "client/python")
@@ -70,15 +82,29 @@ class AnInstalledPackage(TemporaryFolderTest):
         made = {path.name for path in (target / "steadymap/_generated/v1").glob("*.py")}
         self.assertIn("watch_service_pb2_grpc.py", made)
 
+    def test_comes_about_by_the_commands_of_the_readme(self):
+        (commands,) = [block for block in blocks_of_the_readme() if "pip install" in block]
+        home = self.folder / "home"
+        home.mkdir()
+        # Debian's packages are all that it needs.
+        environment = {**os.environ, "HOME": str(home), "PIP_NO_INDEX": "1"}
+        environment.pop("PYTHONPATH")
+        script = commands + "~/steadymap-python/bin/python -c 'import steadymap as s; print(s)'"
+        done = subprocess.run(
+            ["bash", "-e", "-c", script],
+            cwd=self.copy_tree(),
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"{home}/steadymap-python/", done.stdout)
+
 
 class TheReadme(DaemonTest):
     def test_has_an_example_that_works_as_written(self):
-        text = (SOURCE / "README.md").read_text(encoding="utf-8")
-        (example,) = [
-            textwrap.dedent(block)
-            for block in re.findall(r"(?:^(?: {4}.*)?\n)+", text, re.MULTILINE)
-            if "from steadymap import" in block
-        ]
+        (example,) = [block for block in blocks_of_the_readme() if "from steadymap import" in block]
         connect = steadymap.connect
         output = io.StringIO()
         # The one thing it cannot know is where this daemon listens.

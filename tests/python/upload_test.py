@@ -265,6 +265,8 @@ class AnUploader(DaemonTest):
         summary = self.client.upload(name, frames, options)
         self.assertEqual(summary.progress.integrated, 20)
         self.assertEqual(self.client.get_map(name).revision, 20)
+        repeated = self.client.upload(name, frames, options).progress
+        self.assertEqual((repeated.sent, repeated.integrated, repeated.revision), (0, 20, 20))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from typing import Any, Dict, Mapping, Optional, Type
 import grpc
 from google.protobuf.message import DecodeError
 
-from steadymap._generated.rpc import error_details_pb2, status_pb2
+from steadymap._generated.v1 import status_pb2
 
 _DOMAIN = "steadymap"
 _DETAILS_TRAILER = "grpc-status-details-bin"
@@ -152,9 +152,9 @@ _NAMES: Dict[int, str] = {code.value[0]: code.name for code in grpc.StatusCode}
 
 
 _DETAILS = {
-    "google.rpc.ErrorInfo": error_details_pb2.ErrorInfo,
-    "google.rpc.BadRequest": error_details_pb2.BadRequest,
-    "google.rpc.RetryInfo": error_details_pb2.RetryInfo,
+    "google.rpc.ErrorInfo": status_pb2.ErrorInfo,
+    "google.rpc.BadRequest": status_pb2.BadRequest,
+    "google.rpc.RetryInfo": status_pb2.RetryInfo,
 }
 
 
@@ -164,11 +164,11 @@ def error_from_status(status: status_pb2.Status) -> SteadymapError:
     for detail in status.details:
         kind = detail.type_url.rpartition("/")[2]
         message = _parse(_DETAILS[kind], detail.value) if kind in _DETAILS else None
-        if isinstance(message, error_details_pb2.ErrorInfo) and message.domain == _DOMAIN:
+        if isinstance(message, status_pb2.ErrorInfo) and message.domain == _DOMAIN:
             reason, metadata = message.reason, dict(message.metadata)
-        elif isinstance(message, error_details_pb2.BadRequest) and message.field_violations:
+        elif isinstance(message, status_pb2.BadRequest) and message.field_violations:
             field = message.field_violations[0].field
-        elif isinstance(message, error_details_pb2.RetryInfo):
+        elif isinstance(message, status_pb2.RetryInfo):
             retry_delay_s = message.retry_delay.seconds + message.retry_delay.nanos * 1e-9
     name = _NAMES.get(status.code, "UNKNOWN")
     return _CLASSES.get(name, SteadymapError)(

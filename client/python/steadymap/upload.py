@@ -8,6 +8,7 @@ from typing import Callable, Iterator, Optional
 import grpc
 
 from steadymap._generated.v1 import ingest_service_pb2, ingest_service_pb2_grpc
+from steadymap._generated.v1 import map_service_pb2, map_service_pb2_grpc
 from steadymap.backoff import Backoff
 from steadymap.errors import (
     CancelledError,
@@ -160,7 +161,7 @@ class Uploader:
             advance_before = self._advance()
             start_s = time.monotonic()
             with self._open_channel() as channel:
-                error = self._run_stream(ingest_service_pb2_grpc.IngestServiceStub(channel))
+                error = self._run_stream(channel)
             if self._advance() > advance_before:
                 backoff.reset()
             if error is None or not is_worth_retrying(error):
@@ -188,11 +189,10 @@ class Uploader:
             self._reconnections += 1
             return not self._cancelled
 
-    def _run_stream(
-        self, stub: ingest_service_pb2_grpc.IngestServiceStub
-    ) -> Optional[SteadymapError]:
+    def _run_stream(self, channel: grpc.Channel) -> Optional[SteadymapError]:
         """One stream from opening to end; returns what ended it, or None when all is done."""
         stream = _Stream()
+        stub = ingest_service_pb2_grpc.IngestServiceStub(channel)
         call = stub.UploadFrames(self._requests(stream))
         with self._changed:
             stream.call = call
@@ -217,7 +217,7 @@ class Uploader:
             return None
         if stream.error is not None or error is not None:
             return stream.error or error
-        return self._confirm(stub)
+        return self._confirm(channel)
 
     def _requests(self, stream: _Stream) -> Iterator[ingest_service_pb2.UploadFramesRequest]:
         """What the stream sends; runs in a thread of gRPC."""
@@ -286,7 +286,7 @@ class Uploader:
         if self._options.wait_for is not AckLevel.INTEGRATED:
             stream.call.cancel()  # Else the server would integrate before it ends the stream.
 
-    def _confirm(self, stub: ingest_service_pb2_grpc.IngestServiceStub) -> Optional[SteadymapError]:
+    def _confirm(self, channel: grpc.Channel) -> Optional[SteadymapError]:
         """After a stream that ended with OK: asks where the session stands.
 
         The acknowledgement of frames that an earlier, broken stream brought may have been lost.
@@ -300,12 +300,15 @@ class Uploader:
             sensor=self._options.sensor,
             session=self._session,
         )
+        stub = ingest_service_pb2_grpc.IngestServiceStub(channel)
         try:
             state = stub.GetUploadState(request, timeout=_CONFIRMATION_TIMEOUT_S)
         except grpc.RpcError as rpc_error:
             return error_from_rpc(rpc_error)
         ack = ingest_service_pb2.UploadAck(
-            level=_LEVELS[AckLevel.INTEGRATED], client_seq=state.integrated_client_seq
+            level=_LEVELS[AckLevel.INTEGRATED],
+            client_seq=state.integrated_client_seq,
+            revision=self._ask_for_revision(channel),
         )
         with self._changed:
             try:
@@ -315,6 +318,16 @@ class Uploader:
             if self._has_reached_goal():
                 return None
         return UnavailableError("the server ended the upload before everything was integrated")
+
+    def _ask_for_revision(self, channel: grpc.Channel) -> int:
+        """The map's revision, after its integration was confirmed; 0 where this client may not ask."""
+        request = map_service_pb2.GetMapRequest(name=self._map_name)
+        request.read_mask.paths.append("state.revision")
+        stub = map_service_pb2_grpc.MapServiceStub(channel)
+        try:
+            return stub.GetMap(request, timeout=_CONFIRMATION_TIMEOUT_S).state.revision
+        except grpc.RpcError:
+            return 0
 
     def _has_reached_goal(self) -> bool:
         """Whether every pushed frame has the level asked for, or was refused."""

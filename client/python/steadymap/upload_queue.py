@@ -58,7 +58,9 @@ class UploadProgress:
         sent_again: sendings beyond the first, after reconnections.
         reconnections: streams opened after the first.
         bytes_sent: of serialized batches.
-        revision: newest revision that an acknowledgement named.
+        revision: newest revision that an acknowledgement named; where frames were integrated by an
+            earlier stream, whose acknowledgements did not come, that of the map when this was
+            found out.
     """
 
     pushed: int = 0
