@@ -34,6 +34,7 @@ inline constexpr std::string_view kSlowConsumer = "SLOW_CONSUMER";
 inline constexpr std::string_view kUploadSuperseded = "UPLOAD_SUPERSEDED";
 inline constexpr std::string_view kEtagMismatch = "ETAG_MISMATCH";
 inline constexpr std::string_view kQueueFull = "QUEUE_FULL";
+inline constexpr std::string_view kWorkLimit = "WORK_LIMIT";
 inline constexpr std::string_view kRateLimit = "RATE_LIMIT";
 inline constexpr std::string_view kMapBytes = "MAP_BYTES";
 inline constexpr std::string_view kDiskLow = "DISK_LOW";
@@ -43,6 +44,7 @@ inline constexpr std::string_view kStoreReadOnly = "STORE_READ_ONLY";
 inline constexpr std::string_view kMapOpening = "MAP_OPENING";
 inline constexpr std::string_view kMapQuarantined = "MAP_QUARANTINED";
 inline constexpr std::string_view kChecksum = "CHECKSUM";
+inline constexpr std::string_view kAsOf = "AS_OF";
 inline constexpr std::string_view kInternal = "INTERNAL";
 }  // namespace reason
 

@@ -10,6 +10,8 @@
 #include "core/identifiers.h"
 #include "core/map_snapshot.h"
 #include "core/placed_volume.h"
+#include "core/query_work.h"
+#include "core/ray_box.h"
 #include "core/tsdf_raycast.h"
 #include "core/tsdf_sample.h"
 
@@ -34,15 +36,18 @@ struct MapRayHit {
 ///
 /// An object is asked only near its cuboid, so objects elsewhere cost nothing but the 1.5 us each
 /// that it takes to build the sampler. Cost: 0.2 us a point over background, about 1 us among
-/// objects; a ray about 20 us.
+/// objects; a ray about 20 us, however far it goes beyond what the map holds.
 ///
 /// The snapshot must outlive the sampler. One sampler a thread.
 class MapSampler {
  public:
-  explicit MapSampler(const MapSnapshot& snapshot);
+  explicit MapSampler(const MapSnapshot& snapshot, QueryWork work = QueryWork());
 
   /// The map at a point, metres. A point that is not finite is unknown.
   MapDistance Sample(const Eigen::Vector3d& point_world);
+
+  /// What was done, and whether it may go on: once its status is not OK, answers mean nothing.
+  const QueryWork& work() const { return work_; }
 
   /// The nearest surface that a ray meets from its front. `unit_direction` must have length one
   /// (asserted).
@@ -54,8 +59,16 @@ class MapSampler {
   /// The sampler of an object, made when it is first asked for.
   TsdfSampler& SamplerOf(std::size_t object);
 
+  /// The part of a ray within one volume, of which nothing is known outside of `span`.
+  RayHit CastWithin(const RaySpan& span,
+                    const Eigen::Vector3d& origin,
+                    const Eigen::Vector3d& unit_direction,
+                    TsdfSampler* sampler);
+
   VoxelScale scale_;
+  QueryWork work_;
   TsdfSampler background_;
+  Box background_bounds_;
   std::vector<PlacedVolume> objects_;  ///< By rising id.
   std::vector<std::unique_ptr<TsdfSampler>> samplers_;
   BoxTree reach_;  ///< Where the objects may know something.
