@@ -7,9 +7,6 @@
 namespace steadymap {
 namespace {
 
-// Small enough not to step over the front of a thin wall, which is two voxels of positive distance.
-constexpr double kStepVoxels = 0.5;
-
 // The share of a distance that a ray may go: fused distances can be a little too long.
 constexpr double kSafeShare = 0.8;
 

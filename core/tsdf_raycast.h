@@ -7,6 +7,10 @@
 
 namespace steadymap {
 
+/// A ray takes no shorter steps, in voxels: small enough not to step over the front of a thin wall,
+/// which is two voxels of positive distance.
+inline constexpr double kStepVoxels = 0.5;
+
 /// Where a ray met a surface.
 struct RayHit {
   bool hit = false;      ///< Whether it met one; the other fields are zero if not.
