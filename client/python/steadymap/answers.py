@@ -43,7 +43,7 @@ class PointState(enum.IntEnum):
     """A point that was not seen, or not since something came to stand there; a ray that meets no
     surface and is not known to be free all along."""
     FREE = query_service_pb2.POINT_STATE_FREE
-    """A point in front of all surfaces, or that was looked through; a ray that is free to its end."""
+    """A point in front of all surfaces, or looked through; a ray that is free to its end."""
     SURFACE = query_service_pb2.POINT_STATE_SURFACE
     """A point at a surface or right behind it; a ray that meets one from its front."""
 
@@ -80,8 +80,8 @@ class RayHits:
     Attributes:
         revision: at which the map was read.
         state: uint8 (N,), values of PointState: SURFACE is a hit.
-        free_until_m: float64 (N,), metres; so far the ray is free, without a gap from its origin on:
-            up to the surface or to its greatest range at most.
+        free_until_m: float64 (N,), metres; so far the ray is free, without a gap from its origin
+            on: up to the surface or to its greatest range at most.
         range_m: float64 (N,), distance from the ray's origin, metres; NaN without a hit.
         point_m: float64 (N, 3), world frame, metres; NaN without a hit.
         normal: float64 (N, 3), unit normal, towards the side it was seen from; NaN without a hit.
