@@ -157,8 +157,10 @@ MapRayHit MapSampler::FindSurface(const Eigen::Vector3d& origin_world,
     nearest.hit = CastWithin(*span, origin_world, unit_direction_world, &background_);
     if (nearest.hit.hit) limit_m = nearest.hit.range_m;
   }
-  for (const BoxTree::Crossing& crossing :
-       reach_.FindAlong(origin_world, unit_direction_world, limit_m)) {
+  const std::vector<BoxTree::Crossing> crossings =
+      reach_.FindAlong(origin_world, unit_direction_world, limit_m);
+  work_.Take(crossings.size());
+  for (const BoxTree::Crossing& crossing : crossings) {
     if (crossing.entry_m > limit_m) break;
     const PlacedVolume& object = objects_[crossing.box];
     const Eigen::Isometry3d T_volume_world = object.T_world_volume.inverse();
@@ -183,6 +185,7 @@ double MapSampler::FreeUntil(const Eigen::Vector3d& origin_world,
                              double limit_m) {
   const std::vector<RaySpan> occupied =
       OccupiedSpans(origin_world, unit_direction_world, limit_m, Occupied(), cuboids_);
+  work_.Take(occupied.size());
   auto next = occupied.begin();
   double range_m = 0.0;
   while (range_m < limit_m && work_.Take()) {
