@@ -21,7 +21,7 @@
 namespace steadymap {
 
 /// Steps (`QueryWork`) that one call may take: some 15 s of a core. 100 000 rays of 30 m through a
-/// hall of 1 184 objects at 5 cm take 10 million.
+/// hall of 1 184 objects at 5 cm take 9 million.
 inline constexpr std::uint64_t kMaxQuerySteps = 50'000'000;
 
 /// Distances at points. Cost: as `MapSampler`. Errors, here and below: also `Cancelled`, as
