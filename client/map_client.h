@@ -96,11 +96,12 @@ class MapClient {
 
   absl::Status DeleteMap(const MapName& name);
 
-  /// Signed distance at each point (world frame, metres), at most 100 000 points.
+  /// State of each point (world frame, metres) and its signed distance, at most 100 000 points.
   absl::StatusOr<v1::SampleDistanceResponse> SampleDistance(
       const MapName& name, std::span<const Eigen::Vector3d> points_world);
 
-  /// First surface along each ray, at most 100 000 rays. `max_range_m` 0: the server's default.
+  /// First surface along each ray and how far it is free, at most 100 000 rays. `max_range_m` 0:
+  /// the server's default.
   absl::StatusOr<v1::CastRaysResponse> CastRays(const MapName& name,
                                                 std::span<const WorldRay> rays,
                                                 double max_range_m = 0.0);

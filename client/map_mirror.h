@@ -82,11 +82,12 @@ class MapMirror {
   /// mirror ended with.
   absl::Status AwaitRevision(Revision revision, std::chrono::milliseconds timeout) const;
 
-  /// The map at each point (world frame, metres), all of one revision.
+  /// The map at each point (world frame, metres), all of one revision. A mirror holds no space that
+  /// was looked through: points and rays are free within the truncation of a surface alone.
   std::vector<MapDistance> SampleDistance(std::span<const Eigen::Vector3d> points_world) const;
 
-  /// The first surface along each ray, all of one revision. A direction of zero, or one that is not
-  /// finite, meets none.
+  /// The first surface along each ray, and how far it is free, all of one revision. A direction of
+  /// zero, or one that is not finite, meets none.
   std::vector<MapRayHit> CastRays(std::span<const WorldRay> rays, double max_range_m) const;
 
   /// The objects by rising id, archived ones included where the filter lets them pass.

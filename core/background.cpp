@@ -27,6 +27,11 @@ std::size_t Background::leaf_count() const {
   return count;
 }
 
+int Background::EmptySideAt(LeafOrigin origin) const {
+  const auto tile = tiles_.find(TileOf(origin));
+  return tile == tiles_.end() ? kTileSide : std::min(kTileSide, tile->second->EmptySideAt(origin));
+}
+
 TsdfGrid& Background::MutableTile(LeafOrigin origin) {
   std::shared_ptr<TsdfGrid>& tile = tiles_[TileOf(origin)];
   if (tile == nullptr) {

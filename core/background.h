@@ -24,6 +24,9 @@ class Background final : public VoxelReader {
   bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
+  /// A leaf or a tile.
+  int EmptySideAt(LeafOrigin origin) const override;
+
   /// The tile that holds `origin`, created or cloned if need be, for writing. Valid until the
   /// background is copied.
   TsdfGrid& MutableTile(LeafOrigin origin);

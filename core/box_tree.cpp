@@ -1,38 +1,16 @@
 #include "core/box_tree.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
+
+#include "core/ray_box.h"
 
 namespace steadymap {
 namespace {
 
 /// Below this, asking each box costs less than another level of the tree.
 constexpr std::size_t kMaxLeafBoxes = 4;
-
-/// Where a ray enters a box; none if it misses it within its range.
-std::optional<double> EntryOf(const Box& box,
-                              const Eigen::Vector3d& origin,
-                              const Eigen::Vector3d& direction,
-                              double max_range_m) {
-  double enter_m = 0.0;
-  double leave_m = max_range_m;
-  for (int axis = 0; axis < 3; ++axis) {
-    // A quotient by zero would be NaN for a ray within a side's plane.
-    if (direction[axis] == 0.0) {
-      if (origin[axis] < box.min()[axis] || origin[axis] > box.max()[axis]) return std::nullopt;
-      continue;
-    }
-    const double at_min_m = (box.min()[axis] - origin[axis]) / direction[axis];
-    const double at_max_m = (box.max()[axis] - origin[axis]) / direction[axis];
-    enter_m = std::max(enter_m, std::min(at_min_m, at_max_m));
-    leave_m = std::min(leave_m, std::max(at_min_m, at_max_m));
-  }
-  if (!(enter_m <= leave_m)) return std::nullopt;
-  return enter_m;
-}
 
 }  // namespace
 
@@ -99,12 +77,12 @@ std::vector<BoxTree::Crossing> BoxTree::FindAlong(const Eigen::Vector3d& origin,
     const std::size_t index = open.back();
     const Node& node = nodes_[index];
     open.pop_back();
-    if (!EntryOf(node.bounds, origin, unit_direction, max_range_m)) continue;
+    if (!ClipRay(node.bounds, origin, unit_direction, max_range_m)) continue;
     if (node.count == 0) open.insert(open.end(), {node.second_child, index + 1});
     for (std::size_t i = node.first; i < node.first + node.count; ++i) {
-      const std::optional<double> entry_m =
-          EntryOf(boxes_[order_[i]], origin, unit_direction, max_range_m);
-      if (entry_m) crossings.push_back({*entry_m, order_[i]});
+      const std::optional<RaySpan> span =
+          ClipRay(boxes_[order_[i]], origin, unit_direction, max_range_m);
+      if (span) crossings.push_back({span->enter_m, order_[i], span->leave_m});
     }
   }
   std::sort(crossings.begin(), crossings.end());

@@ -27,6 +27,7 @@ class BoxTree {
   struct Crossing {
     double entry_m = 0.0;  ///< Where the ray enters it; 0 if it starts inside.
     std::size_t box = 0;
+    double exit_m = 0.0;  ///< Where it leaves the box or ends.
 
     friend auto operator<=>(const Crossing&, const Crossing&) = default;
   };

@@ -37,6 +37,7 @@ inline constexpr std::string_view kEtagMismatch = "ETAG_MISMATCH";
 inline constexpr std::string_view kBadCaptureTime = "BAD_CAPTURE_TIME";
 inline constexpr std::string_view kFrameTooFine = "FRAME_TOO_FINE";
 inline constexpr std::string_view kQueueFull = "QUEUE_FULL";
+inline constexpr std::string_view kWorkLimit = "WORK_LIMIT";
 inline constexpr std::string_view kRateLimit = "RATE_LIMIT";
 inline constexpr std::string_view kMapBytes = "MAP_BYTES";
 inline constexpr std::string_view kDiskLow = "DISK_LOW";
@@ -46,6 +47,7 @@ inline constexpr std::string_view kStoreReadOnly = "STORE_READ_ONLY";
 inline constexpr std::string_view kMapOpening = "MAP_OPENING";
 inline constexpr std::string_view kMapQuarantined = "MAP_QUARANTINED";
 inline constexpr std::string_view kChecksum = "CHECKSUM";
+inline constexpr std::string_view kAsOf = "AS_OF";
 inline constexpr std::string_view kInternal = "INTERNAL";
 }  // namespace reason
 

@@ -1,6 +1,11 @@
 #include "core/free_space.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 
 #include "core/cell_index.h"
 
@@ -9,6 +14,46 @@ namespace {
 
 // How far behind a surface free space is looked for, metres.
 constexpr double kBehindM = 0.08;
+
+/// Visits the cells that a ray passes, one after the other, leaving none out (Amanatides and Woo,
+/// "A fast voxel traversal algorithm", 1987). Lengths in cells.
+class CellWalk {
+ public:
+  CellWalk(const Eigen::Vector3d& start, const Eigen::Vector3d& unit_direction)
+      : cell_(CellAt(start)) {
+    const std::array<std::int32_t, 3> first = {cell_.x, cell_.y, cell_.z};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double along = unit_direction[static_cast<Eigen::Index>(axis)];
+      if (along == 0.0) continue;
+      const double border = first[axis] + (along > 0.0 ? 1 : 0);
+      sign_[axis] = along > 0.0 ? 1 : -1;
+      until_border_[axis] = (border - start[static_cast<Eigen::Index>(axis)]) / along;
+      per_cell_[axis] = 1.0 / std::abs(along);
+    }
+  }
+
+  const CellIndex& cell() const { return cell_; }
+
+  /// How far from its start the ray enters the cell.
+  double entry_cells() const { return entry_; }
+
+  void Advance() {
+    const auto nearest = std::min_element(until_border_.begin(), until_border_.end());
+    const auto axis = static_cast<std::size_t>(nearest - until_border_.begin());
+    entry_ = until_border_[axis];
+    until_border_[axis] += per_cell_[axis];
+    (axis == 0 ? cell_.x : axis == 1 ? cell_.y : cell_.z) += sign_[axis];
+  }
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  CellIndex cell_;
+  double entry_ = 0.0;
+  std::array<std::int32_t, 3> sign_{};
+  std::array<double, 3> until_border_ = {kNever, kNever, kNever};  ///< From the start.
+  std::array<double, 3> per_cell_{};
+};
 
 }  // namespace
 
@@ -69,6 +114,38 @@ bool FreeSpace::IsFree(const Eigen::Vector3d& point_world) const {
   const CellIndex cell = CellAt(point_world / cell_size_m_);
   const LeafMask block = FindBlock(LeafOf(cell.x, cell.y, cell.z));
   return IsSet(block, OffsetInLeaf(cell.x, cell.y, cell.z));
+}
+
+Box FreeSpace::Bounds() const {
+  Box bounds;
+  for (const auto& [lowest, tile] : tiles_) {
+    const Eigen::Array3d low(lowest.x, lowest.y, lowest.z);
+    bounds.extend(Eigen::Vector3d(cell_size_m_ * low));
+    bounds.extend(Eigen::Vector3d(cell_size_m_ * (low + kTileSide)));
+  }
+  return bounds;
+}
+
+double FreeSpace::FreeRun(const Eigen::Vector3d& start_world,
+                          const Eigen::Vector3d& unit_direction_world,
+                          double max_m,
+                          QueryWork* work) const {
+  CellWalk walk(start_world / cell_size_m_, unit_direction_world);
+  const double max_cells = max_m / cell_size_m_;
+  LeafOrigin block_origin{1, 0, 0};  // Of no block.
+  LeafMask block{};
+  while (walk.entry_cells() < max_cells) {
+    const CellIndex& cell = walk.cell();
+    const LeafOrigin origin = LeafOf(cell.x, cell.y, cell.z);
+    if (origin != block_origin) {
+      if (!work->Take()) break;
+      block_origin = origin;
+      block = FindBlock(origin);
+    }
+    if (!IsSet(block, OffsetInLeaf(cell.x, cell.y, cell.z))) break;
+    walk.Advance();
+  }
+  return std::min(walk.entry_cells() * cell_size_m_, max_m);
 }
 
 bool FreeSpace::IsFreeBehind(const Eigen::Vector3d& point_world,

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "core/geometry.h"
+#include "core/query_work.h"
 #include "core/voxel_leaf.h"
 
 namespace steadymap {
@@ -27,6 +29,18 @@ class FreeSpace {
 
   /// Whether the cell around a point was looked through.
   bool IsFree(const Eigen::Vector3d& point_world) const;
+
+  /// How far the cells that a ray passes are free, from its start on, metres; `max_m` at most, and
+  /// 0 if the first is not. `unit_direction` has length one, and the ray runs within 10^8 cells of
+  /// the origin. Takes a step from `work` for each block on its way and ends where it may take
+  /// none.
+  double FreeRun(const Eigen::Vector3d& start_world,
+                 const Eigen::Vector3d& unit_direction_world,
+                 double max_m,
+                 QueryWork* work) const;
+
+  /// A box around all that is free, to the tile; empty if nothing is.
+  Box Bounds() const;
 
   /// Whether what lies right behind a surface that faces along the unit vector `normal_world` was
   /// looked through, so that the surface came after that. Nothing can be said of what is thinner

@@ -49,7 +49,7 @@ struct MapSnapshot {
   EventNumber last_event;  ///< Of the map's history; 0: nothing happened yet.
   /// Classes that the map's table has gained since it was created, in their order.
   std::vector<SemanticClass> added_classes;
-  FreeSpace free_space;  ///< For the mapper alone: no query asks for it.
+  FreeSpace free_space;  ///< What cameras have looked through; empty where nobody keeps it.
   std::map<SensorName, RobotState>
       robots;  ///< By what takes the frames; for the mapper alone, too.
 };

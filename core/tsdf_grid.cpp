@@ -50,6 +50,8 @@ void VoxelReader::ForEachLeaf(const std::function<void(LeafOrigin, const LeafVie
   });
 }
 
+int VoxelReader::EmptySideAt(LeafOrigin /*origin*/) const { return kLeafSide; }
+
 TsdfGrid::TsdfGrid() : trees_(std::make_unique<Trees>()) {}
 
 TsdfGrid::~TsdfGrid() = default;
@@ -83,6 +85,19 @@ bool TsdfGrid::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)
 }
 
 std::size_t TsdfGrid::leaf_count() const { return trees_->distance.leafCount(); }
+
+int TsdfGrid::EmptySideAt(LeafOrigin origin) const {
+  // The level at which the tree ends on the way to the leaf: the root, a node of 512 or one of 64
+  // voxels a side.
+  switch (trees_->distance.getValueDepth(ToCoord(origin))) {
+    case 2:
+      return kLeafSide;
+    case 1:
+      return kLeafSide * kLeafSide;
+    default:
+      return kLeafSide * kLeafSide * kLeafSide;
+  }
+}
 
 LeafEdit TsdfGrid::EditLeaf(LeafOrigin origin, bool with_color) {
   const openvdb::Coord coord = ToCoord(origin);

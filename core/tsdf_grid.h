@@ -26,6 +26,11 @@ class VoxelReader {
   void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const;
 
   virtual std::size_t leaf_count() const = 0;
+
+  /// Side, in voxels, of an empty cube around the leaf at `origin`, which must not exist: a power
+  /// of two, at least `kLeafSide`. The cube's lowest voxel is a multiple of its side. The larger it
+  /// is, the further a ray may go at once; here no larger than the leaf.
+  virtual int EmptySideAt(LeafOrigin origin) const;
 };
 
 /// One volume: an OpenVDB tree of distances and one of weights with the same leaves, and where
@@ -48,6 +53,9 @@ class TsdfGrid final : public VoxelReader {
   LeafView FindLeaf(LeafOrigin origin) const override;
   bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
+
+  /// A leaf, or the largest node of the tree that is not there: 64 or 512 voxels.
+  int EmptySideAt(LeafOrigin origin) const override;
 
   /// Write access to the leaf at `origin`; null where there is none. `with_color` adds colours
   /// where the leaf has none yet. Call `SetObserved` with the union of old and new voxels

@@ -7,9 +7,6 @@
 namespace steadymap {
 namespace {
 
-// Small enough not to step over the front of a thin wall, which is two voxels of positive distance.
-constexpr double kStepVoxels = 0.5;
-
 // The share of a distance that a ray may go: fused distances can be a little too long.
 constexpr double kSafeShare = 0.8;
 
@@ -35,13 +32,14 @@ double FindZero(TsdfSampler& sampler,
 RayHit CastRay(TsdfSampler& sampler,
                const Eigen::Vector3d& origin_m,
                const Eigen::Vector3d& unit_direction,
-               double max_range_m) {
+               double max_range_m,
+               QueryWork* work) {
   assert(std::abs(unit_direction.norm() - 1.0) < 1e-6);
   const double step_m = kStepVoxels * sampler.scale().voxel_size_m;
   double previous_range_m = 0.0;
   bool in_front = false;
   double range_m = 0.0;
-  while (range_m <= max_range_m) {
+  while (range_m <= max_range_m && (work == nullptr || work->Take())) {
     const Eigen::Vector3d point_m = origin_m + range_m * unit_direction;
     double distance_m = 0.0;
     const bool known = sampler.SampleDistance(point_m, &distance_m);

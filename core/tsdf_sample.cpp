@@ -160,12 +160,12 @@ double TsdfSampler::EmptyRun(const Eigen::Vector3d& point_m,
   if (!IsInRange(voxel)) return 0.0;
   const Eigen::Vector3i base = voxel.array().floor().cast<std::int32_t>();
   const LeafOrigin origin = LeafOf(base.x(), base.y(), base.z());
-  if (LeafAt(origin)) return 0.0;
-  const Eigen::Vector3d low(origin.x, origin.y, origin.z);
+  const int side = LeafAt(origin) ? 1 : reader_.EmptySideAt(origin);
+  const Eigen::Vector3d low(base.x() & -side, base.y() & -side, base.z() & -side);
   double run_voxels = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     if (unit_direction[axis] == 0.0) continue;
-    const double border = low[axis] + (unit_direction[axis] > 0.0 ? kLeafSide : 0);
+    const double border = low[axis] + (unit_direction[axis] > 0.0 ? side : 0);
     run_voxels = std::min(run_voxels, (border - voxel[axis]) / unit_direction[axis]);
   }
   return run_voxels * scale_.voxel_size_m;

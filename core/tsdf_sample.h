@@ -44,8 +44,9 @@ class TsdfSampler {
   /// that voxel was not.
   bool SampleNearest(const Eigen::Vector3d& point_m, double* distance_m);
 
-  /// How far a ray may go from `point_m` along `unit_direction` before it leaves a leaf that does
-  /// not exist, metres; 0 if the leaf at the point exists or the point is out of range.
+  /// How far a ray may go from `point_m`, which must be unknown, along `unit_direction` before it
+  /// leaves what is unknown with it, metres: the largest cube without leaves that the volume tells
+  /// of, or where the leaf at the point exists the cube between eight voxels. 0 out of range.
   double EmptyRun(const Eigen::Vector3d& point_m, const Eigen::Vector3d& unit_direction);
 
   const VoxelScale& scale() const { return scale_; }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -30,10 +31,11 @@ struct EventFilter {
   std::set<ClassId> classes;
   Revision changed_since;
   Timestamp start_time;
+  std::optional<Timestamp> end_time;  ///< Events come before it; none: any time.
 
   bool Passes(const ObjectEvent& event) const {
     if (event.revision <= changed_since && changed_since.value() > 0) return false;
-    if (event.time < start_time) return false;
+    if (event.time < start_time || (end_time && event.time >= *end_time)) return false;
     if (!types.empty() && !types.contains(event.type)) return false;
     // They concern no object, so they pass no filter of objects.
     if (event.IsOfRobot()) return objects.empty() && classes.empty();
@@ -42,6 +44,23 @@ struct EventFilter {
            (event.related != kBackgroundId && objects.contains(event.related));
   }
 };
+
+absl::Status ReadTimes(const v1::ListEventsRequest& request, EventFilter* filter) {
+  if (request.has_start_time()) {
+    const absl::StatusOr<Timestamp> start = FromProto(request.start_time());
+    if (!start.ok()) return WithFieldPrefix(start.status(), "start_time");
+    filter->start_time = *start;
+  }
+  if (request.has_end_time()) {
+    const absl::StatusOr<Timestamp> end = FromProto(request.end_time());
+    if (!end.ok()) return WithFieldPrefix(end.status(), "end_time");
+    if (*end < filter->start_time) {
+      return InvalidField(reason::kBadValue, "end_time", "end_time must not lie before start_time");
+    }
+    filter->end_time = *end;
+  }
+  return absl::OkStatus();
+}
 
 absl::StatusOr<EventFilter> ReadFilter(const v1::ListEventsRequest& request) {
   EventFilter filter;
@@ -60,49 +79,76 @@ absl::StatusOr<EventFilter> ReadFilter(const v1::ListEventsRequest& request) {
   if (!classes.ok()) return classes.status();
   filter.classes = *std::move(classes);
   filter.changed_since = Revision(request.changed_since());
-  if (!request.has_start_time()) return filter;
-  const absl::StatusOr<Timestamp> start = FromProto(request.start_time());
-  if (!start.ok()) return WithFieldPrefix(start.status(), "start_time");
-  filter.start_time = *start;
+  status = ReadTimes(request, &filter);
+  if (!status.ok()) return status;
   return filter;
 }
+
+/// Fills an answer with the events that pass a filter.
+class EventPage {
+ public:
+  EventPage(const EventFilter& filter, std::size_t page_size, v1::ListEventsResponse* response)
+      : filter_(filter), page_size_(page_size), response_(response) {}
+
+  /// Adds the event if it passes; false if it does and the page is full.
+  bool Add(const StoredEvent& stored) {
+    if (!filter_.Passes(stored.event)) return true;
+    if (static_cast<std::size_t>(response_->events_size()) == page_size_ ||
+        bytes_ > kMaxPageBytes) {
+      return false;
+    }
+    v1::ObjectEvent* event = response_->add_events();
+    *event = ToProto(stored.number, stored.event);
+    bytes_ += event->ByteSizeLong();
+    return true;
+  }
+
+ private:
+  const EventFilter& filter_;
+  const std::size_t page_size_;
+  v1::ListEventsResponse* const response_;
+  std::size_t bytes_ = 0;
+};
 
 }  // namespace
 
 absl::Status AnswerListEvents(Store& store,
                               MapKey map,
-                              Revision revision,
+                              const MapSnapshot& snapshot,
                               const v1::ListEventsRequest& request,
+                              const Cancellation& cancellation,
                               v1::ListEventsResponse* response) {
   const absl::StatusOr<EventFilter> filter = ReadFilter(request);
   if (!filter.ok()) return filter.status();
   const absl::StatusOr<std::size_t> page_size =
       ReadPageSize(request.page_size(), kDefaultEvents, kMaxEvents);
   if (!page_size.ok()) return page_size.status();
-  const std::string scope = absl::StrCat("events of ", map.value(), " behind ");
-  const absl::StatusOr<std::uint64_t> last = ReadNumberToken(scope, request.page_token());
-  if (!last.ok()) return last.status();
-  response->set_revision(revision.value());
-  EventNumber next(std::max(request.first_number(), *last + 1));
+  const std::string scope = ScopeOf("events", map, request);
+  const absl::StatusOr<ListingPosition> start = ReadListingToken(
+      scope, request.page_token(), {0, snapshot.last_event.value(), snapshot.revision});
+  if (!start.ok()) return start.status();
+  response->set_revision(start->revision.value());
+  EventPage page(*filter, *page_size, response);
+  EventNumber next(std::max(request.first_number(), start->last + 1));
   for (std::size_t passed = 0; passed < kMaxEventsPassed; passed += kEventsPerRead) {
+    if (absl::Status status = cancellation.Check(); !status.ok()) return status;
     const absl::StatusOr<std::vector<StoredEvent>> events =
         store.ReadEvents(map, next, kEventsPerRead);
     if (!events.ok()) return events.status();
     for (const StoredEvent& stored : *events) {
-      // What was committed meanwhile belongs to a later revision.
-      if (stored.event.revision > revision) return absl::OkStatus();
-      if (!filter->Passes(stored.event)) continue;
-      if (static_cast<std::size_t>(response->events_size()) == *page_size) {
+      // What was committed after the first page belongs to a later revision.
+      if (stored.number.value() > start->end) return absl::OkStatus();
+      if (!page.Add(stored)) {
         response->set_next_page_token(
-            MakePageToken(scope, absl::StrCat(response->events().rbegin()->number())));
+            MakeListingToken(scope, {stored.number.value() - 1, start->end, start->revision}));
         return absl::OkStatus();
       }
-      *response->add_events() = ToProto(stored.number, stored.event);
     }
     if (events->size() < kEventsPerRead) return absl::OkStatus();
     next = events->back().number.Next();
   }
-  response->set_next_page_token(MakePageToken(scope, absl::StrCat(next.value() - 1)));
+  response->set_next_page_token(
+      MakeListingToken(scope, {next.value() - 1, start->end, start->revision}));
   return absl::OkStatus();
 }
 

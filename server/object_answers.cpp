@@ -20,8 +20,8 @@ namespace {
 constexpr std::uint32_t kDefaultObjects = 100;
 constexpr std::uint32_t kMaxObjects = 1000;
 
-// Clients take 4 MiB at once unless they say otherwise.
-constexpr std::size_t kMaxPageBytes = std::size_t{1} << 20;
+// Between two questions whether the answer is still wanted: at most 2 ms.
+constexpr std::size_t kObjectsPerCheck = 256;
 
 /// What a request wants of an object.
 struct ObjectFilter {
@@ -67,14 +67,14 @@ absl::StatusOr<ObjectFilter> ReadFilter(const v1::ListObjectsRequest& request) {
 }  // namespace
 
 absl::Status AnswerGetObject(const MapSnapshot& snapshot,
-                             const v1::GetObjectRequest& request,
+                             const ObjectName& name,
                              v1::GetObjectResponse* response) {
-  const auto found = snapshot.objects.find(ObjectId(request.object_id()));
+  const auto found = snapshot.objects.find(name.object);
   if (found == snapshot.objects.end()) {
     return MakeError(absl::StatusCode::kNotFound,
                      reason::kNotFound,
-                     absl::StrCat("the map has no object ", request.object_id()),
-                     "object_id");
+                     absl::StrCat("the map has no object ", name.object.value()),
+                     name.object_field);
   }
   response->set_revision(snapshot.revision.value());
   *response->mutable_object() = ToProto(*found->second);
@@ -84,19 +84,24 @@ absl::Status AnswerGetObject(const MapSnapshot& snapshot,
 absl::Status AnswerListObjects(MapKey map,
                                const MapSnapshot& snapshot,
                                const v1::ListObjectsRequest& request,
+                               const Cancellation& cancellation,
                                v1::ListObjectsResponse* response) {
   const absl::StatusOr<ObjectFilter> filter = ReadFilter(request);
   if (!filter.ok()) return filter.status();
   const absl::StatusOr<std::size_t> page_size =
       ReadPageSize(request.page_size(), kDefaultObjects, kMaxObjects);
   if (!page_size.ok()) return page_size.status();
-  const std::string scope = absl::StrCat("objects of ", map.value(), " behind ");
+  const std::string scope = ScopeOf("objects", map, request);
   const absl::StatusOr<std::uint64_t> last = ReadNumberToken(scope, request.page_token());
   if (!last.ok()) return last.status();
   response->set_revision(snapshot.revision.value());
   std::size_t bytes = 0;
+  std::size_t passed = 0;
   for (auto at = snapshot.objects.upper_bound(ObjectId(*last)); at != snapshot.objects.end();
        ++at) {
+    if (passed++ % kObjectsPerCheck == 0) {
+      if (absl::Status status = cancellation.Check(); !status.ok()) return status;
+    }
     if (!filter->Passes(*at->second)) continue;
     if (static_cast<std::size_t>(response->objects_size()) == *page_size || bytes > kMaxPageBytes) {
       response->set_next_page_token(

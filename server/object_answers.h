@@ -2,19 +2,21 @@
 
 #include <absl/status/status.h>
 
+#include "core/cancellation.h"
 #include "core/identifiers.h"
 #include "core/map_snapshot.h"
+#include "server/query_selection.h"
 #include "server/store.h"
 
 #include "steadymap/v1/query_service.pb.h"
 
 /// What the queries about objects and their history answer. Requests are checked here; field paths
-/// are those of the request. Any thread.
+/// are those of the request. Lists end with `Cancelled`, as `cancellation` says. Any thread.
 namespace steadymap {
 
-/// One object of the snapshot. Errors: `NotFound` with the field `object_id`.
+/// One object of the snapshot. Errors: `NotFound` with the name's field.
 absl::Status AnswerGetObject(const MapSnapshot& snapshot,
-                             const v1::GetObjectRequest& request,
+                             const ObjectName& name,
                              v1::GetObjectResponse* response);
 
 /// A page of the snapshot's objects. `map` only marks the page tokens. Cost: a pass over the
@@ -22,14 +24,16 @@ absl::Status AnswerGetObject(const MapSnapshot& snapshot,
 absl::Status AnswerListObjects(MapKey map,
                                const MapSnapshot& snapshot,
                                const v1::ListObjectsRequest& request,
+                               const Cancellation& cancellation,
                                v1::ListObjectsResponse* response);
 
-/// A page of the map's events up to `revision`, read from `store`. Cost: about 1 us an event passed
-/// over; after 100 000 of them a page ends even if it is not full.
+/// A page of the map's events up to the snapshot's revision, read from `store`. Cost: about 1 us an
+/// event passed over; after 100 000 of them a page ends even if it is not full.
 absl::Status AnswerListEvents(Store& store,
                               MapKey map,
-                              Revision revision,
+                              const MapSnapshot& snapshot,
                               const v1::ListEventsRequest& request,
+                              const Cancellation& cancellation,
                               v1::ListEventsResponse* response);
 
 }  // namespace steadymap

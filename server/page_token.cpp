@@ -1,10 +1,16 @@
 #include "server/page_token.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include <absl/strings/escaping.h>
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_join.h>
+#include <absl/strings/str_split.h>
 
 #include "core/absl_text.h"
 #include "core/crc32c.h"
@@ -44,6 +50,42 @@ absl::StatusOr<std::uint64_t> ReadNumberToken(std::string_view scope, std::strin
   std::uint64_t number = 0;
   if (position->empty() || absl::SimpleAtoi(*position, &number)) return number;
   return InvalidField(reason::kBadPageToken, "page_token", "the page token is damaged");
+}
+
+std::string MakeListingToken(std::string_view scope, const ListingPosition& position) {
+  return MakePageToken(
+      scope, absl::StrJoin({position.last, position.end, position.revision.value()}, "/"));
+}
+
+absl::StatusOr<ListingPosition> ReadListingToken(std::string_view scope,
+                                                 std::string_view token,
+                                                 const ListingPosition& first) {
+  const absl::StatusOr<std::string> text = ReadPageToken(scope, token);
+  if (!text.ok()) return text.status();
+  if (text->empty()) return first;
+  std::array<std::uint64_t, 3> numbers{};
+  const std::vector<std::string> parts = absl::StrSplit(*text, '/');
+  bool is_whole = parts.size() == numbers.size();
+  for (std::size_t i = 0; is_whole && i < numbers.size(); ++i) {
+    is_whole = absl::SimpleAtoi(parts[i], &numbers[i]);
+  }
+  if (!is_whole) {
+    return InvalidField(reason::kBadPageToken, "page_token", "the page token is damaged");
+  }
+  const ListingPosition position{numbers[0], numbers[1], Revision(numbers[2])};
+  if (position.revision <= first.revision) return position;
+  return ListingPosition{position.last, first.end, first.revision};
+}
+
+std::string ScopeOf(std::string_view list, MapKey map, const google::protobuf::Message& request) {
+  const std::unique_ptr<google::protobuf::Message> filter(request.New());
+  filter->CopyFrom(request);
+  filter->DiscardUnknownFields();
+  for (const char* field : {"page_size", "page_token"}) {
+    filter->GetReflection()->ClearField(filter.get(),
+                                        filter->GetDescriptor()->FindFieldByName(field));
+  }
+  return absl::StrCat(Absl(list), " of ", map.value(), " ", filter->SerializeAsString());
 }
 
 absl::StatusOr<std::size_t> ReadPageSize(std::uint32_t asked,

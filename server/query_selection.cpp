@@ -3,8 +3,10 @@
 #include <limits>
 #include <string>
 
+#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
+#include "core/absl_text.h"
 #include "core/error.h"
 #include "proto/convert_geometry.h"
 
@@ -13,7 +15,38 @@ namespace {
 
 constexpr int kMaxFilterValues = 1000;
 
+constexpr std::string_view kObjectsInfix = "/objects/";
+
 }  // namespace
+
+absl::StatusOr<ObjectName> ReadObjectName(const v1::GetObjectRequest& request) {
+  if (request.name().empty()) return ObjectName{request.map(), ObjectId(request.object_id())};
+  if (!request.map().empty() || request.object_id() != 0) {
+    return InvalidField(reason::kBadValue,
+                        "name",
+                        "name takes the place of map and object_id; give one or the other");
+  }
+  const std::string_view name = request.name();
+  const std::size_t infix = name.rfind(kObjectsInfix);
+  if (infix != std::string_view::npos) {
+    const std::string_view digits = name.substr(infix + kObjectsInfix.size());
+    std::uint64_t id = 0;
+    // An object has one name: no sign, space or zero before its digits.
+    if (absl::SimpleAtoi(Absl(digits), &id) && std::to_string(id) == digits) {
+      return ObjectName{std::string(name.substr(0, infix)), ObjectId(id), "name", "name"};
+    }
+  }
+  return InvalidField(reason::kBadName,
+                      "name",
+                      "an object's name must read tenants/{tenant}/maps/{map}/objects/{id}");
+}
+
+absl::Status AsOfError() {
+  return MakeError(absl::StatusCode::kUnimplemented,
+                   reason::kAsOf,
+                   "this server shows the newest revision alone; leave as_of out",
+                   "as_of");
+}
 
 absl::StatusOr<std::optional<Box>> ReadBox(const v1::Box* message) {
   if (message == nullptr) return std::optional<Box>();

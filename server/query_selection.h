@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,8 +17,24 @@
 #include "core/placed_volume.h"
 
 #include "steadymap/v1/geometry.pb.h"
+#include "steadymap/v1/query_service.pb.h"
 
 namespace steadymap {
+
+/// The object that a request names, and the fields that say so.
+struct ObjectName {
+  std::string map;  ///< `tenants/{tenant}/maps/{map}`, unchecked.
+  ObjectId object;
+  std::string map_field = "map";
+  std::string object_field = "object_id";
+};
+
+/// Reads `name`, or `map` and `object_id`. Errors: `InvalidArgument` with the field `name` for both
+/// together (`BAD_VALUE`) and for what is no name of an object (`BAD_NAME`).
+absl::StatusOr<ObjectName> ReadObjectName(const v1::GetObjectRequest& request);
+
+/// That reads of the past are not possible yet: `Unimplemented`, reason `AS_OF`, field `as_of`.
+absl::Status AsOfError();
 
 /// The part of a map that a request asks for; none for all of it. `message` is null where the
 /// request has no box. Errors: as for `v1::Box`, below the field `box`.

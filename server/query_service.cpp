@@ -1,11 +1,14 @@
 #include "server/query_service.h"
 
 #include <memory>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "server/object_answers.h"
 #include "server/pool_call.h"
 #include "server/query_answers.h"
+#include "server/query_selection.h"
 
 namespace steadymap {
 namespace {
@@ -25,12 +28,21 @@ absl::Status CheckReads(const FoundMap& map) {
   return map.ok() ? (*map)->CheckReads() : map.status();
 }
 
-/// Answers with what `answer` makes of the map that the request names, once that is open.
-template <typename Request, typename Answer>
+/// The map that a request calls `name` in its field `field`.
+template <typename Request>
+FoundMap FindMap(const Surroundings& surroundings,
+                 const Request& request,
+                 const std::string& name,
+                 std::string_view field) {
+  if (request.has_as_of()) return AsOfError();
+  return surroundings.maps->Find(name, field);
+}
+
+/// Answers with what `answer` makes of a map, once that is open.
+template <typename Answer>
 grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
-                                      const Request* request,
+                                      const FoundMap& map,
                                       const Answer& answer) {
-  const FoundMap map = surroundings.maps->Find(request->map(), "map");
   return AnswerOnPoolAfter(
       [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
       surroundings.readers,
@@ -40,6 +52,14 @@ grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
       });
 }
 
+/// The same for the map that the request names in its field `map`.
+template <typename Request, typename Answer>
+grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
+                                      const Request* request,
+                                      const Answer& answer) {
+  return AnswerOfMap(surroundings, FindMap(surroundings, *request, request->map(), "map"), answer);
+}
+
 /// Answers with the messages of the source that `open` makes of the map that the request names.
 template <typename Response, typename Request, typename Open>
 grpc::ServerWriteReactor<Response>* StreamOfMap(const Surroundings& surroundings,
@@ -47,7 +67,7 @@ grpc::ServerWriteReactor<Response>* StreamOfMap(const Surroundings& surroundings
                                                 const Request* request,
                                                 const Open& open) {
   using Stream = MessageStream<Response>;
-  const FoundMap map = surroundings.maps->Find(request->map(), "map");
+  const FoundMap map = FindMap(surroundings, *request, request->map(), "map");
   return Stream::Start(
       {surroundings.readers, surroundings.streams},
       context,
@@ -64,19 +84,24 @@ grpc::ServerWriteReactor<Response>* StreamOfMap(const Surroundings& surroundings
 grpc::ServerUnaryReactor* QueryService::GetObject(grpc::CallbackServerContext* /*context*/,
                                                   const v1::GetObjectRequest* request,
                                                   v1::GetObjectResponse* response) {
+  const absl::StatusOr<ObjectName> name = ReadObjectName(*request);
+  const FoundMap map = name.ok() ? FindMap(surroundings_, *request, name->map, name->map_field)
+                                 : FoundMap(name.status());
   return AnswerOfMap(
-      surroundings_, request, [request, response](const MapRuntime& map, const Cancellation&) {
-        return AnswerGetObject(*map.snapshot(), *request, response);
+      surroundings_, map, [name, response](const MapRuntime& found, const Cancellation&) {
+        return AnswerGetObject(*found.snapshot(), *name, response);
       });
 }
 
 grpc::ServerUnaryReactor* QueryService::ListObjects(grpc::CallbackServerContext* /*context*/,
                                                     const v1::ListObjectsRequest* request,
                                                     v1::ListObjectsResponse* response) {
-  return AnswerOfMap(
-      surroundings_, request, [request, response](const MapRuntime& map, const Cancellation&) {
-        return AnswerListObjects(map.key(), *map.snapshot(), *request, response);
-      });
+  return AnswerOfMap(surroundings_,
+                     request,
+                     [request, response](const MapRuntime& map, const Cancellation& cancellation) {
+                       return AnswerListObjects(
+                           map.key(), *map.snapshot(), *request, cancellation, response);
+                     });
 }
 
 grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* /*context*/,
@@ -85,28 +110,31 @@ grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* 
   return AnswerOfMap(
       surroundings_,
       request,
-      [this, request, response](const MapRuntime& map, const Cancellation&) {
+      [this, request, response](const MapRuntime& map, const Cancellation& cancellation) {
         return AnswerListEvents(
-            *surroundings_.store, map.key(), map.snapshot()->revision, *request, response);
+            *surroundings_.store, map.key(), *map.snapshot(), *request, cancellation, response);
       });
 }
 
 grpc::ServerUnaryReactor* QueryService::SampleDistance(grpc::CallbackServerContext* /*context*/,
                                                        const v1::SampleDistanceRequest* request,
                                                        v1::SampleDistanceResponse* response) {
-  return AnswerOfMap(
-      surroundings_, request, [request, response](const MapRuntime& map, const Cancellation&) {
-        return AnswerSampleDistance(*map.snapshot(), *request, response);
-      });
+  return AnswerOfMap(surroundings_,
+                     request,
+                     [request, response](const MapRuntime& map, const Cancellation& cancellation) {
+                       return AnswerSampleDistance(
+                           *map.snapshot(), *request, cancellation, response);
+                     });
 }
 
 grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*context*/,
                                                  const v1::CastRaysRequest* request,
                                                  v1::CastRaysResponse* response) {
-  return AnswerOfMap(
-      surroundings_, request, [request, response](const MapRuntime& map, const Cancellation&) {
-        return AnswerCastRays(*map.snapshot(), *request, response);
-      });
+  return AnswerOfMap(surroundings_,
+                     request,
+                     [request, response](const MapRuntime& map, const Cancellation& cancellation) {
+                       return AnswerCastRays(*map.snapshot(), *request, cancellation, response);
+                     });
 }
 
 grpc::ServerWriteReactor<v1::GetMapSectionResponse>* QueryService::GetMapSection(
@@ -122,11 +150,13 @@ grpc::ServerWriteReactor<v1::ExportMapResponse>* QueryService::ExportMap(
 grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerContext* /*context*/,
                                                        const v1::ListFramePosesRequest* request,
                                                        v1::ListFramePosesResponse* response) {
-  return AnswerOfMap(surroundings_,
-                     request,
-                     [this, request, response](const MapRuntime& map, const Cancellation&) {
-                       return AnswerListFramePoses(*surroundings_.store, map, *request, response);
-                     });
+  return AnswerOfMap(
+      surroundings_,
+      request,
+      [this, request, response](const MapRuntime& map, const Cancellation& cancellation) {
+        return AnswerListFramePoses(
+            *surroundings_.store, map.key(), *map.snapshot(), *request, cancellation, response);
+      });
 }
 
 }  // namespace steadymap

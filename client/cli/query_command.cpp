@@ -12,11 +12,24 @@ namespace steadymap {
 namespace {
 
 constexpr char kQueryFooter[] =
-    "For each point (world frame, metres) the signed distance to the nearest surface: positive in\n"
-    "front of it, negative behind, together with the direction away from the surface, the object\n"
-    "(0 is the background), its class, and the weight of the evidence (1 is one look from 1 m).\n"
-    "`unknown` means that nobody has looked there, or that the point lies further than the\n"
-    "truncation from any surface that was seen.";
+    "For each point (world frame, metres) its state: `surface` at a surface or right behind it,\n"
+    "`free` in front of all surfaces or where a camera has looked through, `unknown` elsewhere. "
+    "Within\n"
+    "the truncation of a surface also the signed distance to the nearest: positive in front of "
+    "it,\n"
+    "negative behind, together with the direction away from the surface, the object (0 is the\n"
+    "background), its class, and the weight of the evidence (1 is one look from 1 m).";
+
+const char* StateText(v1::PointState state) {
+  switch (state) {
+    case v1::POINT_STATE_FREE:
+      return "free";
+    case v1::POINT_STATE_SURFACE:
+      return "surface";
+    default:
+      return "unknown";
+  }
+}
 
 std::string VectorText(double x, double y, double z, int decimals) {
   return "(" + FixedText(x, decimals) + ", " + FixedText(y, decimals) + ", " +
@@ -27,12 +40,13 @@ void WriteSampleText(const Eigen::Vector3d& point,
                      const v1::DistanceSample& sample,
                      std::ostream* out) {
   *out << VectorText(point.x(), point.y(), point.z(), 3) << "  ";
-  if (!sample.known()) {
-    *out << "unknown\n";
+  *out << StateText(sample.state());
+  if (!sample.has_distance_m()) {
+    *out << '\n';
     return;
   }
   const v1::Vector3& gradient = sample.gradient();
-  *out << FixedText(sample.distance_m(), 4) << " m  gradient "
+  *out << "  " << FixedText(sample.distance_m(), 4) << " m  gradient "
        << VectorText(gradient.x(), gradient.y(), gradient.z(), 2) << "  object "
        << sample.object_id() << "  class " << sample.class_id() << "  weight "
        << FixedText(sample.weight(), 2) << '\n';
@@ -43,8 +57,8 @@ void WriteSampleJson(const Eigen::Vector3d& point,
                      JsonWriter* json) {
   json->BeginObject();
   json->Key("point_m").Vector(point.x(), point.y(), point.z());
-  json->Key("known").Boolean(sample.known());
-  if (sample.known()) {
+  json->Key("state").Text(StateText(sample.state()));
+  if (sample.has_distance_m()) {
     json->Key("distance_m").Number(sample.distance_m());
     const v1::Vector3& gradient = sample.gradient();
     json->Key("gradient").Vector(gradient.x(), gradient.y(), gradient.z());

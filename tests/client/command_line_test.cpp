@@ -180,27 +180,29 @@ TEST_F(CommandLineTest, ListingsComeAsTextAndAsJson) {
   EXPECT_EQ(maps_.maps.size(), 2U);
 }
 
-TEST_F(CommandLineTest, QueryPrintsDistancesAndUnknown) {
+TEST_F(CommandLineTest, QueryPrintsStatesAndDistances) {
   v1::DistanceSample& known = *queries_.samples.add_samples();
-  known.set_known(true);
+  known.set_state(v1::POINT_STATE_FREE);
   known.set_distance_m(0.0312);
   known.mutable_gradient()->set_x(-1.0);
   known.set_weight(12.5);
-  queries_.samples.add_samples();
+  queries_.samples.add_samples()->set_state(v1::POINT_STATE_UNKNOWN);
+  queries_.samples.add_samples()->set_state(v1::POINT_STATE_FREE);
   queries_.samples.set_revision(9);
   const std::vector<std::string> arguments = {
-      "query", "kitchen", "--point", "1,2,3", "--point", "-1,0,0.5"};
+      "query", "kitchen", "--point", "1,2,3", "--point", "-1,0,0.5", "--point", "0,0,1"};
   const Outcome text = Run(arguments);
   EXPECT_EQ(text.exit_code, 0) << text.err;
-  EXPECT_EQ(text.out,
-            "(1.000, 2.000, 3.000)  0.0312 m  gradient (-1.00, 0.00, 0.00)  object 0  class 0  "
-            "weight 12.50\n(-1.000, 0.000, 0.500)  unknown\n");
+  EXPECT_EQ(
+      text.out,
+      "(1.000, 2.000, 3.000)  free  0.0312 m  gradient (-1.00, 0.00, 0.00)  object 0  class 0  "
+      "weight 12.50\n(-1.000, 0.000, 0.500)  unknown\n(0.000, 0.000, 1.000)  free\n");
   EXPECT_EQ(queries_.sample_request.points_m(1).x(), -1.0);
   std::vector<std::string> with_json = arguments;
   with_json.emplace_back("--json");
   const Outcome json = Run(with_json);
   EXPECT_NE(json.out.find("\"revision\": 9"), std::string::npos);
-  EXPECT_NE(json.out.find("\"known\": false"), std::string::npos);
+  EXPECT_NE(json.out.find("\"state\": \"unknown\""), std::string::npos);
   ExpectFailure({"query", "kitchen", "--point", "1,2"}, 1, "x,y,z");
 }
 

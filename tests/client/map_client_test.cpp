@@ -88,7 +88,7 @@ TEST_F(MapClientTest, SamplesOfAnotherNumberThanThePointsAreAnError) {
 TEST_F(MapClientTest, RaysAreAskedForAndTheirHitsCome) {
   queries_.hits.set_revision(9);
   v1::RayHit& hit = *queries_.hits.add_hits();
-  hit.set_hit(true);
+  hit.set_state(v1::POINT_STATE_SURFACE);
   hit.set_range_m(1.5);
   hit.set_object_id(4);
   const std::vector<WorldRay> rays = {{{1.0, 2.0, 3.0}, {0.0, 0.0, -2.0}}};

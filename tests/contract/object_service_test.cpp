@@ -107,6 +107,25 @@ TEST_P(ObjectServiceTest, AnObjectIsToldAsTheMapHasIt) {
   EXPECT_THAT(Call(get), IsError(StatusCode::kNotFound, "NOT_FOUND", "map"));
 }
 
+TEST_P(ObjectServiceTest, AnObjectIsFoundByItsName) {
+  v1::GetObjectRequest request;
+  request.set_name(map_ + "/objects/2");
+  v1::GetObjectResponse response;
+  const auto get = [&](auto* context) {
+    return service_.queries().GetObject(context, request, &response);
+  };
+  ASSERT_TRUE(Call(get).ok());
+  EXPECT_EQ(response.object().id(), 2U);
+  request.set_name(map_ + "/objects/5");
+  EXPECT_THAT(Call(get), IsError(StatusCode::kNotFound, "NOT_FOUND", "name"));
+  request.set_name("tenants/test/maps/none/objects/2");
+  EXPECT_THAT(Call(get), IsError(StatusCode::kNotFound, "NOT_FOUND", "name"));
+  for (const std::string& wrong : {map_, map_ + "/objects/two", std::string("objects/2")}) {
+    request.set_name(wrong);
+    EXPECT_THAT(Call(get), IsError(StatusCode::kInvalidArgument, "BAD_NAME", "name")) << wrong;
+  }
+}
+
 TEST_P(ObjectServiceTest, PresentObjectsAreListedOthersOnDemand) {
   EXPECT_EQ(*ObjectIds(ObjectsRequest()), (Numbers{1, 3}));
   v1::ListObjectsRequest request = ObjectsRequest();

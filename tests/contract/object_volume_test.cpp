@@ -59,7 +59,9 @@ TEST_P(ObjectVolumeTest, PointsAndRaysSeeBackgroundAndPresentObjects) {
   EXPECT_EQ(samples.samples(0).class_id(), 103U);
   EXPECT_NEAR(samples.samples(1).distance_m(), 0.05, 1e-3);
   EXPECT_EQ(samples.samples(1).object_id(), 0U);
-  EXPECT_FALSE(samples.samples(2).known());
+  EXPECT_EQ(samples.samples(0).state(), v1::POINT_STATE_FREE);
+  EXPECT_EQ(samples.samples(2).state(), v1::POINT_STATE_UNKNOWN);
+  EXPECT_FALSE(samples.samples(2).has_distance_m());
 
   v1::CastRaysRequest rays;
   rays.set_map(map_);
@@ -74,7 +76,7 @@ TEST_P(ObjectVolumeTest, PointsAndRaysSeeBackgroundAndPresentObjects) {
   EXPECT_EQ(hits.hits(0).object_id(), 1U);
   EXPECT_EQ(hits.hits(0).class_id(), 101U);
   EXPECT_NEAR(hits.hits(0).point_m().z(), 0.95, 1e-3);
-  EXPECT_TRUE(hits.hits(1).hit());
+  EXPECT_EQ(hits.hits(1).state(), v1::POINT_STATE_SURFACE);
   EXPECT_EQ(hits.hits(1).object_id(), 0U) << "an archived box stops no ray";
 }
 

@@ -65,12 +65,15 @@ TEST_P(QueryServiceTest, DistanceOfPointsBeforeAndBehindTheWall) {
   ASSERT_TRUE(Sample({{1.95, 0, 0}, {2.03, 0.1, 0.1}, {0.5, 0, 0}, {-3, 0, 0}}, &response).ok());
   EXPECT_EQ(response.revision(), 8U);
   ASSERT_EQ(response.samples_size(), 4);
-  EXPECT_TRUE(response.samples(0).known());
+  EXPECT_EQ(response.samples(0).state(), v1::POINT_STATE_FREE);
   EXPECT_NEAR(response.samples(0).distance_m(), 0.05, 0.005);
   EXPECT_NEAR(response.samples(0).gradient().x(), -1.0, 0.01);
+  EXPECT_EQ(response.samples(1).state(), v1::POINT_STATE_SURFACE);
   EXPECT_NEAR(response.samples(1).distance_m(), -0.03, 0.005);
-  EXPECT_FALSE(response.samples(2).known());
-  EXPECT_FALSE(response.samples(3).known());
+  for (const int far : {2, 3}) {
+    EXPECT_EQ(response.samples(far).state(), v1::POINT_STATE_UNKNOWN);
+    EXPECT_FALSE(response.samples(far).has_distance_m());
+  }
 }
 
 TEST_P(QueryServiceTest, RaysMeetTheWallFromTheFrontOnly) {
@@ -85,14 +88,14 @@ TEST_P(QueryServiceTest, RaysMeetTheWallFromTheFrontOnly) {
   ASSERT_TRUE(Cast(request, &response).ok());
   EXPECT_EQ(response.revision(), 8U);
   ASSERT_EQ(response.hits_size(), 2);
-  EXPECT_TRUE(response.hits(0).hit());
+  EXPECT_EQ(response.hits(0).state(), v1::POINT_STATE_SURFACE);
   EXPECT_NEAR(response.hits(0).range_m(), 1.5, 0.005);
   EXPECT_NEAR(response.hits(0).normal().x(), -1.0, 0.01);
-  EXPECT_FALSE(response.hits(1).hit());
+  EXPECT_EQ(response.hits(1).state(), v1::POINT_STATE_UNKNOWN);
   request.set_max_range_m(1.0);
   response.Clear();
   ASSERT_TRUE(Cast(request, &response).ok());
-  EXPECT_FALSE(response.hits(0).hit());
+  EXPECT_EQ(response.hits(0).state(), v1::POINT_STATE_UNKNOWN);
 }
 
 TEST_P(QueryServiceTest, WrongPointsAndRaysAreNamed) {
@@ -115,6 +118,43 @@ TEST_P(QueryServiceTest, WrongPointsAndRaysAreNamed) {
   request.set_max_range_m(kNan);
   EXPECT_THAT(Cast(request, &hits),
               IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "max_range_m"));
+}
+
+TEST_P(QueryServiceTest, ReadsOfThePastAreNotPossibleYet) {
+  const auto check = [&](auto request, auto response, auto call) {
+    request.set_map(map_);
+    request.mutable_as_of()->set_revision(3);
+    EXPECT_THAT(Call([&](auto* context) {
+                  return (service_.queries().*call)(context, request, &response);
+                }),
+                IsError(StatusCode::kUnimplemented, "AS_OF", "as_of"))
+        << request.GetTypeName();
+    request.mutable_as_of()->mutable_capture_time()->set_seconds(100);
+    EXPECT_THAT(Call([&](auto* context) {
+                  return (service_.queries().*call)(context, request, &response);
+                }),
+                IsError(StatusCode::kUnimplemented, "AS_OF", "as_of"));
+  };
+  using Stub = v1::QueryService::StubInterface;
+  check(v1::GetObjectRequest(), v1::GetObjectResponse(), &Stub::GetObject);
+  check(v1::ListObjectsRequest(), v1::ListObjectsResponse(), &Stub::ListObjects);
+  check(v1::ListEventsRequest(), v1::ListEventsResponse(), &Stub::ListEvents);
+  check(v1::SampleDistanceRequest(), v1::SampleDistanceResponse(), &Stub::SampleDistance);
+  check(v1::CastRaysRequest(), v1::CastRaysResponse(), &Stub::CastRays);
+  check(v1::ListFramePosesRequest(), v1::ListFramePosesResponse(), &Stub::ListFramePoses);
+  v1::GetMapSectionRequest section;
+  section.set_map(map_);
+  section.mutable_as_of()->set_revision(3);
+  std::vector<v1::GetMapSectionResponse> messages;
+  EXPECT_THAT(Section(section, &messages), IsError(StatusCode::kUnimplemented, "AS_OF", "as_of"));
+  v1::ExportMapRequest request;
+  request.set_map(map_);
+  request.set_format(v1::EXPORT_FORMAT_PLY);
+  request.mutable_as_of()->set_revision(3);
+  grpc::ClientContext context;
+  SetDeadline(&context);
+  EXPECT_THAT(FromGrpcStatus(service_.queries().ExportMap(&context, request)->Finish()),
+              IsError(StatusCode::kUnimplemented, "AS_OF", "as_of"));
 }
 
 TEST_P(QueryServiceTest, SectionHoldsTheLeavesThatTouchTheBox) {

@@ -139,6 +139,82 @@ TEST(MapSampler, AnEmptyMapKnowsNothing) {
   EXPECT_FALSE(sampler.Sample({nan, 0.0, 0.0}).sample.known);
 }
 
+/// The floor, and a wall of one square metre across the x axis at 100 m.
+MapSnapshot FloorAndFarWall() {
+  MapSnapshot map = FloorMap();
+  const TsdfGrid wall = testing::WallVolume(100.0);
+  wall.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    LeafVoxels voxels;
+    wall.LoadLeaf(origin, &voxels);
+    map.background.MutableTile(origin).StoreLeaf(origin, voxels);
+  });
+  return map;
+}
+
+/// Steps that a ray along x above the floor takes.
+std::uint64_t StepsOfRay(const MapSnapshot& map, double max_range_m) {
+  MapSampler sampler(map);
+  sampler.CastRay({0.0, 0.0, 0.3}, Eigen::Vector3d::UnitX(), max_range_m);
+  return sampler.work().steps();
+}
+
+TEST(MapSampler, EmptySpaceIsCrossedByTheTileInsteadOfByTheLeaf) {
+  const MapSnapshot map = FloorAndFarWall();
+  MapSampler sampler(map);
+  const MapRayHit hit = sampler.CastRay({0.0, 0.0, 0.42}, Eigen::Vector3d::UnitX(), 200.0);
+  EXPECT_NEAR(hit.hit.range_m, 100.0, 1e-3);
+  // 30 tiles, some leaves in the tiles of floor and wall, some voxels before the wall; by leaves
+  // alone 250.
+  EXPECT_LT(sampler.work().steps(), 70U);
+}
+
+TEST(MapSampler, WhatLiesBeyondTheMapTakesNoStep) {
+  const MapSnapshot map = FloorMap();
+  EXPECT_EQ(StepsOfRay(map, 10.0), StepsOfRay(map, 1000.0));
+  MapSampler sampler(map);
+  sampler.CastRay({0.0, 0.0, 50.0}, Eigen::Vector3d::UnitX(), 1000.0);
+  EXPECT_LE(sampler.work().steps(), 2U) << "passes above the whole map";
+}
+
+TEST(MapSampler, EndsWithinAStretchOnceItIsCancelled) {
+  const MapSnapshot map = BoxOverFloor();
+  const Cancellation cancellation;
+  MapSampler sampler(map, QueryWork(cancellation, 100'000'000));
+  const auto cast = [&](int i) {
+    sampler.CastRay({-1.9, 0.001 * i, 0.05}, Eigen::Vector3d::UnitX(), 10.0);
+  };
+  for (int i = 0; i < 100; ++i) cast(i);
+  ASSERT_TRUE(sampler.work().status().ok());
+  const std::uint64_t before = sampler.work().steps();
+  cancellation.Cancel();
+  for (int i = 0; sampler.work().status().ok(); ++i) cast(i % 100);
+  EXPECT_LE(sampler.work().steps(), before + 2 * QueryWork::kStepsPerCheck);
+}
+
+TEST(EmptySide, CubesHoldNoLeafAndAreNoSmallerThanTheyNeedBe) {
+  const MapSnapshot map = FloorAndFarWall();
+  const TsdfGrid floor = testing::FloorVolume(map.scale);
+  const auto check = [](const VoxelReader& volume, LeafOrigin origin) {
+    if (volume.FindLeaf(origin)) return 0;
+    const int side = volume.EmptySideAt(origin);
+    EXPECT_EQ(side & (side - 1), 0);
+    for (std::int32_t x = origin.x & -side; x < (origin.x & -side) + side; x += kLeafSide) {
+      for (std::int32_t y = origin.y & -side; y < (origin.y & -side) + side; y += kLeafSide) {
+        for (std::int32_t z = origin.z & -side; z < (origin.z & -side) + side; z += kLeafSide) {
+          EXPECT_FALSE(volume.FindLeaf({x, y, z})) << x << ' ' << y << ' ' << z;
+        }
+      }
+    }
+    return side;
+  };
+  EXPECT_EQ(check(map.background, {0, 0, 16}), 8) << "in a tile of the floor";
+  EXPECT_EQ(check(map.background, {0, 0, 64}), 64) << "above it";
+  EXPECT_EQ(check(map.background, {-8, -8, -2000}), 64);
+  EXPECT_EQ(check(floor, {0, 0, 16}), 8);
+  EXPECT_EQ(check(floor, {0, 0, 64}), 64);
+  EXPECT_EQ(check(floor, {0, 0, -520}), 512);
+}
+
 TEST(CountMap, BackgroundAndObjectsAreCounted) {
   MapSnapshot map = FloorMap();
   const MapCounts floor = CountMap(map);

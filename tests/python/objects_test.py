@@ -105,6 +105,26 @@ class ARoom(DaemonTest):
         self.assertGreater(len(whole), 2)
         self.assertEqual(ids, sorted(ids))
 
+    def test_filters_events_by_their_time(self):
+        times = [event.capture_time_ns for event in self.client.events("room")]
+        first, last = min(times), max(times)
+        self.assertLess(first, last)
+        before = self.client.events("room", start_time_ns=first, end_time_ns=last)
+        self.assertEqual([e.capture_time_ns for e in before], [t for t in times if t < last])
+        after = self.client.events("room", start_time_ns=last)
+        self.assertEqual([e.capture_time_ns for e in after], [t for t in times if t >= last])
+
+    def test_shows_what_the_camera_looked_through_as_free(self):
+        axis = [(x, 0.0, 0.0) for x in (0.5, -1.0)]
+        states = self.client.sample_distance("room", axis).state.tolist()
+        self.assertEqual(states, [steadymap.PointState.FREE, steadymap.PointState.UNKNOWN])
+        hits = self.client.cast_rays("room", (0.4, 0.0, 0.0), (1.0, 0.0, 0.0), max_range_m=0.2)
+        self.assertEqual(hits.state.tolist(), [steadymap.PointState.FREE])
+        self.assertAlmostEqual(hits.free_until_m[0], 0.2)
+        away = self.client.cast_rays("room", (0.4, 0.0, 0.0), (-1.0, 0.0, 0.0), max_range_m=9.0)
+        self.assertEqual(away.state.tolist(), [steadymap.PointState.UNKNOWN])
+        self.assertLess(away.free_until_m[0], 0.5)
+
     def test_samples_name_the_object(self):
         (box,) = self.boxes()
         samples = self.client.sample_distance("room", (BOX_DISTANCE_M - 0.02, -0.4, 0.0))

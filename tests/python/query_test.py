@@ -35,7 +35,9 @@ class AWall(DaemonTest):
     def test_has_the_distances_of_a_plane(self):
         points, distance_m = self.points_before_the_wall(500)
         samples = self.client.sample_distance("wall", points)
-        self.assertTrue(samples.known.all())
+        near = np.where(distance_m > 0, steadymap.PointState.FREE, steadymap.PointState.SURFACE)
+        clear = np.abs(distance_m) > STEP_M
+        np.testing.assert_array_equal(samples.state[clear], near[clear])
         np.testing.assert_allclose(samples.distance_m, distance_m, atol=STEP_M)
         np.testing.assert_allclose(samples.gradient @ (-1.0, 0.0, 0.0), 1.0, atol=1e-3)
         self.assertEqual(samples.revision, 5)
@@ -44,8 +46,11 @@ class AWall(DaemonTest):
         self.assertFalse(samples.distance_m.flags.writeable)
 
     def test_is_unknown_where_nobody_looked(self):
-        samples = self.client.sample_distance("wall", [(-1.0, 0.0, 0.0), (WALL_M, 0.0, 0.0)])
-        self.assertEqual(samples.known.tolist(), [False, True])
+        behind_m = WALL_M + TRUNCATION_M / 2
+        samples = self.client.sample_distance("wall", [(-1.0, 0.0, 0.0), (behind_m, 0.0, 0.0)])
+        self.assertEqual(
+            samples.state.tolist(), [steadymap.PointState.UNKNOWN, steadymap.PointState.SURFACE]
+        )
         self.assertTrue(np.isnan(samples.distance_m[0]) and np.isnan(samples.gradient[0]).all())
         self.assertEqual(samples.weight[0], 0.0)
 
@@ -55,7 +60,8 @@ class AWall(DaemonTest):
         targets = np.column_stack((np.full(200, WALL_M), random.uniform(-0.4, 0.4, (200, 2))))
         directions = 3.0 * (targets - origins)
         hits = self.client.cast_rays("wall", origins, directions)
-        self.assertTrue(hits.hit.all())
+        self.assertTrue((hits.state == steadymap.PointState.SURFACE).all())
+        self.assertTrue((hits.free_until_m <= hits.range_m).all())
         np.testing.assert_allclose(hits.point_m, targets, atol=2 * STEP_M)
         expected_m = np.linalg.norm(targets - origins, axis=1)
         np.testing.assert_allclose(hits.range_m, expected_m, atol=2 * STEP_M)
@@ -64,10 +70,11 @@ class AWall(DaemonTest):
     def test_is_missed_by_rays_that_go_elsewhere(self):
         directions = [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
         hits = self.client.cast_rays("wall", (0.0, 0.0, 0.0), directions)
-        self.assertEqual(hits.hit.tolist(), [True, False, False])
+        surface, unknown = steadymap.PointState.SURFACE, steadymap.PointState.UNKNOWN
+        self.assertEqual(hits.state.tolist(), [surface, unknown, unknown])
         self.assertTrue(np.isnan(hits.range_m[1:]).all() and np.isnan(hits.point_m[1:]).all())
         short = self.client.cast_rays("wall", (0.0, 0.0, 0.0), directions, max_range_m=1.0)
-        self.assertFalse(short.hit.any())
+        self.assertTrue((short.state == unknown).all())
 
     def test_is_a_flat_mesh(self):
         surface = self.client.mesh("wall")
@@ -115,7 +122,8 @@ class AWall(DaemonTest):
     def test_that_nobody_saw_is_empty(self):
         surface = self.client.mesh("empty")
         self.assertEqual((surface.vertices.shape, surface.triangles.shape), ((0, 3), (0, 3)))
-        self.assertFalse(self.client.sample_distance("empty", (0.0, 0.0, 0.0)).known.any())
+        samples = self.client.sample_distance("empty", (0.0, 0.0, 0.0))
+        self.assertEqual(samples.state.tolist(), [steadymap.PointState.UNKNOWN])
         self.assertEqual(list(self.client.objects("empty")), [])
         self.assertEqual(list(self.client.events("empty")), [])
 
@@ -128,9 +136,9 @@ class Requests(DaemonTest):
 
     def test_of_no_points_and_rays_have_empty_answers(self):
         samples = self.client.sample_distance("hall", np.empty((0, 3)))
-        self.assertEqual((samples.known.shape, samples.gradient.shape), ((0,), (0, 3)))
+        self.assertEqual((samples.state.shape, samples.gradient.shape), ((0,), (0, 3)))
         hits = self.client.cast_rays("hall", (0, 0, 0), np.empty((0, 3)))
-        self.assertEqual((hits.hit.shape, hits.point_m.shape), ((0,), (0, 3)))
+        self.assertEqual((hits.state.shape, hits.point_m.shape), ((0,), (0, 3)))
 
     def test_of_wrong_shapes_are_refused_here(self):
         for wrong in (np.zeros((4, 2)), np.zeros((2, 2, 3)), 7.0):

@@ -37,6 +37,33 @@ TEST(PageToken, PositionsThatAreNumbersComeBack) {
   EXPECT_FALSE(ReadNumberToken("events", MakePageToken("poses", "1")).ok());
 }
 
+TEST(ListingToken, ComesBackAsItsPosition) {
+  const ListingPosition first{0, 9, Revision(7)};
+  const ListingPosition start = *ReadListingToken("events", "", first);
+  EXPECT_EQ(start.last, 0U);
+  EXPECT_EQ(start.end, 9U);
+  EXPECT_EQ(start.revision, Revision(7));
+  const std::string token = MakeListingToken("events", {3, 5, Revision(4)});
+  const ListingPosition later = *ReadListingToken("events", token, first);
+  EXPECT_EQ(later.last, 3U);
+  EXPECT_EQ(later.end, 5U);
+  EXPECT_EQ(later.revision, Revision(4));
+  EXPECT_EQ(ReasonOf(ReadListingToken("poses", token, first).status()), "BAD_PAGE_TOKEN");
+  for (const char* wrong : {"3", "3/5", "3/5/x", "3/5/4/1"}) {
+    EXPECT_EQ(ReasonOf(ReadListingToken("events", MakePageToken("events", wrong), first).status()),
+              "BAD_PAGE_TOKEN")
+        << wrong;
+  }
+}
+
+TEST(ListingToken, OfALaterRevisionThanThereIsEndsAtTheNewest) {
+  const std::string token = MakeListingToken("events", {3, 50, Revision(40)});
+  const ListingPosition position = *ReadListingToken("events", token, {0, 9, Revision(7)});
+  EXPECT_EQ(position.last, 3U);
+  EXPECT_EQ(position.end, 9U);
+  EXPECT_EQ(position.revision, Revision(7));
+}
+
 TEST(PageSize, ZeroMeansTheStandard) {
   EXPECT_EQ(*ReadPageSize(0, 100, 1000), 100U);
   EXPECT_EQ(*ReadPageSize(1000, 100, 1000), 1000U);

@@ -1,6 +1,7 @@
 """Answers to queries about a map's surface. Every answer names the revision it was read at."""
 
 import dataclasses
+import enum
 from typing import Any, Callable, Generic, Iterator, List, Tuple, TypeVar
 
 import numpy as np
@@ -35,25 +36,36 @@ class Listing(Generic[_Entry], Iterator[_Entry]):
                 return
 
 
+class PointState(enum.IntEnum):
+    """What a map says of a point or of a ray. It says what was seen, not what is."""
+
+    UNKNOWN = query_service_pb2.POINT_STATE_UNKNOWN
+    """A point that was not seen, or not since something came to stand there; a ray that meets no
+    surface and is not known to be free all along."""
+    FREE = query_service_pb2.POINT_STATE_FREE
+    """A point in front of all surfaces, or looked through; a ray that is free to its end."""
+    SURFACE = query_service_pb2.POINT_STATE_SURFACE
+    """A point at a surface or right behind it; a ray that meets one from its front."""
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class DistanceSamples:
     """What a map shows at N points.
 
     Attributes:
         revision: at which the map was read.
-        known: bool (N,); False: nobody has looked there, or the point is further than the
-            truncation from any surface that was seen.
+        state: uint8 (N,), values of PointState.
         distance_m: float64 (N,), metres; positive in front of the surface, negative behind it; NaN
-            where unknown.
+            further than the truncation from any surface that was seen.
         gradient: float64 (N, 3), world frame, unit length, away from the surface; zero where a
-            neighbour is unknown, NaN where the point itself is.
+            neighbour is unknown, NaN where the distance is.
         object_id: uint64 (N,), whose volume answered; 0 is the background.
         class_id: uint32 (N,), class of that object; 0 for the background.
-        weight: float64 (N,), evidence: 1 is one look from 1 m; 0 where unknown.
+        weight: float64 (N,), evidence: 1 is one look from 1 m; 0 where there is no distance.
     """
 
     revision: int
-    known: np.ndarray
+    state: np.ndarray
     distance_m: np.ndarray
     gradient: np.ndarray
     object_id: np.ndarray
@@ -67,7 +79,9 @@ class RayHits:
 
     Attributes:
         revision: at which the map was read.
-        hit: bool (N,); False: no surface within the range.
+        state: uint8 (N,), values of PointState: SURFACE is a hit.
+        free_until_m: float64 (N,), metres; so far the ray is free, without a gap from its origin
+            on: up to the surface or to its greatest range at most.
         range_m: float64 (N,), distance from the ray's origin, metres; NaN without a hit.
         point_m: float64 (N, 3), world frame, metres; NaN without a hit.
         normal: float64 (N, 3), unit normal, towards the side it was seen from; NaN without a hit.
@@ -76,7 +90,8 @@ class RayHits:
     """
 
     revision: int
-    hit: np.ndarray
+    state: np.ndarray
+    free_until_m: np.ndarray
     range_m: np.ndarray
     point_m: np.ndarray
     normal: np.ndarray
@@ -116,14 +131,14 @@ def ray_request(
 def samples_from_proto(message: query_service_pb2.SampleDistanceResponse) -> DistanceSamples:
     """The answer as arrays."""
     samples = message.samples
-    known = _column(samples, bool, lambda sample: sample.known)
+    known = _column(samples, bool, lambda sample: sample.HasField("distance_m"))
     gradient = _vectors(samples, lambda sample: sample.gradient)
     distance_m = _column(samples, np.float64, lambda sample: sample.distance_m)
     distance_m[~known] = np.nan
     gradient[~known] = np.nan
     return DistanceSamples(
         revision=message.revision,
-        known=read_only(known),
+        state=read_only(_column(samples, np.uint8, lambda sample: sample.state)),
         distance_m=read_only(distance_m),
         gradient=read_only(gradient),
         object_id=read_only(_column(samples, np.uint64, lambda sample: sample.object_id)),
@@ -135,15 +150,16 @@ def samples_from_proto(message: query_service_pb2.SampleDistanceResponse) -> Dis
 def hits_from_proto(message: query_service_pb2.CastRaysResponse) -> RayHits:
     """The answer as arrays."""
     hits = message.hits
-    hit = _column(hits, bool, lambda entry: entry.hit)
+    state = _column(hits, np.uint8, lambda entry: entry.state)
     range_m = _column(hits, np.float64, lambda entry: entry.range_m)
     point_m = _vectors(hits, lambda entry: entry.point_m)
     normal = _vectors(hits, lambda entry: entry.normal)
     for array in (range_m, point_m, normal):
-        array[~hit] = np.nan
+        array[state != PointState.SURFACE] = np.nan
     return RayHits(
         revision=message.revision,
-        hit=read_only(hit),
+        state=read_only(state),
+        free_until_m=read_only(_column(hits, np.float64, lambda entry: entry.free_until_m)),
         range_m=read_only(range_m),
         point_m=read_only(point_m),
         normal=read_only(normal),

@@ -199,6 +199,8 @@ class Client:
         class_ids: Sequence[int] = (),
         first_number: int = 0,
         changed_since: int = 0,
+        start_time_ns: Optional[int] = None,
+        end_time_ns: Optional[int] = None,
     ) -> Listing[Event]:
         """The events that pass every filter, by rising number.
 
@@ -210,6 +212,8 @@ class Client:
             class_ids: of objects of one of these classes; empty: of any.
             first_number: from this number on; 0: from the first.
             changed_since: that came after this revision; 0: all.
+            start_time_ns: of frames captured at or after this time, nanoseconds since 1970.
+            end_time_ns: of frames captured before this time, likewise.
         """
         request = query_service_pb2.ListEventsRequest(
             map=full_map_name(map_name),
@@ -220,6 +224,10 @@ class Client:
             changed_since=changed_since,
             page_size=_EVENTS_PER_PAGE,
         )
+        if start_time_ns is not None:
+            request.start_time.FromNanoseconds(start_time_ns)
+        if end_time_ns is not None:
+            request.end_time.FromNanoseconds(end_time_ns)
 
         def fetch(token: str) -> Tuple[int, List[Event], str]:
             request.page_token = token
@@ -229,14 +237,14 @@ class Client:
         return Listing(fetch)
 
     def sample_distance(self, map_name: str, points_m: Any) -> DistanceSamples:
-        """Signed distance to the nearest surface at points of shape (N, 3), at most 100 000."""
+        """State of points of shape (N, 3), at most 100 000, and distance to the nearest surface."""
         request = sample_request(full_map_name(map_name), points_m)
         return samples_from_proto(self._connection.call(self._queries.SampleDistance, request))
 
     def cast_rays(
         self, map_name: str, origins_m: Any, directions: Any, max_range_m: float = 20.0
     ) -> RayHits:
-        """First surface along rays, at most 100 000.
+        """First surface along rays, at most 100 000, and how far they are free.
 
         Args:
             map_name: the map's name.
