@@ -160,6 +160,8 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
   note_->Begin(entry.sequence);
   if (entry.kind == LogEntryKind::kClasses) {
     mapper_->AddClasses(entry.sequence, entry.classes);
+  } else if (entry.kind == LogEntryKind::kSkipped) {
+    mapper_->Skip(entry.sequence);
   } else {
     mapper_->Integrate(entry.sequence, entry.frame);
     details_.poses.push_back(
@@ -181,8 +183,10 @@ absl::Status MapIntegrator::CheckSuspect(MapSequence sequence) {
                    suspect->crashes,
                    " times while it integrated entry ",
                    sequence.value(),
-                   " of the log; the map takes no more frames until the entry is passed over with "
-                   "`steadymapd salvage --skip-entry ",
+                   " of the log; the map takes no more frames until the entry is passed over: stop "
+                   "the server and run `steadymapd salvage --data-dir DIR --map ",
+                   record_.name.ToString(),
+                   " --skip-entry ",
                    sequence.value(),
                    "`"));
 }
