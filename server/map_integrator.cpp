@@ -171,11 +171,12 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
   return absl::OkStatus();
 }
 
-/// Before an entry that a process ended on, all others are brought to safety.
+/// Before an entry that a process ended on, all those before it are committed.
 absl::Status MapIntegrator::CheckSuspect(MapSequence sequence) {
   const std::optional<IntegrationNote::Suspect>& suspect = note_->suspect();
   if (!suspect || suspect->sequence != sequence) return absl::OkStatus();
-  if (suspect->crashes < kMaxCrashes) return Commit();
+  if (absl::Status status = Commit(); !status.ok()) return status;
+  if (suspect->crashes < kMaxCrashes) return absl::OkStatus();
   return MakeError(
       absl::StatusCode::kFailedPrecondition,
       reason::kMapQuarantined,
