@@ -41,6 +41,9 @@ MapName NameInCatalog(const StoreCatalog& catalog, MapKey key) {
 StoreCatalog CheckStoreFiles(const std::filesystem::path& data_dir,
                              std::vector<std::string>* problems) {
   StoreCatalog catalog;
+  std::error_code error;
+  // A store that never had a map has no catalog.
+  if (std::filesystem::is_empty(data_dir / "maps", error)) return catalog;
   const absl::StatusOr<std::string> bytes = TwinFile(data_dir / "catalog").Inspect(problems);
   if (!bytes.ok()) return catalog;
   absl::StatusOr<StoreCatalog> read = StoreCatalog::Unpack(*bytes);
