@@ -38,15 +38,8 @@ absl::Status UnreadableEntry(std::uint64_t number) {
 }
 
 LogRecordKind RecordKindOf(LogEntryKind kind) {
-  switch (kind) {
-    case LogEntryKind::kFrame:
-      return LogRecordKind::kFrame;
-    case LogEntryKind::kClasses:
-      return LogRecordKind::kClasses;
-    case LogEntryKind::kSkipped:
-      return LogRecordKind::kSkipped;
-  }
-  return LogRecordKind::kSkipped;
+  if (kind == LogEntryKind::kSkipped) return LogRecordKind::kSkipped;
+  return kind == LogEntryKind::kFrame ? LogRecordKind::kFrame : LogRecordKind::kClasses;
 }
 
 std::string PackGroupEnd(const LogAppend& append) {
