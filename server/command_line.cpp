@@ -8,6 +8,28 @@
 
 namespace steadymap {
 
+namespace {
+
+constexpr char kMapHelp[] = "The map: TENANT/MAP, or tenants/TENANT/maps/MAP";
+
+void AddTools(CLI::App* app, CommandLine* result) {
+  // So that --data-dir and --config may stand behind the tool's name.
+  app->fallthrough();
+  app->require_subcommand(0, 1);
+  CLI::App* const check = app->add_subcommand(
+      "check", "Read every file of a store that nobody serves, and name what is damaged");
+  check->add_option("--map", result->map, kMapHelp)->type_name("NAME");
+  CLI::App* const salvage =
+      app->add_subcommand("salvage", "Repair one map; its old files are kept beside the store's");
+  salvage->add_option("--map", result->map, kMapHelp)->type_name("NAME")->required();
+  salvage->add_option("--skip-entry", result->skip_entry, "Give this entry of the log no effect")
+      ->type_name("N");
+  salvage->add_option("--output", result->output, "Put the repaired map there, not into the store")
+      ->type_name("DIR");
+}
+
+}  // namespace
+
 CommandLine ParseCommandLine(int argument_count, const char* const* arguments) {
   CommandLine result;
   CLI::App app("steadymapd: keeps object-level maps of places, fed and read over gRPC",
@@ -23,14 +45,17 @@ CommandLine ParseCommandLine(int argument_count, const char* const* arguments) {
   app.add_flag("--print-config",
                result.print_config,
                "Print the configuration that is in force, with comments, and end");
+  AddTools(&app, &result);
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::Success& success) {
     result.exit_code = app.exit(success);
   } catch (const CLI::ParseError& error) {
     std::fprintf(stderr, "steadymapd: %s (see --help)\n", error.what());
-    result.exit_code = 1;
+    result.exit_code = kExitBadConfig;
   }
+  if (app.got_subcommand("check")) result.command = Command::kCheck;
+  if (app.got_subcommand("salvage")) result.command = Command::kSalvage;
   return result;
 }
 

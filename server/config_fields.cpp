@@ -164,13 +164,22 @@ void VisitStore(StoreOptions* store, FieldVisitor* visitor) {
                  "Bytes of RocksDB's write buffers. A restart replays up to twice as much."},
                 {4 * kMiB, kTiB},
                 &store->write_buffer_bytes);
-  typed.Integer({"min_free_disk_bytes",
-                 "Uploads are refused with DISK_LOW when the disk has less room left."},
-                {0, 1024 * kTiB},
-                &store->min_free_disk_bytes);
+  typed.Integer(
+      {"min_free_disk_bytes",
+       "Uploads are refused with DISK_LOW when the disk has fewer bytes left; at least three "
+       "times write_buffer_bytes."},
+      {0, 1024 * kTiB},
+      &store->min_free_disk_bytes);
+  typed.Integer(
+      {"log_segment_bytes", "Bytes of a file of a map's log, about; a trim drops whole files."},
+      {64 * kKiB, 4096 * kMiB},
+      &store->log_segment_bytes);
   typed.Integer({"kept_poses", "Newest frame poses that are kept when their frames are not."},
                 {0, 1'000'000'000'000},
                 &store->kept_poses);
+  typed.Integer({"kept_events", "Newest events of a map that are kept."},
+                {1, 1'000'000'000'000},
+                &store->kept_events);
   typed.Duration({"change_list_age_s",
                   "Change lists are dropped after this time: a reader that is further behind "
                   "starts from a snapshot."},

@@ -37,6 +37,11 @@ absl::Status UnreadableEntry(std::uint64_t number) {
                    absl::StrCat("entry ", number, " of the log holds nothing that can be read"));
 }
 
+LogRecordKind RecordKindOf(LogEntryKind kind) {
+  if (kind == LogEntryKind::kSkipped) return LogRecordKind::kSkipped;
+  return kind == LogEntryKind::kFrame ? LogRecordKind::kFrame : LogRecordKind::kClasses;
+}
+
 std::string PackGroupEnd(const LogAppend& append) {
   storage::v1::LogGroup group;
   group.set_uptime_ns(append.uptime.count());
@@ -59,6 +64,7 @@ absl::Status TakeGroupEnd(const FoundRecord& end, EntryLog::Found* found) {
 }  // namespace
 
 std::vector<std::string_view> PackEntry(const LogEntry& entry, std::string* header) {
+  if (entry.kind == LogEntryKind::kSkipped) return {};
   if (entry.kind == LogEntryKind::kClasses) {
     storage::v1::ClassTable table;
     for (const SemanticClass& row : entry.classes) *table.add_classes() = ToProto(row);
@@ -80,6 +86,10 @@ std::vector<std::string_view> PackEntry(const LogEntry& entry, std::string* head
 absl::StatusOr<LogEntry> UnpackEntry(FoundRecord record) {
   LogEntry entry;
   entry.sequence = MapSequence(record.number);
+  if (record.kind == LogRecordKind::kSkipped) {
+    entry.kind = LogEntryKind::kSkipped;
+    return entry;
+  }
   if (record.kind == LogRecordKind::kClasses) {
     entry.kind = LogEntryKind::kClasses;
     storage::v1::ClassTable table;
@@ -261,10 +271,8 @@ absl::Status EntryLog::Append(const LogAppend& append) {
   std::vector<LogRecord> records;
   for (std::size_t i = 0; i < append.entries.size(); ++i) {
     const LogEntry& entry = append.entries[i];
-    const bool is_frame = entry.kind == LogEntryKind::kFrame;
-    records.push_back({is_frame ? LogRecordKind::kFrame : LogRecordKind::kClasses,
-                       entry.sequence.value(),
-                       PackEntry(entry, &headers[i])});
+    records.push_back(
+        {RecordKindOf(entry.kind), entry.sequence.value(), PackEntry(entry, &headers[i])});
   }
   const std::string end = PackGroupEnd(append);
   records.push_back({LogRecordKind::kGroupEnd, group() + 1, {end}});

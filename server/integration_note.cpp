@@ -21,8 +21,26 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t kMagic = 0x3145544F4E4D5331ULL;  // "1SMNOTE1"
+constexpr std::uint64_t kMagic = 0x3245544F4E4D5331ULL;  // "1SMNOTE2"
 constexpr std::array kCrashSignals = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+
+/// A number with its complement: a damaged one reads as 0, that is, as unknown.
+class CheckedNumber {
+ public:
+  std::uint64_t Get() const {
+    const std::uint64_t value = value_;
+    return value == ~complement_.load() ? value : 0;
+  }
+
+  void Set(std::uint64_t value) {
+    value_ = value;
+    complement_ = ~value;
+  }
+
+ private:
+  std::atomic<std::uint64_t> value_ = 0;
+  std::atomic<std::uint64_t> complement_ = ~std::uint64_t{0};
+};
 
 }  // namespace
 
@@ -35,8 +53,8 @@ struct IntegrationNote::Page {
   std::atomic<std::uint64_t> suspect_sequence = 0;
   std::atomic<std::uint32_t> suspect_crashes = 0;
   std::atomic<std::uint32_t> unused = 0;
-  std::atomic<std::uint64_t> head = 0;
-  std::atomic<std::uint64_t> revision = 0;
+  CheckedNumber head;
+  CheckedNumber revision;
   /// By the clock of the process that began it: of no use to another one.
   std::atomic<Clock::rep> begun = 0;
 };
@@ -76,8 +94,8 @@ IntegrationNote::IntegrationNote(Page* page, bool is_mapped) : page_(page), is_m
   if (page_->suspect_sequence != 0) {
     suspect_ = Suspect{MapSequence(page_->suspect_sequence), page_->suspect_crashes};
   }
-  known_head_ = MapSequence(page_->head);
-  known_revision_ = Revision(page_->revision);
+  known_head_ = MapSequence(page_->head.Get());
+  known_revision_ = Revision(page_->revision.Get());
   NoteRegistry& registry = NoteRegistry::Get();
   const absl::MutexLock lock(&registry.mutex);
   registry.notes.insert(this);
@@ -116,6 +134,23 @@ absl::StatusOr<std::shared_ptr<IntegrationNote>> IntegrationNote::Open(
   return std::shared_ptr<IntegrationNote>(new IntegrationNote(page, /*is_mapped=*/true));
 }
 
+absl::StatusOr<std::shared_ptr<IntegrationNote>> IntegrationNote::Inspect(
+    const std::filesystem::path& file) {
+  const absl::StatusOr<PosixFile> opened = PosixFile::Open(file, O_RDONLY);
+  if (absl::IsNotFound(opened.status())) return InMemory();
+  if (!opened.ok()) return opened.status();
+  const absl::StatusOr<std::uint64_t> size = opened->Size();
+  if (!size.ok()) return size.status();
+  if (*size < sizeof(Page)) return InMemory();
+  // What is written to a private mapping stays in memory.
+  void* const memory =
+      ::mmap(nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_PRIVATE, opened->descriptor(), 0);
+  if (memory == MAP_FAILED) return SystemError(errno, "map", file);
+  auto* page = static_cast<Page*>(memory);
+  if (page->magic != kMagic) page = new (memory) Page();
+  return std::shared_ptr<IntegrationNote>(new IntegrationNote(page, /*is_mapped=*/true));
+}
+
 std::shared_ptr<IntegrationNote> IntegrationNote::InMemory() {
   return std::shared_ptr<IntegrationNote>(new IntegrationNote(new Page(), /*is_mapped=*/false));
 }
@@ -131,10 +166,7 @@ void IntegrationNote::Begin(MapSequence sequence) {
 void IntegrationNote::End() {
   signal_of_this_thread = nullptr;
   const std::uint64_t sequence = page_->sequence.exchange(0);
-  if (sequence != page_->suspect_sequence) return;
-  page_->suspect_sequence = 0;
-  page_->suspect_crashes = 0;
-  suspect_.reset();
+  if (sequence == page_->suspect_sequence) Forgive();
 }
 
 void IntegrationNote::Fail() {
@@ -153,12 +185,17 @@ void IntegrationNote::CountCrash() {
   suspect_ = Suspect{MapSequence(sequence), page_->suspect_crashes};
 }
 
-void IntegrationNote::NoteHead(MapSequence head) { page_->head = head.value(); }
+void IntegrationNote::Forgive() {
+  page_->suspect_sequence = 0;
+  page_->suspect_crashes = 0;
+  suspect_.reset();
+}
 
-void IntegrationNote::NoteRevision(Revision revision) { page_->revision = revision.value(); }
+void IntegrationNote::NoteHead(MapSequence head) { page_->head.Set(head.value()); }
 
-void IntegrationNote::AgeAll() {
-  const Clock::time_point now = Clock::now();
+void IntegrationNote::NoteRevision(Revision revision) { page_->revision.Set(revision.value()); }
+
+void IntegrationNote::AgeAll(Clock::time_point now) {
   NoteRegistry& registry = NoteRegistry::Get();
   const absl::MutexLock lock(&registry.mutex);
   for (IntegrationNote* note : registry.notes) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -35,6 +36,11 @@ class IntegrationNote {
   /// that it says is vital. Errors: as `PosixFile`.
   static absl::StatusOr<std::shared_ptr<IntegrationNote>> Open(const std::filesystem::path& file);
 
+  /// What the note in `file` says, to look at: the file stays as it is. A new one if it is missing
+  /// or damaged. Errors: as `PosixFile`.
+  static absl::StatusOr<std::shared_ptr<IntegrationNote>> Inspect(
+      const std::filesystem::path& file);
+
   /// A note that ends with the process, for tests and stores without a disk.
   static std::shared_ptr<IntegrationNote> InMemory();
 
@@ -63,9 +69,9 @@ class IntegrationNote {
   void NoteHead(MapSequence head);
   void NoteRevision(Revision revision);
 
-  /// Adds to the time that the entries at hand have taken, for all notes of the process. To be
+  /// Notes how long the entries at hand have taken by `now`, for all notes of the process. To be
   /// called now and then: a process that is killed can tell no more.
-  static void AgeAll();
+  static void AgeAll(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());
 
   /// Makes crashes of this process (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) speak against the
   /// entry that the crashing thread integrates. Call once, before threads are started.
@@ -77,6 +83,7 @@ class IntegrationNote {
   IntegrationNote(Page* page, bool is_mapped);
 
   void CountCrash();
+  void Forgive();
 
   Page* const page_;
   const bool is_mapped_;

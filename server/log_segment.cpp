@@ -93,7 +93,7 @@ std::optional<RecordHeader> UnpackRecordHeader(std::string_view packed, MapKey m
   const std::string_view summed = packed.substr(8, kRecordSummedBytes);
   if (ReadInteger(packed, 4, 4) != HeaderChecksum(map, summed)) return std::nullopt;
   const std::uint64_t kind = ReadInteger(packed, 24, 8);
-  if (kind < 1 || kind > static_cast<std::uint64_t>(LogRecordKind::kGroupEnd)) return std::nullopt;
+  if (kind < 1 || kind > static_cast<std::uint64_t>(LogRecordKind::kSkipped)) return std::nullopt;
   return RecordHeader{static_cast<LogRecordKind>(kind),
                       ReadInteger(packed, 16, 8),
                       ReadInteger(packed, 12, 4),
@@ -293,6 +293,29 @@ absl::StatusOr<SegmentScan> ScanSegment(const std::filesystem::path& path,
   const bool cut = step != SegmentWalk::Step::kDamaged;
   if (whole || (may_be_torn && (cut || IsTorn(*segment, scan)))) return scan;
   return Damaged(path, walk.place());
+}
+
+absl::StatusOr<std::vector<WholeRecord>> FindWholeRecords(const std::filesystem::path& path,
+                                                          MapKey map) {
+  const absl::StatusOr<std::string> bytes = ReadWholeFile(path);
+  if (!bytes.ok()) return bytes.status();
+  const std::string_view segment = *bytes;
+  std::vector<WholeRecord> found;
+  std::uint64_t place = kSegmentHeaderBytes;
+  while (place + kRecordHeaderBytes <= segment.size()) {
+    const std::optional<RecordHeader> header =
+        UnpackRecordHeader(segment.substr(place, kRecordHeaderBytes), map);
+    const std::string_view payload =
+        header ? segment.substr(place + kRecordHeaderBytes, header->payload_bytes)
+               : std::string_view();
+    const bool is_whole = header && payload.size() == header->payload_bytes &&
+                          ExtendCrc32c(0, payload) == header->payload_crc;
+    if (is_whole) {
+      found.push_back({{header->kind, header->number, std::string(payload)}, place});
+    }
+    place += is_whole ? header->record_bytes() : kAlignment;
+  }
+  return found;
 }
 
 }  // namespace steadymap

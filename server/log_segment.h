@@ -34,6 +34,7 @@ enum class LogRecordKind : std::uint8_t {
   kFrame = 1,     ///< An entry: a frame, with its source.
   kClasses = 2,   ///< An entry: classes that the map's table gains.
   kGroupEnd = 3,  ///< The end of a group, with the sessions that it changed.
+  kSkipped = 4,   ///< An entry without effect and without payload.
 };
 
 /// Where a segment begins.
@@ -125,5 +126,16 @@ struct SegmentScan {
 absl::StatusOr<SegmentScan> ScanSegment(const std::filesystem::path& path,
                                         MapKey map,
                                         bool may_be_torn);
+
+/// A whole record in a file that may be damaged elsewhere.
+struct WholeRecord {
+  FoundRecord record;
+  std::uint64_t place = 0;  ///< Bytes from the start of the file.
+};
+
+/// Every record of a segment whose header and payload match their checksums, in the order of their
+/// places, whatever stands between them. Errors: as `ReadWholeFile`.
+absl::StatusOr<std::vector<WholeRecord>> FindWholeRecords(const std::filesystem::path& path,
+                                                          MapKey map);
 
 }  // namespace steadymap

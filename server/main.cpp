@@ -13,20 +13,25 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
+#include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include "server/command_line.h"
 #include "server/config_file.h"
 #include "server/exit_deadline.h"
 #include "server/integration_note.h"
+#include "server/log_limiter.h"
 #include "server/logging.h"
 #include "server/server.h"
 #include "server/service_manager_notifier.h"
 #include "server/store.h"
+#include "server/store_tools.h"
 
 namespace steadymap {
 namespace {
@@ -36,15 +41,42 @@ using Clock = std::chrono::steady_clock;
 /// How often the daemon looks after itself, at most.
 constexpr std::chrono::milliseconds kLongestWait{1000};
 
-int Fail(const absl::Status& status) {
+/// Lines of protobuf's in a minute.
+constexpr int kProtobufLines = 10;
+
+int Refuse(const absl::Status& status) {
   std::fprintf(stderr, "steadymapd: %s\n", std::string(status.message()).c_str());
-  return EXIT_FAILURE;
+  return kExitBadConfig;
 }
 
 // What gRPC says goes where everything goes, for those who debug: any client can make it talk, and
 // what matters to an operator comes back to us as a status.
 void LogForGrpc(gpr_log_func_args* record) {
   spdlog::debug("gRPC: {} ({}:{})", record->message, record->file, record->line);
+}
+
+// What protobuf says of messages that clients send, a few lines of it: any client can make it talk.
+void LogForProtobuf(google::protobuf::LogLevel /*level*/,
+                    const char* file,
+                    int line,
+                    const std::string& message) {
+  static LogLimiter limiter(kProtobufLines, std::chrono::minutes(1));
+  if (!limiter.Allows(LogLimiter::Clock::now())) return;
+  spdlog::warn("protobuf: {} ({}:{})", message, file, line);
+}
+
+// Every connection and every open file of a map takes a descriptor; the usual soft limit of 1024 is
+// for programs that use select(2).
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  const rlim_t before = limit.rlim_cur;
+  limit.rlim_cur = limit.rlim_max;
+  if (before != limit.rlim_cur && ::setrlimit(RLIMIT_NOFILE, &limit) != 0) {
+    spdlog::warn("the limit of open files stays at {}", before);
+    return;
+  }
+  spdlog::info("up to {} files and connections may be open", limit.rlim_cur);
 }
 
 // Blocked in every thread, since this is called before there are others; `WaitForSignal` takes
@@ -86,10 +118,17 @@ void Reload(const CommandLine& command_line, ServerConfig* config, Server* serve
     spdlog::error("configuration not reloaded: {}", std::string(status.message()));
     return;
   }
+  const ServerConfig before = *config;
   ApplyReloadable(*fresh, config);
   SetLogLevel(config->log.level);
   server->SetLimits(config->limits);
-  spdlog::info("log level and limits reloaded");
+  const std::vector<std::string> applied = FindDifferences(before, *config);
+  const std::vector<std::string> waiting = FindDifferences(*config, *fresh);
+  for (const std::string& change : applied) spdlog::info("configuration reloaded: {}", change);
+  for (const std::string& change : waiting) {
+    spdlog::warn("configuration not reloaded, a restart is needed: {}", change);
+  }
+  if (applied.empty() && waiting.empty()) spdlog::info("configuration reloaded: nothing changed");
 }
 
 // Serves until a signal ends it.
@@ -123,6 +162,8 @@ void Serve(const sigset_t& signals,
 int Run(const CommandLine& command_line, ServerConfig config) {
   StartLogging(config.log);
   ::gpr_set_log_function(LogForGrpc);
+  google::protobuf::SetLogHandler(LogForProtobuf);
+  RaiseDescriptorLimit();
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockSignals();
   IntegrationNote::CatchCrashes();
@@ -168,12 +209,13 @@ int Main(int argument_count, const char* const* arguments) {
   const CommandLine command_line = ParseCommandLine(argument_count, arguments);
   if (command_line.exit_code) return *command_line.exit_code;
   const absl::StatusOr<ServerConfig> config = ReadConfig(command_line);
-  if (!config.ok()) return Fail(config.status());
-  if (absl::Status status = ValidateServerConfig(*config); !status.ok()) return Fail(status);
+  if (!config.ok()) return Refuse(config.status());
+  if (absl::Status status = ValidateServerConfig(*config); !status.ok()) return Refuse(status);
   if (command_line.print_config) {
     std::fputs(PrintConfig(*config).c_str(), stdout);
     return EXIT_SUCCESS;
   }
+  if (command_line.command != Command::kServe) return RunStoreTool(command_line, *config);
   const int exit_code = Run(command_line, *config);
   if (exit_code == EXIT_SUCCESS) spdlog::info("stopped");
   return exit_code;

@@ -52,7 +52,9 @@ absl::StatusOr<std::unique_ptr<MapDatabase>> MapDatabase::Open(const std::filesy
   std::unique_ptr<MapDatabase> map(new MapDatabase(record, surroundings));
   if (absl::Status status = map->OpenState(folder); !status.ok()) return status;
   if (absl::Status status = map->OpenLog(folder); !status.ok()) return status;
-  absl::StatusOr<std::shared_ptr<IntegrationNote>> note = IntegrationNote::Open(folder / "note");
+  absl::StatusOr<std::shared_ptr<IntegrationNote>> note =
+      surroundings.read_only ? IntegrationNote::Inspect(folder / "note")
+                             : IntegrationNote::Open(folder / "note");
   // A note that cannot be made for want of space is not missed until there is some.
   map->note_ = note.ok() ? *std::move(note) : IntegrationNote::InMemory();
   if (absl::Status status = map->CheckNote(); !status.ok()) return status;
@@ -60,7 +62,7 @@ absl::StatusOr<std::unique_ptr<MapDatabase>> MapDatabase::Open(const std::filesy
 }
 
 absl::Status MapDatabase::OpenState(const std::filesystem::path& folder) {
-  const bool has_room = CheckFree(kOpenBytes).ok();
+  const bool has_room = !surroundings_.read_only && CheckFree(kOpenBytes).ok();
   absl::StatusOr<std::unique_ptr<StateDatabase>> state = StateDatabase::Open(
       StateFolder(folder),
       has_room ? StateDatabase::Mode::kReadWrite : StateDatabase::Mode::kReadOnly,

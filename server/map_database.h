@@ -35,6 +35,7 @@ class MapDatabase {
     const StoreOptions* options = nullptr;
     /// Free bytes for the daemon's user on the folder's disk.
     std::function<absl::StatusOr<std::uint64_t>()> free_disk_bytes;
+    bool read_only = false;  ///< Whether to change nothing in the folder, for tools that look.
   };
 
   /// Makes an empty database in `folder`, which exists; on disk when it returns.

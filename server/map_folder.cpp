@@ -44,9 +44,8 @@ absl::Status DamagedRecord(const std::filesystem::path& folder, const char* what
 }
 
 /// The record as its file holds it.
-absl::StatusOr<storage::v1::MapRecord> ReadProto(const TwinFile& file,
+absl::StatusOr<storage::v1::MapRecord> ReadProto(const absl::StatusOr<std::string>& bytes,
                                                  const std::filesystem::path& folder) {
-  const absl::StatusOr<std::string> bytes = file.Read();
   if (absl::IsNotFound(bytes.status())) return DamagedRecord(folder, "is missing");
   if (!bytes.ok()) return bytes.status();
   storage::v1::MapRecord proto;
@@ -72,8 +71,14 @@ absl::Status MapFolder::Create(const MapRecord& record) const {
   return WriteRecord(record);
 }
 
-absl::StatusOr<MapRecord> MapFolder::ReadRecord() const {
-  const absl::StatusOr<storage::v1::MapRecord> proto = ReadProto(record_file_, path_);
+absl::StatusOr<MapRecord> MapFolder::ReadRecord() const { return TakeRecord(record_file_.Read()); }
+
+absl::StatusOr<MapRecord> MapFolder::InspectRecord(std::vector<std::string>* problems) const {
+  return TakeRecord(record_file_.Inspect(problems));
+}
+
+absl::StatusOr<MapRecord> MapFolder::TakeRecord(const absl::StatusOr<std::string>& bytes) const {
+  const absl::StatusOr<storage::v1::MapRecord> proto = ReadProto(bytes, path_);
   if (!proto.ok()) return proto.status();
   absl::StatusOr<MapRecord> record = FromProto(*proto);
   if (record.ok() && record->key != key_) return DamagedRecord(path_, "is another map's");
@@ -88,7 +93,7 @@ absl::Status MapFolder::WriteRecord(const MapRecord& record) const {
 }
 
 bool MapFolder::IsCopy() const {
-  const absl::StatusOr<storage::v1::MapRecord> proto = ReadProto(record_file_, path_);
+  const absl::StatusOr<storage::v1::MapRecord> proto = ReadProto(record_file_.Read(), path_);
   if (!proto.ok() || !proto->has_identity()) return false;
   const auto identity = IdentityOf(path_ / kIdentityFile);
   return !identity || identity->inode() != proto->identity().inode() ||

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -26,6 +28,9 @@ class MapFolder {
   /// another map's.
   absl::StatusOr<MapRecord> ReadRecord() const;
 
+  /// As `ReadRecord`, but changes nothing: what is wrong with its files is added to `problems`.
+  absl::StatusOr<MapRecord> InspectRecord(std::vector<std::string>* problems) const;
+
   absl::Status WriteRecord(const MapRecord& record) const;
 
   /// Whether the folder is a copy of the one that was written last, as after a restore from a
@@ -45,6 +50,8 @@ class MapFolder {
   absl::Status Remove() const;
 
  private:
+  absl::StatusOr<MapRecord> TakeRecord(const absl::StatusOr<std::string>& bytes) const;
+
   std::filesystem::path path_;
   MapKey key_;
   TwinFile record_file_;

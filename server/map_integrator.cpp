@@ -160,6 +160,8 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
   note_->Begin(entry.sequence);
   if (entry.kind == LogEntryKind::kClasses) {
     mapper_->AddClasses(entry.sequence, entry.classes);
+  } else if (entry.kind == LogEntryKind::kSkipped) {
+    mapper_->Skip(entry.sequence);
   } else {
     mapper_->Integrate(entry.sequence, entry.frame);
     details_.poses.push_back(
@@ -169,11 +171,12 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
   return absl::OkStatus();
 }
 
-/// Before an entry that a process ended on, all others are brought to safety.
+/// Before an entry that a process ended on, all those before it are committed.
 absl::Status MapIntegrator::CheckSuspect(MapSequence sequence) {
   const std::optional<IntegrationNote::Suspect>& suspect = note_->suspect();
   if (!suspect || suspect->sequence != sequence) return absl::OkStatus();
-  if (suspect->crashes < kMaxCrashes) return Commit();
+  if (absl::Status status = Commit(); !status.ok()) return status;
+  if (suspect->crashes < kMaxCrashes) return absl::OkStatus();
   return MakeError(
       absl::StatusCode::kFailedPrecondition,
       reason::kMapQuarantined,
@@ -181,8 +184,10 @@ absl::Status MapIntegrator::CheckSuspect(MapSequence sequence) {
                    suspect->crashes,
                    " times while it integrated entry ",
                    sequence.value(),
-                   " of the log; the map takes no more frames until the entry is passed over with "
-                   "`steadymapd salvage --skip-entry ",
+                   " of the log; the map takes no more frames until the entry is passed over: stop "
+                   "the server and run `steadymapd salvage --data-dir DIR --map ",
+                   record_.name.ToString(),
+                   " --skip-entry ",
                    sequence.value(),
                    "`"));
 }

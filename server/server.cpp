@@ -254,6 +254,8 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   watch_hub_.Drain();
   if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
   if (!calls_.AwaitEnd(end, kGoodbyeTime)) spdlog::warn("some calls were cut off");
+  // What waits for room on the disk is in the log, and is integrated at the next start.
+  store_->StopWaitingForDisk();
   health_service_ = nullptr;
   if (grpc_server_ != nullptr) {
     grpc_server_->Shutdown(absl::ToChronoTime(std::min(end, absl::Now() + kDisconnectTime)));

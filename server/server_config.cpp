@@ -3,6 +3,7 @@
 #include <charconv>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
@@ -74,6 +75,50 @@ class RangeChecker final : public FieldVisitor {
   std::vector<std::string>* violations_;
 };
 
+/// Lists all fields with their values as text.
+class FieldLister final : public FieldVisitor {
+ public:
+  struct Field {
+    std::string name;  ///< With its section.
+    std::string value;
+  };
+
+  static std::vector<Field> List(const ServerConfig& config) {
+    ServerConfig copy = config;
+    FieldLister lister;
+    VisitFields(&copy, &lister);
+    return std::move(lister.fields_);
+  }
+
+  void Section(std::string_view name, std::string_view /*documentation*/) override {
+    prefix_ = std::string(name) + ".";
+  }
+
+  void Text(const FieldName& field, std::string* value) override { Add(field, *value); }
+
+  void Flag(const FieldName& field, bool* value) override { Add(field, *value ? "true" : "false"); }
+
+  void Integer(const FieldName& field,
+               const IntegerRange& /*range*/,
+               std::int64_t* value) override {
+    Add(field, absl::StrCat(*value));
+  }
+
+  void Choice(const FieldName& field,
+              std::span<const std::string_view> choices,
+              std::size_t* value) override {
+    Add(field, std::string(choices[*value]));
+  }
+
+ private:
+  void Add(const FieldName& field, std::string value) {
+    fields_.push_back({prefix_ + std::string(field.name), std::move(value)});
+  }
+
+  std::string prefix_;
+  std::vector<Field> fields_;
+};
+
 void CheckListen(const ServerConfig& config, std::vector<std::string>* violations) {
   const std::string_view listen = config.listen;
   if (listen.starts_with(kUnixPrefix) && listen.size() > kUnixPrefix.size()) return;
@@ -118,6 +163,20 @@ std::vector<std::string> FindViolations(const ServerConfig& config) {
            limits.queue_bytes_total,
            "queue_bytes_per_map",
            limits.queue_bytes_per_map);
+  // RocksDB writes its buffers out when they are full, and again when it compacts what it wrote.
+  constexpr std::uint64_t kReserveFactor = 3;
+  const StoreOptions& store = config.store;
+  if (store.min_free_disk_bytes / kReserveFactor < store.write_buffer_bytes) {
+    violations.push_back(absl::StrCat("store.min_free_disk_bytes must be at least ",
+                                      kReserveFactor,
+                                      " times store.write_buffer_bytes (",
+                                      kReserveFactor,
+                                      " x ",
+                                      store.write_buffer_bytes,
+                                      "), got ",
+                                      store.min_free_disk_bytes,
+                                      ": what is in the buffers has to find room on the disk"));
+  }
   return violations;
 }
 
@@ -129,7 +188,23 @@ absl::Status ValidateServerConfig(const ServerConfig& config) {
 
 void ApplyReloadable(const ServerConfig& fresh, ServerConfig* running) {
   running->log.level = fresh.log.level;
+  running->drain_timeout = fresh.drain_timeout;
+  const std::size_t max_message_bytes = running->limits.max_message_bytes;
   running->limits = fresh.limits;
+  // gRPC's own bound, which goes with it, is set when the server starts.
+  running->limits.max_message_bytes = max_message_bytes;
+}
+
+std::vector<std::string> FindDifferences(const ServerConfig& before, const ServerConfig& after) {
+  const std::vector<FieldLister::Field> old_fields = FieldLister::List(before);
+  const std::vector<FieldLister::Field> new_fields = FieldLister::List(after);
+  std::vector<std::string> differences;
+  for (std::size_t i = 0; i < old_fields.size(); ++i) {
+    if (old_fields[i].value == new_fields[i].value) continue;
+    differences.push_back(
+        absl::StrCat(old_fields[i].name, ": ", old_fields[i].value, " -> ", new_fields[i].value));
+  }
+  return differences;
 }
 
 bool IsLoopback(const std::string& listen) {

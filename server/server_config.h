@@ -115,8 +115,12 @@ std::vector<std::string> FindViolations(const ServerConfig& config);
 /// OK, or `InvalidArgument` with all of `FindViolations` in one message.
 absl::Status ValidateServerConfig(const ServerConfig& config);
 
-/// Takes from `fresh` what may change while the server runs: `log.level` and `limits`.
+/// Takes from `fresh` what may change while the server runs: `log.level`, `drain_timeout`, and
+/// `limits` but for `max_message_bytes`.
 void ApplyReloadable(const ServerConfig& fresh, ServerConfig* running);
+
+/// The fields in which two configurations differ, each as `NAME: BEFORE -> AFTER`, in their order.
+std::vector<std::string> FindDifferences(const ServerConfig& before, const ServerConfig& after);
 
 /// Whether `listen` names this machine's loopback interface: `localhost`, 127.0.0.0/8, `[::1]`, or
 /// a unix socket.

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "server/store_keys.h"
+#include "server/store_records.h"
 #include "server/torn_log.h"
 
 namespace steadymap {
@@ -196,6 +197,34 @@ std::unique_ptr<rocksdb::Iterator> StateDatabase::Scan(Family family,
   options.fill_cache = false;
   options.readahead_size = std::size_t{1} << 20;
   return std::unique_ptr<rocksdb::Iterator>(database_->NewIterator(options, handle(family)));
+}
+
+absl::Status StateDatabase::Verify() const {
+  if (absl::Status status = FromRocksdb(database_->VerifyChecksum(), "verifying its tables");
+      !status.ok()) {
+    return status;
+  }
+  for (std::size_t index = 0; index < kFamilyNames.size(); ++index) {
+    const auto family = static_cast<Family>(index);
+    const KeyRange range = RangeOf(family);
+    const rocksdb::Slice upper_bound(range.end);
+    const std::unique_ptr<rocksdb::Iterator> scan = Scan(family, &upper_bound);
+    for (scan->Seek(range.begin); scan->Valid(); scan->Next()) {
+      const ValuePlace place{NameOf(family), scan->key().ToStringView()};
+      const absl::StatusOr<std::string_view> payload = Unseal(place, scan->value().ToStringView());
+      if (!payload.ok()) return payload.status();
+    }
+    if (absl::Status status = FromRocksdb(scan->status(), "reading its records"); !status.ok()) {
+      return status;
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status StateDatabase::Repair(const std::filesystem::path& folder,
+                                   const SharedResources& shared) {
+  return FromRocksdb(rocksdb::RepairDB(folder.string(), DatabaseOptions(shared), Families(shared)),
+                     "repairing " + folder.string());
 }
 
 absl::Status StateDatabase::health() const {

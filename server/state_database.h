@@ -72,6 +72,14 @@ class StateDatabase {
   StateDatabase(const StateDatabase&) = delete;
   StateDatabase& operator=(const StateDatabase&) = delete;
 
+  /// Reads every block of every table, and every value, and compares them with their checksums.
+  /// Errors: `DataLoss` with reason `CHECKSUM` for the first that does not match.
+  absl::Status Verify() const;
+
+  /// Makes the database in `folder` one that opens, from the tables and the write-ahead logs that
+  /// can be read; what they held is lost where they cannot. Errors: as `Open`.
+  static absl::Status Repair(const std::filesystem::path& folder, const SharedResources& shared);
+
   /// Writes `batch` and syncs it, as one. The first failure is remembered and no write is tried
   /// after it: a sync that failed may have thrown the dirty pages away, so one that succeeds later
   /// proves nothing. Errors: `Unavailable` with reason `STORE_READ_ONLY`; for a database that was

@@ -94,6 +94,7 @@ struct SessionRecord {
 enum class LogEntryKind {
   kFrame,    ///< A frame that a robot uploaded.
   kClasses,  ///< Classes that the map's table gains.
+  kSkipped,  ///< Nothing: a salvage put it in place of an entry that is lost or passed over.
 };
 
 /// An entry of a map's log. Everything that changes a map is one, so that the log alone makes the

@@ -68,6 +68,15 @@ absl::StatusOr<std::string> TwinFile::Read() const {
   return first;
 }
 
+absl::StatusOr<std::string> TwinFile::Inspect(std::vector<std::string>* problems) const {
+  absl::StatusOr<std::string> first = ReadOne(path_);
+  absl::StatusOr<std::string> second = ReadOne(CopyPath());
+  for (const absl::StatusOr<std::string>* value : {&first, &second}) {
+    if (!value->ok()) problems->emplace_back(value->status().message());
+  }
+  return first.ok() ? first : second;
+}
+
 absl::Status TwinFile::Write(std::string_view value) const {
   const std::string packed = Pack(value);
   if (absl::Status status = WriteFileDurably(path_, packed); !status.ok()) return status;

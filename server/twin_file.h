@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -19,6 +20,9 @@ class TwinFile {
   /// says so. Errors: `NotFound` if neither file is there; `DataLoss` with reason `CHECKSUM` if
   /// none of those that are there is whole.
   absl::StatusOr<std::string> Read() const;
+
+  /// As `Read`, but changes nothing: what is wrong with either file is added to `problems`.
+  absl::StatusOr<std::string> Inspect(std::vector<std::string>* problems) const;
 
   /// Replaces the value; on disk when it returns. A crash leaves the old value or the new one.
   absl::Status Write(std::string_view value) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <system_error>
 #include <utility>
 
 #include <absl/time/time.h>
@@ -22,8 +23,17 @@ void NameThread(const std::string& name) {
 WorkerPool::WorkerPool(std::string name, std::size_t thread_count, std::size_t max_waiting)
     : name_(std::move(name)), max_waiting_(max_waiting), starts_(thread_count) {
   threads_.reserve(thread_count);
-  for (std::size_t i = 0; i < thread_count; ++i) {
-    threads_.emplace_back([this, i] { RunThread(i); });
+  try {
+    while (threads_.size() < thread_count) {
+      threads_.emplace_back([this, index = threads_.size()] { RunThread(index); });
+    }
+  } catch (const std::system_error& error) {
+    spdlog::error("the pool '{}' has {} threads instead of {}: {}",
+                  name_,
+                  threads_.size(),
+                  thread_count,
+                  error.what());
+    if (threads_.empty()) throw;
   }
 }
 
@@ -97,6 +107,8 @@ std::optional<std::function<void()>> WorkerPool::TakeTask(std::size_t index) {
       std::function<void()> task = std::move(tasks_.front());
       tasks_.pop_front();
       starts_[index] = Clock::now();
+      // Another thread has to wait for what is next due: this one may come back late.
+      later_changed_ = !later_.empty();
       return task;
     }
     if (stopping_) return std::nullopt;

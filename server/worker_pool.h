@@ -24,7 +24,8 @@ class WorkerPool {
   using Clock = std::chrono::steady_clock;
 
   /// `name`, of at most 12 characters, names the threads for the log, `top` and debuggers. At most
-  /// `max_waiting` tasks wait for a thread.
+  /// `max_waiting` tasks wait for a thread. Where the system makes fewer threads, the pool has
+  /// fewer, and the log says so; throws `std::system_error` where it makes none.
   WorkerPool(std::string name, std::size_t thread_count, std::size_t max_waiting);
 
   /// Stops as `Stop` does.

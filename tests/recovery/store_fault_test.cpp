@@ -144,6 +144,20 @@ TEST_F(StoreFault, CommitOnADiskThatFillsUpWaitsForRoom) {
   EXPECT_EQ(store_->LoadMap(map_)->snapshot.revision, Revision(3));
 }
 
+TEST_F(StoreFault, StoreThatWaitsForRoomCanBeClosedAndLosesNothing) {
+  faults_->disk_full = true;
+  std::thread commit([&] { ExpectReadOnly(Commit(map_, 0, 3)); });
+  while (!store_->IsWaitingForDisk()) std::this_thread::yield();
+  store_->StopWaitingForDisk();
+  commit.join();
+  store_.reset();
+  faults_->disk_full = false;
+  Open(StoreOptions());
+  ASSERT_TRUE(store_->LoadMap(map_).ok());
+  EXPECT_EQ(ReadAll(store_.get(), map_.key).size(), 3U);
+  EXPECT_TRUE(Commit(map_, 0, 3).ok());
+}
+
 TEST_F(StoreFault, LowDiskRefusesAppendsAndNewMapsFirstAndCommitsGoOn) {
   free_bytes_ = StoreOptions().min_free_disk_bytes - 1;
   for (const absl::Status& status : {store_->Append(MakeAppend(map_.key, 4, 1)),

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "server/config_file.h"
+#include "server/log_limiter.h"
 #include "server/server_config.h"
 #include "tests/support/temporary_folder.h"
 
@@ -149,6 +150,38 @@ TEST(FindViolations, NegativeNumbersOfTheFileAreOutOfRange) {
                           "commit.max_delay_ms must lie in [1, 60000], got -5"));
 }
 
+TEST(FindViolations, ReserveOfTheDiskMustHoldTheWriteBuffers) {
+  ServerConfig config;
+  config.store.write_buffer_bytes = std::size_t{16} << 20;
+  config.store.min_free_disk_bytes = std::uint64_t{48} << 20;
+  EXPECT_THAT(FindViolations(config), IsEmpty());
+  --config.store.min_free_disk_bytes;
+  EXPECT_THAT(FindViolations(config),
+              ElementsAre(StartsWith("store.min_free_disk_bytes must be at least 3 times "
+                                     "store.write_buffer_bytes (3 x 16777216), got 50331647")));
+}
+
+TEST(FindDifferences, NamesEachFieldWithBothValues) {
+  ServerConfig after;
+  EXPECT_THAT(FindDifferences(ServerConfig(), after), IsEmpty());
+  after.channelz = true;
+  after.log.format = LogFormat::kJson;
+  after.commit.max_frames = 7;
+  EXPECT_THAT(
+      FindDifferences(ServerConfig(), after),
+      ElementsAre(
+          "channelz: false -> true", "log.format: text -> json", "commit.max_frames: 32 -> 7"));
+}
+
+TEST(LogLimiter, LetsSomeLinesThroughInEachInterval) {
+  LogLimiter limiter(2, std::chrono::seconds(10));
+  const LogLimiter::Clock::time_point start{std::chrono::hours(5)};
+  EXPECT_TRUE(limiter.Allows(start));
+  EXPECT_TRUE(limiter.Allows(start + std::chrono::seconds(9)));
+  EXPECT_FALSE(limiter.Allows(start + std::chrono::seconds(9)));
+  EXPECT_TRUE(limiter.Allows(start + std::chrono::seconds(10)));
+}
+
 TEST(FindViolations, ListenMustNameHostAndPort) {
   ServerConfig config;
   for (const char* listen : {"",
@@ -190,10 +223,14 @@ TEST(ApplyReloadable, TakesLimitsAndLevelAndNothingElse) {
   fresh.listen = "localhost:1";
   fresh.log = {LogLevel::kDebug, LogFormat::kJson};
   fresh.limits.upload_window_frames = 3;
+  fresh.limits.max_message_bytes = 1 << 20;
+  fresh.drain_timeout = std::chrono::seconds(7);
   ServerConfig running;
   ApplyReloadable(fresh, &running);
   EXPECT_EQ(running.log.level, LogLevel::kDebug);
   EXPECT_EQ(running.limits.upload_window_frames, 3U);
+  EXPECT_EQ(running.drain_timeout, std::chrono::seconds(7));
+  EXPECT_EQ(running.limits.max_message_bytes, LimitOptions().max_message_bytes);
   EXPECT_EQ(running.log.format, LogFormat::kText);
   EXPECT_EQ(running.listen, ServerConfig().listen);
 }

@@ -1,5 +1,6 @@
 // steadymapd as an operator sees it: arguments, exit codes, what it says, signals.
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,9 +13,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "server/command_line.h"
 #include "server/config_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -105,10 +108,13 @@ class Steadymapd : public ::testing::Test {
     return {"--listen", listen, "--data-dir", (folder_.path() / "data").string()};
   }
 
-  /// Expects that these arguments end in exit code 1 and one complaint in the last line.
-  void ExpectRefusal(const std::vector<std::string>& arguments, const std::string& reason) {
+  /// Expects that these arguments end in this exit code and one complaint in the last line. A
+  /// service manager starts a daemon again that ends with 1, but not one that ends with 78.
+  void ExpectRefusal(const std::vector<std::string>& arguments,
+                     const std::string& reason,
+                     int exit_code = kExitBadConfig) {
     ObservedDaemon daemon(arguments);
-    EXPECT_EQ(daemon.Wait(), 1);
+    EXPECT_EQ(daemon.Wait(), exit_code);
     std::istringstream lines(daemon.said());
     std::vector<std::string> complaints;
     for (std::string line; std::getline(lines, line);) {
@@ -150,7 +156,8 @@ TEST_F(Steadymapd, RefusesWhatItCannotRunWith) {
   ExpectRefusal({"--listen", "nonsense"}, "listen must read HOST:PORT");
   ExpectRefusal(
       {"--listen", "127.0.0.1:0", "--data-dir", (folder_.path() / "bad.toml" / "data").string()},
-      "cannot write to data folder");
+      "cannot write to data folder",
+      kExitFailure);
 }
 
 TEST_F(Steadymapd, ServesWritesItsPortAndStopsCleanlyOnSigterm) {
@@ -174,12 +181,12 @@ TEST_F(Steadymapd, RefusesAPortAndAFolderThatAreInUse) {
   arguments.insert(arguments.end(), {"--port-file", port_file.string()});
   ObservedDaemon first(arguments);
   ASSERT_TRUE(first.WaitFor("listening on")) << first.said();
-  ExpectRefusal(Arguments(), "is held by another steadymapd");
+  ExpectRefusal(Arguments(), "is held by another steadymapd", kExitFailure);
   std::string port;
   std::ifstream(port_file) >> port;
   const std::vector<std::string> same_port = {
       "--listen", "127.0.0.1:" + port, "--data-dir", (folder_.path() / "b").string()};
-  ExpectRefusal(same_port, "127.0.0.1:" + port);
+  ExpectRefusal(same_port, "127.0.0.1:" + port, kExitFailure);
   ObservedDaemon second(same_port);
   EXPECT_EQ(second.Wait(), 1);
   EXPECT_EQ(second.said().find("draining"), std::string::npos) << "it has nothing to drain";
@@ -195,11 +202,50 @@ TEST_F(Steadymapd, ReloadsOnSighupAndKeepsWhatItHasIfTheFileIsWrong) {
   std::ofstream(config) << "[commit]\nmax_frames = 0\n";
   daemon.Signal(SIGHUP);
   EXPECT_TRUE(daemon.WaitFor("configuration not reloaded: commit.max_frames must lie in"));
+  std::ofstream(config) << "[limits]\nupload_window_frames = 3\n[commit]\nmax_frames = 8\n";
+  daemon.Signal(SIGHUP);
+  EXPECT_TRUE(daemon.WaitFor("reloaded: limits.upload_window_frames: 64 -> 3"));
+  EXPECT_TRUE(daemon.WaitFor("not reloaded, a restart is needed: commit.max_frames: 32 -> 8"));
   std::ofstream(config) << "[limits]\nupload_window_frames = 3\n";
   daemon.Signal(SIGHUP);
-  EXPECT_TRUE(daemon.WaitFor("log level and limits reloaded"));
+  EXPECT_TRUE(daemon.WaitFor("configuration reloaded: nothing changed"));
   daemon.Signal(SIGINT);
   EXPECT_EQ(daemon.Wait(), 0) << daemon.said();
+}
+
+TEST_F(Steadymapd, ChecksAStoreThatNobodyServes) {
+  const std::string data = (folder_.path() / "data").string();
+  const std::vector<std::string> check = {"check", "--data-dir", data};
+  {
+    ObservedDaemon none(check);
+    EXPECT_EQ(none.Wait(), kExitCannotRun) << "there is no store";
+    ObservedDaemon daemon(Arguments());
+    ASSERT_TRUE(daemon.WaitFor("listening on")) << daemon.said();
+    ObservedDaemon beside(check);
+    EXPECT_EQ(beside.Wait(), kExitCannotRun);
+    EXPECT_THAT(beside.said(), HasSubstr("is held by another steadymapd"));
+    daemon.Signal(SIGTERM);
+    EXPECT_EQ(daemon.Wait(), 0);
+  }
+  ObservedDaemon whole(check);
+  EXPECT_EQ(whole.Wait(), 0) << whole.said();
+  std::filesystem::remove(folder_.path() / "data" / "schema.copy");
+  ObservedDaemon damaged(check);
+  EXPECT_EQ(damaged.Wait(), kExitFailure);
+  EXPECT_THAT(damaged.said(), HasSubstr("schema.copy"));
+  ObservedDaemon salvage({"salvage", "--data-dir", data, "--map", "acme/none"});
+  EXPECT_EQ(salvage.Wait(), kExitCannotRun);
+  EXPECT_THAT(salvage.said(), HasSubstr("there is no map tenants/acme/maps/none"));
+}
+
+TEST_F(Steadymapd, RaisesItsLimitOfOpenFiles) {
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &limit), 0);
+  const rlimit low{std::min<rlim_t>(256, limit.rlim_max), limit.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &low), 0);
+  ObservedDaemon daemon(Arguments());
+  EXPECT_TRUE(daemon.WaitFor("up to " + std::to_string(limit.rlim_max) + " files"));
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &limit), 0);
 }
 
 TEST_F(Steadymapd, JsonLogHoldsOneObjectALine) {

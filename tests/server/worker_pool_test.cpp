@@ -1,5 +1,7 @@
 #include "server/worker_pool.h"
 
+#include <chrono>
+#include <memory>
 #include <string>
 
 #include <absl/synchronization/notification.h>
@@ -34,6 +36,57 @@ TEST_F(WorkerPoolTest, WorkInStepsTakesTurnsWithTheOthers) {
   pool_.Stop();
   EXPECT_EQ(order_, "abd");
   EXPECT_FALSE(pool_.Submit([this] { order_ += 'e'; }));
+}
+
+using Clock = WorkerPool::Clock;
+
+TEST_F(WorkerPoolTest, TimedTasksRunInTheOrderOfTheirTimesAndNotBefore) {
+  const Clock::time_point now = Clock::now();
+  const Clock::time_point late = now + std::chrono::milliseconds(30);
+  absl::Notification last_ran;
+  Clock::time_point ran;
+  pool_.SubmitAt(late, [&] {
+    order_ += 'c';
+    ran = Clock::now();
+    last_ran.Notify();
+  });
+  pool_.SubmitAt(now + std::chrono::milliseconds(20), [this] { order_ += 'b'; });
+  pool_.SubmitAt(now - std::chrono::milliseconds(1), [this] { order_ += 'a'; });
+  release_.Notify();
+  last_ran.WaitForNotification();
+  pool_.Stop();
+  EXPECT_EQ(order_, "abc");
+  EXPECT_GE(ran, late);
+}
+
+TEST_F(WorkerPoolTest, TimedTasksThatHaveNotRunAreDroppedWhenThePoolStops) {
+  auto held = std::make_shared<int>(0);
+  const std::weak_ptr<int> watched = held;
+  pool_.SubmitAt(Clock::now() + std::chrono::hours(1), [held = std::move(held)] { ++*held; });
+  EXPECT_FALSE(watched.expired());
+  release_.Notify();
+  pool_.Stop();
+  EXPECT_TRUE(watched.expired());
+  pool_.SubmitAt(Clock::now(), [this] { order_ += 'x'; });
+  EXPECT_EQ(order_, "");
+}
+
+TEST(WorkerPool, AnIdleThreadTakesOverTheTimesOfOneThatGetsALongTask) {
+  for (int round = 0; round < 100; ++round) {
+    absl::Notification both_idle;
+    absl::Notification timer_ran;
+    absl::Notification release;
+    WorkerPool pool("pair", 2, 4);
+    ASSERT_TRUE(pool.Submit([] {}));
+    ASSERT_TRUE(pool.Submit([&] { both_idle.Notify(); }));
+    both_idle.WaitForNotification();
+    pool.SubmitAt(Clock::now() + std::chrono::milliseconds(5), [&] { timer_ran.Notify(); });
+    // Whichever thread waits for the time may get this one instead.
+    ASSERT_TRUE(pool.Submit([&] { release.WaitForNotification(); }));
+    const bool ran = timer_ran.WaitForNotificationWithTimeout(absl::Seconds(20));
+    release.Notify();
+    ASSERT_TRUE(ran) << "round " << round;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/synchronization/mutex.h>
+
+namespace steadymap {
+
+/// Bounds how often a line that others can provoke is written to the log. Thread-safe.
+class LogLimiter {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// At most `lines` in each `interval`.
+  LogLimiter(int lines, Clock::duration interval) : lines_(lines), interval_(interval) {}
+
+  /// Whether a line may be written at `now`, which counts it.
+  bool Allows(Clock::time_point now) ABSL_LOCKS_EXCLUDED(mutex_) {
+    const absl::MutexLock lock(&mutex_);
+    if (written_ == 0 || now - began_ >= interval_) {
+      began_ = now;
+      written_ = 0;
+    }
+    if (written_ >= lines_) return false;
+    ++written_;
+    return true;
+  }
+
+ private:
+  const int lines_;
+  const Clock::duration interval_;
+  absl::Mutex mutex_;
+  Clock::time_point began_ ABSL_GUARDED_BY(mutex_);
+  int written_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace steadymap
