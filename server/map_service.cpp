@@ -18,9 +18,6 @@ namespace {
 constexpr std::uint32_t kDefaultPageSize = 100;
 constexpr std::uint32_t kMaxPageSize = 1000;
 
-// A class table may have megabytes.
-constexpr std::size_t kMaxPageBytes = std::size_t{1} << 20;
-
 constexpr std::size_t kMaxMaps = 10'000;
 
 constexpr std::size_t kRememberedDeletions = 1000;
