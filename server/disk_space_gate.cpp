@@ -54,8 +54,8 @@ class DiskSpaceGate::File final : public rocksdb::FSWritableFileOwnerWrapper {
   DiskSpaceGate* const gate_;
 };
 
-DiskSpaceGate::DiskSpaceGate(std::shared_ptr<rocksdb::FileSystem> target)
-    : FileSystemWrapper(std::move(target)) {}
+DiskSpaceGate::DiskSpaceGate(const std::shared_ptr<rocksdb::FileSystem>& target)
+    : FileSystemWrapper(target) {}
 
 template <typename Attempt>
 rocksdb::IOStatus DiskSpaceGate::Await(const Attempt& attempt) {

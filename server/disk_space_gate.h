@@ -18,7 +18,7 @@ namespace steadymap {
 class DiskSpaceGate final : public rocksdb::FileSystemWrapper {
  public:
   /// Over `target`, the file system that really writes.
-  explicit DiskSpaceGate(std::shared_ptr<rocksdb::FileSystem> target);
+  explicit DiskSpaceGate(const std::shared_ptr<rocksdb::FileSystem>& target);
 
   const char* Name() const override { return "DiskSpaceGate"; }
 

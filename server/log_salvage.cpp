@@ -137,6 +137,7 @@ class SegmentRebuild {
 
   absl::Status Write(const std::vector<FoundRecord>& entries, const std::string& end) {
     std::vector<LogRecord> records;
+    records.reserve(entries.size() + 1);
     for (const FoundRecord& entry : entries) {
       records.push_back({entry.kind, entry.number, {entry.payload}});
     }

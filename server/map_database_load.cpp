@@ -141,8 +141,9 @@ absl::StatusOr<StoredState> MapDatabase::Load() const {
 
 absl::Status MapDatabase::LoadHead(const rocksdb::Snapshot* snapshot,
                                    storage::v1::Head* head) const {
-  const absl::StatusOr<std::string> value = state_->Read(Family::kMeta, HeadKey(), snapshot);
-  const ValuePlace place{NameOf(Family::kMeta), HeadKey()};
+  const std::string key = HeadKey();
+  const absl::StatusOr<std::string> value = state_->Read(Family::kMeta, key, snapshot);
+  const ValuePlace place{NameOf(Family::kMeta), key};
   if (absl::IsNotFound(value.status())) return DamagedValue(place, "is missing");
   if (!value.ok()) return value.status();
   return UnsealRecord(place, *value, head);

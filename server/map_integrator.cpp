@@ -18,7 +18,7 @@ namespace {
 constexpr std::chrono::milliseconds kSlice{20};
 
 // How soon a commit for which the disk had no room is tried again.
-constexpr std::chrono::seconds kDiskRetry{1};
+constexpr std::chrono::seconds kCommitRetry{1};
 
 // Entries read from the log at once: a second's worth of some robots.
 constexpr std::size_t kReadAheadEntries = 16;
@@ -139,7 +139,7 @@ absl::StatusOr<std::optional<DurableEntry>> MapIntegrator::TakeEntry() {
 absl::Status MapIntegrator::ReadAhead() {
   const MapSequence first = mapper_->head().Next();
   std::size_t bytes = 0;
-  const absl::Status read = store_->ReadLog(record_.key, first, [&](LogEntry entry) {
+  absl::Status read = store_->ReadLog(record_.key, first, [&](LogEntry entry) {
     bytes += entry.packed_frame.size();
     read_ahead_.push_back(std::move(entry));
     const bool enough = read_ahead_.size() >= kReadAheadEntries || bytes >= kReadAheadBytes;
@@ -207,7 +207,7 @@ absl::Status MapIntegrator::Commit() {
   const absl::StatusOr<CommitMark> mark =
       store_->CommitRevision(record_.key, unstored_->delta, details_);
   if (ReasonOf(mark.status()) == reason::kDiskLow) {
-    retry_at_ = Clock::now() + kDiskRetry;
+    retry_at_ = Clock::now() + kCommitRetry;
     return absl::OkStatus();
   }
   if (!mark.ok()) return mark.status();

@@ -127,7 +127,7 @@ absl::Status ReadWorldFrame(const v1::WorldFrame& message, WorldFrame* frame) {
   return absl::OkStatus();
 }
 
-v1::WorldFrame ToProto(const WorldFrame& frame) {
+v1::WorldFrame WorldFrameToProto(const WorldFrame& frame) {
   v1::WorldFrame message;
   message.set_description(frame.description);
   message.set_floor(frame.floor);
@@ -140,7 +140,7 @@ v1::WorldFrame ToProto(const WorldFrame& frame) {
   return message;
 }
 
-v1::MapCondition ToProto(MapRuntime::Condition condition) {
+v1::MapCondition ConditionToProto(MapRuntime::Condition condition) {
   switch (condition) {
     case MapRuntime::Condition::kOpening:
       return v1::MAP_CONDITION_OPENING;
@@ -160,7 +160,7 @@ v1::MapCondition ToProto(MapRuntime::Condition condition) {
 
 void FillState(const MapRuntime& map, v1::MapState* state) {
   const MapRuntime::Health health = map.health();
-  state->set_condition(ToProto(health.condition));
+  state->set_condition(ConditionToProto(health.condition));
   if (!health.reason.ok()) state->set_condition_reason(std::string(health.reason.message()));
   // The revision first: the head must not be behind it.
   const PublishedRevision published = map.published();
@@ -251,7 +251,7 @@ v1::Map MakeMapResource(const MapRuntime& map) {
   *resource.mutable_config() = ToProto(config);
   resource.mutable_labels()->insert(record.labels.begin(), record.labels.end());
   if (record.world_frame != WorldFrame()) {
-    *resource.mutable_world_frame() = ToProto(record.world_frame);
+    *resource.mutable_world_frame() = WorldFrameToProto(record.world_frame);
   }
   resource.mutable_retention()->mutable_frame_log_age()->set_seconds(record.frame_log_age.count());
   resource.mutable_retention()->set_frame_log_bytes(record.frame_log_bytes);

@@ -364,7 +364,9 @@ void MapRuntime::StopTaking(const absl::Status& status) {
   FrameBudget::Close(read_account_);
 }
 
-void MapRuntime::Close(const absl::Status& status, bool commit, std::function<void()> on_closed) {
+void MapRuntime::Close(const absl::Status& status,
+                       bool commit,
+                       const std::function<void()>& on_closed) {
   std::vector<std::function<void()>> opened;
   std::vector<PendingClasses> classes;
   bool was_ready = false;
@@ -382,17 +384,18 @@ void MapRuntime::Close(const absl::Status& status, bool commit, std::function<vo
   for (const std::function<void()>& callback : opened) callback();
   append_strand_->Stop([self = shared_from_this(), commit, was_ready, on_closed] {
     self->map_strand_->Stop([self, commit, was_ready, on_closed] {
-      if (commit && was_ready) {
-        const absl::Status committed = self->integrator_.CommitNow();
-        if (!committed.ok()) {
-          spdlog::warn("map {}: its last frames are integrated at the next start: {}",
-                       self->name_.ToString(),
-                       std::string(committed.message()));
-        }
-      }
+      if (commit && was_ready) self->CommitAtEnd();
       if (on_closed) on_closed();
     });
   });
+}
+
+void MapRuntime::CommitAtEnd() {
+  const absl::Status committed = integrator_.CommitNow();
+  if (committed.ok()) return;
+  spdlog::warn("map {}: its last frames are integrated at the next start: {}",
+               name_.ToString(),
+               std::string(committed.message()));
 }
 
 }  // namespace steadymap

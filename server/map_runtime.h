@@ -138,7 +138,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   /// Ends the map's work: refuses everything with `status`, and so do those who wait. `on_closed`
   /// is called when the last step is over, maybe before this returns; what is integrated is
   /// committed before if `commit`. Only the first call does anything. Returns at once.
-  void Close(const absl::Status& status, bool commit, std::function<void()> on_closed)
+  void Close(const absl::Status& status, bool commit, const std::function<void()>& on_closed)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -163,6 +163,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   void Publish(PublishedRevision published) ABSL_LOCKS_EXCLUDED(mutex_);
   void SetCondition(Condition condition, const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
   void StopTaking(const absl::Status& status);
+  void CommitAtEnd();
 
   const MapKey key_;
   const MapName name_;

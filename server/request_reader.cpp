@@ -88,7 +88,7 @@ absl::Status ReadRequest(const grpc::ByteBuffer& bytes,
   message->Clear();
   // A buffer without slices cannot be read.
   if (bytes.Length() == 0) return absl::OkStatus();
-  const absl::Status bad_message =
+  absl::Status bad_message =
       MakeError(absl::StatusCode::kInvalidArgument,
                 reason::kBadMessage,
                 absl::StrCat("the bytes are no ", message->GetDescriptor()->full_name()));

@@ -131,7 +131,7 @@ absl::Status CheckDatabase(const std::filesystem::path& folder) {
   const SharedResources shared{StoreOptions()};
   const absl::StatusOr<std::unique_ptr<StateDatabase>> state =
       StateDatabase::Open(folder, StateDatabase::Mode::kReadOnly, shared);
-  const absl::Status status = state.ok() ? (*state)->Verify() : state.status();
+  absl::Status status = state.ok() ? (*state)->Verify() : state.status();
   if (status.ok()) return status;
   return MakeError(absl::StatusCode::kDataLoss,
                    reason::kChecksum,

@@ -127,7 +127,7 @@ absl::Status DamagedValue(const ValuePlace& place, std::string_view what) {
 
 namespace {
 
-storage::v1::WorldFrame ToProto(const WorldFrame& frame) {
+storage::v1::WorldFrame WorldFrameToProto(const WorldFrame& frame) {
   storage::v1::WorldFrame proto;
   proto.set_description(frame.description);
   proto.set_floor(frame.floor);
@@ -142,7 +142,7 @@ storage::v1::WorldFrame ToProto(const WorldFrame& frame) {
   return proto;
 }
 
-WorldFrame FromProto(const storage::v1::WorldFrame& proto) {
+WorldFrame WorldFrameFromProto(const storage::v1::WorldFrame& proto) {
   WorldFrame frame{proto.description(), proto.floor(), std::nullopt};
   if (proto.anchor_size() == 4) {
     frame.anchor = {proto.anchor(0), proto.anchor(1), proto.anchor(2), proto.anchor(3)};
@@ -173,7 +173,7 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
   proto.set_request_id(record.request_id);
   proto.set_change_request_id(record.change_request_id);
   proto.mutable_labels()->insert(record.labels.begin(), record.labels.end());
-  *proto.mutable_world_frame() = ToProto(record.world_frame);
+  *proto.mutable_world_frame() = WorldFrameToProto(record.world_frame);
   proto.set_version(record.version);
   return proto;
 }
@@ -195,7 +195,7 @@ absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record) {
   result.request_id = record.request_id();
   result.change_request_id = record.change_request_id();
   result.labels = {record.labels().begin(), record.labels().end()};
-  result.world_frame = FromProto(record.world_frame());
+  result.world_frame = WorldFrameFromProto(record.world_frame());
   result.version = record.version();
   return result;
 }

@@ -33,7 +33,7 @@ void Strand::Stop(std::function<void()> on_stopped) {
       return;
     }
   }
-  End(std::move(on_stopped));
+  End(on_stopped);
 }
 
 /// A pool that has stopped drops the step: then there is none to come.
@@ -62,7 +62,7 @@ void Strand::Run() {
     state_ = !ends && goes_on ? State::kScheduled : State::kIdle;
     on_stopped = std::move(on_stopped_);
   }
-  if (ends) return End(std::move(on_stopped));
+  if (ends) return End(on_stopped);
   if (goes_on) return Schedule();
   if (next.at) WakeAt(*next.at);
 }
@@ -84,7 +84,7 @@ void Strand::WakeAt(Clock::time_point time) {
   });
 }
 
-void Strand::End(std::function<void()> on_stopped) {
+void Strand::End(const std::function<void()>& on_stopped) {
   // What the step holds goes before anybody hears of the end.
   step_ = nullptr;
   if (on_stopped) on_stopped();

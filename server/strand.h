@@ -52,7 +52,7 @@ class Strand : public std::enable_shared_from_this<Strand> {
   void Schedule();
   void Run() ABSL_LOCKS_EXCLUDED(mutex_);
   void WakeAt(Clock::time_point time) ABSL_LOCKS_EXCLUDED(mutex_);
-  void End(std::function<void()> on_stopped);
+  void End(const std::function<void()>& on_stopped);
 
   WorkerPool* const pool_;
   std::function<Next()> step_;  ///< Of whoever runs a step, or ends the strand.

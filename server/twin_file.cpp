@@ -27,9 +27,9 @@ std::string Pack(std::string_view value) {
 absl::StatusOr<std::string> ReadOne(const std::filesystem::path& path) {
   absl::StatusOr<std::string> packed = ReadWholeFile(path);
   if (!packed.ok()) return packed;
-  constexpr std::size_t kHeaderBytes = kMark.size() + kChecksumDigits + 1;
-  if (packed->size() >= kHeaderBytes) {
-    std::string value = packed->substr(kHeaderBytes);
+  constexpr std::size_t kPrefixBytes = kMark.size() + kChecksumDigits + 1;
+  if (packed->size() >= kPrefixBytes) {
+    std::string value = packed->substr(kPrefixBytes);
     if (Pack(value) == *packed) return value;
   }
   return MakeError(absl::StatusCode::kDataLoss,

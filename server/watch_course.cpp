@@ -14,21 +14,21 @@ namespace steadymap {
 namespace {
 
 constexpr std::size_t kDefaultMessageBytes = std::size_t{1} << 20;
-constexpr std::size_t kMinMessageBytes = std::size_t{64} << 10;
-constexpr std::size_t kMaxMessageBytes = std::size_t{4} << 20;
+constexpr std::size_t kSmallestMessageBytes = std::size_t{64} << 10;
+constexpr std::size_t kLargestMessageBytes = std::size_t{4} << 20;
 
 // A restart takes about that long.
 constexpr int kReconnectAfterSeconds = 1;
 
 absl::StatusOr<std::size_t> ReadMessageLimit(std::size_t asked) {
   if (asked == 0) return kDefaultMessageBytes;
-  if (asked >= kMinMessageBytes && asked <= kMaxMessageBytes) return asked;
+  if (asked >= kSmallestMessageBytes && asked <= kLargestMessageBytes) return asked;
   return InvalidField(reason::kBadValue,
                       "max_message_bytes",
                       absl::StrCat("max_message_bytes must lie in [",
-                                   kMinMessageBytes,
+                                   kSmallestMessageBytes,
                                    ", ",
-                                   kMaxMessageBytes,
+                                   kLargestMessageBytes,
                                    "], got ",
                                    asked));
 }

@@ -206,7 +206,7 @@ absl::Status MirrorCommand::WriteFiles(const MapName& name,
   json.Key("bytes").Integer(*bytes);
   json.Key("resume_token").Text(ResumeTokenText(resume_token));
   json.EndObject();
-  const absl::Status status = WriteTextFile(folder / kStateFile, json.Finish());
+  absl::Status status = WriteTextFile(folder / kStateFile, json.Finish());
   if (!status.ok()) return status;
   context_->out << (folder / kMapFile).string() << ": " << BytesText(*bytes) << ", revision "
                 << map.revision.value() << " of " << name.ToString() << std::endl;

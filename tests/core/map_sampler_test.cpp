@@ -191,28 +191,30 @@ TEST(MapSampler, EndsWithinAStretchOnceItIsCancelled) {
   EXPECT_LE(sampler.work().steps(), before + 2 * QueryWork::kStepsPerCheck);
 }
 
+/// The side of the empty cube around a leaf's place, after a look at all leaves in it.
+int CheckEmptySide(const VoxelReader& volume, LeafOrigin origin) {
+  if (volume.FindLeaf(origin)) return 0;
+  const int side = volume.EmptySideAt(origin);
+  EXPECT_EQ(side & (side - 1), 0);
+  for (std::int32_t x = origin.x & -side; x < (origin.x & -side) + side; x += kLeafSide) {
+    for (std::int32_t y = origin.y & -side; y < (origin.y & -side) + side; y += kLeafSide) {
+      for (std::int32_t z = origin.z & -side; z < (origin.z & -side) + side; z += kLeafSide) {
+        EXPECT_FALSE(volume.FindLeaf({x, y, z})) << x << ' ' << y << ' ' << z;
+      }
+    }
+  }
+  return side;
+}
+
 TEST(EmptySide, CubesHoldNoLeafAndAreNoSmallerThanTheyNeedBe) {
   const MapSnapshot map = FloorAndFarWall();
   const TsdfGrid floor = testing::FloorVolume(map.scale);
-  const auto check = [](const VoxelReader& volume, LeafOrigin origin) {
-    if (volume.FindLeaf(origin)) return 0;
-    const int side = volume.EmptySideAt(origin);
-    EXPECT_EQ(side & (side - 1), 0);
-    for (std::int32_t x = origin.x & -side; x < (origin.x & -side) + side; x += kLeafSide) {
-      for (std::int32_t y = origin.y & -side; y < (origin.y & -side) + side; y += kLeafSide) {
-        for (std::int32_t z = origin.z & -side; z < (origin.z & -side) + side; z += kLeafSide) {
-          EXPECT_FALSE(volume.FindLeaf({x, y, z})) << x << ' ' << y << ' ' << z;
-        }
-      }
-    }
-    return side;
-  };
-  EXPECT_EQ(check(map.background, {0, 0, 16}), 8) << "in a tile of the floor";
-  EXPECT_EQ(check(map.background, {0, 0, 64}), 64) << "above it";
-  EXPECT_EQ(check(map.background, {-8, -8, -2000}), 64);
-  EXPECT_EQ(check(floor, {0, 0, 16}), 8);
-  EXPECT_EQ(check(floor, {0, 0, 64}), 64);
-  EXPECT_EQ(check(floor, {0, 0, -520}), 512);
+  EXPECT_EQ(CheckEmptySide(map.background, {0, 0, 16}), 8) << "in a tile of the floor";
+  EXPECT_EQ(CheckEmptySide(map.background, {0, 0, 64}), 64) << "above it";
+  EXPECT_EQ(CheckEmptySide(map.background, {-8, -8, -2000}), 64);
+  EXPECT_EQ(CheckEmptySide(floor, {0, 0, 16}), 8);
+  EXPECT_EQ(CheckEmptySide(floor, {0, 0, 64}), 64);
+  EXPECT_EQ(CheckEmptySide(floor, {0, 0, -520}), 512);
 }
 
 TEST(CountMap, BackgroundAndObjectsAreCounted) {

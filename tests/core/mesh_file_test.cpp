@@ -136,10 +136,10 @@ TEST(EncodePly, ReadsBackByteForByte) {
 TEST(MeshEncoders, MakePiecesOfBoundedLengthThatAddUpToTheFile) {
   const Mesh mesh = LargeMesh();
   const std::vector<std::string> ply = PiecesOf(MakePlyEncoder(mesh).get());
-  EXPECT_EQ(ply.size(), PiecesNeeded(100'000 * (27 + 13)));
+  EXPECT_EQ(ply.size(), PiecesNeeded(std::size_t{100'000} * (27 + 13)));
   EXPECT_TRUE(Joined(ply) == EncodePly(mesh));
   const std::vector<std::string> glb = PiecesOf(MakeGlbEncoder(mesh)->get());
-  EXPECT_EQ(glb.size(), PiecesNeeded(100'000 * (28 + 12)));
+  EXPECT_EQ(glb.size(), PiecesNeeded(std::size_t{100'000} * (28 + 12)));
   EXPECT_TRUE(Joined(glb) == *EncodeGlb(mesh));
 }
 

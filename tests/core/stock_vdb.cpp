@@ -35,10 +35,11 @@ void Describe(const MapSnapshot& map,
   real("voxel_size_m", map.scale.voxel_size_m);
   real("truncation_m", map.scale.truncation_m);
   openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
-  const Eigen::Matrix4d T = volume.T_world_volume.matrix();
+  const Eigen::Matrix4d T_world_volume = volume.T_world_volume.matrix();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {
-      matrix(column, row) = (column < 3 ? map.scale.voxel_size_m : 1.0) * T(row, column);
+      matrix(column, row) =
+          (column < 3 ? map.scale.voxel_size_m : 1.0) * T_world_volume(row, column);
     }
   }
   grid->setTransform(object == nullptr

@@ -103,7 +103,7 @@ class MessageStreamTest : public ::testing::Test {
     });
   }
 
-  ~MessageStreamTest() override {
+  void TearDown() override {
     if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now());
   }
 

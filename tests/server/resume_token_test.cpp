@@ -26,7 +26,8 @@ TEST(ResumeToken, HoldsThePosition) {
   }
 }
 
-const StepKey kHallStep{kHallScope, kHallPosition, Revision(1ULL << 41), 65'536, true, false, true};
+const StepKey kHallStep{
+    kHallScope, kHallPosition, {Revision(1ULL << 41), 77}, 65'536, true, false, true};
 
 TEST(ResumeToken, HoldsThePlaceInAStep) {
   StepKey snapshot = kHallStep;

@@ -43,6 +43,7 @@ TEST_F(StrandTest, NeverTwoStepsAtOnceAndNoWakeIsLost) {
     return Strand::Next::Never();
   });
   std::vector<std::thread> threads;
+  threads.reserve(kThreads);
   for (int i = 0; i < kThreads; ++i) {
     threads.emplace_back([&] {
       for (int wake = 0; wake < kWakes; ++wake) {
