@@ -24,29 +24,30 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kMagic = 0x3245544F4E4D5331ULL;  // "1SMNOTE2"
 constexpr std::array kCrashSignals = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
-/// A number with its complement: a damaged one reads as 0, that is, as unknown.
-class CheckedNumber {
- public:
-  std::uint64_t Get() const {
-    const std::uint64_t value = value_;
-    return value == ~complement_.load() ? value : 0;
-  }
-
-  void Set(std::uint64_t value) {
-    value_ = value;
-    complement_ = ~value;
-  }
-
- private:
-  std::atomic<std::uint64_t> value_ = 0;
-  std::atomic<std::uint64_t> complement_ = ~std::uint64_t{0};
-};
-
 }  // namespace
 
 /// What stands in the file; the rest of the file is nobody's.
 struct IntegrationNote::Page {
+  /// A number with its complement: a damaged one reads as 0, that is, as unknown.
+  class CheckedNumber {
+   public:
+    std::uint64_t Get() const {
+      const std::uint64_t value = value_;
+      return value == ~complement_.load() ? value : 0;
+    }
+
+    void Set(std::uint64_t value) {
+      value_ = value;
+      complement_ = ~value;
+    }
+
+   private:
+    std::atomic<std::uint64_t> value_ = 0;
+    std::atomic<std::uint64_t> complement_ = ~std::uint64_t{0};
+  };
+
   std::uint64_t magic = kMagic;
+
   std::atomic<std::uint64_t> sequence = 0;    ///< Being integrated; 0: none.
   std::atomic<std::uint32_t> elapsed_ms = 0;  ///< That it has taken so far, as last aged.
   std::atomic<std::uint32_t> signal = 0;      ///< That ended the process while it was; 0: none.

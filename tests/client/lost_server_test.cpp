@@ -18,7 +18,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-const MapName kKitchen{"default", "kitchen"};
+const MapName kLostMap{"default", "kitchen"};
 
 /// Nobody listens behind it, and it resets whoever connects.
 class LostServer : public ::testing::Test {
@@ -41,7 +41,7 @@ TEST_F(LostServer, IsLookedForByEachTryOfAnUpload) {
   UploaderOptions options;
   options.backoff = TwelveTries();
   options.sleep = [this](milliseconds) { ++waits_; };
-  FrameUploader uploader(ChannelsTo(proxy_.address()), kKitchen, options);
+  FrameUploader uploader(ChannelsTo(proxy_.address()), kLostMap, options);
   EXPECT_EQ(uploader.Finish().status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(waits_, 11U);
   EXPECT_EQ(proxy_.counters().accepted, 12U);
@@ -56,7 +56,7 @@ TEST_F(LostServer, IsLookedForByEachTryOfAWatch) {
   callbacks.on_state = [&ended](const WatchStateChange& change) {
     if (change.state == WatchState::kEnded) ended.Notify();
   };
-  const auto mirror = MapMirror::Start(ChannelsTo(proxy_.address()), kKitchen, options, callbacks);
+  const auto mirror = MapMirror::Start(ChannelsTo(proxy_.address()), kLostMap, options, callbacks);
   ASSERT_TRUE(ended.WaitForNotificationWithTimeout(absl::Seconds(60)));
   EXPECT_EQ(waits_, 11U);
   EXPECT_EQ(proxy_.counters().accepted, 12U);

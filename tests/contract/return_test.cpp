@@ -26,7 +26,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-const MapName kHall{"default", "hall"};
+const MapName kYard{"default", "yard"};
 
 /// How often a client tries in vain before the daemon is there again.
 constexpr int kTriesInVain = 3;
@@ -35,7 +35,7 @@ constexpr absl::Duration kHang = absl::Seconds(60);
 
 class ReturnTest : public ::testing::Test {
  protected:
-  ReturnTest() { EXPECT_TRUE(MapClient(OpenChannel(daemon_.address())).CreateMap(kHall, {}).ok()); }
+  ReturnTest() { EXPECT_TRUE(MapClient(OpenChannel(daemon_.address())).CreateMap(kYard, {}).ok()); }
 
   /// In place of the waits of a client: after so many tries in vain, the daemon is started again.
   std::function<void(milliseconds)> RestartInTheEnd() {
@@ -63,7 +63,7 @@ TEST_F(ReturnTest, AnUploadGoesOnWithTheFirstTryThatFindsTheDaemon) {
   options.on_progress = [&](const UploadProgress& progress) {
     if (progress.durable == 1 && !durable.HasBeenNotified()) durable.Notify();
   };
-  FrameUploader uploader(ChannelsTo(daemon_.address()), kHall, options);
+  FrameUploader uploader(ChannelsTo(daemon_.address()), kYard, options);
   ASSERT_TRUE(uploader.Push(MakeWallFrame()).ok());
   ASSERT_TRUE(durable.WaitForNotificationWithTimeout(kHang));
   Kill();
@@ -85,7 +85,7 @@ TEST_F(ReturnTest, AMirrorGoesOnWithTheFirstTryThatFindsTheDaemon) {
     if (change.state != WatchState::kConnected) return;
     (connected.HasBeenNotified() ? returned : connected).Notify();
   };
-  const auto mirror = MapMirror::Start(ChannelsTo(daemon_.address()), kHall, options, callbacks);
+  const auto mirror = MapMirror::Start(ChannelsTo(daemon_.address()), kYard, options, callbacks);
   ASSERT_TRUE(connected.WaitForNotificationWithTimeout(kHang));
   Kill();
   ASSERT_TRUE(returned.WaitForNotificationWithTimeout(kHang));

@@ -20,14 +20,14 @@
 namespace steadymap {
 namespace {
 
-constexpr absl::Duration kHang = absl::Seconds(60);
+constexpr absl::Duration kLongestWait = absl::Seconds(60);
 
 /// While it lives, waits for a text in the log of this process.
 class AwaitedLine final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   explicit AwaitedLine(std::string text) : text_(std::move(text)) {}
 
-  bool Await() { return came_.WaitForNotificationWithTimeout(kHang); }
+  bool Await() { return came_.WaitForNotificationWithTimeout(kLongestWait); }
 
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {

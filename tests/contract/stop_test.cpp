@@ -22,7 +22,7 @@ namespace steadymap {
 namespace {
 
 // Far above what a stop takes, below the 20 s that gRPC gives a client to answer its last ping.
-constexpr std::chrono::seconds kHang{15};
+constexpr std::chrono::seconds kLongestStop{15};
 
 constexpr std::chrono::hours kAnyTime{1};
 
@@ -47,7 +47,7 @@ TEST(StoppedServer, IsNotKeptByAConnectionThatAnswersNothing) {
   const Descriptor silent = ConnectSilently(service.server().port());
   std::future<void> stopped =
       std::async(std::launch::async, [&] { service.server().Shutdown(kAnyTime); });
-  EXPECT_EQ(stopped.wait_for(kHang), std::future_status::ready);
+  EXPECT_EQ(stopped.wait_for(kLongestStop), std::future_status::ready);
 }
 
 TEST(StoppedServer, IsNotKeptByAnExportThatNobodyReads) {
@@ -72,7 +72,7 @@ TEST(StoppedServer, IsNotKeptByAnExportThatNobodyReads) {
   ASSERT_TRUE(reader->Read(&header));
   std::future<void> stopped =
       std::async(std::launch::async, [&] { service.server().Shutdown(kAnyTime); });
-  EXPECT_EQ(stopped.wait_for(kHang), std::future_status::ready);
+  EXPECT_EQ(stopped.wait_for(kLongestStop), std::future_status::ready);
   context.TryCancel();
 }
 
