@@ -114,23 +114,23 @@ class CommandBeforeItsDaemon : public ReturnTest {
 };
 
 TEST_F(CommandBeforeItsDaemon, UploadsOnceItIsThere) {
-  EXPECT_EQ(Run({"simulate", "hall", "--route", "twin", "--stride", "30", "--retry-for", "30"}), 0)
+  EXPECT_EQ(Run({"simulate", "yard", "--route", "twin", "--stride", "30", "--retry-for", "30"}), 0)
       << err_.str();
   EXPECT_NE(err_.str().find("waiting for it"), std::string::npos) << err_.str();
 }
 
 TEST_F(CommandBeforeItsDaemon, MirrorsOnceItIsThere) {
-  EXPECT_EQ(Run({"mirror", "hall", "--output", MirrorFolder(), "--once", "--retry-for", "30"}), 0)
+  EXPECT_EQ(Run({"mirror", "yard", "--output", MirrorFolder(), "--once", "--retry-for", "30"}), 0)
       << err_.str();
 }
 
 TEST_F(CommandBeforeItsDaemon, WatchesOnceItIsThere) {
-  EXPECT_EQ(Run({"watch", "hall", "--from", "snapshot", "--count", "1", "--retry-for", "30"}), 0)
+  EXPECT_EQ(Run({"watch", "yard", "--from", "snapshot", "--count", "1", "--retry-for", "30"}), 0)
       << err_.str();
 }
 
 TEST_F(CommandBeforeItsDaemon, TriesOnceWhereItIsToldSo) {
-  EXPECT_EQ(Run({"mirror", "hall", "--output", MirrorFolder(), "--once", "--retry-for", "0"}), 1);
+  EXPECT_EQ(Run({"mirror", "yard", "--output", MirrorFolder(), "--once", "--retry-for", "0"}), 1);
   EXPECT_EQ(channels_, 1);
 }
 
