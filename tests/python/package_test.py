@@ -114,8 +114,9 @@ class TheReadme(DaemonTest):
         lines = output.getvalue().splitlines()
         self.assertEqual(lines[0], "5 frames are in the map")
         self.assertEqual(lines[1], re.search(r"distance_m.*# (.*)", example)[1])
-        self.assertRegex(lines[2], r"\(\d{3,}, 3\)")
-        self.assertTrue(lines[3].startswith("Created("), lines[3])
+        self.assertEqual(lines[2], re.search(r"range_m.*# (.*)", example)[1])
+        self.assertRegex(lines[3], r"\(\d{3,}, 3\)")
+        self.assertTrue(lines[4].startswith("Created("), lines[4])
 
 
 class TheExample(TemporaryFolderTest):
