@@ -151,7 +151,7 @@ class FakeQueryService final : public v1::QueryService::Service {
     export_request = *request;
     // As above.
     const std::vector<v1::ExportMapResponse> messages = file;
-    const grpc::Status status = export_status;
+    grpc::Status status = export_status;
     for (const v1::ExportMapResponse& response : messages) stream->Write(response);
     return status;
   }

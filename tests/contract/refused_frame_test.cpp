@@ -49,22 +49,6 @@ std::vector<BrokenFrame> BrokenMetadata() {
        [](v1::Frame* frame) { frame->mutable_capture_time()->set_seconds(7'000'000'000); },
        "BAD_CAPTURE_TIME",
        "capture_time"},
-      {"UnknownClockDomain",
-       [](v1::Frame* frame) { frame->set_clock_domain(static_cast<v1::ClockDomain>(77)); },
-       "BAD_VALUE",
-       "clock_domain"},
-      {"ShortPoseCovariance",
-       [](v1::Frame* frame) { frame->mutable_pose_covariance()->add_upper_triangle(1.0); },
-       "BAD_VALUE",
-       "pose_covariance.upper_triangle"},
-      {"NegativePoseVariance",
-       [](v1::Frame* frame) {
-         auto* numbers = frame->mutable_pose_covariance()->mutable_upper_triangle();
-         numbers->Resize(21, 0.0);
-         numbers->Set(6, -1e-9);  // Of y.
-       },
-       "BAD_VALUE",
-       "pose_covariance.upper_triangle"},
       {"NanFocalLength",
        [](v1::Frame* frame) { frame->mutable_intrinsics()->set_fx(kNan); },
        "BAD_INTRINSICS",
@@ -89,6 +73,27 @@ std::vector<BrokenFrame> BrokenMetadata() {
        [](v1::Frame* frame) { frame->mutable_world_from_camera()->clear_orientation(); },
        "NOT_A_ROTATION",
        "world_from_camera.orientation"},
+  };
+}
+
+std::vector<BrokenFrame> BrokenAnnotations() {
+  return {
+      {"UnknownClockDomain",
+       [](v1::Frame* frame) { frame->set_clock_domain(static_cast<v1::ClockDomain>(77)); },
+       "BAD_VALUE",
+       "clock_domain"},
+      {"ShortPoseCovariance",
+       [](v1::Frame* frame) { frame->mutable_pose_covariance()->add_upper_triangle(1.0); },
+       "BAD_VALUE",
+       "pose_covariance.upper_triangle"},
+      {"NegativePoseVariance",
+       [](v1::Frame* frame) {
+         auto* numbers = frame->mutable_pose_covariance()->mutable_upper_triangle();
+         numbers->Resize(21, 0.0);
+         numbers->Set(6, -1e-9);  // Of y.
+       },
+       "BAD_VALUE",
+       "pose_covariance.upper_triangle"},
   };
 }
 
@@ -180,6 +185,11 @@ constexpr auto kWayName = [](const ::testing::TestParamInfo<BrokenFrame>& way) {
 INSTANTIATE_TEST_SUITE_P(Metadata,
                          RefusedFrameTest,
                          ::testing::ValuesIn(BrokenMetadata()),
+                         kWayName);
+
+INSTANTIATE_TEST_SUITE_P(Annotations,
+                         RefusedFrameTest,
+                         ::testing::ValuesIn(BrokenAnnotations()),
                          kWayName);
 INSTANTIATE_TEST_SUITE_P(Depth, RefusedFrameTest, ::testing::ValuesIn(BrokenDepth()), kWayName);
 INSTANTIATE_TEST_SUITE_P(Images, RefusedFrameTest, ::testing::ValuesIn(BrokenImages()), kWayName);

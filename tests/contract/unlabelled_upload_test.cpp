@@ -40,9 +40,9 @@ class CountedWarnings final : public spdlog::sinks::base_sink<std::mutex> {
 
 class UnlabelledUpload : public ::testing::Test {
  protected:
-  UnlabelledUpload() { spdlog::default_logger()->sinks().push_back(warnings_); }
+  void SetUp() override { spdlog::default_logger()->sinks().push_back(warnings_); }
 
-  ~UnlabelledUpload() override { spdlog::default_logger()->sinks().pop_back(); }
+  void TearDown() override { spdlog::default_logger()->sinks().pop_back(); }
 
   std::string CreateMap(const std::string& id, v1::UpdatePolicy policy) {
     grpc::ClientContext context;
@@ -64,7 +64,7 @@ class UnlabelledUpload : public ::testing::Test {
     session.session = "session-" + std::to_string(++sessions_);
     UploadClient client(&service_);
     EXPECT_TRUE(client.Open(session).ok());
-    for (const std::uint64_t first_client_seq : {1, 3}) {
+    for (const std::uint64_t first_client_seq : {1U, 3U}) {
       v1::FrameBatch batch;
       batch.set_first_client_seq(first_client_seq);
       for (int i = 0; i < 2; ++i) *batch.add_frames() = MakeWallFrame(wall);

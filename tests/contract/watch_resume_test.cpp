@@ -103,8 +103,8 @@ TEST_P(WatchResumeTest, FiltersAreComparedAsSets) {
   const auto begin = Watch(request)->ReadStep();
   ASSERT_TRUE(begin.has_value());
   v1::WatchMapRequest same = ResumeBehind(begin->progress);
-  for (const unsigned id : {7, 4, 7}) same.mutable_filter()->add_class_ids(id);
-  for (const unsigned id : {1, 2}) same.mutable_filter()->add_object_ids(id);
+  for (const unsigned id : {7U, 4U, 7U}) same.mutable_filter()->add_class_ids(id);
+  for (const unsigned id : {1U, 2U}) same.mutable_filter()->add_object_ids(id);
   for (const v1::WatchKind kind :
        {v1::WATCH_KIND_VOLUMES, v1::WATCH_KIND_EVENTS, v1::WATCH_KIND_OBJECTS}) {
     same.mutable_filter()->add_kinds(kind);
