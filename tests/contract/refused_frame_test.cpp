@@ -41,14 +41,6 @@ std::vector<BrokenFrame> BrokenMetadata() {
        [](v1::Frame* frame) { frame->mutable_intrinsics()->set_height_px(0xFFFFFFFFU); },
        "BAD_INTRINSICS",
        "intrinsics.height_px"},
-      {"TooShortFocalLength",
-       [](v1::Frame* frame) { frame->mutable_intrinsics()->set_fy(0.5); },
-       "BAD_INTRINSICS",
-       "intrinsics.fy"},
-      {"CaptureTimeFarAhead",
-       [](v1::Frame* frame) { frame->mutable_capture_time()->set_seconds(7'000'000'000); },
-       "BAD_CAPTURE_TIME",
-       "capture_time"},
       {"NanFocalLength",
        [](v1::Frame* frame) { frame->mutable_intrinsics()->set_fx(kNan); },
        "BAD_INTRINSICS",
@@ -76,8 +68,16 @@ std::vector<BrokenFrame> BrokenMetadata() {
   };
 }
 
-std::vector<BrokenFrame> BrokenAnnotations() {
+std::vector<BrokenFrame> ImpossibleMetadata() {
   return {
+      {"TooShortFocalLength",
+       [](v1::Frame* frame) { frame->mutable_intrinsics()->set_fy(0.5); },
+       "BAD_INTRINSICS",
+       "intrinsics.fy"},
+      {"CaptureTimeFarAhead",
+       [](v1::Frame* frame) { frame->mutable_capture_time()->set_seconds(7'000'000'000); },
+       "BAD_CAPTURE_TIME",
+       "capture_time"},
       {"UnknownClockDomain",
        [](v1::Frame* frame) { frame->set_clock_domain(static_cast<v1::ClockDomain>(77)); },
        "BAD_VALUE",
@@ -187,9 +187,9 @@ INSTANTIATE_TEST_SUITE_P(Metadata,
                          ::testing::ValuesIn(BrokenMetadata()),
                          kWayName);
 
-INSTANTIATE_TEST_SUITE_P(Annotations,
+INSTANTIATE_TEST_SUITE_P(Impossible,
                          RefusedFrameTest,
-                         ::testing::ValuesIn(BrokenAnnotations()),
+                         ::testing::ValuesIn(ImpossibleMetadata()),
                          kWayName);
 INSTANTIATE_TEST_SUITE_P(Depth, RefusedFrameTest, ::testing::ValuesIn(BrokenDepth()), kWayName);
 INSTANTIATE_TEST_SUITE_P(Images, RefusedFrameTest, ::testing::ValuesIn(BrokenImages()), kWayName);
