@@ -31,7 +31,7 @@ extern "C" int clock_gettime(clockid_t clock, timespec* time) noexcept {
 namespace steadymap {
 namespace {
 
-constexpr std::int64_t kDayS = 24 * 3600;
+constexpr std::int64_t kDayS = 24 * std::int64_t{3600};
 
 class ClockStep : public ::testing::Test {
  protected:

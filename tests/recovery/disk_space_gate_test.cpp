@@ -42,6 +42,7 @@ TEST_F(DiskSpaceGateTest, WritesWaitForRoomAndThenGoOnWhole) {
   disk_->disk_full = true;
   std::atomic<int> written = 0;
   std::vector<std::thread> writers;
+  writers.reserve(files.size());
   for (const auto& file : files) {
     writers.emplace_back([&written, file = file.get()] {
       EXPECT_TRUE(file->Append("hello ", {}, nullptr).ok());

@@ -38,7 +38,7 @@ class StoreFault : public ::testing::Test {
   }
 
   MapRecord Create(const std::string& name) {
-    const MapRecord map = store_->CreateMap(MakeMapRecord("acme", name)).value();
+    MapRecord map = store_->CreateMap(MakeMapRecord("acme", name)).value();
     EXPECT_TRUE(store_->LoadMap(map).ok());
     EXPECT_TRUE(store_->Append(MakeAppend(map.key, 1, 3)).ok());
     return map;

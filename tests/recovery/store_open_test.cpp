@@ -294,7 +294,7 @@ TEST_F(DamagedStore, MapWhoseDeletionACrashInterruptedIsGone) {
 TEST_F(DamagedStore, FlippedBitHarmsItsMapAloneWhereverItIs) {
   // A table file, a closed log file and an open one, and a write-ahead log.
   StateDatabase& state = store_->state_for_test(bad().key);
-  ASSERT_TRUE(state.database().Flush({}, {state.handle(Family::kLeaf)}).ok());
+  ASSERT_TRUE(state.database().Flush({}, state.handle(Family::kLeaf)).ok());
   std::vector<LeafChange> leaves;
   for (std::int32_t i = 1; i <= 20; ++i) {
     leaves.push_back(MakeLeaf(i, 0, 0, static_cast<std::uint32_t>(i)));
