@@ -11,6 +11,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -56,8 +58,7 @@ class Return {
   void Await(Clock::time_point served) {
     const absl::MutexLock lock(&mutex_);
     if (!mutex_.AwaitWithTimeout(absl::Condition(&is_back_), kWait)) {
-      std::fprintf(stderr, "a client was not back after a minute\n");
-      std::exit(EXIT_FAILURE);
+      throw std::runtime_error("a client was not back after a minute");
     }
     seconds_.push_back(std::max(0.0, std::chrono::duration<double>(moment_ - served).count()));
   }
@@ -106,7 +107,9 @@ class NotingConsumer final : public WatchConsumer {
 void Measure(int rounds, double away_s) {
   const TemporaryFolder folder;
   DaemonProcess daemon(folder.path());
-  if (!MapClient(OpenChannel(daemon.address())).CreateMap(kHall, {}).ok()) std::exit(EXIT_FAILURE);
+  if (!MapClient(OpenChannel(daemon.address())).CreateMap(kHall, {}).ok()) {
+    throw std::runtime_error("the map could not be made");
+  }
   Return uploading;
   Return watching;
   Return mirroring;
@@ -156,6 +159,11 @@ int main(int argc, char** argv) {
   app.add_option("--rounds", rounds, "How often it is killed")->check(CLI::Range(1, 1000));
   app.add_option("--away", away_s, "Seconds without a daemon")->check(CLI::Range(0.0, 60.0));
   CLI11_PARSE(app, argc, argv);
-  steadymap::Measure(rounds, away_s);
+  try {
+    steadymap::Measure(rounds, away_s);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
   return EXIT_SUCCESS;
 }
