@@ -1,16 +1,22 @@
 #include "core/map_mesh.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/tsdf_mesh.h"
 
 namespace steadymap {
 namespace {
 
 constexpr std::uint32_t kDropped = std::numeric_limits<std::uint32_t>::max();
+
+// Volumes whose meshes are made at the same time: enough for all cores.
+constexpr std::size_t kVolumesAtOnce = 32;
 
 /// Takes a mesh from its volume's frame to the world.
 void Place(const Eigen::Isometry3f& T_world_volume, Mesh* mesh) {
@@ -75,9 +81,16 @@ Mesh ExtractMapMesh(std::span<const PlacedVolume> volumes,
                     const Box* box_world,
                     const Cancellation& cancellation) {
   Mesh mesh;
-  for (const PlacedVolume& volume : volumes) {
+  std::array<Mesh, kVolumesAtOnce> parts;
+  for (std::size_t first = 0; first < volumes.size(); first += kVolumesAtOnce) {
     if (cancellation.IsCancelled()) return {};
-    Append(ExtractPart(volume, scale, box_world, cancellation), &mesh);
+    const auto group = volumes.subspan(first, std::min(kVolumesAtOnce, volumes.size() - first));
+    ParallelFor(group.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        parts[i] = ExtractPart(group[i], scale, box_world, cancellation);
+      }
+    });
+    for (std::size_t i = 0; i < group.size(); ++i) Append(parts[i], &mesh);
   }
   return mesh;
 }

@@ -10,12 +10,16 @@
 #include "core/ground.h"
 #include "core/new_object.h"
 #include "core/object_parts.h"
+#include "core/parallel.h"
 
 namespace steadymap {
 namespace {
 
 // A view counts when at least so many samples fit.
 constexpr std::size_t kMinFittingSamples = 12;
+
+// Objects that a core judges at a time: some 50 us of work.
+constexpr std::size_t kMinRangeObjects = 4;
 
 /// What speaks most against an object.
 EventReason ReasonOf(const ObjectVerdict& verdict) {
@@ -89,9 +93,10 @@ void ObjectMapper::JudgeObjects() {
   stages_.Enter(MapperStage::kVisibility);
   const VisibilityTest test(
       {*cloud_, samples_, tiles_, far_tiles_}, in_view_, association_, parameters_.visibility);
-  std::vector<ObjectVerdict> verdicts;
-  verdicts.reserve(in_view_.size());
-  for (const ObjectInView& view : in_view_) verdicts.push_back(test.Judge(*view.object));
+  std::vector<ObjectVerdict> verdicts(in_view_.size());
+  ParallelFor(in_view_.size(), kMinRangeObjects, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) verdicts[i] = test.Judge(*in_view_[i].object);
+  });
   stages_.Enter(MapperStage::kBelief);
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (verdicts[i].judged() == 0) continue;

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <utility>
 
 #include "core/leaf_set.h"
+#include "core/parallel.h"
 #include "core/semantic_cloud.h"
 #include "core/tsdf_kernel.h"
 
@@ -17,6 +19,13 @@ namespace {
 // cell.
 constexpr double kRaySpacingLeaves = 0.26;
 constexpr int kMaxRayStrideCells = 4;
+
+// Leaves that are worked on together: enough for all cores, and few enough that those which are
+// made anew fit into a cache.
+constexpr std::size_t kBatchLeaves = 256;
+
+// Leaves that a core takes at a time: some 50 us of work.
+constexpr std::size_t kMinRangeLeaves = 32;
 
 /// One frame as one volume sees it.
 struct VolumeView {
@@ -75,6 +84,26 @@ class BandWalk {
   Eigen::Vector3f camera_leaves_;
 };
 
+/// One leaf from where it is kept to what the frame makes of it.
+struct LeafWork {
+  LeafPlace place;
+  LeafEdit edit;         ///< Of the leaf as it is; null where there is none yet, and then ...
+  LeafVoxels new_leaf;   ///< ... what it would become.
+  bool changed = false;  ///< Whether the frame says anything about it.
+
+  LeafKernelLeaf ArraysFor(const Eigen::Vector3d& lowest_camera, bool with_color) {
+    LeafKernelLeaf arrays{};
+    for (int axis = 0; axis < 3; ++axis) {
+      arrays.origin[axis] = static_cast<float>(lowest_camera[axis]);
+    }
+    arrays.distance_m = edit ? edit.distance_m : new_leaf.distance_m.data();
+    arrays.weight = edit ? edit.weight : new_leaf.weight.data();
+    if (with_color) arrays.color = edit ? edit.color : new_leaf.color.data();
+    arrays.observed = edit ? edit.observed.data() : new_leaf.observed.data();
+    return arrays;
+  }
+};
+
 }  // namespace
 
 struct TsdfIntegrator::Scratch {
@@ -88,16 +117,14 @@ struct TsdfIntegrator::Scratch {
               std::vector<LeafOrigin>* changed_leaves);
   void CollectLeaves(const VolumeView& view);
   LeafKernelFrame MakeKernelFrame(const VolumeView& view) const;
-  bool UpdateLeaf(const LeafKernelFrame& kernel_frame,
-                  LeafKernelLeaf leaf,
-                  TsdfGrid* grid,
-                  LeafOrigin origin);
+  void PrepareLeaf(LeafPlace place, bool with_color, LeafWork* work);
+  static void StoreResult(const LeafWork& work);
 
   const TsdfKernels& kernels = SelectKernels();
   VoxelScale scale;
   float max_depth_m;
   LeafSet leaves;
-  LeafVoxels new_leaf;
+  std::vector<LeafWork> batch;
 };
 
 /// Walks the truncation band along a grid of rays and collects the leaves it meets.
@@ -154,33 +181,24 @@ LeafKernelFrame TsdfIntegrator::Scratch::MakeKernelFrame(const VolumeView& view)
   return kernel_frame;
 }
 
-/// Updates one leaf in place, or makes it if the frame says anything about it.
-bool TsdfIntegrator::Scratch::UpdateLeaf(const LeafKernelFrame& kernel_frame,
-                                         LeafKernelLeaf leaf,
-                                         TsdfGrid* grid,
-                                         LeafOrigin origin) {
-  LeafEdit edit = grid->EditLeaf(origin, kernel_frame.fuse_color);
-  if (edit) {
-    leaf.distance_m = edit.distance_m;
-    leaf.weight = edit.weight;
-    leaf.color = kernel_frame.fuse_color ? edit.color : nullptr;
-    leaf.observed = edit.observed.data();
-    if (!kernels.update_leaf(kernel_frame, leaf)) return false;
-    grid->SetObserved(origin, edit.observed);
-    return true;
+void TsdfIntegrator::Scratch::PrepareLeaf(LeafPlace place, bool with_color, LeafWork* work) {
+  work->place = place;
+  work->edit = place.grid->EditLeaf(place.origin, with_color);
+  if (work->edit) return;
+  work->new_leaf = LeafVoxels{};
+  work->new_leaf.has_color = with_color;
+}
+
+void TsdfIntegrator::Scratch::StoreResult(const LeafWork& work) {
+  if (work.edit) {
+    work.place.grid->SetObserved(work.place.origin, work.edit.observed);
+  } else {
+    work.place.grid->StoreLeaf(work.place.origin, work.new_leaf);
   }
-  new_leaf = LeafVoxels{};
-  leaf.distance_m = new_leaf.distance_m.data();
-  leaf.weight = new_leaf.weight.data();
-  leaf.color = kernel_frame.fuse_color ? new_leaf.color.data() : nullptr;
-  leaf.observed = new_leaf.observed.data();
-  new_leaf.has_color = kernel_frame.fuse_color;
-  if (!kernels.update_leaf(kernel_frame, leaf)) return false;
-  grid->StoreLeaf(origin, new_leaf);
-  return true;
 }
 
 /// Updates all leaves of a view's band; `place_of(origin)` is where the leaf at `origin` is kept.
+/// Grids are touched by the calling thread alone, voxels by all.
 template <typename PlaceOf>
 void TsdfIntegrator::Scratch::Update(const VolumeView& view,
                                      const PlaceOf& place_of,
@@ -188,16 +206,27 @@ void TsdfIntegrator::Scratch::Update(const VolumeView& view,
   CollectLeaves(view);
   const LeafKernelFrame kernel_frame = MakeKernelFrame(view);
   const Eigen::Isometry3d T_camera_volume = view.T_volume_camera.inverse();
-  for (const LeafOrigin& origin : leaves.Sorted()) {
-    const Eigen::Vector3d lowest_camera =
-        T_camera_volume * (Eigen::Vector3d(origin.x, origin.y, origin.z) * scale.voxel_size_m);
-    LeafKernelLeaf leaf{};
-    for (int axis = 0; axis < 3; ++axis) {
-      leaf.origin[axis] = static_cast<float>(lowest_camera[axis]);
+  const std::span<const LeafOrigin> origins = leaves.Sorted();
+  for (std::size_t first = 0; first < origins.size(); first += kBatchLeaves) {
+    const auto batch_origins =
+        origins.subspan(first, std::min(kBatchLeaves, origins.size() - first));
+    if (batch.size() < batch_origins.size()) batch.resize(batch_origins.size());
+    for (std::size_t i = 0; i < batch_origins.size(); ++i) {
+      PrepareLeaf(place_of(batch_origins[i]), kernel_frame.fuse_color, &batch[i]);
     }
-    const LeafPlace place = place_of(origin);
-    if (UpdateLeaf(kernel_frame, leaf, place.grid, place.origin)) {
-      changed_leaves->push_back(origin);
+    ParallelFor(batch_origins.size(), kMinRangeLeaves, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const LeafOrigin& origin = batch_origins[i];
+        const Eigen::Vector3d lowest_camera =
+            T_camera_volume * (Eigen::Vector3d(origin.x, origin.y, origin.z) * scale.voxel_size_m);
+        batch[i].changed = kernels.update_leaf(
+            kernel_frame, batch[i].ArraysFor(lowest_camera, kernel_frame.fuse_color));
+      }
+    });
+    for (std::size_t i = 0; i < batch_origins.size(); ++i) {
+      if (!batch[i].changed) continue;
+      StoreResult(batch[i]);
+      changed_leaves->push_back(batch_origins[i]);
     }
   }
 }

@@ -1,11 +1,15 @@
 #include "core/tsdf_mesh.h"
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/tsdf_sample.h"
 
 namespace steadymap {
@@ -187,6 +191,25 @@ bool MakeCellVertex(
   return true;
 }
 
+// Leaves whose part of the mesh a core makes at a time: some 200 us of work.
+constexpr std::size_t kPartLeaves = 32;
+
+constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
+
+/// Index of the vertex of each cell of a leaf.
+using CellVertices = std::array<std::uint32_t, kLeafVoxels>;
+
+/// The vertices of some leaves, and the quads that begin there. What one core makes; parts are put
+/// together in the order of their leaves.
+struct MeshPart {
+  Mesh mesh;
+  bool any_color = false;
+  /// For the leaves that have vertices, by the leaf of the cell's lowest corner; indices within
+  /// this part.
+  std::vector<std::pair<LeafOrigin, CellVertices>> cells;
+  std::uint32_t first_vertex = 0;  ///< Place of the part's first vertex in the whole.
+};
+
 /// Builds the mesh leaf by leaf: first all vertices, then the quads between them.
 class SurfaceNet {
  public:
@@ -201,77 +224,116 @@ class SurfaceNet {
         max_jump_m_(static_cast<float>(kMaxSurfaceSlope * scale.voxel_size_m)) {}
 
   Mesh Extract() {
-    std::vector<LeafOrigin> leaves;
-    leaves.reserve(reader_.leaf_count());
+    leaves_.reserve(reader_.leaf_count());
     reader_.VisitLeaves([&](LeafOrigin origin, const LeafView&) {
-      leaves.push_back(origin);
-      return !cancellation_.IsCancelled();
+      leaves_.push_back(origin);
+      return !IsCancelled();
     });
-    for (const LeafOrigin& origin : leaves) {
-      if (cancellation_.IsCancelled()) return {};
-      AddVertices(origin);
-    }
-    for (const LeafOrigin& origin : leaves) {
-      if (cancellation_.IsCancelled()) return {};
-      AddQuads(origin);
-    }
-    if (!any_color_) mesh_.colors.clear();
-    return std::move(mesh_);
+    parts_.resize((leaves_.size() + kPartLeaves - 1) / kPartLeaves);
+    ForEachLeafByParts([this](LeafOrigin origin, MeshPart* part) { AddVertices(origin, part); });
+    IndexVertices();
+    ForEachLeafByParts([this](LeafOrigin origin, MeshPart* part) { AddQuads(origin, part); });
+    return is_cancelled_ ? Mesh{} : JoinParts();
   }
 
  private:
-  static constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
-  using CellVertices = std::array<std::uint32_t, kLeafVoxels>;
+  struct VertexPlace {
+    const CellVertices* cells;
+    std::uint32_t first_vertex;
+  };
 
-  void AddVertices(LeafOrigin origin) {
-    patch_.Load(reader_, origin);
+  /// Asks once a leaf, and never again after a yes. Any thread.
+  bool IsCancelled() {
+    if (!is_cancelled_ && cancellation_.IsCancelled()) is_cancelled_ = true;
+    return is_cancelled_;
+  }
+
+  /// Calls `add(origin, part)` for every leaf: one after the other within a part, parts at the same
+  /// time.
+  template <typename Add>
+  void ForEachLeafByParts(const Add& add) {
+    ParallelFor(parts_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t part = begin; part < end; ++part) {
+        const std::size_t end_leaf = std::min(leaves_.size(), (part + 1) * kPartLeaves);
+        for (std::size_t leaf = part * kPartLeaves; leaf < end_leaf; ++leaf) {
+          if (IsCancelled()) return;
+          add(leaves_[leaf], &parts_[part]);
+        }
+      }
+    });
+  }
+
+  void AddVertices(LeafOrigin origin, MeshPart* part) const {
+    VoxelPatch patch;
+    patch.Load(reader_, origin);
     CellVertices* cells = nullptr;
     ForEachVoxelOfLeaf([&](int x, int y, int z) {
       CellVertex vertex;
-      if (!MakeCellVertex(patch_, max_jump_m_, x, y, z, &vertex)) return;
+      if (!MakeCellVertex(patch, max_jump_m_, x, y, z, &vertex)) return;
       const Eigen::Vector3d voxel =
           Eigen::Vector3d(origin.x + x, origin.y + y, origin.z + z) + vertex.place.cast<double>();
       const Eigen::Vector3d point_m = voxel * scale_.voxel_size_m;
       if (box_ != nullptr && !box_->contains(point_m)) return;
       if (cells == nullptr) {
-        cells = &vertices_.try_emplace(origin).first->second;
+        part->cells.emplace_back().first = origin;
+        cells = &part->cells.back().second;
         cells->fill(kNoVertex);
       }
-      (*cells)[OffsetInLeaf(x, y, z)] = static_cast<std::uint32_t>(mesh_.vertices_world.size());
-      mesh_.vertices_world.emplace_back(point_m.cast<float>());
-      mesh_.normals_world.push_back(vertex.normal);
-      mesh_.colors.push_back(vertex.color);
+      Mesh& mesh = part->mesh;
+      (*cells)[OffsetInLeaf(x, y, z)] = static_cast<std::uint32_t>(mesh.vertices_world.size());
+      mesh.vertices_world.emplace_back(point_m.cast<float>());
+      mesh.normals_world.push_back(vertex.normal);
+      mesh.colors.push_back(vertex.color);
     });
-    any_color_ = any_color_ || (cells != nullptr && patch_.has_color());
+    part->any_color = part->any_color || (cells != nullptr && patch.has_color());
+  }
+
+  /// Gives the vertices their places in the whole.
+  void IndexVertices() {
+    std::uint32_t vertices = 0;
+    for (MeshPart& part : parts_) {
+      part.first_vertex = vertices;
+      vertices += static_cast<std::uint32_t>(part.mesh.vertices_world.size());
+      for (const auto& [origin, cells] : part.cells) {
+        vertices_.emplace(origin, VertexPlace{&cells, part.first_vertex});
+      }
+    }
   }
 
   std::uint32_t VertexAt(std::int32_t x, std::int32_t y, std::int32_t z) const {
-    const auto cells = vertices_.find(LeafOf(x, y, z));
-    return cells == vertices_.end() ? kNoVertex : cells->second[OffsetInLeaf(x, y, z)];
+    const auto place = vertices_.find(LeafOf(x, y, z));
+    if (place == vertices_.end()) return kNoVertex;
+    const std::uint32_t index = (*place->second.cells)[OffsetInLeaf(x, y, z)];
+    return index == kNoVertex ? kNoVertex : place->second.first_vertex + index;
   }
 
-  void AddQuads(LeafOrigin origin) {
-    patch_.Load(reader_, origin);
+  void AddQuads(LeafOrigin origin, MeshPart* part) const {
+    VoxelPatch patch;
+    patch.Load(reader_, origin);
     ForEachVoxelOfLeaf([&](int x, int y, int z) {
-      if (patch_.known(x, y, z)) AddQuadsAt(origin, {x, y, z});
+      if (patch.known(x, y, z)) AddQuadsAt(patch, origin, {x, y, z}, part);
     });
   }
 
   /// Two triangles for every edge from a voxel of this leaf along +x, +y or +z that changes sign.
-  void AddQuadsAt(LeafOrigin origin, const Eigen::Vector3i& voxel) {
-    const float distance_m = patch_.distance_m(voxel.x(), voxel.y(), voxel.z());
+  void AddQuadsAt(const VoxelPatch& patch,
+                  LeafOrigin origin,
+                  const Eigen::Vector3i& voxel,
+                  MeshPart* part) const {
+    const float distance_m = patch.distance_m(voxel.x(), voxel.y(), voxel.z());
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3i next = voxel + Eigen::Vector3i::Unit(axis);
-      if (!patch_.known(next.x(), next.y(), next.z())) continue;
-      const float next_m = patch_.distance_m(next.x(), next.y(), next.z());
+      if (!patch.known(next.x(), next.y(), next.z())) continue;
+      const float next_m = patch.distance_m(next.x(), next.y(), next.z());
       if (!IsCrossing(distance_m, next_m, max_jump_m_)) continue;
-      AddQuad(Eigen::Vector3i(origin.x, origin.y, origin.z) + voxel, axis, distance_m <= 0.0F);
+      AddQuad(
+          Eigen::Vector3i(origin.x, origin.y, origin.z) + voxel, axis, distance_m <= 0.0F, part);
     }
   }
 
   /// The quad around the edge from `voxel` along `axis`; `inside` says that the voxel lies behind
   /// the surface, which sets the winding.
-  void AddQuad(const Eigen::Vector3i& voxel, int axis, bool inside) {
+  void AddQuad(const Eigen::Vector3i& voxel, int axis, bool inside, MeshPart* part) const {
     const Eigen::Vector3i side = -Eigen::Vector3i::Unit((axis + 1) % 3);
     const Eigen::Vector3i other = -Eigen::Vector3i::Unit((axis + 2) % 3);
     std::array<std::uint32_t, 4> corners;
@@ -282,20 +344,49 @@ class SurfaceNet {
       if (corners[i] == kNoVertex) return;
     }
     if (!inside) std::swap(corners[1], corners[3]);
-    mesh_.triangles.push_back({corners[0], corners[1], corners[2]});
-    mesh_.triangles.push_back({corners[0], corners[2], corners[3]});
+    part->mesh.triangles.push_back({corners[0], corners[1], corners[2]});
+    part->mesh.triangles.push_back({corners[0], corners[2], corners[3]});
+  }
+
+  Mesh JoinParts() {
+    if (parts_.empty()) return {};
+    bool any_color = false;
+    std::size_t vertices = 0;
+    std::size_t triangles = 0;
+    for (const MeshPart& part : parts_) {
+      any_color = any_color || part.any_color;
+      vertices += part.mesh.vertices_world.size();
+      triangles += part.mesh.triangles.size();
+    }
+    Mesh whole = std::move(parts_.front().mesh);
+    if (!any_color) whole.colors = {};
+    whole.vertices_world.reserve(vertices);
+    whole.normals_world.reserve(vertices);
+    if (any_color) whole.colors.reserve(vertices);
+    whole.triangles.reserve(triangles);
+    const auto move_over = [](auto* from, auto* to) {
+      to->insert(to->end(), from->begin(), from->end());
+      *from = {};
+    };
+    for (std::size_t part = 1; part < parts_.size(); ++part) {
+      Mesh& mesh = parts_[part].mesh;
+      move_over(&mesh.vertices_world, &whole.vertices_world);
+      move_over(&mesh.normals_world, &whole.normals_world);
+      if (any_color) move_over(&mesh.colors, &whole.colors);
+      move_over(&mesh.triangles, &whole.triangles);
+    }
+    return whole;
   }
 
   const VoxelReader& reader_;
   const VoxelScale scale_;
   const Box* box_;
   const Cancellation& cancellation_;
+  std::atomic<bool> is_cancelled_ = false;
   float max_jump_m_;
-  VoxelPatch patch_;
-  Mesh mesh_;
-  bool any_color_ = false;
-  /// Index of the vertex of each cell, by the leaf of the cell's lowest corner.
-  std::unordered_map<LeafOrigin, CellVertices> vertices_;
+  std::vector<LeafOrigin> leaves_;
+  std::vector<MeshPart> parts_;
+  std::unordered_map<LeafOrigin, VertexPlace> vertices_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/tsdf_codec.h"
 
 namespace steadymap {
@@ -14,6 +15,9 @@ constexpr double kTouchM = 1e-3;
 
 // More robots than any place has, so that ids that are made up fill no memory.
 constexpr std::size_t kMaxRobots = 1000;
+
+// Leaves that a core packs at a time: some 50 us of work.
+constexpr std::size_t kMinRangeLeaves = 32;
 
 template <typename Value>
 void SortUnique(std::vector<Value>* values) {
@@ -268,11 +272,14 @@ void WorkingMap::CommitObjects(MapDelta* delta) {
 
 void WorkingMap::CommitLeaves(MapDelta* delta) {
   SortUnique(&changed_leaves_);
-  delta->leaves.reserve(changed_leaves_.size());
-  for (const LeafKey& key : changed_leaves_) {
-    const LeafView leaf = FindLeaf(map_, key);
-    delta->leaves.push_back({key, leaf ? PackLeaf(leaf, map_.scale) : std::string()});
-  }
+  delta->leaves.resize(changed_leaves_.size());
+  ParallelFor(changed_leaves_.size(), kMinRangeLeaves, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const LeafKey& key = changed_leaves_[i];
+      const LeafView leaf = FindLeaf(map_, key);
+      delta->leaves[i] = {key, leaf ? PackLeaf(leaf, map_.scale) : std::string()};
+    }
+  });
   changed_leaves_.clear();
 }
 

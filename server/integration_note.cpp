@@ -14,6 +14,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 
+#include "core/parallel.h"
 #include "server/posix_file.h"
 
 namespace steadymap {
@@ -62,14 +63,12 @@ struct IntegrationNote::Page {
 
 namespace {
 
-/// The entry that a thread integrates; null: none.
-thread_local std::atomic<std::uint32_t>* signal_of_this_thread = nullptr;
-
 std::array<struct sigaction, 65> previous_actions{};
 
 void NoteCrash(int signal) {
-  if (signal_of_this_thread != nullptr) {
-    signal_of_this_thread->store(static_cast<std::uint32_t>(signal));
+  // Threads work for the note of the entry that they integrate, and for nobody else.
+  if (auto* noted = static_cast<std::atomic<std::uint32_t>*>(WorkOwner()); noted != nullptr) {
+    noted->store(static_cast<std::uint32_t>(signal));
   }
   // Whoever was there before, the default in the end, ends the process.
   ::sigaction(signal, &previous_actions.at(static_cast<std::size_t>(signal)), nullptr);
@@ -161,17 +160,17 @@ void IntegrationNote::Begin(MapSequence sequence) {
   page_->signal = 0;
   page_->begun = Clock::now().time_since_epoch().count();
   page_->sequence = sequence.value();
-  signal_of_this_thread = &page_->signal;
+  SetWorkOwner(&page_->signal);
 }
 
 void IntegrationNote::End() {
-  signal_of_this_thread = nullptr;
+  SetWorkOwner(nullptr);
   const std::uint64_t sequence = page_->sequence.exchange(0);
   if (sequence == page_->suspect_sequence) Forgive();
 }
 
 void IntegrationNote::Fail() {
-  signal_of_this_thread = nullptr;
+  SetWorkOwner(nullptr);
   CountCrash();
   page_->sequence = 0;
 }

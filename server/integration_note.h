@@ -51,7 +51,7 @@ class IntegrationNote {
   /// The entry that processes ended on, or failed at, if that speaks against it.
   const std::optional<Suspect>& suspect() const { return suspect_; }
 
-  /// An entry is about to be integrated on this thread.
+  /// An entry is about to be integrated on this thread, and on those that help it.
   void Begin(MapSequence sequence);
 
   /// It was integrated, or is not going to be.
@@ -74,7 +74,7 @@ class IntegrationNote {
   static void AgeAll(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());
 
   /// Makes crashes of this process (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) speak against the
-  /// entry that the crashing thread integrates. Call once, before threads are started.
+  /// entry that the crashing thread integrates, or helps to. Call once, before threads are started.
   static void CatchCrashes();
 
  private:

@@ -1,5 +1,6 @@
 #include "core/map_mesh.h"
 
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -8,6 +9,7 @@
 
 #include "core/tsdf_mesh.h"
 #include "tests/support/analytic_map.h"
+#include "tests/support/thread_limit.h"
 
 namespace steadymap {
 namespace {
@@ -95,20 +97,22 @@ TEST(ExtractMapMesh, NoVolumesHaveNoSurface) {
 TEST(ExtractMapMesh, EndsSoonAfterItIsCancelled) {
   const MapSnapshot map = BoxOverFloor();
   const std::vector<PlacedVolume> volumes = ShownVolumes(map);
-  std::size_t of_whole = 0;
+  std::atomic<std::size_t> of_whole = 0;
   const Cancellation never([&of_whole] {
     ++of_whole;
     return false;
   });
   ExtractMapMesh(volumes, map.scale, nullptr, never);
   EXPECT_GT(of_whole, 3 * map.background.leaf_count()) << "three times a leaf, a pass each";
-  // A pass that ends is followed by the question of the next pass and of the next volume.
-  constexpr std::size_t kAfterwards = 3;
+  // Each thread may ask at the same time, and every volume asks once before it begins.
+  constexpr int kThreads = 3;
+  const std::size_t afterwards = kThreads + volumes.size();
   for (std::size_t wanted_for = 0; wanted_for < of_whole; wanted_for += 7) {
-    std::size_t asked = 0;
+    std::atomic<std::size_t> asked = 0;
     const Cancellation later([&] { return asked++ >= wanted_for; });
-    ExtractMapMesh(volumes, map.scale, nullptr, later);
-    EXPECT_LE(asked, wanted_for + kAfterwards);
+    testing::RunOnThreads(kThreads,
+                          [&] { return ExtractMapMesh(volumes, map.scale, nullptr, later); });
+    EXPECT_LE(asked, wanted_for + afterwards);
   }
 }
 

@@ -12,12 +12,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/parallel.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {
@@ -118,6 +120,19 @@ TEST_F(IntegrationNoteTest, CrashBetweenEntriesOrOnAnotherThreadsWorkCountsNot) 
             }),
             SIGABRT);
   EXPECT_FALSE(Open()->suspect().has_value());
+}
+
+TEST_F(IntegrationNoteTest, CrashOfAThreadThatHelpsCounts) {
+  EXPECT_EQ(InChild([](IntegrationNote* note) {
+              note->Begin(MapSequence(7));
+              std::thread helper([owner = WorkOwner()] {
+                SetWorkOwner(owner);
+                ::raise(SIGSEGV);
+              });
+              helper.join();
+            }),
+            SIGSEGV);
+  ExpectSuspect(7, 1);
 }
 
 TEST_F(IntegrationNoteTest, EndOfTheSuspectClearsIt) {
