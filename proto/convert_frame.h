@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include <absl/status/statusor.h>
 
 #include "core/frame.h"
@@ -14,10 +16,15 @@ namespace steadymap {
 ///
 /// Errors: `InvalidArgument` with the reason of the service contract and the field path relative to
 /// the frame, such as `depth.data`.
-/// Cost: decoding, 2 to 3 ms for PNG depth and labels of 640 x 360. Pure, any thread.
+/// Cost: decoding, 2 to 3 ms for PNG depth and labels of 640 x 360, shared by free cores. Pure, any
+/// thread.
 absl::StatusOr<Frame> FromProto(const v1::Frame& message,
                                 const SensorName& source,
                                 const KnownLabels& labels);
+
+/// Bytes that the images of a frame take once they are decoded, from the sizes that it declares. At
+/// most those of the largest images allowed, whatever it says.
+std::size_t DecodedBytes(const v1::Frame& message);
 
 /// The camera of a frame. Errors: as `ValidateCamera`, with the field of the message.
 absl::StatusOr<PinholeCamera> FromProto(const v1::CameraIntrinsics& message);

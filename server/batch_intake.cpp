@@ -22,16 +22,7 @@ constexpr std::size_t kFrameOverheadBytes = 4096;
 
 /// Bytes that the frame will take until it is integrated, from what it declares.
 std::size_t EstimateBytes(const v1::Frame& message) {
-  const auto side = [](std::uint32_t side_px) {
-    return std::min<std::size_t>(side_px, static_cast<std::size_t>(kMaxImageSidePx));
-  };
-  std::size_t bytes_per_pixel = sizeof(std::uint16_t);
-  if (message.has_labels()) bytes_per_pixel += sizeof(std::uint16_t);
-  if (message.has_instances()) bytes_per_pixel += sizeof(std::uint16_t);
-  if (message.has_color()) bytes_per_pixel += sizeof(Rgb);
-  return side(message.intrinsics().width_px()) * side(message.intrinsics().height_px()) *
-             bytes_per_pixel +
-         message.ByteSizeLong() + kFrameOverheadBytes;
+  return DecodedBytes(message) + message.ByteSizeLong() + kFrameOverheadBytes;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "proto/convert_frame.h"
 
 namespace steadymap {
@@ -27,18 +28,33 @@ constexpr std::size_t kReadAheadBytes = std::size_t{8} << 20;
 // Processes that may end on an entry before it is left alone.
 constexpr std::uint32_t kMaxCrashes = 2;
 
-absl::StatusOr<Frame> UnpackFrame(const LogEntry& entry, const KnownLabels& labels) {
+// Frames of the log that are decoded at once, and bytes that they may take then: more would help no
+// core, and every map that catches up holds so much.
+constexpr std::size_t kDecodedEntries = 4;
+constexpr std::size_t kDecodedBytes = std::size_t{8} << 20;
+
+/// An entry of the log on its way to the mapper.
+struct ParsedEntry {
   v1::Frame message;
-  absl::StatusOr<Frame> frame = absl::DataLossError("it does not parse");
-  if (message.ParseFromString(entry.packed_frame)) frame = FromProto(message, entry.source, labels);
-  if (frame.ok()) return frame;
-  return MakeError(absl::StatusCode::kDataLoss,
-                   reason::kChecksum,
-                   absl::StrCat("frame ",
-                                entry.sequence.value(),
-                                " of the log cannot be read: ",
-                                frame.status().message()));
-}
+  bool parses = true;
+
+  absl::StatusOr<DurableEntry> Decode(LogEntry logged, const KnownLabels& labels) const {
+    DurableEntry entry{logged.sequence, logged.kind, {}, std::move(logged.classes), {}};
+    if (logged.kind != LogEntryKind::kFrame) return entry;
+    absl::StatusOr<Frame> frame = absl::DataLossError("it does not parse");
+    if (parses) frame = FromProto(message, logged.source, labels);
+    if (!frame.ok()) {
+      return MakeError(absl::StatusCode::kDataLoss,
+                       reason::kChecksum,
+                       absl::StrCat("frame ",
+                                    logged.sequence.value(),
+                                    " of the log cannot be read: ",
+                                    frame.status().message()));
+    }
+    entry.frame = *std::move(frame);
+    return entry;
+  }
+};
 
 }  // namespace
 
@@ -62,6 +78,7 @@ absl::Status MapIntegrator::Start(const MapRecord& record, const StoredState& st
   labels_ = std::make_unique<KnownLabels>(state.durable_classes);
   log_head_ = state.durable_head;
   read_ahead_.clear();
+  decoded_.clear();
   details_ = {};
   unstored_.reset();
   commit_due_ = Clock::time_point::max();
@@ -112,18 +129,13 @@ absl::Status MapIntegrator::Advance() {
 /// The next entry, from the log as long as that has some that nobody pushed.
 absl::StatusOr<std::optional<DurableEntry>> MapIntegrator::TakeEntry() {
   if (mapper_->head() < log_head_) {
-    if (read_ahead_.empty()) {
-      if (absl::Status status = ReadAhead(); !status.ok()) return status;
+    if (decoded_.empty()) {
+      if (absl::Status status = DecodeAhead(); !status.ok()) return status;
     }
-    LogEntry logged = std::move(read_ahead_.front());
-    read_ahead_.pop_front();
-    DurableEntry entry{logged.sequence, logged.kind, {}, std::move(logged.classes), {}};
-    if (logged.kind == LogEntryKind::kFrame) {
-      absl::StatusOr<Frame> frame = UnpackFrame(logged, *labels_);
-      if (!frame.ok()) return frame.status();
-      entry.frame = *std::move(frame);
-    }
-    return std::optional<DurableEntry>(std::move(entry));
+    absl::StatusOr<DurableEntry> logged = std::move(decoded_.front());
+    decoded_.pop_front();
+    if (!logged.ok()) return logged.status();
+    return std::optional<DurableEntry>(*std::move(logged));
   }
   std::optional<DurableEntry> entry;
   const absl::MutexLock lock(&mutex_);
@@ -133,6 +145,31 @@ absl::StatusOr<std::optional<DurableEntry>> MapIntegrator::TakeEntry() {
     inbox_.pop_front();
   }
   return entry;
+}
+
+/// Decodes the next entries of the log, those that fit at the same time.
+absl::Status MapIntegrator::DecodeAhead() {
+  if (read_ahead_.empty()) {
+    if (absl::Status status = ReadAhead(); !status.ok()) return status;
+  }
+  std::vector<ParsedEntry> parsed;
+  std::size_t bytes = 0;
+  while (parsed.size() < std::min(kDecodedEntries, read_ahead_.size()) && bytes < kDecodedBytes) {
+    const LogEntry& entry = read_ahead_[parsed.size()];
+    ParsedEntry& next = parsed.emplace_back();
+    if (entry.kind != LogEntryKind::kFrame) continue;
+    next.parses = next.message.ParseFromString(entry.packed_frame);
+    bytes += DecodedBytes(next.message);
+  }
+  decoded_.resize(parsed.size());
+  ParallelFor(parsed.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      decoded_[i] = parsed[i].Decode(std::move(read_ahead_[i]), *labels_);
+    }
+  });
+  read_ahead_.erase(read_ahead_.begin(),
+                    read_ahead_.begin() + static_cast<std::ptrdiff_t>(parsed.size()));
+  return absl::OkStatus();
 }
 
 /// Piece by piece, so that no file of the store stays open across a commit.

@@ -94,6 +94,7 @@ class MapIntegrator {
  private:
   absl::Status Advance();
   absl::StatusOr<std::optional<DurableEntry>> TakeEntry();
+  absl::Status DecodeAhead();
   absl::Status ReadAhead();
   absl::Status Integrate(const DurableEntry& entry);
   absl::Status CheckSuspect(MapSequence sequence);
@@ -110,11 +111,12 @@ class MapIntegrator {
   MapRecord record_;
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<IntegrationNote> note_;
-  std::unique_ptr<KnownLabels> labels_;  ///< Of the frames in the log.
-  MapSequence log_head_;                 ///< Entries up to it are read from the log.
-  std::deque<LogEntry> read_ahead_;      ///< Of the log.
-  CommitDetails details_;                ///< Of the commit that is being gathered.
-  std::optional<MapCommit> unstored_;    ///< Made, but the disk had no room for it.
+  std::unique_ptr<KnownLabels> labels_;               ///< Of the frames in the log.
+  MapSequence log_head_;                              ///< Entries up to it are read from the log.
+  std::deque<LogEntry> read_ahead_;                   ///< Of the log.
+  std::deque<absl::StatusOr<DurableEntry>> decoded_;  ///< Those before them.
+  CommitDetails details_;                             ///< Of the commit that is being gathered.
+  std::optional<MapCommit> unstored_;                 ///< Made, but the disk had no room for it.
   Clock::time_point retry_at_ = Clock::time_point::min();  ///< When to store it.
   Clock::time_point commit_due_ = Clock::time_point::max();
   MapCounter counter_;

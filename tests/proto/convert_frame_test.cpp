@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "tests/support/thread_limit.h"
 #include "tests/support/wall_frame.h"
 
 namespace steadymap {
@@ -68,6 +69,40 @@ TEST(ConvertFrame, ColorIsDecoded) {
   const auto frame = FromProto(message, kSource, Labels());
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(frame->color, color);
+}
+
+/// Large enough that its images are decoded at the same time.
+v1::Frame LargeFrame() {
+  v1::Frame message = MakeWallFrame({.width_px = 320, .height_px = 240});
+  const Image<std::uint16_t> instances(320, 240, 3);
+  message.mutable_instances()->set_encoding(v1::LABEL_ENCODING_PNG);
+  message.mutable_instances()->set_data(EncodePixels(instances, PixelEncoding::kPng));
+  message.mutable_color()->set_encoding(v1::COLOR_ENCODING_PNG);
+  message.mutable_color()->set_data(EncodeColorPng(Image<Rgb>(320, 240, Rgb{10, 20, 30})));
+  return message;
+}
+
+TEST(ConvertFrame, ImagesAreTheSameOnAnyNumberOfThreads) {
+  const auto decode = [] { return FromProto(LargeFrame(), kSource, Labels()); };
+  const absl::StatusOr<Frame> alone = testing::RunOnThreads(1, decode);
+  ASSERT_TRUE(alone.ok()) << alone.status();
+  for (const int threads : {2, 8}) {
+    const absl::StatusOr<Frame> frame = testing::RunOnThreads(threads, decode);
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    EXPECT_EQ(frame->depth, alone->depth);
+    EXPECT_EQ(frame->labels, alone->labels);
+    EXPECT_EQ(frame->instances, alone->instances);
+    EXPECT_EQ(frame->color, alone->color);
+  }
+}
+
+TEST(ConvertFrame, ErrorIsThatOfTheFirstImageThatHasOne) {
+  v1::Frame message = LargeFrame();
+  message.mutable_color()->set_data("no picture");
+  const auto decode = [&message] { return FromProto(message, kSource, Labels()).status(); };
+  EXPECT_EQ(FieldOf(testing::RunOnThreads(8, decode)), "color.data");
+  message.mutable_labels()->set_data("no picture, either");
+  EXPECT_EQ(FieldOf(testing::RunOnThreads(8, decode)), "labels.data");
 }
 
 TEST(ConvertFrame, ZstdBombIsRefusedWithoutBeingUnpacked) {

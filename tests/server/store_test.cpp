@@ -16,6 +16,7 @@
 
 #include "core/error.h"
 #include "tests/server/store_contract.h"
+#include "tests/support/thread_limit.h"
 
 namespace steadymap {
 namespace {
@@ -266,6 +267,22 @@ TEST_P(StoreContract, CommitsSurviveARestartLeafByLeaf) {
   const MapDelta expected = MakeDelta(
       0, 40, {MakeLeaf(0, 0, 0, 3), MakeLeaf(-1, 5, -300, 2), MakeLeaf(100'000, -100'000, 7, 4)});
   EXPECT_EQ(LeavesOf(state.snapshot), expected.leaves);
+}
+
+TEST_P(StoreContract, LoadsTheSameOnAnyNumberOfThreads) {
+  const MapRecord map = Create("hall");
+  Append(MakeAppend(map.key, 1, 1));
+  std::vector<LeafChange> leaves;
+  for (std::int32_t i = 0; i < 1300; ++i) {
+    leaves.push_back(MakeLeaf(i % 40, i / 40, -i % 7, static_cast<std::uint32_t>(i)));
+  }
+  const MapDelta delta = MakeDelta(0, 1, std::move(leaves));
+  Commit(map.key, delta);
+  Reopen();
+  for (const int threads : {1, 2, 8}) {
+    const StoredState state = testing::RunOnThreads(threads, [&] { return Load(map); });
+    EXPECT_EQ(LeavesOf(state.snapshot), delta.leaves) << threads << " threads";
+  }
 }
 
 TEST_P(StoreContract, CommitOfAnEmptyLeafRemovesIt) {
