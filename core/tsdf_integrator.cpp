@@ -84,29 +84,29 @@ class BandWalk {
   Eigen::Vector3f camera_leaves_;
 };
 
-/// One leaf from where it is kept to what the frame makes of it.
-struct LeafWork {
-  LeafPlace place;
-  LeafEdit edit;         ///< Of the leaf as it is; null where there is none yet, and then ...
-  LeafVoxels new_leaf;   ///< ... what it would become.
-  bool changed = false;  ///< Whether the frame says anything about it.
-
-  LeafKernelLeaf ArraysFor(const Eigen::Vector3d& lowest_camera, bool with_color) {
-    LeafKernelLeaf arrays{};
-    for (int axis = 0; axis < 3; ++axis) {
-      arrays.origin[axis] = static_cast<float>(lowest_camera[axis]);
-    }
-    arrays.distance_m = edit ? edit.distance_m : new_leaf.distance_m.data();
-    arrays.weight = edit ? edit.weight : new_leaf.weight.data();
-    if (with_color) arrays.color = edit ? edit.color : new_leaf.color.data();
-    arrays.observed = edit ? edit.observed.data() : new_leaf.observed.data();
-    return arrays;
-  }
-};
-
 }  // namespace
 
 struct TsdfIntegrator::Scratch {
+  /// One leaf from where it is kept to what the frame makes of it.
+  struct LeafWork {
+    LeafPlace place;
+    LeafEdit edit;         ///< Of the leaf as it is; null where there is none yet, and then ...
+    LeafVoxels new_leaf;   ///< ... what it would become.
+    bool changed = false;  ///< Whether the frame says anything about it.
+
+    LeafKernelLeaf ArraysFor(const Eigen::Vector3d& lowest_camera, bool with_color) {
+      LeafKernelLeaf arrays{};
+      for (int axis = 0; axis < 3; ++axis) {
+        arrays.origin[axis] = static_cast<float>(lowest_camera[axis]);
+      }
+      arrays.distance_m = edit ? edit.distance_m : new_leaf.distance_m.data();
+      arrays.weight = edit ? edit.weight : new_leaf.weight.data();
+      if (with_color) arrays.color = edit ? edit.color : new_leaf.color.data();
+      arrays.observed = edit ? edit.observed.data() : new_leaf.observed.data();
+      return arrays;
+    }
+  };
+
   explicit Scratch(const MapConfig& config)
       : scale{config.voxel_size_m, config.truncation_m},
         max_depth_m(static_cast<float>(config.max_depth_m)) {}
