@@ -40,6 +40,7 @@ inline constexpr std::string_view kQueueFull = "QUEUE_FULL";
 inline constexpr std::string_view kWorkLimit = "WORK_LIMIT";
 inline constexpr std::string_view kRateLimit = "RATE_LIMIT";
 inline constexpr std::string_view kMapBytes = "MAP_BYTES";
+inline constexpr std::string_view kMemoryLow = "MEMORY_LOW";
 inline constexpr std::string_view kDiskLow = "DISK_LOW";
 inline constexpr std::string_view kMessageTooLarge = "MESSAGE_TOO_LARGE";
 inline constexpr std::string_view kDraining = "DRAINING";

@@ -69,13 +69,19 @@ bool ReadDetail(const google::protobuf::Any& any,
   return slash != url.npos && url.substr(slash + 1) == name && detail->ParseFromString(any.value());
 }
 
-void AddRetryInfo(std::string_view reason, v1::Status* message) {
+/// When another try makes sense: what the status says, else what its reason does.
+void AddRetryInfo(const absl::Status& status, v1::Status* message) {
+  constexpr std::int64_t kMsPerSecond = 1000;
+  std::int64_t delay_ms = RetryDelayMsOf(status);
   for (const RetryDelay& delay : kRetryDelays) {
-    if (delay.reason != reason) continue;
-    v1::RetryInfo info;
-    info.mutable_retry_delay()->set_seconds(delay.seconds);
-    AddDetail(kRetryInfo, info, message);
+    if (delay_ms == 0 && delay.reason == ReasonOf(status)) delay_ms = kMsPerSecond * delay.seconds;
   }
+  if (delay_ms == 0) return;
+  v1::RetryInfo info;
+  info.mutable_retry_delay()->set_seconds(delay_ms / kMsPerSecond);
+  info.mutable_retry_delay()->set_nanos(static_cast<std::int32_t>(delay_ms % kMsPerSecond) *
+                                        1'000'000);
+  AddDetail(kRetryInfo, info, message);
 }
 
 /// What a server asks for, in [0, 10 min].
@@ -104,7 +110,7 @@ v1::Status ToProto(const absl::Status& status) {
     violation->set_description(message.message());
     AddDetail(kBadRequest, bad_request, &message);
   }
-  AddRetryInfo(reason, &message);
+  AddRetryInfo(status, &message);
   return message;
 }
 

@@ -99,6 +99,12 @@ void VisitLimits(LimitOptions* limits, FieldVisitor* visitor) {
       {"queue_bytes_total", "The same for all maps together: the bound on memory under overload."},
       {64 * kKiB, kTiB},
       &limits->queue_bytes_total);
+  typed.Integer({"memory_bytes",
+                 "Bytes of memory that the daemon may hold; beyond, uploads and new maps are "
+                 "refused with MEMORY_LOW. 0: three quarters of what the machine, or the control "
+                 "group, has."},
+                {0, 1024 * kTiB},
+                &limits->memory_bytes);
 }
 
 void VisitCommit(CommitOptions* commit, FieldVisitor* visitor) {

@@ -69,6 +69,7 @@ std::vector<std::shared_ptr<MapRuntime>> MapDirectory::All() const {
 }
 
 absl::StatusOr<std::shared_ptr<MapRuntime>> MapDirectory::Create(const MapRecord& record) {
+  if (absl::Status status = dependencies_.memory->Check(); !status.ok()) return status;
   const absl::StatusOr<MapRecord> created = dependencies_.store->CreateMap(record);
   if (!created.ok()) return created.status();
   std::shared_ptr<MapRuntime> map = MapRuntime::Open(*created, dependencies_);

@@ -50,7 +50,8 @@ class MapDirectory {
   /// Every map.
   std::vector<std::shared_ptr<MapRuntime>> All() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Creates a map and begins to open it. Errors: `AlreadyExists`, or what the store answers.
+  /// Creates a map and begins to open it. Errors: `AlreadyExists`, `ResourceExhausted` with
+  /// `MEMORY_LOW`, or what the store answers.
   absl::StatusOr<std::shared_ptr<MapRuntime>> Create(const MapRecord& record)
       ABSL_LOCKS_EXCLUDED(mutex_);
 

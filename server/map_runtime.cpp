@@ -127,6 +127,7 @@ absl::Status MapRuntime::CheckReads() const {
 absl::Status MapRuntime::CheckUploads() const {
   const absl::MutexLock lock(&mutex_);
   if (health_.condition != Condition::kReady) return health_.reason;
+  if (absl::Status status = dependencies_.memory->Check(); !status.ok()) return status;
   const std::size_t memory_bytes = published_.counts.memory_bytes;
   if (record_.byte_budget == 0 || memory_bytes <= record_.byte_budget) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
@@ -214,8 +215,10 @@ Strand::Next MapRuntime::AppendStep() {
   LogGroup group = TakeGroup(&classes);
   if (group.empty()) return Strand::Next::Never();
   absl::Status status = CheckUploads();
-  // A budget that is exceeded stops what comes, not what was taken.
-  if (ReasonOf(status) == reason::kMapBytes) status = absl::OkStatus();
+  // A bound that is exceeded stops what comes, not what was taken.
+  if (ReasonOf(status) == reason::kMapBytes || ReasonOf(status) == reason::kMemoryLow) {
+    status = absl::OkStatus();
+  }
   if (status.ok()) status = dependencies_.store->Append(group.append());
   if (ReasonOf(status) == reason::kDiskLow) status = WithRetryDelay(status, kDiskRetry.count());
   if (status.ok()) NoteAppended(group);

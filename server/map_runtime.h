@@ -19,6 +19,7 @@
 #include "server/frame_queue.h"
 #include "server/map_clock.h"
 #include "server/map_integrator.h"
+#include "server/memory_guard.h"
 #include "server/server_config.h"
 #include "server/session_table.h"
 #include "server/store.h"
@@ -41,6 +42,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
     FrameBudget* read_budget = nullptr;  ///< Of messages that are not decoded yet.
     WorkerPool* log_pool = nullptr;
     WorkerPool* map_pool = nullptr;
+    const MemoryGuard* memory = nullptr;  ///< Of the process.
     CommitOptions commit;
     std::size_t queue_bytes = 0;  ///< Of one map.
     /// The map has published a revision; without locks held.
@@ -88,7 +90,8 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   absl::Status CheckReads() const ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// OK, or why the map takes no frames: as `CheckReads`, or a store that cannot be written to
-  /// (`STORE_READ_ONLY`, `DISK_LOW`), or `MAP_QUARANTINED`, or `MAP_BYTES`.
+  /// (`STORE_READ_ONLY`, `DISK_LOW`), or `MAP_QUARANTINED`, or `MAP_BYTES`,
+  /// or `MEMORY_LOW`.
   absl::Status CheckUploads() const ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// The newest revision; an empty one until the map is opened.

@@ -24,6 +24,7 @@
 #include "server/housekeeper.h"
 #include "server/ingest_service.h"
 #include "server/live_limits.h"
+#include "server/memory_guard.h"
 #include "server/map_directory.h"
 #include "server/map_service.h"
 #include "server/peer_limiter.h"
@@ -107,6 +108,7 @@ class Server::Parts {
   const std::unique_ptr<Store> store_;
   LiveLimits limits_;
   CallsUnderWay calls_;
+  MemoryGuard memory_;
   FrameBudget budget_;
   FrameBudget read_budget_;
   UploadRoster roster_;
@@ -136,6 +138,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
     : config_(config),
       store_(std::move(store)),
       limits_(config.limits),
+      memory_(config.limits.memory_bytes),
       budget_(config.limits.queue_bytes_total),
       read_budget_(config.limits.queue_bytes_total / 2),
       watch_hub_({.store = store_.get(),
@@ -150,6 +153,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
              &read_budget_,
              &log_pool_,
              &map_pool_,
+             &memory_,
              config.commit,
              config.limits.queue_bytes_per_map,
              [this](MapKey map) { watch_hub_.OnCommit(map); }}),
@@ -288,6 +292,7 @@ void Server::Parts::SetLimits(const LimitOptions& limits) {
   LimitOptions live = limits;
   live.max_message_bytes = config_.limits.max_message_bytes;
   limits_.Set(live);
+  memory_.SetMax(limits.memory_bytes);
   budget_.SetTotal(limits.queue_bytes_total);
   read_budget_.SetTotal(limits.queue_bytes_total / 2);
 }

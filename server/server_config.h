@@ -34,6 +34,11 @@ struct LimitOptions {
   /// The same for all maps together. Messages that were read and wait to be decoded may take half
   /// as much again, of one map and of all: the bound on the daemon's memory under overload.
   std::size_t queue_bytes_total = std::size_t{128} << 20;
+
+  /// Bytes of memory that the whole process may hold: beyond, neither frames nor new maps are taken
+  /// until it holds less; reads go on. Zero: three quarters of what the machine, or the control
+  /// group of the process, has.
+  std::size_t memory_bytes = 0;
 };
 
 /// When the work of a mapping thread becomes visible and durable. Never changes what the map is.

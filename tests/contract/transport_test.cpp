@@ -137,6 +137,32 @@ TEST(Memory, UploadLargerThanTheBudgetGoesThroughBitByBit) {
   EXPECT_EQ(service.GetMap(map)->state().revision(), 80U);
 }
 
+TEST(Memory, FullServerTakesNoMoreButAnswersAndGoesOnByItself) {
+  TestService service(Transport::kLoopback);
+  const std::string map = service.CreateMap("hall");
+  ASSERT_TRUE(UploadAndClose(&service, {map}, MakeBatch(1, 3)).ok());
+  LimitOptions limits;
+  limits.memory_bytes = 1;
+  service.server().SetLimits(limits);
+  const auto is_full = IsError(absl::StatusCode::kResourceExhausted, "MEMORY_LOW", "");
+  const absl::Status refused = UploadAndClose(&service, {map}, MakeBatch(4, 3));
+  EXPECT_THAT(refused, is_full);
+  EXPECT_GT(RetryDelayMsOf(refused), 0);
+  v1::CreateMapRequest request;
+  request.set_parent("tenants/test");
+  request.set_map_id("another");
+  request.mutable_map()->mutable_config()->set_policy(v1::UPDATE_POLICY_STATIC);
+  v1::Map created;
+  EXPECT_THAT(
+      Call([&](auto* context) { return service.maps().CreateMap(context, request, &created); }),
+      is_full);
+  EXPECT_EQ(service.GetMap(map)->state().revision(), 3U);
+  EXPECT_TRUE(service.Export(map, v1::EXPORT_FORMAT_VDB).ok());
+  service.server().SetLimits(LimitOptions());
+  EXPECT_TRUE(UploadAndClose(&service, {map}, MakeBatch(4, 3)).ok());
+  EXPECT_EQ(service.GetMap(map)->state().revision(), 6U);
+}
+
 TEST(Watchdog, ProgressIsRecentWhileTheServerIdles) {
   TestService service(Transport::kInProcess);
   const auto age = std::chrono::steady_clock::now() - service.server().last_progress();

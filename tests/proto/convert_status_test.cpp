@@ -129,6 +129,10 @@ TEST(ConvertStatus, TheDelayUntilAnotherTryComesBack) {
   EXPECT_EQ(delay_of(reason::kQueueFull), 1'000);
   EXPECT_EQ(delay_of(reason::kDiskLow), 30'000);
   EXPECT_EQ(delay_of(reason::kMessageTooLarge), 0);
+  const absl::Status low =
+      MakeError(absl::StatusCode::kResourceExhausted, reason::kDiskLow, "text");
+  EXPECT_EQ(RetryDelayMsOf(FromProto(ToProto(WithRetryDelay(low, 2'500)))), 2'500)
+      << "whoever made the status knows better";
 }
 
 TEST(ConvertStatus, ADelayThatMakesNoSenseIsCut) {
