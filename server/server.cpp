@@ -28,6 +28,7 @@
 #include "server/map_service.h"
 #include "server/peer_limiter.h"
 #include "server/query_service.h"
+#include "server/request_reader.h"
 #include "server/stream_gate.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
@@ -201,8 +202,9 @@ absl::Status Server::Parts::Listen() {
 }
 
 void Server::Parts::Configure(grpc::ServerBuilder* builder) {
-  builder->SetMaxReceiveMessageSize(
-      static_cast<int>(kHardMessageLimitFactor * config_.limits.max_message_bytes));
+  const std::size_t largest_request =
+      std::max(config_.limits.max_message_bytes, kPointRequestLimits.max_bytes);
+  builder->SetMaxReceiveMessageSize(static_cast<int>(kHardMessageLimitFactor * largest_request));
   // gRPC 1.51 inflates a message before it looks at its limit: a bomb must not get that far.
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
