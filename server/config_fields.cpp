@@ -83,6 +83,11 @@ void VisitLimits(LimitOptions* limits, FieldVisitor* visitor) {
   typed.Integer({"max_message_bytes", "Largest message that is taken."},
                 {64 * kKiB, 256 * kMiB},
                 &limits->max_message_bytes);
+  typed.Integer({"max_connections",
+                 "Connections at once; a part of the files that the process may open bounds them "
+                 "too."},
+                {1, 1'000'000},
+                &limits->max_connections);
   typed.Integer({"upload_window_frames",
                  "Frames that one upload stream may have under way; below what a robot sends in a "
                  "commit interval it slows down."},
