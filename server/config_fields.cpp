@@ -88,6 +88,11 @@ void VisitLimits(LimitOptions* limits, FieldVisitor* visitor) {
                  "too."},
                 {1, 1'000'000},
                 &limits->max_connections);
+  typed.Integer({"max_upload_streams",
+                 "Upload streams at once, all maps together. 0: one for each 512 KiB of "
+                 "queue_bytes_total, and at least 16."},
+                {0, 1'000'000},
+                &limits->max_upload_streams);
   typed.Integer({"upload_window_frames",
                  "Frames that one upload stream may have under way; below what a robot sends in a "
                  "commit interval it slows down."},

@@ -149,6 +149,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       limits_(config.limits),
       budget_(config.limits.queue_bytes_total),
       read_budget_(config.limits.queue_bytes_total / 2),
+      roster_(MaxUploadStreams(config.limits)),
       watch_hub_({.store = store_.get(),
                   .max_watches = config.watch.max_watches,
                   .stall_timeout = absl::FromChrono(config.watch.stall_timeout),
@@ -312,6 +313,7 @@ void Server::Parts::SetLimits(const LimitOptions& limits) {
   live.max_message_bytes = config_.limits.max_message_bytes;
   limits_.Set(live);
   acceptor_->SetMaxConnections(limits.max_connections);
+  roster_.SetMaxStreams(MaxUploadStreams(limits));
   budget_.SetTotal(limits.queue_bytes_total);
   read_budget_.SetTotal(limits.queue_bytes_total / 2);
 }

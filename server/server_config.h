@@ -25,6 +25,10 @@ struct LimitOptions {
   /// too: a quarter of those, up to 4096, is kept for the store. What is beyond is closed at once.
   std::size_t max_connections = 10'000;
 
+  /// Upload streams at once, all maps together. 0: one for each 512 KiB of `queue_bytes_total`, and
+  /// at least 16. More would wait for each other: half of so many frames of 640 x 480 fit in.
+  std::size_t max_upload_streams = 0;
+
   /// Frames that one upload stream may have under way. Must cover a commit interval or the robot
   /// waits for it: 200 ms at 60 frames/s is 12.
   std::size_t upload_window_frames = 64;
