@@ -1,6 +1,5 @@
 #include "server/connection_acceptor.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <system_error>
@@ -11,10 +10,10 @@
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "server/descriptors.h"
 #include "server/worker_pool.h"
 
 namespace steadymap {
@@ -23,17 +22,7 @@ namespace {
 // Before the next attempt where the system has no descriptor or no memory for a connection.
 constexpr int kPauseMs = 100;
 
-/// The number of descriptors that the process may have open now.
-std::size_t DescriptorLimit() {
-  rlimit limit{};
-  return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 1024;
-}
-
 }  // namespace
-
-std::size_t ReservedDescriptors(std::size_t limit) {
-  return std::clamp<std::size_t>(limit / 4, 64, 4096);
-}
 
 absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> ConnectionAcceptor::Listen(
     const ListenAddress& address, std::size_t max_connections) {

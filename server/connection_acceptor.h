@@ -69,8 +69,4 @@ class ConnectionAcceptor {
   std::size_t refused_ = 0;  ///< Since the last line in the log.
 };
 
-/// Descriptors that connections may not take where the process may have `limit`: a quarter, from 64
-/// to 4096. A map in use takes up to some 70, for its database and its log.
-std::size_t ReservedDescriptors(std::size_t limit);
-
 }  // namespace steadymap

@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "server/descriptors.h"
 #include "server/map_resource.h"
 #include "server/message_call.h"
 #include "server/page_token.h"
@@ -22,6 +23,25 @@ constexpr std::uint32_t kMaxPageSize = 1000;
 constexpr std::size_t kMaxMaps = 10'000;
 
 constexpr std::size_t kRememberedDeletions = 1000;
+
+/// OK if the server can have one more map than it has. A map that finds no descriptor for a file
+/// could not be written to any more.
+absl::Status CheckRoom(std::size_t map_count) {
+  if (map_count >= kMaxMaps) {
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     reason::kQueueFull,
+                     absl::StrCat("the server has ", map_count, " maps and takes no more"));
+  }
+  if (CountFreeDescriptors() >= kDescriptorsOfAMap) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   reason::kQueueFull,
+                   absl::StrCat("the server may have ",
+                                DescriptorLimit(),
+                                " files and connections open, which ",
+                                map_count,
+                                " maps and their clients use up; it can have more maps where that "
+                                "limit (ulimit -n) is raised"));
+}
 
 }  // namespace
 
@@ -114,11 +134,8 @@ void MapService::Create(const v1::CreateMapRequest& request,
                       "map_id"));
       }
     } else {
-      if (surroundings_.maps->All().size() >= kMaxMaps) {
-        return finish(
-            MakeError(absl::StatusCode::kResourceExhausted,
-                      reason::kQueueFull,
-                      absl::StrCat("the server has ", kMaxMaps, " maps and takes no more")));
+      if (absl::Status room = CheckRoom(surroundings_.maps->All().size()); !room.ok()) {
+        return finish(room);
       }
       map = surroundings_.maps->Create(*record);
       if (!map.ok()) return finish(map.status());

@@ -114,7 +114,12 @@ class ConnectionFlood : public ::testing::Test {
     ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &own), 0);
     own.rlim_cur = own.rlim_max;
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &own), 0);
-    const rlimit low{kDescriptors, kDescriptors};
+    LimitDescriptors(kDescriptors);
+  }
+
+  /// Of the daemon.
+  void LimitDescriptors(rlim_t descriptors) {
+    const rlimit low{descriptors, descriptors};
     ASSERT_EQ(::prlimit(daemon_.process(), RLIMIT_NOFILE, &low, nullptr), 0);
   }
 
@@ -157,6 +162,27 @@ TEST_F(ConnectionFlood, StoreAndOpenConnectionsGoOnAndNewOnesAreServedAfterIt) {
       HasSubstr(
           "connections refused, 1 since the last such line: the server may have 512 files and "
           "connections open"));
+}
+
+TEST_F(ConnectionFlood, MapsAreRefusedBeforeTheirFilesFindNoDescriptor) {
+  LimitDescriptors(150);
+  Client client(daemon_.address());
+  grpc::Status created;
+  int maps = 0;
+  for (; maps < 100; ++maps) {
+    created = client.CreateMap("map-" + std::to_string(maps));
+    if (!created.ok()) break;
+    EXPECT_TRUE(client.Upload("map-" + std::to_string(maps), 1).ok());
+  }
+  EXPECT_EQ(created.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(created.error_message(), HasSubstr("ulimit -n"));
+  EXPECT_GT(maps, 1);
+  for (int map = 0; map < maps; ++map) {
+    EXPECT_TRUE(client.Upload("map-" + std::to_string(map), 2).ok()) << map;
+  }
+  const ProcessEnd end = daemon_.Terminate();
+  EXPECT_EQ(end.exit_code, 0) << end.errors;
+  EXPECT_THAT(end.errors, Not(HasSubstr("Too many open files")));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "server/descriptors.h"
 #include "tests/support/eventually.h"
 #include "tests/support/temporary_folder.h"
 
@@ -148,6 +149,13 @@ TEST(OpenSockets, ADescriptorThatIsUsedAgainIsAnother) {
   const Socket second(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   ASSERT_EQ(second.descriptor(), first);
   EXPECT_EQ(sockets.Count(1), 0U);
+}
+
+TEST(CountFreeDescriptors, CountsWhatIsOpened) {
+  const std::size_t before = CountFreeDescriptors();
+  EXPECT_LT(before, DescriptorLimit());
+  const Socket socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  EXPECT_EQ(CountFreeDescriptors(), before - 1);
 }
 
 TEST(ReservedDescriptors, AreAQuarterWithinBounds) {
