@@ -23,11 +23,15 @@ constexpr std::size_t kMaxClassNameLength = 64;
 // 0.15 / 0.05 is a hair under 3: limits in voxels must not turn on the last bit.
 constexpr double kRelativeSlack = 1e-9;
 
+// An error has to fit in the trailers of a call.
+constexpr int kMostViolationsShown = 10;
+
 /// Collects violations; the first one's field becomes the field of the status.
 class Violations {
  public:
   void Add(std::string field, const std::string& text) {
     if (first_field_.empty()) first_field_ = std::move(field);
+    if (++count_ > kMostViolationsShown) return;
     absl::StrAppend(&message_, message_.empty() ? "" : "; ", text);
   }
 
@@ -40,12 +44,16 @@ class Violations {
 
   absl::Status ToStatus() const {
     if (message_.empty()) return absl::OkStatus();
-    return InvalidField(reason::kBadValue, first_field_, message_);
+    const int more = count_ - kMostViolationsShown;
+    return InvalidField(reason::kBadValue,
+                        first_field_,
+                        more > 0 ? absl::StrCat(message_, "; and ", more, " more") : message_);
   }
 
  private:
   std::string first_field_;
   std::string message_;
+  int count_ = 0;
 };
 
 void CheckClasses(const std::vector<SemanticClass>& classes, Violations* violations) {

@@ -16,9 +16,6 @@ constexpr double kDefaultTruncationVoxels = 3.0;
 /// 3 * 0.05 is a hair more than 0.15, and would be shown so for ever.
 double ToMicrometre(double metres) { return std::round(metres * 1e6) / 1e6; }
 
-// A label image of 16 bits cannot tell more classes apart.
-constexpr int kMaxClasses = 65536;
-
 absl::StatusOr<ClassMotion> MotionOf(v1::ClassMotion motion) {
   switch (motion) {
     case v1::CLASS_MOTION_UNSPECIFIED:
@@ -69,7 +66,12 @@ absl::StatusOr<std::vector<SemanticClass>> ReadClasses(const v1::MapConfig& mess
     return InvalidField(
         reason::kBadValue,
         "classes",
-        absl::StrCat("there can be ", kMaxClasses, " classes, got ", message.classes_size()));
+        absl::StrCat(
+            "a class table has at most ",
+            kMaxClasses,
+            " rows, got ",
+            message.classes_size(),
+            "; ids may be anything below 65536, so only classes that are used need a row"));
   }
   std::vector<SemanticClass> classes;
   classes.reserve(static_cast<std::size_t>(message.classes_size()));

@@ -10,6 +10,10 @@
 
 namespace steadymap {
 
+/// Rows that a class table may have. The largest vocabularies of segmentation data sets have 1203
+/// (LVIS) and 3688 (all of ADE20K) classes. Maps of earlier versions may have more.
+inline constexpr int kMaxClasses = 4096;
+
 /// A map's configuration with the defaults of map.proto filled in for what is absent or zero.
 /// Errors: as `ValidateMapConfig`, and `BAD_VALUE` for a policy, a motion or a class id that is
 /// unknown or out of range; field paths are relative to the message. Pure, any thread.

@@ -62,7 +62,6 @@ BatchIntake::BatchIntake(WorkerPool* pool, UploadRoute route, ReadBatch batch, D
       route_(std::move(route)),
       memory_(std::move(batch.memory)),
       batch_(std::move(batch.frames)),
-      config_(route_.map->record().config),
       batch_bytes_(batch_.ByteSizeLong()),
       done_(std::move(done)),
       predecessor_(route_.predecessor) {}
@@ -147,7 +146,7 @@ bool BatchIntake::TakeFrame(const v1::Frame& message, ClientSequence sequence) {
 void BatchIntake::Decode(const v1::Frame& message, ClientSequence sequence) {
   absl::StatusOr<Frame> frame = FromProto(message, route_.session.sensor, *route_.map->labels());
   absl::Status status = frame.status();
-  if (status.ok()) status = CheckFrameWork(*frame, config_);
+  if (status.ok()) status = CheckFrameWork(*frame, *route_.config);
   if (status.ok()) {
     status = route_.map->capture_clocks().Note(
         frame->source, frame->capture_time, message.clock_domain(), Now());

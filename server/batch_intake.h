@@ -17,6 +17,7 @@ namespace steadymap {
 /// Where the frames of an upload come from and go to.
 struct UploadRoute {
   std::shared_ptr<MapRuntime> map;
+  std::shared_ptr<const MapConfig> config;  ///< Of the map, as it was created.
   SessionName session;
   bool in_order = false;       ///< As in PendingBatch.
   ClientSequence predecessor;  ///< Of the batch's first piece, as in PendingBatch.
@@ -77,7 +78,6 @@ class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
   const UploadRoute route_;
   const FrameBudget::Reservation memory_;  ///< Of the message.
   v1::FrameBatch batch_;
-  const MapConfig config_;
   const std::uint64_t batch_bytes_;
   Done done_;
 

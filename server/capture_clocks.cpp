@@ -1,7 +1,6 @@
 #include "server/capture_clocks.h"
 
 #include <algorithm>
-#include <cstdint>
 
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
@@ -52,7 +51,7 @@ absl::Status CaptureClocks::Note(const SensorName& sensor,
   std::string notable;
   {
     const absl::MutexLock lock(&mutex_);
-    Clock& clock = clocks_[sensor];
+    Clock& clock = FindClock(sensor);
     const std::chrono::nanoseconds step_back = Between(capture_time, clock.newest);
     clock.ahead = ahead;
     if (!clock.was_logged && is_live) {
@@ -74,6 +73,23 @@ absl::Status CaptureClocks::Note(const SensorName& sensor,
                  notable);
   }
   return absl::OkStatus();
+}
+
+/// The clock of a sensor, noted as heard; a new one takes the place of the one not heard for
+/// longest.
+CaptureClocks::Clock& CaptureClocks::FindClock(const SensorName& sensor) {
+  auto found = clocks_.find(sensor);
+  if (found == clocks_.end()) {
+    if (clocks_.size() >= kMaxSensors) {
+      clocks_.erase(
+          std::min_element(clocks_.begin(), clocks_.end(), [](const auto& a, const auto& b) {
+            return a.second.heard < b.second.heard;
+          }));
+    }
+    found = clocks_.emplace(sensor, Clock()).first;
+  }
+  found->second.heard = ++notes_;
+  return found->second;
 }
 
 std::optional<std::chrono::nanoseconds> CaptureClocks::AheadOf(const SensorName& sensor) const {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -18,11 +20,15 @@
 namespace steadymap {
 
 /// Compares the clocks that a map's frames are stamped with to the server's: a robot whose clock is
-/// wrong is found in the log and in `GetUploadState` before it is found in the map. Thread-safe.
+/// wrong is found in the log and in `GetUploadState` before it is found in the map. Of
+/// very many sensors, the one that was heard of longest ago is forgotten. Thread-safe.
 class CaptureClocks {
  public:
   /// Frames that lie further ahead are refused.
   static constexpr std::chrono::hours kMaxAhead{24};
+
+  /// Sensors that are remembered.
+  static constexpr std::size_t kMaxSensors = 1000;
 
   /// `map_name` is for the log.
   explicit CaptureClocks(std::string map_name) : map_name_(std::move(map_name)) {}
@@ -37,7 +43,7 @@ class CaptureClocks {
                     Timestamp now) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// How far the sensor's clock was ahead of the server's at its newest frame; none before one
-  /// came.
+  /// came, or once the sensor was forgotten.
   std::optional<std::chrono::nanoseconds> AheadOf(const SensorName& sensor) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -46,11 +52,15 @@ class CaptureClocks {
     std::chrono::nanoseconds ahead{0};
     Timestamp newest;
     bool was_logged = false;
+    std::uint64_t heard = 0;  ///< Number of the note that was the last of it.
   };
+
+  Clock& FindClock(const SensorName& sensor) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string map_name_;
   mutable absl::Mutex mutex_;
   std::map<SensorName, Clock> clocks_ ABSL_GUARDED_BY(mutex_);
+  std::uint64_t notes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace steadymap

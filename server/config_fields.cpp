@@ -83,6 +83,16 @@ void VisitLimits(LimitOptions* limits, FieldVisitor* visitor) {
   typed.Integer({"max_message_bytes", "Largest message that is taken."},
                 {64 * kKiB, 256 * kMiB},
                 &limits->max_message_bytes);
+  typed.Integer({"max_connections",
+                 "Connections at once; a part of the files that the process may open bounds them "
+                 "too."},
+                {1, 1'000'000},
+                &limits->max_connections);
+  typed.Integer({"max_upload_streams",
+                 "Upload streams at once, all maps together. 0: one for each 512 KiB of "
+                 "queue_bytes_total, and at least 16."},
+                {0, 1'000'000},
+                &limits->max_upload_streams);
   typed.Integer({"upload_window_frames",
                  "Frames that one upload stream may have under way; below what a robot sends in a "
                  "commit interval it slows down."},

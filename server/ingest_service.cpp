@@ -4,6 +4,7 @@
 
 #include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
+#include "server/message_call.h"
 #include "server/upload_call.h"
 #include "server/upload_request.h"
 
@@ -41,19 +42,26 @@ grpc::ServerUnaryReactor* IngestService::UploadFrameBatch(grpc::CallbackServerCo
 }
 
 grpc::ServerUnaryReactor* IngestService::GetUploadState(grpc::CallbackServerContext* context,
-                                                        const v1::GetUploadStateRequest* request,
-                                                        v1::UploadState* response) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const absl::StatusOr<UploadTarget> target = FindUploadTarget(
-      *surroundings_.maps, request->map(), request->robot(), request->sensor(), request->session());
-  if (!target.ok()) {
-    reactor->Finish(ToGrpcStatus(target.status()));
-    return reactor;
-  }
-  target->map->WhenOpened([reactor, target = *target, response] {
-    reactor->Finish(ToGrpcStatus(AnswerUploadState(target, response)));
-  });
-  return reactor;
+                                                        const grpc::ByteBuffer* request,
+                                                        grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::GetUploadStateRequest, v1::UploadState>(
+      *request,
+      response,
+      kPlainRequestLimits,
+      [this, context](const auto& call) -> grpc::ServerUnaryReactor* {
+        const v1::GetUploadStateRequest& message = call.request();
+        const absl::StatusOr<UploadTarget> target = FindUploadTarget(*surroundings_.maps,
+                                                                     message.map(),
+                                                                     message.robot(),
+                                                                     message.sensor(),
+                                                                     message.session());
+        if (!target.ok()) return RefuseCall(target.status());
+        grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+        target->map->WhenOpened([reactor, target = *target, call] {
+          reactor->Finish(ToGrpcStatus(call.Answer(AnswerUploadState(target, call.response()))));
+        });
+        return reactor;
+      });
 }
 
 }  // namespace steadymap

@@ -8,10 +8,10 @@ namespace steadymap {
 
 /// Takes frames from robots; see proto/steadymap/v1/ingest_service.proto.
 /// It is handed bytes, so that it can bound what a message holds before it is parsed.
-class IngestService final
-    : public v1::IngestService::WithRawCallbackMethod_UploadFrames<
-          v1::IngestService::WithRawCallbackMethod_UploadFrameBatch<
-              v1::IngestService::WithCallbackMethod_GetUploadState<v1::IngestService::Service>>> {
+class IngestService final : public v1::IngestService::WithRawCallbackMethod_UploadFrames<
+                                v1::IngestService::WithRawCallbackMethod_UploadFrameBatch<
+                                    v1::IngestService::WithRawCallbackMethod_GetUploadState<
+                                        v1::IngestService::Service>>> {
  public:
   explicit IngestService(const UploadStream::Surroundings& surroundings)
       : surroundings_(surroundings) {}
@@ -23,8 +23,8 @@ class IngestService final
                                              grpc::ByteBuffer* response) override;
 
   grpc::ServerUnaryReactor* GetUploadState(grpc::CallbackServerContext* context,
-                                           const v1::GetUploadStateRequest* request,
-                                           v1::UploadState* response) override;
+                                           const grpc::ByteBuffer* request,
+                                           grpc::ByteBuffer* response) override;
 
  private:
   const UploadStream::Surroundings surroundings_;

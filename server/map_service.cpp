@@ -8,7 +8,9 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "server/descriptors.h"
 #include "server/map_resource.h"
+#include "server/message_call.h"
 #include "server/page_token.h"
 #include "server/pool_call.h"
 
@@ -22,54 +24,91 @@ constexpr std::size_t kMaxMaps = 10'000;
 
 constexpr std::size_t kRememberedDeletions = 1000;
 
+/// OK if the server can have one more map than it has. A map that finds no descriptor for a file
+/// could not be written to any more.
+absl::Status CheckRoom(std::size_t map_count) {
+  if (map_count >= kMaxMaps) {
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     reason::kQueueFull,
+                     absl::StrCat("the server has ", map_count, " maps and takes no more"));
+  }
+  if (CountFreeDescriptors() >= kDescriptorsOfAMap) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   reason::kQueueFull,
+                   absl::StrCat("the server may have ",
+                                DescriptorLimit(),
+                                " files and connections open, which ",
+                                map_count,
+                                " maps and their clients use up; it can have more maps where that "
+                                "limit (ulimit -n) is raised"));
+}
+
 }  // namespace
 
 grpc::ServerUnaryReactor* MapService::CreateMap(grpc::CallbackServerContext* /*context*/,
-                                                const v1::CreateMapRequest* request,
-                                                v1::Map* response) {
-  return AnswerLaterOnPool(surroundings_.pool, [this, request, response](const FinishCall& finish) {
-    Create(*request, response, finish);
-  });
+                                                const grpc::ByteBuffer* request,
+                                                grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::CreateMapRequest, v1::Map>(
+      *request, response, kPlainRequestLimits, [this](const auto& call) {
+        return AnswerLaterOnPool(surroundings_.pool, [this, call](const FinishCall& finish) {
+          Create(call.request(), call.response(), [call, finish](const absl::Status& status) {
+            finish(call.Answer(status));
+          });
+        });
+      });
 }
 
 grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* /*context*/,
-                                             const v1::GetMapRequest* request,
-                                             v1::Map* response) {
-  const auto map = surroundings_.maps->Find(request->name(), "name");
-  return AnswerOnPoolAfter(
-      [&map](std::function<void()> go_on) {
-        if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
-        go_on();
-      },
-      surroundings_.pool,
-      [map, request, response](const Cancellation&) {
-        if (!map.ok()) return map.status();
-        *response = MakeMapResource(**map);
-        return ApplyReadMask(request->read_mask(), response);
+                                             const grpc::ByteBuffer* request,
+                                             grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::GetMapRequest, v1::Map>(
+      *request, response, kPlainRequestLimits, [this](const auto& call) {
+        const auto map = surroundings_.maps->Find(call.request().name(), "name");
+        return AnswerOnPoolAfter(
+            [&map](std::function<void()> go_on) {
+              if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
+              go_on();
+            },
+            surroundings_.pool,
+            [map, call](const Cancellation&) {
+              if (!map.ok()) return map.status();
+              *call.response() = MakeMapResource(**map);
+              return call.Answer(ApplyReadMask(call.request().read_mask(), call.response()));
+            });
       });
 }
 
 grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* /*context*/,
-                                               const v1::ListMapsRequest* request,
-                                               v1::ListMapsResponse* response) {
-  return AnswerOnPool(surroundings_.pool, [this, request, response](const Cancellation&) {
-    return List(*request, response);
-  });
+                                               const grpc::ByteBuffer* request,
+                                               grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::ListMapsRequest, v1::ListMapsResponse>(
+      *request, response, kPlainRequestLimits, [this](const auto& call) {
+        return AnswerOnPool(surroundings_.pool, [this, call](const Cancellation&) {
+          return call.Answer(List(call.request(), call.response()));
+        });
+      });
 }
 
 grpc::ServerUnaryReactor* MapService::UpdateMap(grpc::CallbackServerContext* /*context*/,
-                                                const v1::UpdateMapRequest* request,
-                                                v1::Map* response) {
-  return AnswerOnPool(surroundings_.pool, [this, request, response](const Cancellation&) {
-    return Update(*request, response);
-  });
+                                                const grpc::ByteBuffer* request,
+                                                grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::UpdateMapRequest, v1::Map>(
+      *request, response, kPlainRequestLimits, [this](const auto& call) {
+        return AnswerOnPool(surroundings_.pool, [this, call](const Cancellation&) {
+          return call.Answer(Update(call.request(), call.response()));
+        });
+      });
 }
 
 grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* /*context*/,
-                                                const v1::DeleteMapRequest* request,
-                                                google::protobuf::Empty* /*response*/) {
-  return AnswerOnPool(surroundings_.pool,
-                      [this, request](const Cancellation&) { return Delete(*request); });
+                                                const grpc::ByteBuffer* request,
+                                                grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::DeleteMapRequest, google::protobuf::Empty>(
+      *request, response, kPlainRequestLimits, [this](const auto& call) {
+        return AnswerOnPool(surroundings_.pool, [this, call](const Cancellation&) {
+          return call.Answer(Delete(call.request()));
+        });
+      });
 }
 
 /// Finishes the call once the map is open.
@@ -95,11 +134,8 @@ void MapService::Create(const v1::CreateMapRequest& request,
                       "map_id"));
       }
     } else {
-      if (surroundings_.maps->All().size() >= kMaxMaps) {
-        return finish(
-            MakeError(absl::StatusCode::kResourceExhausted,
-                      reason::kQueueFull,
-                      absl::StrCat("the server has ", kMaxMaps, " maps and takes no more")));
+      if (absl::Status room = CheckRoom(surroundings_.maps->All().size()); !room.ok()) {
+        return finish(room);
       }
       map = surroundings_.maps->Create(*record);
       if (!map.ok()) return finish(map.status());

@@ -15,8 +15,14 @@
 
 namespace steadymap {
 
+/// The generated service, handed the bytes of its messages.
+using RawMapService = v1::MapService::WithRawCallbackMethod_CreateMap<
+    v1::MapService::WithRawCallbackMethod_GetMap<v1::MapService::WithRawCallbackMethod_ListMaps<
+        v1::MapService::WithRawCallbackMethod_UpdateMap<
+            v1::MapService::WithRawCallbackMethod_DeleteMap<v1::MapService::Service>>>>>;
+
 /// Creates, lists and deletes maps; see proto/steadymap/v1/map_service.proto.
-class MapService final : public v1::MapService::CallbackService {
+class MapService final : public RawMapService {
  public:
   /// What the service needs of the server; all of it outlives it.
   struct Surroundings {
@@ -30,20 +36,20 @@ class MapService final : public v1::MapService::CallbackService {
   explicit MapService(const Surroundings& surroundings) : surroundings_(surroundings) {}
 
   grpc::ServerUnaryReactor* CreateMap(grpc::CallbackServerContext* context,
-                                      const v1::CreateMapRequest* request,
-                                      v1::Map* response) override;
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* GetMap(grpc::CallbackServerContext* context,
-                                   const v1::GetMapRequest* request,
-                                   v1::Map* response) override;
+                                   const grpc::ByteBuffer* request,
+                                   grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
-                                     const v1::ListMapsRequest* request,
-                                     v1::ListMapsResponse* response) override;
+                                     const grpc::ByteBuffer* request,
+                                     grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* UpdateMap(grpc::CallbackServerContext* context,
-                                      const v1::UpdateMapRequest* request,
-                                      v1::Map* response) override;
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* DeleteMap(grpc::CallbackServerContext* context,
-                                      const v1::DeleteMapRequest* request,
-                                      google::protobuf::Empty* response) override;
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
 
  private:
   /// A deletion that may be asked for again.

@@ -10,12 +10,14 @@
 #include <absl/status/statusor.h>
 #include <absl/synchronization/mutex.h>
 #include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "core/cancellation.h"
 #include "core/error.h"
 #include "proto/grpc_status.h"
 #include "server/pool_call.h"
+#include "server/request_reader.h"
 #include "server/stream_gate.h"
 #include "server/worker_pool.h"
 
@@ -31,9 +33,9 @@ class MessageSource {
   virtual absl::StatusOr<bool> Next(Message* message) = 0;
 };
 
-/// Answers a call with the messages of a source: each is made on a pool, and only when the one
-/// before it was written, so a client that reads slowly costs one message and the source. At any
-/// moment either one task is under way or one write.
+/// Answers a call, whose messages gRPC takes as bytes, with those of a source: each is made on a
+/// pool, and only when the one before it was written, so a client that reads slowly costs one
+/// message and the source. At any moment either one task is under way or one write.
 ///
 /// Ends with the source's status; with `Cancelled` when the client has gone or its deadline has
 /// passed; with `Aborted`, reason `SLOW_CONSUMER`, when the gate finds that the client does not
@@ -44,7 +46,7 @@ class MessageStream final : public GatedStream,
                             public std::enable_shared_from_this<MessageStream<Message>> {
  public:
   using Source = MessageSource<Message>;
-  using GrpcReactor = grpc::ServerWriteReactor<Message>;
+  using GrpcReactor = grpc::ServerWriteReactor<grpc::ByteBuffer>;
 
   /// Makes the source, on the pool too. The source may ask, as long as it lives, whether the call
   /// has been cancelled.
@@ -151,7 +153,8 @@ class MessageStream final : public GatedStream,
       activity_ = Activity::kWriting;
       number = ++writes_;
     }
-    reactor_->StartWrite(&message_);
+    outgoing_ = ToByteBuffer(message_);
+    reactor_->StartWrite(&outgoing_);
     // From now on the write can be found to have stalled, unless it is over and another one began.
     const absl::MutexLock lock(&mutex_);
     if (activity_ == Activity::kWriting && writes_ == number) sending_since_ = Clock::now();
@@ -196,6 +199,7 @@ class MessageStream final : public GatedStream,
   // Of whoever is at work on the stream.
   std::unique_ptr<Source> source_;
   Message message_;
+  grpc::ByteBuffer outgoing_;  ///< Of the write on its way.
 
   mutable absl::Mutex mutex_;
   grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null once the call is over.

@@ -68,6 +68,12 @@ grpc::ServerUnaryReactor* AnswerLaterOnPool(WorkerPool* pool,
   return reactor;
 }
 
+grpc::ServerUnaryReactor* RefuseCall(const absl::Status& status) {
+  auto* reactor = new UnaryReactor();
+  reactor->Finish(ToGrpcStatus(status));
+  return reactor;
+}
+
 absl::Status RunGuarded(const std::function<absl::Status()>& work) {
   try {
     return work();

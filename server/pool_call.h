@@ -30,6 +30,9 @@ grpc::ServerUnaryReactor* AnswerOnPoolAfter(const std::function<void(std::functi
 /// The same for work that ends later: `work` gets the function that finishes the call.
 grpc::ServerUnaryReactor* AnswerLaterOnPool(WorkerPool* pool, std::function<void(FinishCall)> work);
 
+/// Ends a call with an error before anything was done for it.
+grpc::ServerUnaryReactor* RefuseCall(const absl::Status& status);
+
 /// What `work` returns; `Internal` for an exception that leaves it. The outermost frame of a
 /// handler.
 absl::Status RunGuarded(const std::function<absl::Status()>& work);

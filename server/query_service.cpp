@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "server/message_call.h"
 #include "server/object_answers.h"
 #include "server/pool_call.h"
 #include "server/query_answers.h"
@@ -38,36 +39,47 @@ FoundMap FindMap(const Surroundings& surroundings,
   return surroundings.maps->Find(name, field);
 }
 
-/// Answers with what `answer` makes of a map, once that is open.
-template <typename Answer>
+/// Answers a call with what `answer` makes of a map and of the call, once the map is open.
+template <typename Call, typename Answer>
 grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
                                       const FoundMap& map,
+                                      const Call& call,
                                       const Answer& answer) {
   return AnswerOnPoolAfter(
       [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
       surroundings.readers,
-      [map, answer](const Cancellation& cancellation) {
+      [map, call, answer](const Cancellation& cancellation) {
         const absl::Status status = CheckReads(map);
-        return status.ok() ? answer(**map, cancellation) : status;
+        return call.Answer(status.ok() ? answer(**map, call, cancellation) : status);
       });
 }
 
-/// The same for the map that the request names in its field `map`.
-template <typename Request, typename Answer>
+/// The same for a request that names the map in its field `map`.
+template <typename Request, typename Response, typename Answer>
 grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
-                                      const Request* request,
+                                      const grpc::ByteBuffer& request,
+                                      grpc::ByteBuffer* response,
+                                      const RequestLimits& limits,
                                       const Answer& answer) {
-  return AnswerOfMap(surroundings, FindMap(surroundings, *request, request->map(), "map"), answer);
+  return StartMessageCall<Request, Response>(
+      request, response, limits, [&surroundings, &answer](const auto& call) {
+        const Request& message = call.request();
+        return AnswerOfMap(
+            surroundings, FindMap(surroundings, message, message.map(), "map"), call, answer);
+      });
 }
 
 /// Answers with the messages of the source that `open` makes of the map that the request names.
-template <typename Response, typename Request, typename Open>
-grpc::ServerWriteReactor<Response>* StreamOfMap(const Surroundings& surroundings,
-                                                grpc::CallbackServerContext* context,
-                                                const Request* request,
-                                                const Open& open) {
+template <typename Request, typename Response, typename Open>
+grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Surroundings& surroundings,
+                                                        grpc::CallbackServerContext* context,
+                                                        const grpc::ByteBuffer& bytes,
+                                                        const Open& open) {
   using Stream = MessageStream<Response>;
-  const FoundMap map = FindMap(surroundings, *request, request->map(), "map");
+  const auto request = std::make_shared<Request>();
+  const absl::Status read = ReadRequest(bytes, kPlainRequestLimits, request.get());
+  const FoundMap map =
+      read.ok() ? FindMap(surroundings, *request, request->map(), "map") : FoundMap(read);
   return Stream::Start(
       {surroundings.readers, surroundings.streams},
       context,
@@ -82,80 +94,109 @@ grpc::ServerWriteReactor<Response>* StreamOfMap(const Surroundings& surroundings
 }  // namespace
 
 grpc::ServerUnaryReactor* QueryService::GetObject(grpc::CallbackServerContext* /*context*/,
-                                                  const v1::GetObjectRequest* request,
-                                                  v1::GetObjectResponse* response) {
-  const absl::StatusOr<ObjectName> name = ReadObjectName(*request);
-  const FoundMap map = name.ok() ? FindMap(surroundings_, *request, name->map, name->map_field)
-                                 : FoundMap(name.status());
-  return AnswerOfMap(
-      surroundings_, map, [name, response](const MapRuntime& found, const Cancellation&) {
-        return AnswerGetObject(*found.snapshot(), *name, response);
+                                                  const grpc::ByteBuffer* request,
+                                                  grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::GetObjectRequest, v1::GetObjectResponse>(
+      *request, response, kPlainRequestLimits, [this](const auto& call) {
+        const absl::StatusOr<ObjectName> name = ReadObjectName(call.request());
+        const FoundMap map =
+            name.ok() ? FindMap(surroundings_, call.request(), name->map, name->map_field)
+                      : FoundMap(name.status());
+        return AnswerOfMap(
+            surroundings_,
+            map,
+            call,
+            [name](const MapRuntime& found, const auto& answered, const Cancellation&) {
+              return AnswerGetObject(*found.snapshot(), *name, answered.response());
+            });
       });
 }
 
 grpc::ServerUnaryReactor* QueryService::ListObjects(grpc::CallbackServerContext* /*context*/,
-                                                    const v1::ListObjectsRequest* request,
-                                                    v1::ListObjectsResponse* response) {
-  return AnswerOfMap(surroundings_,
-                     request,
-                     [request, response](const MapRuntime& map, const Cancellation& cancellation) {
-                       return AnswerListObjects(
-                           map.key(), *map.snapshot(), *request, cancellation, response);
-                     });
+                                                    const grpc::ByteBuffer* request,
+                                                    grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::ListObjectsRequest, v1::ListObjectsResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPlainRequestLimits,
+      [](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerListObjects(
+            map.key(), *map.snapshot(), call.request(), cancellation, call.response());
+      });
 }
 
 grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* /*context*/,
-                                                   const v1::ListEventsRequest* request,
-                                                   v1::ListEventsResponse* response) {
-  return AnswerOfMap(
+                                                   const grpc::ByteBuffer* request,
+                                                   grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::ListEventsRequest, v1::ListEventsResponse>(
       surroundings_,
-      request,
-      [this, request, response](const MapRuntime& map, const Cancellation& cancellation) {
-        return AnswerListEvents(
-            *surroundings_.store, map.key(), *map.snapshot(), *request, cancellation, response);
+      *request,
+      response,
+      kPlainRequestLimits,
+      [this](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerListEvents(*surroundings_.store,
+                                map.key(),
+                                *map.snapshot(),
+                                call.request(),
+                                cancellation,
+                                call.response());
       });
 }
 
 grpc::ServerUnaryReactor* QueryService::SampleDistance(grpc::CallbackServerContext* /*context*/,
-                                                       const v1::SampleDistanceRequest* request,
-                                                       v1::SampleDistanceResponse* response) {
-  return AnswerOfMap(surroundings_,
-                     request,
-                     [request, response](const MapRuntime& map, const Cancellation& cancellation) {
-                       return AnswerSampleDistance(
-                           *map.snapshot(), *request, cancellation, response);
-                     });
+                                                       const grpc::ByteBuffer* request,
+                                                       grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::SampleDistanceRequest, v1::SampleDistanceResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPointRequestLimits,
+      [](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerSampleDistance(*map.snapshot(), call.request(), cancellation, call.response());
+      });
 }
 
 grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*context*/,
-                                                 const v1::CastRaysRequest* request,
-                                                 v1::CastRaysResponse* response) {
-  return AnswerOfMap(surroundings_,
-                     request,
-                     [request, response](const MapRuntime& map, const Cancellation& cancellation) {
-                       return AnswerCastRays(*map.snapshot(), *request, cancellation, response);
-                     });
+                                                 const grpc::ByteBuffer* request,
+                                                 grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::CastRaysRequest, v1::CastRaysResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPointRequestLimits,
+      [](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerCastRays(*map.snapshot(), call.request(), cancellation, call.response());
+      });
 }
 
-grpc::ServerWriteReactor<v1::GetMapSectionResponse>* QueryService::GetMapSection(
-    grpc::CallbackServerContext* context, const v1::GetMapSectionRequest* request) {
-  return StreamOfMap<v1::GetMapSectionResponse>(surroundings_, context, request, OpenMapSection);
+grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::GetMapSection(
+    grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
+  return StreamOfMap<v1::GetMapSectionRequest, v1::GetMapSectionResponse>(
+      surroundings_, context, *request, OpenMapSection);
 }
 
-grpc::ServerWriteReactor<v1::ExportMapResponse>* QueryService::ExportMap(
-    grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) {
-  return StreamOfMap<v1::ExportMapResponse>(surroundings_, context, request, OpenExport);
+grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::ExportMap(
+    grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
+  return StreamOfMap<v1::ExportMapRequest, v1::ExportMapResponse>(
+      surroundings_, context, *request, OpenExport);
 }
 
 grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerContext* /*context*/,
-                                                       const v1::ListFramePosesRequest* request,
-                                                       v1::ListFramePosesResponse* response) {
-  return AnswerOfMap(
+                                                       const grpc::ByteBuffer* request,
+                                                       grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::ListFramePosesRequest, v1::ListFramePosesResponse>(
       surroundings_,
-      request,
-      [this, request, response](const MapRuntime& map, const Cancellation& cancellation) {
-        return AnswerListFramePoses(
-            *surroundings_.store, map.key(), *map.snapshot(), *request, cancellation, response);
+      *request,
+      response,
+      kPlainRequestLimits,
+      [this](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerListFramePoses(*surroundings_.store,
+                                    map.key(),
+                                    *map.snapshot(),
+                                    call.request(),
+                                    cancellation,
+                                    call.response());
       });
 }
 

@@ -9,9 +9,20 @@
 
 namespace steadymap {
 
+/// The generated service, handed the bytes of its messages.
+using RawQueryService = v1::QueryService::WithRawCallbackMethod_GetObject<
+    v1::QueryService::WithRawCallbackMethod_ListObjects<
+        v1::QueryService::WithRawCallbackMethod_ListEvents<
+            v1::QueryService::WithRawCallbackMethod_SampleDistance<
+                v1::QueryService::WithRawCallbackMethod_CastRays<
+                    v1::QueryService::WithRawCallbackMethod_GetMapSection<
+                        v1::QueryService::WithRawCallbackMethod_ExportMap<
+                            v1::QueryService::WithRawCallbackMethod_ListFramePoses<
+                                v1::QueryService::Service>>>>>>>>;
+
 /// Reads maps; see proto/steadymap/v1/query_service.proto. Every call works on the one snapshot
 /// that it took at its start, on a pool of its own, so queries never hold up uploads.
-class QueryService final : public v1::QueryService::CallbackService {
+class QueryService final : public RawQueryService {
  public:
   /// What the service needs of the server; all of it outlives it.
   struct Surroundings {
@@ -24,27 +35,27 @@ class QueryService final : public v1::QueryService::CallbackService {
   explicit QueryService(const Surroundings& surroundings) : surroundings_(surroundings) {}
 
   grpc::ServerUnaryReactor* GetObject(grpc::CallbackServerContext* context,
-                                      const v1::GetObjectRequest* request,
-                                      v1::GetObjectResponse* response) override;
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* ListObjects(grpc::CallbackServerContext* context,
-                                        const v1::ListObjectsRequest* request,
-                                        v1::ListObjectsResponse* response) override;
+                                        const grpc::ByteBuffer* request,
+                                        grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* ListEvents(grpc::CallbackServerContext* context,
-                                       const v1::ListEventsRequest* request,
-                                       v1::ListEventsResponse* response) override;
+                                       const grpc::ByteBuffer* request,
+                                       grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* SampleDistance(grpc::CallbackServerContext* context,
-                                           const v1::SampleDistanceRequest* request,
-                                           v1::SampleDistanceResponse* response) override;
+                                           const grpc::ByteBuffer* request,
+                                           grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* CastRays(grpc::CallbackServerContext* context,
-                                     const v1::CastRaysRequest* request,
-                                     v1::CastRaysResponse* response) override;
-  grpc::ServerWriteReactor<v1::GetMapSectionResponse>* GetMapSection(
-      grpc::CallbackServerContext* context, const v1::GetMapSectionRequest* request) override;
-  grpc::ServerWriteReactor<v1::ExportMapResponse>* ExportMap(
-      grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) override;
+                                     const grpc::ByteBuffer* request,
+                                     grpc::ByteBuffer* response) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* GetMapSection(
+      grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* ExportMap(grpc::CallbackServerContext* context,
+                                                        const grpc::ByteBuffer* request) override;
   grpc::ServerUnaryReactor* ListFramePoses(grpc::CallbackServerContext* context,
-                                           const v1::ListFramePosesRequest* request,
-                                           v1::ListFramePosesResponse* response) override;
+                                           const grpc::ByteBuffer* request,
+                                           grpc::ByteBuffer* response) override;
 
  private:
   const Surroundings surroundings_;

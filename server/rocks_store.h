@@ -25,11 +25,16 @@
 
 namespace steadymap {
 
+/// Name of the folder in the data folder that holds a folder for each map.
+inline constexpr char kMapsFolderName[] = "maps";
+
+/// What the name of a map's folder ends with until the map is whole.
+inline constexpr char kUnfinishedSuffix[] = ".new";
+
 /// The store on disk. Private to the server: everybody else uses `Store`.
 ///
 /// The folder holds `lock`, `schema`, `catalog` (which maps there are), and `maps/KEY/` for each
-/// map
-/// (`map_folder.h`). In memory it keeps each map's record, and an open map's database.
+/// map (`map_folder.h`). In memory it keeps each map's record, and an open map's database.
 class RocksStore final : public Store {
  public:
   /// What a test may put in place of the machine's own.

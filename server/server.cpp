@@ -20,15 +20,18 @@
 
 #include "core/error.h"
 #include "server/calls_under_way.h"
+#include "server/connection_acceptor.h"
 #include "server/frame_budget.h"
 #include "server/housekeeper.h"
 #include "server/ingest_service.h"
+#include "server/listen_address.h"
 #include "server/live_limits.h"
-#include "server/memory_guard.h"
 #include "server/map_directory.h"
 #include "server/map_service.h"
+#include "server/memory_guard.h"
 #include "server/peer_limiter.h"
 #include "server/query_service.h"
+#include "server/request_reader.h"
 #include "server/stream_gate.h"
 #include "server/upload_roster.h"
 #include "server/watch_hub.h"
@@ -64,6 +67,9 @@ constexpr int kMinClientPingIntervalMs = 10'000;
 constexpr int kServerPingIntervalMs = 60'000;
 constexpr int kServerPingTimeoutMs = 20'000;
 
+// A connection that says nothing of HTTP/2 for so long is closed.
+constexpr int kHandshakeTimeoutMs = 20'000;
+
 constexpr char kIngestServiceName[] = "steadymap.v1.IngestService";
 constexpr char kMapServiceName[] = "steadymap.v1.MapService";
 constexpr char kQueryServiceName[] = "steadymap.v1.QueryService";
@@ -76,6 +82,10 @@ std::size_t ComputingThreads() { return std::max(2U, std::thread::hardware_concu
 // Threads that wait for the disk: what they write is synced by many at once.
 constexpr std::size_t kLogThreads = 4;
 constexpr std::size_t kAdminThreads = 4;
+
+absl::Status CannotListen(const std::string& listen, absl::string_view reason) {
+  return absl::UnavailableError(absl::StrCat("cannot listen on ", listen, ": ", reason));
+}
 
 }  // namespace
 
@@ -94,7 +104,7 @@ class Server::Parts {
   Heartbeat::Clock::time_point last_progress() const;
   void SetLimits(const LimitOptions& limits);
 
-  int port() const { return port_; }
+  int port() const { return acceptor_->port(); }
 
   grpc::Server& grpc_server() { return *grpc_server_; }
 
@@ -127,7 +137,8 @@ class Server::Parts {
   PeerLimiter watch_openings_;
   WatchService watch_service_;
   std::optional<Housekeeper> housekeeper_;
-  int port_ = 0;
+  std::unique_ptr<ConnectionAcceptor> acceptor_;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> grpc_server_;
   std::atomic<grpc::HealthCheckServiceInterface*> health_service_ = nullptr;
   std::atomic<bool> draining_ = false;
@@ -141,6 +152,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       memory_(config.limits.memory_bytes),
       budget_(config.limits.queue_bytes_total),
       read_budget_(config.limits.queue_bytes_total / 2),
+      roster_(MaxUploadStreams(config.limits)),
       watch_hub_({.store = store_.get(),
                   .max_watches = config.watch.max_watches,
                   .stall_timeout = absl::FromChrono(config.watch.stall_timeout),
@@ -180,33 +192,45 @@ absl::Status Server::Parts::Start() {
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
   UpdateHealth();
-  spdlog::info("serving {} maps on {}, port {}", maps_.All().size(), config_.listen, port_);
+  spdlog::info("serving {} maps on {}, port {}", maps_.All().size(), config_.listen, port());
   return absl::OkStatus();
 }
 
 absl::Status Server::Parts::Listen() {
+  const std::optional<ListenAddress> address = ParseListenAddress(config_.listen);
+  if (!address) return absl::InvalidArgumentError("cannot read the address " + config_.listen);
+  absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> acceptor =
+      ConnectionAcceptor::Listen(*address, config_.limits.max_connections);
+  if (!acceptor.ok()) return CannotListen(config_.listen, acceptor.status().message());
+  acceptor_ = *std::move(acceptor);
   grpc::EnableDefaultHealthCheckService(true);
   // Both register themselves with every builder of the process from then on.
   if (config_.reflection) grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   if (config_.channelz) grpc::channelz::experimental::InitChannelzService();
   grpc::ServerBuilder builder;
   Configure(&builder);
-  builder.AddListeningPort(config_.listen, grpc::InsecureServerCredentials(), &port_);
+  connections_ = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      grpc::InsecureServerCredentials());
   builder.RegisterService(&ingest_service_);
   builder.RegisterService(&map_service_);
   builder.RegisterService(&query_service_);
   builder.RegisterService(&watch_service_);
   grpc_server_ = builder.BuildAndStart();
-  if (grpc_server_ != nullptr) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat("cannot listen on ",
-                                             config_.listen,
-                                             ": the address is in use, not this machine's, or not "
-                                             "permitted"));
+  if (grpc_server_ == nullptr) return CannotListen(config_.listen, "gRPC does not start");
+  acceptor_->Start([this](int connection, int listener) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+    parameters.fd = connection;
+    parameters.listener_fd = listener;
+    connections_->HandleNewConnection(&parameters);
+  });
+  return absl::OkStatus();
 }
 
 void Server::Parts::Configure(grpc::ServerBuilder* builder) {
-  builder->SetMaxReceiveMessageSize(
-      static_cast<int>(kHardMessageLimitFactor * config_.limits.max_message_bytes));
+  const std::size_t largest_request =
+      std::max(config_.limits.max_message_bytes, kPointRequestLimits.max_bytes);
+  builder->SetMaxReceiveMessageSize(static_cast<int>(kHardMessageLimitFactor * largest_request));
   // gRPC 1.51 inflates a message before it looks at its limit: a bomb must not get that far.
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
@@ -216,13 +240,12 @@ void Server::Parts::Configure(grpc::ServerBuilder* builder) {
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(calls_.MakeInterceptorFactory());
   builder->experimental().SetInterceptorCreators(std::move(interceptors));
-  // Otherwise two daemons share a port and take each other's calls.
-  builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder->AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                               kMinClientPingIntervalMs);
   builder->AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder->AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kServerPingIntervalMs);
   builder->AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kServerPingTimeoutMs);
+  builder->AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeTimeoutMs);
 }
 
 void Server::Parts::UpdateHealth() {
@@ -261,6 +284,7 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   // What waits for room on the disk is in the log, and is integrated at the next start.
   store_->StopWaitingForDisk();
   health_service_ = nullptr;
+  if (acceptor_ != nullptr) acceptor_->Stop();
   if (grpc_server_ != nullptr) {
     grpc_server_->Shutdown(absl::ToChronoTime(std::min(end, absl::Now() + kDisconnectTime)));
   }
@@ -292,6 +316,8 @@ void Server::Parts::SetLimits(const LimitOptions& limits) {
   LimitOptions live = limits;
   live.max_message_bytes = config_.limits.max_message_bytes;
   limits_.Set(live);
+  acceptor_->SetMaxConnections(limits.max_connections);
+  roster_.SetMaxStreams(MaxUploadStreams(limits));
   memory_.SetMax(limits.memory_bytes);
   budget_.SetTotal(limits.queue_bytes_total);
   read_budget_.SetTotal(limits.queue_bytes_total / 2);

@@ -1,6 +1,5 @@
 #include "server/server_config.h"
 
-#include <charconv>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -10,36 +9,10 @@
 
 #include "core/absl_text.h"
 #include "server/config_fields.h"
+#include "server/listen_address.h"
 
 namespace steadymap {
 namespace {
-
-constexpr std::string_view kUnixPrefix = "unix:";
-constexpr int kMaxPort = 65535;
-
-/// Host without brackets, and port.
-struct Listener {
-  std::string_view host;
-  int port = 0;
-};
-
-// `host:port` or `[ipv6]:port`; none for anything else.
-std::optional<Listener> ParseListener(std::string_view listen) {
-  const std::size_t colon = listen.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) return std::nullopt;
-  Listener listener{listen.substr(0, colon), 0};
-  const std::string_view port = listen.substr(colon + 1);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), listener.port);
-  if (error != std::errc() || end != port.data() + port.size()) return std::nullopt;
-  if (listener.port < 0 || listener.port > kMaxPort) return std::nullopt;
-  if (listener.host.starts_with('[') && listener.host.ends_with(']')) {
-    listener.host = listener.host.substr(1, listener.host.size() - 2);
-    return listener.host.empty() ? std::nullopt : std::optional(listener);
-  }
-  // More colons are an IPv6 address without brackets, whose port nobody can tell.
-  if (listener.host.find(':') != std::string_view::npos) return std::nullopt;
-  return listener;
-}
 
 /// Collects the integers that are out of their range.
 class RangeChecker final : public FieldVisitor {
@@ -120,9 +93,7 @@ class FieldLister final : public FieldVisitor {
 };
 
 void CheckListen(const ServerConfig& config, std::vector<std::string>* violations) {
-  const std::string_view listen = config.listen;
-  if (listen.starts_with(kUnixPrefix) && listen.size() > kUnixPrefix.size()) return;
-  if (!ParseListener(listen)) {
+  if (!ParseListenAddress(config.listen)) {
     violations->push_back("listen must read HOST:PORT or unix:PATH, got \"" + config.listen + "\"");
     return;
   }
@@ -208,17 +179,18 @@ std::vector<std::string> FindDifferences(const ServerConfig& before, const Serve
 }
 
 bool IsLoopback(const std::string& listen) {
-  if (std::string_view(listen).starts_with(kUnixPrefix)) return true;
-  const std::optional<Listener> listener = ParseListener(listen);
-  if (!listener) return false;
-  if (listener->host == "localhost" || listener->host == "::1") return true;
+  const std::optional<ListenAddress> address = ParseListenAddress(listen);
+  if (!address) return false;
+  if (!address->unix_path.empty()) return true;
+  if (address->host == "localhost" || address->host == "::1") return true;
   // All of 127.0.0.0/8, but not a host name that only begins like it.
-  return listener->host.starts_with("127.") &&
-         listener->host.find_first_not_of("0123456789.") == std::string_view::npos;
+  return address->host.starts_with("127.") &&
+         address->host.find_first_not_of("0123456789.") == std::string::npos;
 }
 
 std::string WithPort(const std::string& listen, int port) {
-  if (!ParseListener(listen)) return listen;
+  const std::optional<ListenAddress> address = ParseListenAddress(listen);
+  if (!address || !address->unix_path.empty()) return listen;
   return listen.substr(0, listen.rfind(':') + 1) + std::to_string(port);
 }
 

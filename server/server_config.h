@@ -21,6 +21,14 @@ struct LimitOptions {
   /// Largest message that is taken. A 4096 x 4096 frame of noise does not fit; no camera makes one.
   std::size_t max_message_bytes = std::size_t{8} << 20;
 
+  /// Connections at once. Where the process may open fewer files (`ulimit -n`), that bounds them
+  /// too: a quarter of those, up to 4096, is kept for the store. What is beyond is closed at once.
+  std::size_t max_connections = 10'000;
+
+  /// Upload streams at once, all maps together. 0: one for each 512 KiB of `queue_bytes_total`, and
+  /// at least 16. More would wait for each other: half of so many frames of 640 x 480 fit in.
+  std::size_t max_upload_streams = 0;
+
   /// Frames that one upload stream may have under way. Must cover a commit interval or the robot
   /// waits for it: 200 ms at 60 frames/s is 12.
   std::size_t upload_window_frames = 64;

@@ -9,6 +9,7 @@
 #include <rocksdb/write_batch.h>
 
 #include "core/error.h"
+#include "server/shortened_file_system.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"
 #include "server/torn_log.h"
@@ -120,6 +121,17 @@ absl::StatusOr<std::unique_ptr<StateDatabase>> StateDatabase::Open(
   }
   std::unique_ptr<StateDatabase> result(new StateDatabase());
   rocksdb::DBOptions options = DatabaseOptions(shared);
+  if (mode == Mode::kReadOnly) {
+    const absl::StatusOr<std::optional<TornLog>> torn = FindTornLog(folder);
+    if (!torn.ok()) return torn.status();
+    if (*torn) {
+      result->environment_ = rocksdb::NewCompositeEnv(
+          std::make_shared<ShortenedFileSystem>(shared.environment->GetFileSystem(),
+                                                (*torn)->file.filename().string(),
+                                                (*torn)->whole_end));
+      options.env = result->environment_.get();
+    }
+  }
   options.create_if_missing = mode == Mode::kCreate;
   options.create_missing_column_families = mode == Mode::kCreate;
   options.error_if_exists = mode == Mode::kCreate;

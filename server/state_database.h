@@ -60,7 +60,9 @@ class StateDatabase {
   enum class Mode {
     kCreate,     ///< There must be none.
     kReadWrite,  ///< There must be one.
-    kReadOnly,   ///< Likewise; writes nothing at all, so that it works on a full disk.
+    /// Likewise; writes nothing at all, so that it works on a full disk. What a power cut left of
+    /// the last write is overlooked, as the other mode cuts it off.
+    kReadOnly,
   };
 
   /// Opens the database in `folder`. Errors: `DataLoss` with reason `CHECKSUM` if it is damaged or
@@ -118,6 +120,7 @@ class StateDatabase {
   StateDatabase() = default;
 
   std::shared_ptr<Health> health_ = std::make_shared<Health>();
+  std::unique_ptr<rocksdb::Env> environment_;  ///< Where it is not the shared one.
   std::unique_ptr<rocksdb::DB> database_;
   rocksdb::ColumnFamilyHandle* state_handle_ = nullptr;  ///< Owned by `database_`.
   rocksdb::ColumnFamilyHandle* leaf_handle_ = nullptr;   ///< Likewise.

@@ -127,23 +127,31 @@ std::optional<std::uint64_t> FindTornEnd(std::string_view log) {
   return std::nullopt;
 }
 
-absl::Status CutTornLog(const std::filesystem::path& folder) {
+absl::StatusOr<std::optional<TornLog>> FindTornLog(const std::filesystem::path& folder) {
   const std::optional<std::filesystem::path> file = FindNewestLog(folder);
-  if (!file) return absl::OkStatus();
+  if (!file) return std::nullopt;
   std::ifstream stream(*file, std::ios::binary);
   const std::string log((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
   if (!stream.is_open() || stream.bad()) return Failed("read", *file);
   const std::optional<std::uint64_t> end = FindTornEnd(log);
-  if (!end) return absl::OkStatus();
-  const int descriptor = ::open(file->c_str(), O_WRONLY | O_CLOEXEC);
-  if (descriptor < 0) return Failed("open", *file);
+  if (!end) return std::nullopt;
+  return TornLog{*file, log.size(), *end};
+}
+
+absl::Status CutTornLog(const std::filesystem::path& folder) {
+  const absl::StatusOr<std::optional<TornLog>> torn = FindTornLog(folder);
+  if (!torn.ok()) return torn.status();
+  if (!*torn) return absl::OkStatus();
+  const TornLog& log = **torn;
+  const int descriptor = ::open(log.file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return Failed("open", log.file);
   const bool cut =
-      ::ftruncate(descriptor, static_cast<off_t>(*end)) == 0 && ::fsync(descriptor) == 0;
+      ::ftruncate(descriptor, static_cast<off_t>(log.whole_end)) == 0 && ::fsync(descriptor) == 0;
   ::close(descriptor);
-  if (!cut) return Failed("cut", *file);
+  if (!cut) return Failed("cut", log.file);
   spdlog::warn("dropped {} bytes of a write that a power cut tore before it was durable: {}",
-               log.size() - *end,
-               file->string());
+               log.size - log.whole_end,
+               log.file.string());
   return absl::OkStatus();
 }
 

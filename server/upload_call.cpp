@@ -103,7 +103,12 @@ void UploadCall::StartIntake(const SessionName& session) {
   if (IsAbandoned()) return;
   const std::shared_ptr<UploadCall> self = shared_from_this();
   BatchIntake::Start(surroundings_.decoders,
-                     {map_, session, /*in_order=*/false, ClientSequence(), self},
+                     {map_,
+                      std::make_shared<const MapConfig>(map_->record().config),
+                      session,
+                      /*in_order=*/false,
+                      ClientSequence(),
+                      self},
                      std::exchange(batch_, {}),
                      [self](const absl::Status& status) {
                        if (!status.ok()) return self->Finish(WithFieldPrefix(status, "batch"));

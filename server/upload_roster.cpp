@@ -1,5 +1,6 @@
 #include "server/upload_roster.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
@@ -12,7 +13,19 @@ namespace {
 // Each holds a message of at most `max_message_bytes`; robots use streams.
 constexpr std::size_t kMaxCalls = 64;
 
+// See `LimitOptions::max_upload_streams`.
+constexpr std::size_t kQueueBytesPerStream = std::size_t{512} << 10;
+constexpr std::size_t kLeastMaxStreams = 16;
+
+// Streams end seldom.
+constexpr std::int64_t kNoPlaceDelayMs = 5000;
+
 }  // namespace
+
+std::size_t MaxUploadStreams(const LimitOptions& limits) {
+  if (limits.max_upload_streams > 0) return limits.max_upload_streams;
+  return std::max(kLeastMaxStreams, limits.queue_bytes_total / kQueueBytesPerStream);
+}
 
 absl::Status DrainingError() {
   return MakeError(absl::StatusCode::kUnavailable,
@@ -27,7 +40,16 @@ absl::Status UploadRoster::Enter(MapKey map,
   {
     const absl::MutexLock lock(&mutex_);
     if (draining_) return DrainingError();
-    Stream& entry = streams_[Key(map, session.sensor)];
+    const Key key(map, session.sensor);
+    if (!streams_.contains(key) && streams_.size() >= max_streams_) {
+      return WithRetryDelay(
+          MakeError(absl::StatusCode::kResourceExhausted,
+                    reason::kQueueFull,
+                    absl::StrCat(
+                        "the server has ", streams_.size(), " upload streams and takes no more")),
+          kNoPlaceDelayMs);
+    }
+    Stream& entry = streams_[key];
     entry.session = session;
     before = std::exchange(entry.upload, std::move(upload));
     if (before != nullptr) ++superseded_;
@@ -108,6 +130,11 @@ void UploadRoster::Drain() {
 bool UploadRoster::AwaitEmpty(absl::Time deadline) {
   const absl::MutexLock lock(&mutex_);
   return mutex_.AwaitWithDeadline(absl::Condition(this, &UploadRoster::IsEmpty), deadline);
+}
+
+void UploadRoster::SetMaxStreams(std::size_t max_streams) {
+  const absl::MutexLock lock(&mutex_);
+  max_streams_ = max_streams;
 }
 
 std::size_t UploadRoster::stream_count() const {

@@ -12,6 +12,7 @@
 #include <absl/time/time.h>
 
 #include "core/identifiers.h"
+#include "server/server_config.h"
 #include "server/store.h"
 
 namespace steadymap {
@@ -28,12 +29,15 @@ class ActiveUpload {
   virtual void Drain(const absl::Status& status) = 0;
 };
 
-/// All uploads under way. Sees to it that a sensor has one stream a map, and lets the server drain.
-/// Thread-safe.
+/// All uploads under way. Sees to it that a sensor has one stream a map, that there are not too
+/// many, and lets the server drain. Thread-safe.
 class UploadRoster {
  public:
-  /// Enters a sensor's stream; the one before it on the same map ends with `UPLOAD_SUPERSEDED`.
-  /// Errors: `Unavailable` with reason `DRAINING`.
+  explicit UploadRoster(std::size_t max_streams) : max_streams_(max_streams) {}
+
+  /// Enters a sensor's stream; the one before it on the same map, whose place it takes, ends with
+  /// `UPLOAD_SUPERSEDED`. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with
+  /// reason `QUEUE_FULL` and a delay for the next try if there are too many.
   absl::Status Enter(MapKey map, const SessionName& session, std::shared_ptr<ActiveUpload> upload)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -58,6 +62,9 @@ class UploadRoster {
   /// Whether all uploads have ended by `deadline`.
   bool AwaitEmpty(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
 
+  /// The bound for streams from now on; those under way go on.
+  void SetMaxStreams(std::size_t max_streams) ABSL_LOCKS_EXCLUDED(mutex_);
+
   std::size_t stream_count() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -74,11 +81,15 @@ class UploadRoster {
   };
 
   mutable absl::Mutex mutex_;
+  std::size_t max_streams_ ABSL_GUARDED_BY(mutex_);
   std::map<Key, Stream> streams_ ABSL_GUARDED_BY(mutex_);
   std::size_t superseded_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Replaced, but not left yet.
   std::size_t calls_ ABSL_GUARDED_BY(mutex_) = 0;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
 };
+
+/// The streams that `limits` allow at once.
+std::size_t MaxUploadStreams(const LimitOptions& limits);
 
 /// The error that a draining server answers uploads with.
 absl::Status DrainingError();

@@ -99,6 +99,7 @@ class UploadStream final : public UploadObserver,
 
   // Set once, by the reading side and under the lock, before any batch is taken in.
   std::shared_ptr<MapRuntime> map_;
+  std::shared_ptr<const MapConfig> config_;  ///< Of the map; all batches share it.
   SessionName session_;
 
   /// Of the reading side: the map keeps objects, and no frame without labels has come yet.

@@ -12,14 +12,6 @@
 #include "server/request_reader.h"
 
 namespace steadymap {
-namespace {
-
-// A filter of some hundred boxes and classes is far below that.
-constexpr RequestLimits kRequestLimits{.max_bytes = std::size_t{1} << 20, .max_fields = 20'000};
-
-}  // namespace
-
-namespace {}  // namespace
 
 /// What gRPC holds: passes its reports on.
 class WatchStream::Reactor final : public GrpcReactor {
@@ -49,7 +41,7 @@ WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
   auto* reactor = new Reactor(stream);
   stream->reactor_ = reactor;
   v1::WatchMapRequest message;
-  stream->request_status_ = steadymap::ReadRequest(request, kRequestLimits, &message);
+  stream->request_status_ = steadymap::ReadRequest(request, kPlainRequestLimits, &message);
   if (stream->request_status_.ok()) {
     stream->course_.emplace(
         surroundings.maps, surroundings.hub, std::move(message), stream->cancellation_);

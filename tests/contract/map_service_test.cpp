@@ -123,6 +123,30 @@ TEST_P(MapServiceTest, WrongFieldsOfANewMapAreNamed) {
               IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.retention.frame_log_age"));
 }
 
+TEST_P(MapServiceTest, TheLargestClassTableIsTakenAndOneMoreRowRefused) {
+  v1::CreateMapRequest request;
+  request.set_parent("tenants/test");
+  request.set_map_id("hall");
+  for (std::uint32_t i = 0; i < 4096; ++i) {
+    v1::SemanticClass* row = request.mutable_map()->mutable_config()->add_classes();
+    row->set_id(65'535 - i);
+    row->set_name(std::string(64, 'x'));
+    row->set_motion(v1::CLASS_MOTION_SEMI_STATIC);
+    row->set_in_background(true);
+  }
+  v1::Map map;
+  const auto create = [&](auto* context) {
+    return service_.maps().CreateMap(context, request, &map);
+  };
+  const absl::Status created = Call(create);
+  EXPECT_TRUE(created.ok()) << created;
+  EXPECT_EQ(map.config().classes_size(), 4096);
+  request.set_map_id("yard");
+  request.mutable_map()->mutable_config()->add_classes()->set_name("one more");
+  EXPECT_THAT(Call(create),
+              IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "map.config.classes"));
+}
+
 TEST_P(MapServiceTest, UnknownMapIsNotFound) {
   EXPECT_THAT(service_.GetMap("tenants/test/maps/none").status(),
               IsError(StatusCode::kNotFound, "NOT_FOUND", "name"));

@@ -8,6 +8,7 @@
 #include "proto/convert_status.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
+#include "tests/support/eventually.h"
 
 namespace steadymap {
 namespace {
@@ -357,6 +358,33 @@ TEST_P(UploadStreamTest, TwoRobotsAtOnceBothGetIntegrated) {
   EXPECT_TRUE(second.Close().ok());
   EXPECT_TRUE(first.Finish().ok());
   EXPECT_EQ(service_.GetMap(map_)->state().revision(), 48U);
+}
+
+TEST_P(UploadStreamTest, StreamsBeyondTheBoundAreRefusedUntilOneEnds) {
+  TestService service(GetParam(),
+                      [](ServerConfig* config) { config->limits.max_upload_streams = 2; });
+  const std::string map = service.CreateMap("hall");
+  UploadClient first(&service);
+  ASSERT_TRUE(first.Open({map, "robot-1"}).ok());
+  UploadClient second(&service);
+  ASSERT_TRUE(second.Open({map, "robot-2"}).ok());
+  {
+    UploadClient third(&service);
+    const absl::Status refused = third.Open({map, "robot-3"}).status();
+    EXPECT_EQ(refused.code(), StatusCode::kResourceExhausted) << refused;
+    EXPECT_EQ(ReasonOf(refused), "QUEUE_FULL");
+    EXPECT_GT(RetryDelayMsOf(refused), 0);
+  }
+  // A robot that comes back takes the place of its stream of before.
+  UploadClient again(&service);
+  EXPECT_TRUE(again.Open({map, "robot-2"}).ok());
+  EXPECT_EQ(ReasonOf(second.Finish()), "UPLOAD_SUPERSEDED");
+  EXPECT_TRUE(first.Close().ok());
+  // The client may hear of the end before the server has let go of the stream.
+  EXPECT_TRUE(testing::Eventually([&] {
+    UploadClient third(&service);
+    return third.Open({map, "robot-3"}).ok();
+  }));
 }
 
 TEST_P(UploadStreamTest, StateTellsWhereTheSessionStands) {

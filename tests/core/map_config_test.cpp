@@ -59,6 +59,15 @@ TEST(ValidateMapConfig, NeedsClasses) {
   EXPECT_EQ(FieldOf(ValidateMapConfig(config)), "classes");
 }
 
+TEST(ValidateMapConfig, NamesTheFirstOfVeryManyViolations) {
+  MapConfig config;
+  config.classes.assign(1000, {ClassId(1), "twice", ClassMotion::kStatic});
+  const std::string message = MessageOf(ValidateMapConfig(config));
+  EXPECT_THAT(message, HasSubstr("classes[1].id 1 is there already"));
+  EXPECT_THAT(message, HasSubstr("; and 989 more"));
+  EXPECT_LT(message.size(), 1000U);
+}
+
 TEST(MapConfig, LabelLimitIsBehindTheLargestClass) {
   MapConfig config;
   EXPECT_EQ(config.label_limit(), 16U);

@@ -1,6 +1,8 @@
 #include "proto/convert_map.h"
 
+#include <cstdint>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -73,10 +75,19 @@ TEST(ConvertMapConfig, WrongFieldsAreNamed) {
             "classes[5].name");
 }
 
-TEST(ConvertMapConfig, MoreClassesThanLabelsCanTellApartAreRefused) {
+TEST(ConvertMapConfig, ClassTablesHaveABoundWhateverTheirIds) {
   v1::MapConfig message;
-  for (int i = 0; i < 65537; ++i) message.add_classes()->set_name("x");
-  EXPECT_EQ(FieldOf(FromProto(message).status()), "classes");
+  for (int i = 0; i < kMaxClasses; ++i) {
+    v1::SemanticClass* row = message.add_classes();
+    row->set_id(static_cast<std::uint32_t>(16 * i));
+    row->set_name(std::string(64, 'x'));
+  }
+  EXPECT_TRUE(FromProto(message).ok());
+  message.add_classes()->set_name("one more");
+  const absl::Status status = FromProto(message).status();
+  EXPECT_EQ(FieldOf(status), "classes");
+  EXPECT_NE(status.message().find("at most 4096 rows, got 4097"), absl::string_view::npos)
+      << status;
 }
 
 }  // namespace

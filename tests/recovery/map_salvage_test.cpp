@@ -124,6 +124,27 @@ class MapSalvageTest : public ::testing::Test {
     }
   }
 
+  /// Drops what is integrated from the log, in whole files, so that it no longer tells the map's
+  /// beginning; the first entry that is left.
+  std::uint64_t TrimLog() {
+    EXPECT_TRUE(LoadBad().ok());
+    TrimBounds bounds{kStoreTime, {}, {}, {}, /*disk_is_low=*/true};
+    EXPECT_TRUE(store_->Trim(store_->ListMaps()->front(), bounds).ok());
+    const std::vector<LogEntry> entries = ReadAll(store_.get(), bad_.key);
+    store_.reset();
+    EXPECT_FALSE(entries.empty());
+    return entries.empty() ? 0 : entries.front().sequence.value();
+  }
+
+  /// Expects the entries from `first` on, each as it was appended.
+  void ExpectEntriesFrom(std::uint64_t first) {
+    const std::vector<LogEntry> entries = ReadAll(store_.get(), bad_.key, first);
+    ASSERT_EQ(entries.size(), kFrames + 1 - first);
+    for (const LogEntry& entry : entries) {
+      EXPECT_TRUE(SameEntry(entry, MakeLogEntry(entry.sequence.value())));
+    }
+  }
+
   TemporaryFolder folder_;
   StoreOptions options_;
   std::unique_ptr<Store> store_;
@@ -195,6 +216,49 @@ TEST_F(MapSalvageTest, DamagedDatabaseIsMadeAnewFromTheWholeLog) {
   EXPECT_EQ(state->sessions.front().settled.contiguous_end(), ClientSequence(kFrames));
   EXPECT_NE(store_->ListMaps()->front().incarnation, bad_.incarnation);
   EXPECT_THAT(ChangedEntries(), IsEmpty());
+  ExpectNextAppendWorks();
+}
+
+TEST_F(MapSalvageTest, DamagedDatabaseIsRepairedWhereTheLogBeginsLater) {
+  const std::uint64_t first = TrimLog();
+  ASSERT_GT(first, 1U);
+  ASSERT_LE(first, kRevision + 1);
+  DamageDatabase();
+  EXPECT_FALSE(LoadBad().ok());
+  store_.reset();
+  EXPECT_THAT(Salvage().remarks, Contains(HasSubstr("was repaired and is at revision 6")));
+  const absl::StatusOr<StoredState> state = LoadBad();
+  ASSERT_TRUE(state.ok()) << state.status();
+  EXPECT_EQ(state->snapshot.revision, Revision(kRevision));
+  EXPECT_EQ(LeavesOf(state->snapshot), std::vector<LeafChange>{MakeLeaf(0, 0, 0, 1)});
+  EXPECT_EQ(state->durable_head, MapSequence(kFrames));
+  EXPECT_NE(store_->ListMaps()->front().incarnation, bad_.incarnation) << "parts may be missing";
+  ExpectEntriesFrom(kRevision + 1);
+  ExpectNextAppendWorks();
+}
+
+TEST_F(MapSalvageTest, MapBeginsAnewWhereNeitherDatabaseNorLogTellItsBeginning) {
+  const std::uint64_t first = TrimLog();
+  ASSERT_GT(first, 1U);
+  std::vector<std::filesystem::path> data;
+  for (const auto& entry : std::filesystem::directory_iterator(bad_folder_ / "state")) {
+    const std::string ending = entry.path().extension();
+    if (ending == ".log" || ending == ".sst") data.push_back(entry.path());
+  }
+  ASSERT_FALSE(data.empty());
+  for (const std::filesystem::path& file : data) std::filesystem::remove(file);
+  EXPECT_FALSE(ProblemsOfBad().empty());
+  EXPECT_FALSE(LoadBad().ok());
+  store_.reset();
+  EXPECT_THAT(Salvage().remarks,
+              Contains(HasSubstr("the map begins anew with entry " + std::to_string(first))));
+  const absl::StatusOr<StoredState> state = LoadBad();
+  ASSERT_TRUE(state.ok()) << state.status();
+  EXPECT_EQ(state->snapshot.integrated(), MapSequence(first - 1));
+  EXPECT_THAT(LeavesOf(state->snapshot), IsEmpty());
+  EXPECT_EQ(state->durable_head, MapSequence(kFrames));
+  EXPECT_NE(store_->ListMaps()->front().incarnation, bad_.incarnation);
+  ExpectEntriesFrom(first);
   ExpectNextAppendWorks();
 }
 

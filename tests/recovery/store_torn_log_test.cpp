@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -17,6 +18,7 @@
 
 #include "core/error.h"
 #include "server/store.h"
+#include "server/store_check.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -214,6 +216,39 @@ TEST_F(TornLog, TruncatedWriteAheadLogKeepsTheCommitsThatWereSyncedBefore) {
     EXPECT_EQ(LeavesOf(state->snapshot).size(), commits) << length;
     ASSERT_NO_FATAL_FAILURE(ExpectAppends(*state, append_ends_.size())) << length;
   }
+}
+
+TEST_F(TornLog, ACheckOverlooksWhatAPowerCutLeftOfTheLastCommitAndChangesNothing) {
+  const std::uint64_t last_start = commit_ends_[commit_ends_.size() - 2];
+  // The last write has its length, but not all of its sectors.
+  std::string bytes = wal_bytes_;
+  bytes.resize(bytes.size() + 4 * kSectorBytes, '\0');
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(last_start) + 20, bytes.end(), '\0');
+  const std::filesystem::path crashed = folder_.path() / "crashed";
+  const std::filesystem::path log = NewestLog(crashed, "state");
+  std::ofstream(log, std::ios::binary | std::ios::trunc) << bytes;
+  const absl::Status status = CheckDatabase(log.parent_path());
+  EXPECT_TRUE(status.ok()) << status;
+  const absl::StatusOr<StoreFindings> findings = CheckStore(crashed, std::nullopt);
+  ASSERT_TRUE(findings.ok()) << findings.status();
+  ASSERT_EQ(findings->maps.size(), 1U);
+  EXPECT_THAT(findings->maps.front().problems, ::testing::IsEmpty());
+  EXPECT_EQ(ContentOf(log), bytes);
+  // A server finds the same map.
+  const absl::StatusOr<StoredState> state = LoadWith("state", bytes);
+  ASSERT_TRUE(state.ok()) << state.status();
+  EXPECT_EQ(state->snapshot.revision.value(), commit_ends_.size() - 1);
+}
+
+TEST_F(TornLog, ACheckFindsDamageBeforeWhatAPowerCutLeft) {
+  std::string bytes = wal_bytes_;
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(commit_ends_[commit_ends_.size() - 2]) + 20,
+            bytes.end(),
+            '\0');
+  bytes[commit_ends_[3] + 30] = static_cast<char>(bytes[commit_ends_[3] + 30] ^ 1);
+  const std::filesystem::path log = NewestLog(folder_.path() / "crashed", "state");
+  std::ofstream(log, std::ios::binary | std::ios::trunc) << bytes;
+  EXPECT_EQ(CheckDatabase(log.parent_path()).code(), absl::StatusCode::kDataLoss);
 }
 
 TEST_F(TornLog, FlippedBitInTheWriteAheadLogIsDataLossNeverAnOlderMap) {

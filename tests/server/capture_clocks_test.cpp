@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,23 @@ TEST(CaptureClocks, TakeRecordingsOfAnyTime) {
         clocks.Note(kCamera, Timestamp::FromNanoseconds(ns), v1::CLOCK_DOMAIN_RECORDING, At(kNowS))
             .ok());
   }
+}
+
+TEST(CaptureClocks, ForgetTheSensorThatWasHeardOfLongestAgo) {
+  CaptureClocks clocks("m");
+  const auto sensor = [](std::size_t i) {
+    return SensorName{"robot-" + std::to_string(i), "left"};
+  };
+  const auto note = [&](const SensorName& name) {
+    EXPECT_TRUE(clocks.Note(name, At(kNowS), v1::CLOCK_DOMAIN_UTC, At(kNowS)).ok());
+  };
+  for (std::size_t i = 0; i < CaptureClocks::kMaxSensors; ++i) note(sensor(i));
+  note(sensor(0));
+  note(kCamera);
+  EXPECT_TRUE(clocks.AheadOf(kCamera).has_value());
+  EXPECT_TRUE(clocks.AheadOf(sensor(0)).has_value());
+  EXPECT_FALSE(clocks.AheadOf(sensor(1)).has_value());
+  EXPECT_TRUE(clocks.AheadOf(sensor(2)).has_value());
 }
 
 TEST(CaptureClocks, AServerWithoutAClockRefusesNobody) {

@@ -61,15 +61,16 @@ class EndlessSource final : public MessageSource<Response> {
 };
 
 /// Serves streams of the sources that a test makes.
-class StreamService final : public v1::QueryService::CallbackService {
+class StreamService final
+    : public v1::QueryService::WithRawCallbackMethod_ExportMap<v1::QueryService::Service> {
  public:
   using Stream = MessageStream<Response>;
 
   StreamService(const Stream::Surroundings& surroundings, Stream::Open open)
       : surroundings_(surroundings), open_(std::move(open)) {}
 
-  grpc::ServerWriteReactor<Response>* ExportMap(grpc::CallbackServerContext* context,
-                                                const v1::ExportMapRequest*) override {
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* ExportMap(grpc::CallbackServerContext* context,
+                                                        const grpc::ByteBuffer*) override {
     return Stream::Start(
         surroundings_, context, [](const std::function<void()>& go_on) { go_on(); }, open_);
   }
