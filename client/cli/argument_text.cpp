@@ -58,6 +58,19 @@ absl::StatusOr<Box> ParseBox(std::string_view text) {
   return box;
 }
 
+absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
+    const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> labels;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) return Expected("a label KEY=VALUE", text);
+    if (!labels.emplace(text.substr(0, equals), text.substr(equals + 1)).second) {
+      return Expected("each label once", text);
+    }
+  }
+  return labels;
+}
+
 absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text) {
   const std::optional<std::vector<double>> numbers = ParseNumbers(text, 4);
   if (!numbers) return Expected("a camera fx,fy,cx,cy in pixels", text);

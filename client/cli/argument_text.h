@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,6 +24,11 @@ absl::StatusOr<Eigen::Vector3d> ParsePoint(std::string_view text);
 
 /// A box `x0,y0,z0,x1,y1,z1` from its lowest to its highest corner, world frame, metres, finite.
 absl::StatusOr<Box> ParseBox(std::string_view text);
+
+/// Labels of a map, `key=value` each, no key twice. The value may be empty and may hold more `=`;
+/// what keys and values a map can have, the server says.
+absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
+    const std::vector<std::string>& texts);
 
 /// A camera `fx,fy,cx,cy`, pixels, finite.
 absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text);

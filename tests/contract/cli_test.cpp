@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <filesystem>
@@ -10,46 +9,18 @@
 #include <gtest/gtest.h>
 
 #include "client/channel.h"
-#include "client/cli/command_line.h"
 #include "client/map_client.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/uploader.h"
-#include "tests/support/daemon_process.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/contract/cli_fixture.h"
 
 namespace steadymap {
 namespace {
 
 const MapName kHall{"default", "hall"};
 
-struct Outcome {
-  int exit_code = 0;
-  std::string out;
-  std::string err;
-};
-
-/// The command line, in process, against the daemon in a process of its own.
-class CliTest : public ::testing::Test {
+class CliFileTest : public CliTest {
  protected:
-  Outcome Run(std::vector<std::string> arguments) const {
-    std::ostringstream out;
-    std::ostringstream err;
-    CommandContext context{.out = out, .err = err};
-    context.open_channel = OpenChannel;
-    arguments.insert(arguments.begin(), {"--server", daemon_.address()});
-    const int exit_code = RunCommandLine(arguments, &context);
-    return {exit_code, out.str(), err.str()};
-  }
-
-  void ExpectFailure(const std::vector<std::string>& arguments, const std::string& part) const {
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
-  }
-
-  std::string PathOf(const std::string& name) const { return (folder_.path() / name).string(); }
-
   std::string HeadOf(const std::string& name, std::size_t size) const {
     std::string head(size, '\0');
     std::ifstream(PathOf(name)).read(head.data(), static_cast<std::streamsize>(size));
@@ -68,9 +39,6 @@ class CliTest : public ::testing::Test {
     text << vertex[0] << ',' << vertex[1] << ',' << vertex[2];
     return text.str();
   }
-
-  TemporaryFolder folder_;
-  DaemonProcess daemon_{folder_.path()};
 };
 
 TEST_F(CliTest, MapsAreCreatedListedShownAndDeleted) {
@@ -94,7 +62,7 @@ TEST_F(CliTest, UnknownMapsAndImpossibleOnesAreErrorsOfOneLine) {
   EXPECT_FALSE(std::filesystem::exists(PathOf("x.ply")));
 }
 
-TEST_F(CliTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
+TEST_F(CliFileTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
   ASSERT_EQ(Run({"map", "create", "hall"}).exit_code, 0);
   const Outcome upload =
       Run({"simulate", "hall", "--route", "baseline", "--ideal", "--stride", "10", "--json"});
