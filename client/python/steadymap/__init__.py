@@ -20,7 +20,16 @@ from steadymap.exports import ExportFormat, ExportSummary
 from steadymap.frame import Frame, Intrinsics
 from steadymap.geometry import Pose
 from steadymap.images import PixelEncoding
-from steadymap.maps import ClassMotion, Map, MapOptions, SemanticClass, UpdatePolicy
+from steadymap.maps import (
+    ClassMotion,
+    GeoAnchor,
+    Map,
+    MapCondition,
+    MapOptions,
+    SemanticClass,
+    UpdatePolicy,
+    WorldFrame,
+)
 from steadymap.mesh import Mesh
 from steadymap.objects import Belief, Cuboid, Event, EventReason, EventType, Object, ObjectStanding
 from steadymap.upload import Uploader
@@ -47,11 +56,13 @@ __all__ = [
     "ExportFormat",
     "ExportSummary",
     "Frame",
+    "GeoAnchor",
     "Intrinsics",
     "Leaf",
     "LeafVoxels",
     "Listing",
     "Map",
+    "MapCondition",
     "MapOptions",
     "Mesh",
     "Object",
@@ -76,6 +87,7 @@ __all__ = [
     "WatchKind",
     "WatchOptions",
     "WatchStart",
+    "WorldFrame",
     "connect",
     "errors",
     "unpack_leaves",
