@@ -232,6 +232,8 @@ absl::StatusOr<MapList<v1::ObjectEvent>> MapClient::ListEvents(const MapName& na
   for (const ClassId class_id : query.classes) request.add_class_ids(class_id.value());
   request.set_first_number(query.first.value());
   request.set_changed_since(query.changed_since.value());
+  if (query.start) *request.mutable_start_time() = ToProto(*query.start);
+  if (query.end) *request.mutable_end_time() = ToProto(*query.end);
   request.set_page_size(kEventsPerPage);
   do {
     auto page = Call(queries_.get(), &QueryStub::ListEvents, request, options_.call_timeout);

@@ -19,6 +19,7 @@
 #include "core/geometry.h"
 #include "core/identifiers.h"
 #include "core/map_snapshot.h"
+#include "core/timestamp.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"
 #include "steadymap/v1/query_service.grpc.pb.h"
@@ -60,6 +61,8 @@ struct EventQuery {
   std::vector<ClassId> classes{};      ///< Empty: of any class.
   EventNumber first{};                 ///< From this number on; 0: from the first.
   Revision changed_since{};            ///< That came after it; 0: all.
+  std::optional<Timestamp> start{};    ///< Of frames captured then or later.
+  std::optional<Timestamp> end{};      ///< Of frames captured before; not below `start`.
 };
 
 /// A list, however many pages it took, and the revision of the last one.

@@ -47,6 +47,36 @@ TEST(NumberText, DurationsAndMoments) {
   EXPECT_EQ(MomentText(moment), "2024-05-01T12:00:00.25Z");
 }
 
+TEST(ParseMoment, IsTakenAsTextAndAsSeconds) {
+  const auto nanoseconds = [](const char* text) {
+    return ParseMoment(text).value_or(Timestamp()).nanoseconds();
+  };
+  EXPECT_EQ(nanoseconds("2024-05-01T12:00:00Z"), 1'714'564'800'000'000'000);
+  EXPECT_EQ(nanoseconds("2024-05-01T14:00:00.25+02:00"), 1'714'564'800'250'000'000);
+  EXPECT_EQ(nanoseconds("1714564800"), 1'714'564'800'000'000'000);
+  EXPECT_EQ(nanoseconds("1714564800.123456789"), 1'714'564'800'123'456'789);
+  EXPECT_EQ(nanoseconds("1714564800.1234567899"), 1'714'564'800'123'456'789);
+  EXPECT_TRUE(ParseMoment("0").ok());
+}
+
+TEST(ParseMoment, AnythingElseIsAnError) {
+  for (const char* text : {"",
+                           "now",
+                           "infinite-future",
+                           "2024-05-01",
+                           "2024-13-01T00:00:00Z",
+                           "1969-12-31T23:59:59Z",
+                           "2300-01-01T00:00:00Z",
+                           "-1",
+                           "1e9",
+                           "1.",
+                           ".5",
+                           "1.2.3",
+                           "99999999999999999999"}) {
+    EXPECT_EQ(ParseMoment(text).status().code(), absl::StatusCode::kInvalidArgument) << text;
+  }
+}
+
 TEST(ParseMapArgument, AnIdIsInTheTenantDefault) {
   EXPECT_EQ(ParseMapArgument("kitchen").value(), (MapName{"default", "kitchen"}));
   EXPECT_EQ(ParseMapArgument("tenants/acme/maps/hall-2").value(), (MapName{"acme", "hall-2"}));

@@ -126,6 +126,18 @@ TEST_F(CliTest, ObjectsOfAChangedPlaceAreListedExportedAndDrawnAndSurviveAKill) 
   EXPECT_NE(removed.out.find("removed"), std::string::npos) << removed.out;
   EXPECT_EQ(removed.out.find("created"), std::string::npos) << removed.out;
 
+  const std::string all = Run({"events", "depot"}).out;
+  const std::string last = all.substr(all.rfind('\n', all.size() - 2) + 1);
+  const std::size_t time_place = last.find('-') - 4;  // Of its year, 2021-...
+  const std::string time = last.substr(time_place, last.find('Z') + 1 - time_place);
+  const std::string before = Run({"events", "depot", "--until", time}).out;
+  const std::string after = Run({"events", "depot", "--since", time}).out;
+  EXPECT_TRUE(after.ends_with(last)) << after;
+  EXPECT_EQ(before.find(time), std::string::npos) << before;
+  EXPECT_EQ(before + after, all);
+  ExpectFailure({"events", "depot", "--since", time, "--until", "2000-01-01T00:00:00Z"},
+                "end_time");
+
   const auto export_size = [this](const std::string& file, const std::string& object) {
     std::vector<std::string> command = {
         "export", "depot", "--format", "vdb", "--output", PathOf(file)};
