@@ -34,7 +34,7 @@ from steadymap.mesh import Mesh
 from steadymap.objects import Belief, Cuboid, Event, EventReason, EventType, Object, ObjectStanding
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
-from steadymap.upload_queue import RefusedFrame, UploadProgress
+from steadymap.upload_queue import LostFrames, RefusedFrame, UploadProgress
 from steadymap.volumes import Leaf, LeafVoxels, Section, unpack_leaves
 from steadymap.watch import Watch, WatchKind, WatchOptions, WatchStart
 from steadymap.watch_items import Created, Delta, Events, Progress, Resync, Snapshot, WatchItem
@@ -61,6 +61,7 @@ __all__ = [
     "Leaf",
     "LeafVoxels",
     "Listing",
+    "LostFrames",
     "Map",
     "MapCondition",
     "MapOptions",

@@ -1,5 +1,6 @@
 """The service, seen from a program."""
 
+import dataclasses
 import os
 from pathlib import Path
 from typing import Any, AsyncIterator, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
@@ -179,8 +180,11 @@ class Client:
         """Uploads frames and waits until all have reached `options.wait_for` or were refused.
 
         Broken connections and restarted servers are outlasted. A refused frame is no error of the
-        upload: look at `refused` of the summary.
+        upload: look at `refused` of the summary. Frames of a sequence, such as a list, that the
+        service lost after it had acknowledged them are sent again.
         """
+        if isinstance(frames, Sequence) and options.read_again is None:
+            options = dataclasses.replace(options, read_again=frames.__getitem__)
         with self.uploader(map_name, options) as uploader:
             for frame in frames:
                 uploader.push(frame)
