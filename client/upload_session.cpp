@@ -1,8 +1,11 @@
 #include "client/upload_session.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/time/time.h>
@@ -234,14 +237,18 @@ void FrameUploader::Session::ReadResponses(Stream* stream) {
   while (stream->Read(&response)) {
     UploadProgress progress;
     std::optional<LostFrames> lost;
+    std::vector<RefusedUpload> refused;
     {
       const absl::MutexLock lock(&mutex_);
+      const auto known = static_cast<std::ptrdiff_t>(queue_.refused().size());
       const absl::Status status = Take(response, &lost);
+      refused.assign(queue_.refused().begin() + known, queue_.refused().end());
       if (!status.ok()) FailStream(status);
       progress = queue_.progress();
       progress.reconnections = reconnections_;
     }
     if (options_.on_lost && lost) options_.on_lost(*lost);
+    if (options_.on_refused) std::for_each(refused.begin(), refused.end(), options_.on_refused);
     if (options_.on_progress && response.has_ack()) options_.on_progress(progress);
   }
   const absl::MutexLock lock(&mutex_);

@@ -57,6 +57,10 @@ struct UploaderOptions {
   /// not call the uploader.
   std::function<void(const UploadProgress&)> on_progress;
 
+  /// Called likewise for each frame that the server refused, before `on_progress` counts it; of
+  /// very many for the first 1000.
+  std::function<void(const RefusedUpload&)> on_refused;
+
   /// Reads a frame once more, the k-th that was pushed for k = 1, 2, ...: for those whose frames
   /// come from a recording. If the server has lost frames that it had acknowledged, they are read
   /// and sent again, in their order and before those behind. Called from a thread of the uploader,

@@ -82,7 +82,10 @@ UploaderOptions OptionsOfUploader(const UploadRunOptions& options,
   uploader.session = options.session;
   uploader.backoff.give_up_after = RetryTime(options.retry_for_s);
   uploader.on_progress = [report](const UploadProgress& progress) {
-    report->Update(progress.integrated + progress.refused, progress.durable + progress.refused);
+    report->Update(progress.integrated, progress.durable + progress.refused, progress.refused);
+  };
+  uploader.on_refused = [report](const RefusedUpload& refused) {
+    report->NameRefusal(ReasonOf(refused.status));
   };
   uploader.on_retry = [report](const absl::Status& status, std::chrono::milliseconds delay) {
     report->Note("the upload broke off (" + std::string(status.message()) + "); trying again in " +

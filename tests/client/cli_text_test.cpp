@@ -212,6 +212,29 @@ TEST_F(OutputFileTest, WhatCannotBeWrittenIsAnErrorWithThePath) {
   }
 }
 
+TEST(ProgressReport, CountsRefusedFramesApartAndNamesTheirReasons) {
+  std::ostringstream out;
+  double now_s = 0.0;
+  ProgressReport report(&out, false, "integrated", 3, [&] { return now_s; });
+  now_s = 2.0;
+  report.NameRefusal("NON_FINITE_POSE");
+  report.NameRefusal("LABEL_OUT_OF_RANGE");
+  report.NameRefusal("NON_FINITE_POSE");
+  report.Update(1, 3, 2);
+  EXPECT_EQ(out.str(),
+            "1/3 frames integrated, 2 refused (LABEL_OUT_OF_RANGE, NON_FINITE_POSE), "
+            "0.5 frames/s\n");
+}
+
+TEST(ProgressReport, DrawsTheBarToItsEndWhereTheLastFramesAreRefused) {
+  std::ostringstream out;
+  ProgressReport report(&out, true, "integrated", 10, [] { return 0.0; });
+  report.Update(8, 10, 2);
+  const std::string text = out.str();
+  EXPECT_NE(text.find("#] 8/10 frames integrated, 2 refused, -"), std::string::npos) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '#'), 30);
+}
+
 TEST(ProgressReport, WritesALineEveryTenthOfTheWay) {
   std::ostringstream out;
   double now_s = 100.0;

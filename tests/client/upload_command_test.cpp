@@ -245,6 +245,9 @@ TEST_F(RefusingServerTest, RefusedFramesFailTheCommandButNotTheUpload) {
       Run({"simulate", "demo", "--policy", "static", "--route", "twin", "--stride", "40"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.out.find(" 1 refused"), std::string::npos);
+  EXPECT_NE(outcome.err.find(" frames integrated, 1 refused (LABEL_OUT_OF_RANGE), "),
+            std::string::npos)
+      << outcome.err;
   EXPECT_NE(outcome.err.find("the first was frame 2: label 99 [LABEL_OUT_OF_RANGE, "
                              "frames[1].labels]"),
             std::string::npos)
