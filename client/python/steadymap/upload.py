@@ -172,7 +172,8 @@ class Uploader:
             if error is None or not is_worth_retrying(error):
                 return error
             # Who was let in may have had nothing to upload for hours.
-            took_s = 0.0 if self._stream.opened else time.monotonic() - start_s
+            counts = not self._stream.opened and self._options.sleep is None
+            took_s = time.monotonic() - start_s if counts else 0.0
             delay_s = backoff.next_delay_s(
                 was_answered=self._stream.closed or is_server_answer(error),
                 asked_s=error.retry_delay_s or 0.0,
@@ -189,8 +190,11 @@ class Uploader:
         """Returns whether to try again."""
         if self._options.on_retry is not None:
             self._options.on_retry(error, delay_s)
+        if self._options.sleep is not None:
+            self._options.sleep(delay_s)
         with self._changed:
-            self._changed.wait_for(lambda: self._cancelled, delay_s)
+            if self._options.sleep is None:
+                self._changed.wait_for(lambda: self._cancelled, delay_s)
             self._reconnections += 1
             return not self._cancelled
 

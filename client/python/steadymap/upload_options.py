@@ -42,6 +42,8 @@ class UploadOptions:
         open_timeout_s: a server that does not answer the opening for so long counts as unavailable.
         backoff: waits between reconnections.
         seed: of the jitter. None: from the system.
+        sleep: replaces the waiting between reconnections, and the clock: tries then take no time. For
+            tests. None: really waits.
         on_progress: called after each acknowledgement, from the uploader's thread; it must not call
             the uploader.
         read_again: gives a frame once more, by its index among those that were pushed: for frames of
@@ -67,6 +69,7 @@ class UploadOptions:
     open_timeout_s: float = 20.0
     backoff: BackoffOptions = BackoffOptions()
     seed: Optional[int] = None
+    sleep: Optional[Callable[[float], object]] = None
     on_progress: Optional[Callable[[UploadProgress], None]] = None
     read_again: Optional[Callable[[int], Frame]] = None
     on_lost: Optional[Callable[[LostFrames], None]] = None
