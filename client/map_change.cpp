@@ -95,7 +95,7 @@ absl::StatusOr<v1::Map> ChangeMap(const ChannelOpener& open_channel,
   }
   for (int reads = 1;; ++reads) {
     const absl::StatusOr<v1::Map> present = MapClient(open_channel()).GetMap(name);
-    if (!present.ok()) return present;
+    if (!present.ok()) return present.status();
     absl::StatusOr<v1::Map> changed =
         SendUntilAnswered(open_channel, RequestFor(change, *present), options);
     const bool is_outdated = ReasonOf(changed.status()) == reason::kEtagMismatch;

@@ -5,6 +5,8 @@
 #include <map>
 #include <string>
 
+#include <absl/strings/str_join.h>
+
 #include "client/cli/enumerator_text.h"
 #include "client/cli/number_text.h"
 
@@ -37,11 +39,7 @@ std::map<std::string, std::string> LabelsOf(const v1::Map& map) {
 }
 
 std::string LabelsText(const v1::Map& map) {
-  std::string text;
-  for (const auto& [key, value] : LabelsOf(map)) {
-    text += (text.empty() ? "" : ", ") + key + "=" + value;
-  }
-  return text;
+  return absl::StrJoin(LabelsOf(map), ", ", absl::PairFormatter("="));
 }
 
 std::string ConditionWord(const v1::MapState& state) {

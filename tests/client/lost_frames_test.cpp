@@ -58,7 +58,7 @@ class LostFramesTest : public ::testing::Test {
   grpc::Status ComeBackWithTwo(ScriptedStream& stream) {
     reopened_behind_ = stream.ReadOpen().last_durable_client_seq();
     stream.SendOpened(2, 100);
-    const grpc::Status status = AcceptAndNote(stream, &depths_);
+    grpc::Status status = AcceptAndNote(stream, &depths_);
     received_ = stream.received();
     return status;
   }
@@ -201,7 +201,7 @@ TEST(FrameReplay, KnowsWhichFramesWerePushed) {
   for (int i = 0; i < 4; ++i) static_cast<void>(replay.Next());
   EXPECT_EQ(replay.ReadPushed(1)->depth().data().size(), 1U);
   EXPECT_EQ(replay.ReadPushed(2)->depth().data().size(), 3U);
-  for (const std::uint64_t client_seq : {0, 3}) {
+  for (const std::uint64_t client_seq : {0U, 3U}) {
     EXPECT_EQ(replay.ReadPushed(client_seq).status().code(), absl::StatusCode::kOutOfRange);
   }
 }
