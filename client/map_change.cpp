@@ -34,7 +34,7 @@ void AddClasses(const std::vector<v1::SemanticClass>& added, v1::MapConfig* conf
   }
 }
 
-v1::UpdateMapRequest RequestFor(const MapChange& change, const v1::Map& present) {
+v1::UpdateMapRequest ChangeRequest(const MapChange& change, const v1::Map& present) {
   v1::UpdateMapRequest request;
   request.set_request_id(NewRequestId());
   v1::Map& map = *request.mutable_map();
@@ -97,7 +97,7 @@ absl::StatusOr<v1::Map> ChangeMap(const ChannelOpener& open_channel,
     const absl::StatusOr<v1::Map> present = MapClient(open_channel()).GetMap(name);
     if (!present.ok()) return present.status();
     absl::StatusOr<v1::Map> changed =
-        SendUntilAnswered(open_channel, RequestFor(change, *present), options);
+        SendUntilAnswered(open_channel, ChangeRequest(change, *present), options);
     const bool is_outdated = ReasonOf(changed.status()) == reason::kEtagMismatch;
     if (!is_outdated || !change.etag.empty() || reads == kMaxReads) return changed;
   }

@@ -13,12 +13,12 @@
 namespace steadymap {
 namespace {
 
-const MapName kDepot{"default", "depot"};
+const MapName kLabelled{"default", "depot"};
 
 class MapCommandTest : public CliTest {
  protected:
   v1::Map Depot() const {
-    return MapClient(OpenChannel(daemon_.address())).GetMap(kDepot).value_or(v1::Map());
+    return MapClient(OpenChannel(daemon_.address())).GetMap(kLabelled).value_or(v1::Map());
   }
 
   void ExpectSuccess(const std::vector<std::string>& arguments) const {

@@ -19,13 +19,13 @@
 namespace steadymap {
 namespace {
 
-const MapName kHall{"default", "hall"};
+const MapName kRestored{"default", "hall"};
 
 class RestoredUploadTest : public ::testing::Test {
  protected:
   RestoredUploadTest() : source_(SimulatedFrameSource::Open("twin", {.stride = 6}).value()) {}
 
-  void SetUp() override { ASSERT_TRUE(Client().CreateMap(kHall, {}).ok()); }
+  void SetUp() override { ASSERT_TRUE(Client().CreateMap(kRestored, {}).ok()); }
 
   MapClient Client() const { return MapClient(OpenChannel(daemon_.address())); }
 
@@ -83,7 +83,7 @@ TEST_F(RestoredUploadTest, ARecordingIsSentAgainAndTheMapIsAsIfNothingHadHappene
   };
   absl::StatusOr<UploadSummary> summary;
   {
-    FrameUploader uploader(ChannelsTo(daemon_.address()), kHall, options);
+    FrameUploader uploader(ChannelsTo(daemon_.address()), kRestored, options);
     summary = UploadAll(&frames, &uploader);
   }
   ASSERT_TRUE(summary.ok()) << summary.status();
@@ -92,18 +92,18 @@ TEST_F(RestoredUploadTest, ARecordingIsSentAgainAndTheMapIsAsIfNothingHadHappene
   EXPECT_GE(lost_[0].last, frame_count() * 2 / 3);
   EXPECT_EQ(summary->progress.integrated, frame_count());
   EXPECT_EQ(summary->progress.lost, 0U);
-  EXPECT_EQ(Client().GetMap(kHall)->state().integrated_map_seq(), frame_count());
+  EXPECT_EQ(Client().GetMap(kRestored)->state().integrated_map_seq(), frame_count());
 
   const MapName undisturbed{"default", "undisturbed"};
   ASSERT_TRUE(Client().CreateMap(undisturbed, {}).ok());
   const auto again = SimulatedFrameSource::Open("twin", {.stride = 6});
   FrameUploader uploader(ChannelsTo(daemon_.address()), undisturbed, {});
   ASSERT_TRUE(UploadAll(again->get(), &uploader).ok());
-  EXPECT_EQ(Surface(kHall), Surface(undisturbed));
+  EXPECT_EQ(Surface(kRestored), Surface(undisturbed));
 }
 
 TEST_F(RestoredUploadTest, ALiveStreamSaysWhatIsLostAndGoesOnBehindIt) {
-  FrameUploader uploader(ChannelsTo(daemon_.address()), kHall, Options());
+  FrameUploader uploader(ChannelsTo(daemon_.address()), kRestored, Options());
   const absl::StatusOr<UploadSummary> summary = UploadAll(source_.get(), &uploader);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_EQ(stops_, 2);
@@ -112,13 +112,13 @@ TEST_F(RestoredUploadTest, ALiveStreamSaysWhatIsLostAndGoesOnBehindIt) {
   const std::uint64_t lost = lost_[0].last + 1 - lost_[0].first;
   EXPECT_EQ(summary->progress.lost, lost);
   EXPECT_EQ(summary->progress.integrated, frame_count() - lost);
-  EXPECT_EQ(Client().GetMap(kHall)->state().integrated_map_seq(), frame_count() - lost);
+  EXPECT_EQ(Client().GetMap(kRestored)->state().integrated_map_seq(), frame_count() - lost);
 }
 
 TEST_F(RestoredUploadTest, WhoSaysNothingOfLossesHearsOfThem) {
   UploaderOptions options = Options();
   options.on_lost = nullptr;
-  FrameUploader uploader(ChannelsTo(daemon_.address()), kHall, options);
+  FrameUploader uploader(ChannelsTo(daemon_.address()), kRestored, options);
   EXPECT_EQ(UploadAll(source_.get(), &uploader).status().code(), absl::StatusCode::kDataLoss);
 }
 
