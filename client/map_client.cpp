@@ -116,15 +116,18 @@ MapClient::MapClient(const std::shared_ptr<grpc::ChannelInterface>& channel,
 
 absl::StatusOr<v1::Map> MapClient::CreateMap(const MapName& name,
                                              const v1::MapConfig& config,
-                                             std::chrono::milliseconds max_commit_delay) {
+                                             const MapSettings& settings) {
   v1::CreateMapRequest request;
   request.set_parent("tenants/" + name.tenant);
   request.set_map_id(name.map);
-  *request.mutable_map()->mutable_config() = config;
-  if (max_commit_delay.count() > 0) {
-    *request.mutable_map()->mutable_max_commit_delay() =
-        google::protobuf::util::TimeUtil::MillisecondsToDuration(max_commit_delay.count());
+  v1::Map& map = *request.mutable_map();
+  *map.mutable_config() = config;
+  if (settings.max_commit_delay.count() > 0) {
+    *map.mutable_max_commit_delay() =
+        google::protobuf::util::TimeUtil::MillisecondsToDuration(settings.max_commit_delay.count());
   }
+  map.mutable_labels()->insert(settings.labels.begin(), settings.labels.end());
+  if (settings.world_frame) *map.mutable_world_frame() = *settings.world_frame;
   return Call(maps_.get(), &MapStub::CreateMap, request, options_.call_timeout);
 }
 
@@ -146,6 +149,10 @@ absl::StatusOr<std::vector<v1::Map>> MapClient::ListMaps(const std::string& tena
     request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty());
   return maps;
+}
+
+absl::StatusOr<v1::Map> MapClient::UpdateMap(const v1::UpdateMapRequest& request) {
+  return Call(maps_.get(), &MapStub::UpdateMap, request, options_.call_timeout);
 }
 
 absl::Status MapClient::DeleteMap(const MapName& name) {
@@ -225,6 +232,8 @@ absl::StatusOr<MapList<v1::ObjectEvent>> MapClient::ListEvents(const MapName& na
   for (const ClassId class_id : query.classes) request.add_class_ids(class_id.value());
   request.set_first_number(query.first.value());
   request.set_changed_since(query.changed_since.value());
+  if (query.start) *request.mutable_start_time() = ToProto(*query.start);
+  if (query.end) *request.mutable_end_time() = ToProto(*query.end);
   request.set_page_size(kEventsPerPage);
   do {
     auto page = Call(queries_.get(), &QueryStub::ListEvents, request, options_.call_timeout);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,6 +19,7 @@
 #include "core/geometry.h"
 #include "core/identifiers.h"
 #include "core/map_snapshot.h"
+#include "core/timestamp.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"
 #include "steadymap/v1/query_service.grpc.pb.h"
@@ -28,6 +30,13 @@ namespace steadymap {
 struct MapClientOptions {
   std::chrono::milliseconds call_timeout{30'000};     ///< Calls with one answer.
   std::chrono::milliseconds stream_timeout{600'000};  ///< Exports and sections, which stream.
+};
+
+/// What a new map has beside its configuration. All of it can be changed later.
+struct MapSettings {
+  std::chrono::milliseconds max_commit_delay{};  ///< 0: as the server is configured.
+  std::map<std::string, std::string> labels{};   ///< As `v1::Map.labels`.
+  std::optional<v1::WorldFrame> world_frame{};   ///< As `v1::Map.world_frame`.
 };
 
 /// A ray in the world frame.
@@ -52,6 +61,8 @@ struct EventQuery {
   std::vector<ClassId> classes{};      ///< Empty: of any class.
   EventNumber first{};                 ///< From this number on; 0: from the first.
   Revision changed_since{};            ///< That came after it; 0: all.
+  std::optional<Timestamp> start{};    ///< Of frames captured then or later.
+  std::optional<Timestamp> end{};      ///< Of frames captured before; not below `start`.
 };
 
 /// A list, however many pages it took, and the revision of the last one.
@@ -83,16 +94,20 @@ class MapClient {
   explicit MapClient(const std::shared_ptr<grpc::ChannelInterface>& channel,
                      const MapClientOptions& options = {});
 
-  /// Creates a map; what `config` leaves out takes the server's defaults, and so does a
-  /// `max_commit_delay` of 0.
+  /// Creates a map; what `config` leaves out takes the server's defaults.
   absl::StatusOr<v1::Map> CreateMap(const MapName& name,
                                     const v1::MapConfig& config,
-                                    std::chrono::milliseconds max_commit_delay = {});
+                                    const MapSettings& settings = {});
 
   absl::StatusOr<v1::Map> GetMap(const MapName& name);
 
   /// All maps of a tenant in the order of their names, however many pages that takes.
   absl::StatusOr<std::vector<v1::Map>> ListMaps(const std::string& tenant);
+
+  /// Changes the fields of a map that the paths in `request.update_mask` name; `ChangeMap` in
+  /// client/map_change.h says the same in terms of labels and classes. Errors: `Aborted` with
+  /// reason `ETAG_MISMATCH` where `request.map.etag` is not the map's present one.
+  absl::StatusOr<v1::Map> UpdateMap(const v1::UpdateMapRequest& request);
 
   absl::Status DeleteMap(const MapName& name);
 

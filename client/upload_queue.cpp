@@ -65,9 +65,12 @@ void OutgoingBatch::ReleaseFrames() {
   while (!frames.empty()) frames.UnsafeArenaReleaseLast();
 }
 
-UploadQueue::UploadQueue(std::size_t max_batch_bytes, std::size_t max_batch_frames)
+UploadQueue::UploadQueue(std::size_t max_batch_bytes,
+                         std::size_t max_batch_frames,
+                         LossRecovery recovery)
     : max_batch_bytes_(max_batch_bytes),
-      max_batch_frames_(std::max<std::size_t>(max_batch_frames, 1)) {}
+      max_batch_frames_(std::max<std::size_t>(max_batch_frames, 1)),
+      recovery_(recovery) {}
 
 void UploadQueue::Push(v1::Frame frame) {
   ++last_pushed_;
@@ -77,9 +80,17 @@ void UploadQueue::Push(v1::Frame frame) {
   buffered_bytes_ += bytes;
 }
 
-absl::Status UploadQueue::Open(const v1::UploadOpened& opened) {
+absl::StatusOr<std::optional<LostFrames>> UploadQueue::Open(const v1::UploadOpened& opened) {
   const std::uint64_t resume = opened.resume_client_seq();
-  if (resume < durable_) {
+  std::optional<LostFrames> lost;
+  if (resume >= durable_) {
+    Settle(resume);
+  } else if (recovery_ == LossRecovery::kSendAgain) {
+    lost = LostFrames{resume + 1, durable_};
+    MissAgain(resume);
+  } else if (recovery_ == LossRecovery::kGoOn) {
+    lost = GiveUp(resume);
+  } else {
     return MakeError(absl::StatusCode::kDataLoss,
                      {},
                      absl::StrCat("the server acknowledged frames up to ",
@@ -87,13 +98,74 @@ absl::Status UploadQueue::Open(const v1::UploadOpened& opened) {
                                   " of this session as durable, but now knows only ",
                                   resume));
   }
-  Settle(resume);
   next_to_send_ = durable_ + 1;
   credit_bytes_ = opened.credit().bytes();
   credit_frames_ = opened.credit().frames();
   max_message_bytes_ =
       opened.max_message_bytes() > 0 ? opened.max_message_bytes() : kUnlimitedBytes;
-  return absl::OkStatus();
+  return lost;
+}
+
+// What is lost is pending again, to be read when it is sent.
+void UploadQueue::MissAgain(std::uint64_t resume_client_seq) {
+  const std::uint64_t last_missing = std::min(durable_, last_pushed_);
+  if (last_missing > resume_client_seq) {
+    pending_.insert(pending_.begin(), last_missing - resume_client_seq, PendingFrame());
+  }
+  durable_ = resume_client_seq;
+  SetBackIntegrated(resume_client_seq);
+}
+
+void UploadQueue::SetBackIntegrated(std::uint64_t client_seq) {
+  const std::uint64_t last_known = std::min<std::uint64_t>(integrated_, was_refused_.size());
+  for (std::uint64_t sequence = client_seq + 1; sequence <= last_known; ++sequence) {
+    if (!was_refused_[sequence - 1]) continue;
+    refused_ahead_.insert(sequence);
+    --refused_behind_;
+  }
+  integrated_ = std::min(integrated_, client_seq);
+}
+
+// Goes on behind what was durable. None if all of it was given up already.
+std::optional<LostFrames> UploadQueue::GiveUp(std::uint64_t resume_client_seq) {
+  const LostFrames lost{resume_client_seq + 1, durable_};
+  if (!given_up_.empty() && given_up_.back().frames == lost) return std::nullopt;
+  SetBackIntegrated(resume_client_seq);
+  while (!given_up_.empty() && given_up_.back().frames.first >= lost.first) given_up_.pop_back();
+  GivenUp given_up{lost, std::min(lost.last, last_pushed_) + 1 - lost.first};
+  for (std::uint64_t i = lost.first; i <= std::min<std::uint64_t>(lost.last, was_refused_.size());
+       ++i) {
+    if (was_refused_[i - 1]) --given_up.count;
+  }
+  given_up_.push_back(given_up);
+  return lost;
+}
+
+std::vector<LostFrames> UploadQueue::lost() const {
+  std::vector<LostFrames> lost;
+  lost.reserve(given_up_.size());
+  for (const GivenUp& given_up : given_up_) lost.push_back(given_up.frames);
+  return lost;
+}
+
+std::optional<std::uint64_t> UploadQueue::FrameToReadAgain() const {
+  const std::uint64_t most = std::min(credit_frames_, std::uint64_t{max_batch_frames_});
+  const std::uint64_t end = std::min(next_to_send_ + most, last_pushed_ + 1);
+  std::uint64_t bytes = 0;
+  for (std::uint64_t sequence = next_to_send_; sequence < end; ++sequence) {
+    const PendingFrame& pending = PendingAt(sequence);
+    if (pending.frame == nullptr) return sequence;
+    bytes += pending.bytes;
+    if (bytes >= max_batch_bytes_) break;
+  }
+  return std::nullopt;
+}
+
+void UploadQueue::FillIn(std::uint64_t client_seq, v1::Frame frame) {
+  PendingFrame& pending = pending_[client_seq - durable_ - 1];
+  pending.bytes = frame.ByteSizeLong();
+  pending.frame = std::make_shared<v1::Frame>(std::move(frame));
+  buffered_bytes_ += pending.bytes;
 }
 
 void UploadQueue::Grant(const v1::UploadCredit& credit) {
@@ -128,6 +200,11 @@ void UploadQueue::Settle(std::uint64_t durable_client_seq) {
 }
 
 void UploadQueue::NoteIntegrated(std::uint64_t integrated_client_seq) {
+  // What is lost need not be waited for.
+  for (const GivenUp& given_up : given_up_) {
+    if (integrated_client_seq + 1 < given_up.frames.first) break;
+    integrated_client_seq = std::max(integrated_client_seq, given_up.frames.last);
+  }
   integrated_ = std::max(integrated_, integrated_client_seq);
   while (!refused_ahead_.empty() && *refused_ahead_.begin() <= integrated_) {
     refused_ahead_.erase(refused_ahead_.begin());
@@ -139,13 +216,15 @@ void UploadQueue::NoteRefused(const v1::RefusedFrame& refused) {
   // Reported again after a reconnection, or a number that we never gave.
   if (refused.client_seq() <= integrated_ || refused.client_seq() >= next_to_send_) return;
   if (!refused_ahead_.insert(refused.client_seq()).second) return;
+  if (was_refused_.size() < refused.client_seq()) was_refused_.resize(refused.client_seq());
+  was_refused_[refused.client_seq() - 1] = true;
   if (refused_.size() < kMaxKeptRefusals) {
     refused_.push_back({refused.client_seq(), FromProto(refused.status())});
   }
 }
 
 bool UploadQueue::CanTakeBatch() const {
-  if (all_sent()) return false;
+  if (all_sent() || PendingAt(next_to_send_).frame == nullptr) return false;
   const std::uint64_t bytes =
       EmptyBatchBytes(next_to_send_) + BytesInBatch(PendingAt(next_to_send_).bytes);
   return (credit_frames_ > 0 && bytes <= credit_bytes_) ||
@@ -189,7 +268,7 @@ std::size_t UploadQueue::ChooseFrameCount(std::uint64_t* batch_bytes) const {
       std::min({available, credit_frames_, std::uint64_t{max_batch_frames_}});
   std::uint64_t bytes = EmptyBatchBytes(next_to_send_);
   std::size_t count = 0;
-  while (count == 0 || count < most_frames) {
+  while (count == 0 || (count < most_frames && PendingAt(next_to_send_ + count).frame != nullptr)) {
     const std::uint64_t grown = bytes + BytesInBatch(PendingAt(next_to_send_ + count).bytes);
     if (grown + kEnvelopeBytes > max_message_bytes_) break;
     if (count > 0 && (grown > max_batch_bytes_ || grown > credit_bytes_)) break;
@@ -211,6 +290,11 @@ UploadProgress UploadQueue::progress() const {
   progress.pushed = last_pushed_;
   progress.durable = std::min(durable_, last_pushed_) - refused_behind_ - refused_durable;
   progress.integrated = std::min(integrated_, last_pushed_) - refused_behind_;
+  for (const GivenUp& given_up : given_up_) {
+    progress.lost += given_up.count;
+    progress.durable -= given_up.count;
+    if (given_up.frames.last <= integrated_) progress.integrated -= given_up.count;
+  }
   progress.refused = refused_behind_ + refused_ahead_.size();
   return progress;
 }

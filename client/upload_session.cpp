@@ -1,8 +1,11 @@
 #include "client/upload_session.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 #include <absl/time/time.h>
@@ -30,6 +33,11 @@ UploaderOptions Complete(UploaderOptions options) {
   return options;
 }
 
+LossRecovery RecoveryOf(const UploaderOptions& options) {
+  if (options.read_again) return LossRecovery::kSendAgain;
+  return options.on_lost ? LossRecovery::kGoOn : LossRecovery::kNone;
+}
+
 // How far the upload has come, to see whether a stream achieved anything.
 std::uint64_t Advance(const UploadProgress& progress) {
   return progress.durable + progress.integrated + progress.refused;
@@ -43,7 +51,7 @@ FrameUploader::Session::Session(ChannelOpener open_channel,
     : map_(map.ToString()),
       options_(Complete(std::move(options))),
       open_channel_(std::move(open_channel)),
-      queue_(options_.max_batch_bytes, options_.max_batch_frames),
+      queue_(options_.max_batch_bytes, options_.max_batch_frames, RecoveryOf(options_)),
       thread_([this] { Run(); }) {}
 
 FrameUploader::Session::~Session() {
@@ -69,7 +77,7 @@ absl::StatusOr<UploadSummary> FrameUploader::Session::Finish() {
   finishing_ = true;
   mutex_.Await(absl::Condition(&done_));
   if (!result_.ok()) return result_;
-  UploadSummary summary{queue_.progress(), queue_.refused()};
+  UploadSummary summary{queue_.progress(), queue_.refused(), queue_.lost()};
   summary.progress.reconnections = reconnections_;
   return summary;
 }
@@ -183,10 +191,19 @@ bool FrameUploader::Session::AwaitOpened() {
 void FrameUploader::Session::WriteBatches(Stream* stream) {
   for (;;) {
     std::optional<OutgoingBatch> batch;
+    std::optional<std::uint64_t> missing;
     {
       const absl::MutexLock lock(&mutex_);
       mutex_.Await(absl::Condition(this, &Session::WriterHasWork));
       if (stream_.ended || cancelled_) return;
+      missing = queue_.FrameToReadAgain();
+    }
+    if (missing) {
+      if (!ReadAgain(*missing)) return;
+      continue;
+    }
+    {
+      const absl::MutexLock lock(&mutex_);
       absl::StatusOr<std::optional<OutgoingBatch>> next = queue_.TakeBatch();
       if (!next.ok()) return FailStream(next.status());
       if (next->has_value()) batch.emplace(std::move(**next));
@@ -197,29 +214,55 @@ void FrameUploader::Session::WriteBatches(Stream* stream) {
   stream->WritesDone();
 }
 
+// Returns whether the stream can go on.
+bool FrameUploader::Session::ReadAgain(std::uint64_t client_seq) {
+  absl::StatusOr<v1::Frame> frame = options_.read_again(client_seq);
+  const absl::MutexLock lock(&mutex_);
+  if (frame.ok()) {
+    queue_.FillIn(client_seq, *std::move(frame));
+    return true;
+  }
+  FailStream(MakeError(absl::StatusCode::kDataLoss,
+                       {},
+                       absl::StrCat("the server lost frame ",
+                                    client_seq,
+                                    ", which it had acknowledged as durable, and it could not be "
+                                    "read again: ",
+                                    frame.status().message())));
+  return false;
+}
+
 void FrameUploader::Session::ReadResponses(Stream* stream) {
   v1::UploadFramesResponse response;
   while (stream->Read(&response)) {
     UploadProgress progress;
+    std::optional<LostFrames> lost;
+    std::vector<RefusedUpload> refused;
     {
       const absl::MutexLock lock(&mutex_);
-      const absl::Status status = Take(response);
+      const auto known = static_cast<std::ptrdiff_t>(queue_.refused().size());
+      const absl::Status status = Take(response, &lost);
+      refused.assign(queue_.refused().begin() + known, queue_.refused().end());
       if (!status.ok()) FailStream(status);
       progress = queue_.progress();
       progress.reconnections = reconnections_;
     }
+    if (options_.on_lost && lost) options_.on_lost(*lost);
+    if (options_.on_refused) std::for_each(refused.begin(), refused.end(), options_.on_refused);
     if (options_.on_progress && response.has_ack()) options_.on_progress(progress);
   }
   const absl::MutexLock lock(&mutex_);
   stream_.ended = true;
 }
 
-absl::Status FrameUploader::Session::Take(const v1::UploadFramesResponse& response) {
+absl::Status FrameUploader::Session::Take(const v1::UploadFramesResponse& response,
+                                          std::optional<LostFrames>* lost) {
   switch (response.kind_case()) {
     case v1::UploadFramesResponse::kOpened: {
-      absl::Status status = queue_.Open(response.opened());
-      stream_.opened = status.ok();
-      return status;
+      absl::StatusOr<std::optional<LostFrames>> opened = queue_.Open(response.opened());
+      stream_.opened = opened.ok();
+      if (opened.ok()) *lost = *opened;
+      return opened.status();
     }
     case v1::UploadFramesResponse::kAck:
       return queue_.Acknowledge(response.ack());
@@ -287,7 +330,8 @@ bool FrameUploader::Session::HasRoom() const {
 }
 
 bool FrameUploader::Session::WriterHasWork() const {
-  return stream_.ended || cancelled_ || queue_.CanTakeBatch() || (finishing_ && queue_.all_sent());
+  return stream_.ended || cancelled_ || queue_.CanTakeBatch() || queue_.FrameToReadAgain() ||
+         (finishing_ && queue_.all_sent());
 }
 
 bool FrameUploader::Session::OpeningIsOver() const {

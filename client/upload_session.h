@@ -1,7 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -61,7 +63,9 @@ class FrameUploader::Session {
   bool AwaitOpened() ABSL_LOCKS_EXCLUDED(mutex_);
   void WriteBatches(Stream* stream) ABSL_LOCKS_EXCLUDED(mutex_);
   void ReadResponses(Stream* stream) ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::Status Take(const v1::UploadFramesResponse& response) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool ReadAgain(std::uint64_t client_seq) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status Take(const v1::UploadFramesResponse& response, std::optional<LostFrames>* lost)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status ConfirmIntegration(const std::shared_ptr<grpc::ChannelInterface>& channel)
       ABSL_LOCKS_EXCLUDED(mutex_);
   std::uint64_t AskForRevision(const std::shared_ptr<grpc::ChannelInterface>& channel) const;

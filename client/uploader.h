@@ -57,6 +57,23 @@ struct UploaderOptions {
   /// not call the uploader.
   std::function<void(const UploadProgress&)> on_progress;
 
+  /// Called likewise for each frame that the server refused, before `on_progress` counts it; of
+  /// very many for the first 1000.
+  std::function<void(const RefusedUpload&)> on_refused;
+
+  /// Reads a frame once more, the k-th that was pushed for k = 1, 2, ...: for those whose frames
+  /// come from a recording. If the server has lost frames that it had acknowledged, they are read
+  /// and sent again, in their order and before those behind. Called from a thread of the uploader,
+  /// one call at a time; it must not call the uploader. An error ends the upload. Empty: they are
+  /// gone.
+  std::function<absl::StatusOr<v1::Frame>(std::uint64_t client_seq)> read_again;
+
+  /// Called from a thread of the uploader when the server turns out to have lost frames that it had
+  /// acknowledged; it must not call the uploader. Without `read_again` and with this, as a robot
+  /// that uploads what it sees has it, the upload goes on behind them and counts them as lost.
+  /// Without both it ends with `DataLoss`.
+  std::function<void(const LostFrames&)> on_lost;
+
   /// Called before each wait for a reconnection, likewise, with what went wrong.
   std::function<void(const absl::Status&, std::chrono::milliseconds delay)> on_retry;
 };
@@ -65,6 +82,7 @@ struct UploaderOptions {
 struct UploadSummary {
   UploadProgress progress;             ///< At the end.
   std::vector<RefusedUpload> refused;  ///< In the order of their sequences.
+  std::vector<LostFrames> lost;        ///< Were not sent again; by rising sequences.
 };
 
 /// Uploads frames of one robot to one map over `UploadFrames`.
@@ -74,8 +92,8 @@ struct UploadSummary {
 /// with backoff; after it, only frames that are not durable are sent again, and the server counts
 /// each once. What will not heal ends the upload at once: INVALID_ARGUMENT, NOT_FOUND,
 /// PERMISSION_DENIED, UNAUTHENTICATED, FAILED_PRECONDITION, UNIMPLEMENTED, UPLOAD_SUPERSEDED
-/// (another session of the same robot took over), MESSAGE_TOO_LARGE, and a server that no longer
-/// has what it had acknowledged as durable (`DataLoss`).
+/// (another session of the same robot took over), MESSAGE_TOO_LARGE, and, unless the options say
+/// what to do then, a server that no longer has what it had acknowledged as durable (`DataLoss`).
 ///
 /// Runs two threads: one writes, one reads. All functions are thread-safe, but pushes from several
 /// threads are numbered in an arbitrary order.

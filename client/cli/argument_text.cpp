@@ -2,11 +2,20 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 
+#include <absl/time/time.h>
+
 namespace steadymap {
 namespace {
+
+constexpr std::size_t kNanosecondDigits = 9;
+
+// What nanoseconds in 64 bits hold ends in 2262.
+const absl::Time kFirstMoment = absl::UnixEpoch();
+const absl::Time kLastMoment = absl::FromUnixSeconds(9'214'646'400);
 
 // Exactly `count` finite numbers separated by commas, or none.
 std::optional<std::vector<double>> ParseNumbers(std::string_view text, std::size_t count) {
@@ -25,6 +34,27 @@ std::optional<std::vector<double>> ParseNumbers(std::string_view text, std::size
   }
   if (place != end) return std::nullopt;
   return numbers;
+}
+
+// Seconds since 1970 in plain decimals as RFC 3339 text would give them; none for any other text.
+std::optional<absl::Time> ParseSeconds(std::string_view text) {
+  const std::size_t point = text.find('.');
+  const std::string_view whole = text.substr(0, point);
+  std::string fraction(point == std::string_view::npos ? "" : text.substr(point + 1));
+  const auto is_number = [](std::string_view digits) {
+    return !digits.empty() && digits.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  if (!is_number(whole) || (point != std::string_view::npos && !is_number(fraction))) {
+    return std::nullopt;
+  }
+  fraction.resize(kNanosecondDigits, '0');
+  std::int64_t seconds = 0;
+  std::int64_t nanoseconds = 0;
+  if (std::from_chars(whole.data(), whole.data() + whole.size(), seconds).ec != std::errc()) {
+    return std::nullopt;
+  }
+  std::from_chars(fraction.data(), fraction.data() + fraction.size(), nanoseconds);
+  return absl::FromUnixSeconds(seconds) + absl::Nanoseconds(nanoseconds);
 }
 
 absl::Status Expected(const char* what, std::string_view found) {
@@ -56,6 +86,32 @@ absl::StatusOr<Box> ParseBox(std::string_view text) {
                 Eigen::Vector3d((*numbers)[3], (*numbers)[4], (*numbers)[5]));
   if (box.isEmpty()) return Expected("a box whose first corner is the lowest", text);
   return box;
+}
+
+absl::StatusOr<Timestamp> ParseMoment(std::string_view text) {
+  std::optional<absl::Time> moment = ParseSeconds(text);
+  absl::Time parsed;
+  std::string ignored;
+  if (!moment && absl::ParseTime(absl::RFC3339_full, std::string(text), &parsed, &ignored)) {
+    moment = parsed;
+  }
+  if (!moment || *moment < kFirstMoment || *moment >= kLastMoment) {
+    return Expected("a moment such as 2024-05-01T12:00:00Z, or seconds since 1970", text);
+  }
+  return Timestamp::FromNanoseconds(absl::ToUnixNanos(*moment));
+}
+
+absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
+    const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> labels;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) return Expected("a label KEY=VALUE", text);
+    if (!labels.emplace(text.substr(0, equals), text.substr(equals + 1)).second) {
+      return Expected("each label once", text);
+    }
+  }
+  return labels;
 }
 
 absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -9,6 +11,7 @@
 
 #include "core/geometry.h"
 #include "core/identifiers.h"
+#include "core/timestamp.h"
 
 /// Arguments of the command line that CLI11 does not know. All errors are `InvalidArgument` and say
 /// what was expected and what was found.
@@ -22,6 +25,15 @@ absl::StatusOr<Eigen::Vector3d> ParsePoint(std::string_view text);
 
 /// A box `x0,y0,z0,x1,y1,z1` from its lowest to its highest corner, world frame, metres, finite.
 absl::StatusOr<Box> ParseBox(std::string_view text);
+
+/// A moment, `2024-05-01T12:00:00.25Z` (RFC 3339, any offset) or seconds since 1970,
+/// `1714564800.25`, to a nanosecond; not before 1970 nor after 2261.
+absl::StatusOr<Timestamp> ParseMoment(std::string_view text);
+
+/// Labels of a map, `key=value` each, no key twice. The value may be empty and may hold more `=`;
+/// what keys and values a map can have, the server says.
+absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
+    const std::vector<std::string>& texts);
 
 /// A camera `fx,fy,cx,cy`, pixels, finite.
 absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text);

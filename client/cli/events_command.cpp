@@ -8,12 +8,12 @@
 #include "client/cli/argument_text.h"
 #include "client/cli/enumerator_text.h"
 #include "client/cli/object_text.h"
-#include "client/map_client.h"
 
 namespace steadymap {
 namespace {
 
 constexpr char kEventsFooter[] =
+    "A TIME is a moment as the listing prints it, 2024-05-01T12:00:00Z, or seconds since 1970.\n\n"
     "JSON: {\"revision\", \"events\": [{\"number\", \"type\", \"reason\", \"object\", \"class\", "
     "\"class_name\",\n"
     "\"time\" (capture time), \"revision\", \"center\" [x, y, z]; for moves also \"old_center\",\n"
@@ -51,13 +51,15 @@ EventsCommand::EventsCommand(CLI::App* app, CommandContext* context) : context_(
   command->add_option("--changed-since", changed_since_, "Only events after this revision")
       ->check(CLI::NonNegativeNumber)
       ->type_name("REVISION");
+  command->add_option("--since", since_, "Only events of frames captured then or later")
+      ->type_name("TIME");
+  command->add_option("--until", until_, "Only events of frames captured before")
+      ->type_name("TIME");
   command->add_flag("--json", as_json_, "Print JSON");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
 
-absl::Status EventsCommand::Run() const {
-  const absl::StatusOr<MapName> name = ParseMapArgument(map_);
-  if (!name.ok()) return name.status();
+absl::StatusOr<EventQuery> EventsCommand::ReadQuery() const {
   EventQuery query;
   query.changed_since = Revision(changed_since_);
   query.objects.reserve(objects_.size());
@@ -67,14 +69,29 @@ absl::Status EventsCommand::Run() const {
     if (!type.ok()) return type.status();
     query.types.push_back(*type);
   }
+  for (const auto& [text, bound] :
+       {std::pair(&since_, &query.start), std::pair(&until_, &query.end)}) {
+    if (!text->has_value()) continue;
+    const absl::StatusOr<Timestamp> moment = ParseMoment(**text);
+    if (!moment.ok()) return moment.status();
+    *bound = *moment;
+  }
+  return query;
+}
+
+absl::Status EventsCommand::Run() const {
+  const absl::StatusOr<MapName> name = ParseMapArgument(map_);
+  if (!name.ok()) return name.status();
+  absl::StatusOr<EventQuery> query = ReadQuery();
+  if (!query.ok()) return query.status();
   MapClient client(context_->Channel());
   const absl::StatusOr<v1::Map> map = client.GetMap(*name);
   if (!map.ok()) return map.status();
   const ClassNames names(map->config());
   absl::StatusOr<std::vector<ClassId>> classes = names.ParseAll(classes_);
   if (!classes.ok()) return classes.status();
-  query.classes = *std::move(classes);
-  const absl::StatusOr<MapList<v1::ObjectEvent>> events = client.ListEvents(*name, query);
+  query->classes = *std::move(classes);
+  const absl::StatusOr<MapList<v1::ObjectEvent>> events = client.ListEvents(*name, *query);
   if (!events.ok()) return events.status();
   if (as_json_) {
     context_->out << ListJson(*events, "events", names, WriteEventJson);

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include "client/cli/command_context.h"
+#include "client/map_client.h"
 
 namespace steadymap {
 
@@ -17,6 +20,7 @@ class EventsCommand {
 
  private:
   absl::Status Run() const;
+  absl::StatusOr<EventQuery> ReadQuery() const;
 
   CommandContext* context_;
   std::string map_;
@@ -24,6 +28,8 @@ class EventsCommand {
   std::vector<std::string> classes_;
   std::vector<std::uint64_t> objects_;
   std::uint64_t changed_since_ = 0;
+  std::optional<std::string> since_;  ///< As `ParseMoment` reads it.
+  std::optional<std::string> until_;  ///< Likewise.
   bool as_json_ = false;
 };
 

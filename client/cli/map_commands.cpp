@@ -1,5 +1,8 @@
 #include "client/cli/map_commands.h"
 
+#include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,11 +20,12 @@ constexpr char kNameHelp[] = "Id of the map in the tenant `default`, or tenants/
 }  // namespace
 
 MapCommands::MapCommands(CLI::App* app, CommandContext* context) : context_(context) {
-  CLI::App* const map = app->add_subcommand("map", "Create, list, show and delete maps");
+  CLI::App* const map = app->add_subcommand("map", "Create, list, show, change and delete maps");
   map->require_subcommand(1);
   AddCreate(map);
   AddList(map);
   AddGet(map);
+  update_.emplace(map, context);
   AddDelete(map);
 }
 
@@ -37,6 +41,14 @@ void MapCommands::AddCreate(CLI::App* map) {
                    "server's own, 200 unless told, without it")
       ->type_name("MS")
       ->check(CLI::Range(1, 60'000));
+  command->add_option("--label", labels_, "Give the map a label; may be given several times")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command
+      ->add_option("--world-frame",
+                   world_description_,
+                   "Where the map's origin is and where x points, in words")
+      ->type_name("TEXT");
   command->add_flag("--json", as_json_, "Print the map as JSON");
   command->callback([this] { context_->action = [this] { return Create(); }; });
 }
@@ -67,9 +79,15 @@ absl::Status MapCommands::Create() const {
   if (!name.ok()) return name.status();
   const absl::StatusOr<MapConfig> config = ConfigOf(map_options_);
   if (!config.ok()) return config.status();
+  absl::StatusOr<std::map<std::string, std::string>> labels = ParseLabels(labels_);
+  if (!labels.ok()) return labels.status();
+  MapSettings settings{.max_commit_delay = std::chrono::milliseconds(max_commit_delay_ms_),
+                       .labels = *std::move(labels)};
+  if (world_description_) {
+    settings.world_frame.emplace().set_description(*world_description_);
+  }
   const absl::StatusOr<v1::Map> map =
-      MapClient(context_->Channel())
-          .CreateMap(*name, ToProto(*config), std::chrono::milliseconds(max_commit_delay_ms_));
+      MapClient(context_->Channel()).CreateMap(*name, ToProto(*config), settings);
   if (!map.ok()) return map.status();
   if (as_json_) {
     JsonWriter json;

@@ -1,16 +1,19 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <absl/status/status.h>
 
 #include "client/cli/command_context.h"
 #include "client/cli/map_options.h"
+#include "client/cli/map_update_command.h"
 
 namespace steadymap {
 
-/// `steadymap map create|get|list|delete`. Lives as long as the parsed command line.
+/// `steadymap map create|get|list|update|delete`. Lives as long as the parsed command line.
 class MapCommands {
  public:
   MapCommands(CLI::App* app, CommandContext* context);
@@ -32,6 +35,9 @@ class MapCommands {
   bool as_json_ = false;
   MapOptions map_options_;
   std::int64_t max_commit_delay_ms_ = 0;  ///< 0: the server's.
+  std::vector<std::string> labels_;       ///< `KEY=VALUE` each.
+  std::optional<std::string> world_description_;
+  std::optional<MapUpdateCommand> update_;
 };
 
 }  // namespace steadymap

@@ -12,7 +12,8 @@ namespace steadymap {
 /// Everything about a map, a line a fact, for people.
 void WriteMapText(const v1::Map& map, std::ostream* out);
 
-/// A line a map, under a line of headings, for people.
+/// A line a map, under a line of headings, for people; below it a line with its labels and one with
+/// its world frame, where it has any.
 void WriteMapTable(const std::vector<v1::Map>& maps, std::ostream* out);
 
 /// Everything about a map as a JSON object, fields spelt as in map.proto, counts as numbers.

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include <absl/strings/str_join.h>
+
 #include "client/cli/number_text.h"
 
 namespace steadymap {
@@ -39,22 +41,28 @@ ProgressReport::ProgressReport(std::ostream* out,
       now_s_(std::move(now_s)),
       start_s_(now_s_()) {}
 
-void ProgressReport::Update(std::size_t done, std::size_t ahead) {
+void ProgressReport::Update(std::size_t done, std::size_t ahead, std::size_t refused) {
   const std::lock_guard<std::mutex> lock(mutex_);
   done_ = std::min(done, frame_total_);
-  ahead_ = std::min(std::max(ahead, done), frame_total_);
+  refused_ = std::min(refused, frame_total_ - done_);
+  const std::size_t settled = done_ + refused_;
+  ahead_ = std::min(std::max(ahead, settled), frame_total_);
   const double elapsed_s = now_s_() - start_s_;
   if (is_terminal_) {
-    if (is_drawn_ && done_ < frame_total_ && elapsed_s - last_drawn_s_ < kRedrawPeriodS) return;
+    if (is_drawn_ && settled < frame_total_ && elapsed_s - last_drawn_s_ < kRedrawPeriodS) return;
     last_drawn_s_ = elapsed_s;
     Draw(elapsed_s);
     return;
   }
-  const std::size_t tenths = 10 * done_ / frame_total_;
+  const std::size_t tenths = 10 * settled / frame_total_;
   if (tenths <= tenths_shown_) return;
   tenths_shown_ = tenths;
-  *out_ << done_ << '/' << frame_total_ << " frames " << verb_ << ", " << RateText(done_, elapsed_s)
-        << std::endl;
+  *out_ << Line(elapsed_s) << std::endl;
+}
+
+void ProgressReport::NameRefusal(const std::string& reason) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!reason.empty()) refusals_.insert(reason);
 }
 
 void ProgressReport::Note(const std::string& line) {
@@ -69,12 +77,21 @@ void ProgressReport::End() {
   is_drawn_ = false;
 }
 
+std::string ProgressReport::Line(double elapsed_s) const {
+  std::string line =
+      std::to_string(done_) + "/" + std::to_string(frame_total_) + " frames " + verb_;
+  if (refused_ > 0) {
+    line += ", " + std::to_string(refused_) + " refused";
+    if (!refusals_.empty()) line += " (" + absl::StrJoin(refusals_, ", ") + ")";
+  }
+  return line + ", " + RateText(done_, elapsed_s);
+}
+
 void ProgressReport::Draw(double elapsed_s) {
-  const std::size_t full = kBarWidth * done_ / frame_total_;
+  const std::size_t full = kBarWidth * (done_ + refused_) / frame_total_;
   const std::size_t half = kBarWidth * ahead_ / frame_total_ - full;
   *out_ << kEraseLine << '[' << std::string(full, '#') << std::string(half, '-')
-        << std::string(kBarWidth - full - half, ' ') << "] " << done_ << '/' << frame_total_
-        << " frames " << verb_ << ", " << RateText(done_, elapsed_s) << std::flush;
+        << std::string(kBarWidth - full - half, ' ') << "] " << Line(elapsed_s) << std::flush;
   is_drawn_ = true;
 }
 

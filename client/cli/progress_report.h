@@ -4,6 +4,7 @@
 #include <functional>
 #include <mutex>
 #include <ostream>
+#include <set>
 #include <string>
 
 #include "client/upload_progress.h"
@@ -24,8 +25,12 @@ class ProgressReport {
                  std::size_t frame_total,
                  std::function<double()> now_s);
 
-  /// Notes that `done` frames have come the whole way and `ahead` (at least as many) half of it.
-  void Update(std::size_t done, std::size_t ahead);
+  /// Notes that `done` frames have come the whole way, `refused` others never will, and `ahead`,
+  /// these two included, are half of the way or further.
+  void Update(std::size_t done, std::size_t ahead, std::size_t refused = 0);
+
+  /// Names a reason that frames are refused for; once is enough.
+  void NameRefusal(const std::string& reason);
 
   /// Writes a line of its own, above the bar.
   void Note(const std::string& line);
@@ -34,6 +39,7 @@ class ProgressReport {
   void End();
 
  private:
+  std::string Line(double elapsed_s) const;
   void Draw(double elapsed_s);
   void Clear();
 
@@ -47,6 +53,8 @@ class ProgressReport {
   std::mutex mutex_;  ///< Guards what follows and `out_`.
   std::size_t done_ = 0;
   std::size_t ahead_ = 0;
+  std::size_t refused_ = 0;
+  std::set<std::string> refusals_;  ///< Few: the service has some dozen reasons.
   std::size_t tenths_shown_ = 0;
   double last_drawn_s_ = 0.0;
   bool is_drawn_ = false;

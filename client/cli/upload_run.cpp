@@ -15,6 +15,7 @@
 #include "client/cli/number_text.h"
 #include "client/cli/progress_report.h"
 #include "client/cli/upload_notes.h"
+#include "client/frame_replay.h"
 #include "client/map_client.h"
 #include "client/uploader.h"
 #include "core/error.h"
@@ -72,18 +73,32 @@ absl::StatusOr<UpdatePolicy> EnsureMap(const MapName& name,
   return config->policy;
 }
 
-UploaderOptions OptionsOfUploader(const UploadRunOptions& options, ProgressReport* report) {
+UploaderOptions OptionsOfUploader(const UploadRunOptions& options,
+                                  FrameReplay* frames,
+                                  ProgressReport* report) {
   UploaderOptions uploader;
   uploader.robot = options.source.robot;
   uploader.sensor = options.source.sensor;
   uploader.session = options.session;
   uploader.backoff.give_up_after = RetryTime(options.retry_for_s);
   uploader.on_progress = [report](const UploadProgress& progress) {
-    report->Update(progress.integrated + progress.refused, progress.durable + progress.refused);
+    report->Update(progress.integrated, progress.durable + progress.refused, progress.refused);
+  };
+  uploader.on_refused = [report](const RefusedUpload& refused) {
+    report->NameRefusal(ReasonOf(refused.status));
   };
   uploader.on_retry = [report](const absl::Status& status, std::chrono::milliseconds delay) {
     report->Note("the upload broke off (" + std::string(status.message()) + "); trying again in " +
                  DurationText(1e-3 * static_cast<double>(delay.count())));
+  };
+  uploader.read_again = [frames](std::uint64_t client_seq) {
+    return frames->ReadPushed(client_seq);
+  };
+  uploader.on_lost = [report](const LostFrames& lost) {
+    report->Note("warning: the server lost the frames " + std::to_string(lost.first) + " to " +
+                 std::to_string(lost.last) +
+                 ", which it had acknowledged, as if it was set back to an older copy; sending "
+                 "them again");
   };
   return uploader;
 }
@@ -202,7 +217,8 @@ absl::Status RunUpload(const UploadRunOptions& options,
   ProgressReport report(
       &context->err, context->err_is_terminal, "integrated", source->frame_count(), SteadySeconds);
   UploadOutcome outcome;
-  FrameUploader uploader(context->Channels(), *name, OptionsOfUploader(options, &report));
+  FrameReplay frames(source);
+  FrameUploader uploader(context->Channels(), *name, OptionsOfUploader(options, &frames, &report));
   UploadNotes notes(*policy);
   UploadAllCallbacks callbacks;
   callbacks.on_unreadable = [&outcome](const UnreadableFrame& frame) {
@@ -211,7 +227,7 @@ absl::Status RunUpload(const UploadRunOptions& options,
   callbacks.on_frame = [&notes, &report](const v1::Frame& frame) {
     if (const std::optional<std::string> note = notes.Look(frame)) report.Note(*note);
   };
-  absl::StatusOr<UploadSummary> summary = UploadAll(source, &uploader, callbacks);
+  absl::StatusOr<UploadSummary> summary = UploadAll(&frames, &uploader, callbacks);
   report.End();
   if (!summary.ok()) return summary.status();
   outcome.map = name->ToString();

@@ -142,11 +142,16 @@ RecordingSample RecordedFrameSource::Sample(std::size_t frame_count) const {
 
 absl::StatusOr<std::optional<v1::Frame>> RecordedFrameSource::Next() {
   if (next_place_ == places_.size()) return std::optional<v1::Frame>();
-  const Place place = places_[next_place_++];
-  const RecordedSequence& sequence = sequences_[place.sequence];
-  absl::StatusOr<v1::Frame> frame = Load(sequence, sequence.frames[place.frame]);
+  absl::StatusOr<v1::Frame> frame = Read(next_place_++);
   if (!frame.ok()) return frame.status();
   return std::optional<v1::Frame>(*std::move(frame));
+}
+
+absl::StatusOr<v1::Frame> RecordedFrameSource::Read(std::size_t index) {
+  if (index >= places_.size()) return NoFrameAt(index, places_.size());
+  const Place place = places_[index];
+  const RecordedSequence& sequence = sequences_[place.sequence];
+  return Load(sequence, sequence.frames[place.frame]);
 }
 
 absl::StatusOr<v1::Frame> RecordedFrameSource::Load(const RecordedSequence& sequence,

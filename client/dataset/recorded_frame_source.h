@@ -34,6 +34,8 @@ class RecordedFrameSource : public DatasetSource {
 
   absl::StatusOr<std::optional<v1::Frame>> Next() override;
 
+  absl::StatusOr<v1::Frame> Read(std::size_t index) override;
+
  private:
   struct Place {
     std::size_t sequence = 0;

@@ -55,4 +55,9 @@ absl::StatusOr<std::optional<v1::Frame>> SimulatedFrameSource::Next() {
   return std::optional<v1::Frame>(PackSimulatedFrame(simulation_.Render(next_index_++)));
 }
 
+absl::StatusOr<v1::Frame> SimulatedFrameSource::Read(std::size_t index) {
+  if (index >= simulation_.frame_count()) return NoFrameAt(index, simulation_.frame_count());
+  return PackSimulatedFrame(simulation_.Render(index));
+}
+
 }  // namespace steadymap

@@ -28,6 +28,8 @@ class SimulatedFrameSource : public FrameSource {
   /// Never an error.
   absl::StatusOr<std::optional<v1::Frame>> Next() override;
 
+  absl::StatusOr<v1::Frame> Read(std::size_t index) override;
+
   /// The simulation behind it, for its truth.
   const Simulation& simulation() const { return simulation_; }
 

@@ -47,6 +47,36 @@ TEST(NumberText, DurationsAndMoments) {
   EXPECT_EQ(MomentText(moment), "2024-05-01T12:00:00.25Z");
 }
 
+TEST(ParseMoment, IsTakenAsTextAndAsSeconds) {
+  const auto nanoseconds = [](const char* text) {
+    return ParseMoment(text).value_or(Timestamp()).nanoseconds();
+  };
+  EXPECT_EQ(nanoseconds("2024-05-01T12:00:00Z"), 1'714'564'800'000'000'000);
+  EXPECT_EQ(nanoseconds("2024-05-01T14:00:00.25+02:00"), 1'714'564'800'250'000'000);
+  EXPECT_EQ(nanoseconds("1714564800"), 1'714'564'800'000'000'000);
+  EXPECT_EQ(nanoseconds("1714564800.123456789"), 1'714'564'800'123'456'789);
+  EXPECT_EQ(nanoseconds("1714564800.1234567899"), 1'714'564'800'123'456'789);
+  EXPECT_TRUE(ParseMoment("0").ok());
+}
+
+TEST(ParseMoment, AnythingElseIsAnError) {
+  for (const char* text : {"",
+                           "now",
+                           "infinite-future",
+                           "2024-05-01",
+                           "2024-13-01T00:00:00Z",
+                           "1969-12-31T23:59:59Z",
+                           "2300-01-01T00:00:00Z",
+                           "-1",
+                           "1e9",
+                           "1.",
+                           ".5",
+                           "1.2.3",
+                           "99999999999999999999"}) {
+    EXPECT_EQ(ParseMoment(text).status().code(), absl::StatusCode::kInvalidArgument) << text;
+  }
+}
+
 TEST(ParseMapArgument, AnIdIsInTheTenantDefault) {
   EXPECT_EQ(ParseMapArgument("kitchen").value(), (MapName{"default", "kitchen"}));
   EXPECT_EQ(ParseMapArgument("tenants/acme/maps/hall-2").value(), (MapName{"acme", "hall-2"}));
@@ -180,6 +210,29 @@ TEST_F(OutputFileTest, WhatCannotBeWrittenIsAnErrorWithThePath) {
     ASSERT_FALSE(file.ok());
     EXPECT_NE(std::string(file.status().message()).find(path.string()), std::string::npos);
   }
+}
+
+TEST(ProgressReport, CountsRefusedFramesApartAndNamesTheirReasons) {
+  std::ostringstream out;
+  double now_s = 0.0;
+  ProgressReport report(&out, false, "integrated", 3, [&] { return now_s; });
+  now_s = 2.0;
+  report.NameRefusal("NON_FINITE_POSE");
+  report.NameRefusal("LABEL_OUT_OF_RANGE");
+  report.NameRefusal("NON_FINITE_POSE");
+  report.Update(1, 3, 2);
+  EXPECT_EQ(out.str(),
+            "1/3 frames integrated, 2 refused (LABEL_OUT_OF_RANGE, NON_FINITE_POSE), "
+            "0.5 frames/s\n");
+}
+
+TEST(ProgressReport, DrawsTheBarToItsEndWhereTheLastFramesAreRefused) {
+  std::ostringstream out;
+  ProgressReport report(&out, true, "integrated", 10, [] { return 0.0; });
+  report.Update(8, 10, 2);
+  const std::string text = out.str();
+  EXPECT_NE(text.find("#] 8/10 frames integrated, 2 refused, -"), std::string::npos) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '#'), 30);
 }
 
 TEST(ProgressReport, WritesALineEveryTenthOfTheWay) {

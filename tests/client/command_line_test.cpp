@@ -139,10 +139,25 @@ TEST_F(CommandLineTest, ObjectsAndEventsSendTheirFilters) {
   EXPECT_EQ(objects.changed_since(), 4U);
   EXPECT_TRUE(objects.include_archived());
 
-  outcome = Run({"events", "kitchen", "--type", "moved", "--object", "3", "--json"});
+  outcome = Run({"events",
+                 "kitchen",
+                 "--type",
+                 "moved",
+                 "--object",
+                 "3",
+                 "--since",
+                 "1714564800.5",
+                 "--until",
+                 "2024-05-01T12:00:01Z",
+                 "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "{\n  \"revision\": 12,\n  \"events\": []\n}\n");
   EXPECT_EQ(queries_.events_request.types(0), v1::EVENT_TYPE_MOVED);
+  EXPECT_EQ(queries_.events_request.start_time().seconds(), 1'714'564'800);
+  EXPECT_EQ(queries_.events_request.start_time().nanos(), 500'000'000);
+  EXPECT_EQ(queries_.events_request.end_time().seconds(), 1'714'564'801);
+  ExpectFailure({"events", "kitchen", "--since", "yesterday"}, 1, "\"yesterday\"");
+  ExpectFailure({"events", "kitchen", "--until", ""}, 1, "\"\"");
   EXPECT_EQ(queries_.events_request.object_ids(0), 3U);
 }
 

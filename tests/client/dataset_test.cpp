@@ -37,6 +37,20 @@ TEST(OpenDataset, RefusesWhatItCannotOpenAndSaysWhy) {
   }
 }
 
+TEST(OpenDataset, GivesEachFrameAgain) {
+  const TemporaryFolder folder;
+  WriteTorwicRecording(folder, "sequence", {.frame_count = 3});
+  const std::vector<v1::Frame> frames = ReadAll("torwic", {folder.path()}, {});
+  ASSERT_EQ(frames.size(), 3U);
+  const auto source = OpenDataset("torwic", {folder.path()}, {}).value();
+  ASSERT_TRUE(source->Next().ok());
+  for (const std::size_t index : {2U, 0U, 1U, 0U}) {
+    EXPECT_EQ(source->Read(index)->SerializeAsString(), frames[index].SerializeAsString());
+  }
+  EXPECT_EQ(source->Read(3).status().code(), absl::StatusCode::kOutOfRange);
+  EXPECT_EQ(source->Next().value()->SerializeAsString(), frames[1].SerializeAsString());
+}
+
 TEST(OpenDataset, AppliesAnotherWorldFromAFile) {
   const TemporaryFolder folder;
   WriteTorwicRecording(folder, "sequence", {.frame_count = 1});

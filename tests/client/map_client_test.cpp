@@ -139,6 +139,8 @@ TEST_F(MapClientTest, EventsOfSeveralPagesAreWholeAndFiltersAreSent) {
   query.classes = {ClassId(7)};
   query.first = EventNumber(2);
   query.changed_since = Revision(3);
+  query.start = Timestamp::FromNanoseconds(1'700'000'000'000'000'001);
+  query.end = Timestamp::FromNanoseconds(1'700'000'001'000'000'002);
   const absl::StatusOr<MapList<v1::ObjectEvent>> events = client_.ListEvents(kKitchen, query);
   ASSERT_TRUE(events.ok()) << events.status();
   EXPECT_EQ(events->revision, Revision(12));
@@ -150,6 +152,12 @@ TEST_F(MapClientTest, EventsOfSeveralPagesAreWholeAndFiltersAreSent) {
   EXPECT_EQ(sent.class_ids(0), 7U);
   EXPECT_EQ(sent.first_number(), 2U);
   EXPECT_EQ(sent.changed_since(), 3U);
+  EXPECT_EQ(sent.start_time().seconds(), 1'700'000'000);
+  EXPECT_EQ(sent.start_time().nanos(), 1);
+  EXPECT_EQ(sent.end_time().seconds(), 1'700'000'001);
+  EXPECT_EQ(sent.end_time().nanos(), 2);
+  ASSERT_TRUE(client_.ListEvents(kKitchen).ok());
+  EXPECT_FALSE(sent.has_start_time() || sent.has_end_time());
 }
 
 // A leaf of canonical voxels.

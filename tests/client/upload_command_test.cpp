@@ -191,6 +191,36 @@ TEST_F(UploadCommandTest, TimesBefore2000AreWarnedAbout) {
   EXPECT_NE(outcome.err.find("the recording begins at 1971-"), std::string::npos) << outcome.err;
 }
 
+TEST_F(UploadCommandTest, FramesThatTheServerLostAreSentAgain) {
+  std::vector<std::uint64_t> received;
+  ingest_.SetScripts({[](ScriptedStream& stream) {
+                        stream.ReadOpen();
+                        stream.SendOpened(0, 1'000);
+                        EXPECT_TRUE(stream.ReadUntil(3));
+                        stream.SendAck(v1::ACK_LEVEL_DURABLE, 3);
+                        return grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server stops");
+                      },
+                      [&received](ScriptedStream& stream) {
+                        stream.ReadOpen();
+                        stream.SendOpened(1, 1'000);
+                        grpc::Status status = stream.AcceptRest();
+                        received = stream.received();
+                        return status;
+                      }});
+  const Outcome outcome = Run(
+      {"simulate", "demo", "--policy", "static", "--route", "twin", "--stride", "20", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("lost the frames 2 to 3, which it had acknowledged"),
+            std::string::npos)
+      << outcome.err;
+  ASSERT_GE(received.size(), 2U);
+  EXPECT_EQ(received.front(), 2U);
+  EXPECT_NE(outcome.out.find("\"frames\": " + std::to_string(received.back())), std::string::npos);
+  EXPECT_NE(outcome.out.find("\"integrated\": " + std::to_string(received.back())),
+            std::string::npos)
+      << outcome.out;
+}
+
 class RefusingServerTest : public CommandLineTest {
  protected:
   RefusingServerTest() {
@@ -215,6 +245,9 @@ TEST_F(RefusingServerTest, RefusedFramesFailTheCommandButNotTheUpload) {
       Run({"simulate", "demo", "--policy", "static", "--route", "twin", "--stride", "40"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.out.find(" 1 refused"), std::string::npos);
+  EXPECT_NE(outcome.err.find(" frames integrated, 1 refused (LABEL_OUT_OF_RANGE), "),
+            std::string::npos)
+      << outcome.err;
   EXPECT_NE(outcome.err.find("the first was frame 2: label 99 [LABEL_OUT_OF_RANGE, "
                              "frames[1].labels]"),
             std::string::npos)

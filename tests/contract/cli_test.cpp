@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <filesystem>
@@ -10,46 +9,18 @@
 #include <gtest/gtest.h>
 
 #include "client/channel.h"
-#include "client/cli/command_line.h"
 #include "client/map_client.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/uploader.h"
-#include "tests/support/daemon_process.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/contract/cli_fixture.h"
 
 namespace steadymap {
 namespace {
 
 const MapName kHall{"default", "hall"};
 
-struct Outcome {
-  int exit_code = 0;
-  std::string out;
-  std::string err;
-};
-
-/// The command line, in process, against the daemon in a process of its own.
-class CliTest : public ::testing::Test {
+class CliFileTest : public CliTest {
  protected:
-  Outcome Run(std::vector<std::string> arguments) const {
-    std::ostringstream out;
-    std::ostringstream err;
-    CommandContext context{.out = out, .err = err};
-    context.open_channel = OpenChannel;
-    arguments.insert(arguments.begin(), {"--server", daemon_.address()});
-    const int exit_code = RunCommandLine(arguments, &context);
-    return {exit_code, out.str(), err.str()};
-  }
-
-  void ExpectFailure(const std::vector<std::string>& arguments, const std::string& part) const {
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
-  }
-
-  std::string PathOf(const std::string& name) const { return (folder_.path() / name).string(); }
-
   std::string HeadOf(const std::string& name, std::size_t size) const {
     std::string head(size, '\0');
     std::ifstream(PathOf(name)).read(head.data(), static_cast<std::streamsize>(size));
@@ -68,9 +39,6 @@ class CliTest : public ::testing::Test {
     text << vertex[0] << ',' << vertex[1] << ',' << vertex[2];
     return text.str();
   }
-
-  TemporaryFolder folder_;
-  DaemonProcess daemon_{folder_.path()};
 };
 
 TEST_F(CliTest, MapsAreCreatedListedShownAndDeleted) {
@@ -94,7 +62,7 @@ TEST_F(CliTest, UnknownMapsAndImpossibleOnesAreErrorsOfOneLine) {
   EXPECT_FALSE(std::filesystem::exists(PathOf("x.ply")));
 }
 
-TEST_F(CliTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
+TEST_F(CliFileTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
   ASSERT_EQ(Run({"map", "create", "hall"}).exit_code, 0);
   const Outcome upload =
       Run({"simulate", "hall", "--route", "baseline", "--ideal", "--stride", "10", "--json"});
@@ -157,6 +125,18 @@ TEST_F(CliTest, ObjectsOfAChangedPlaceAreListedExportedAndDrawnAndSurviveAKill) 
   const Outcome removed = Run({"events", "depot", "--type", "removed"});
   EXPECT_NE(removed.out.find("removed"), std::string::npos) << removed.out;
   EXPECT_EQ(removed.out.find("created"), std::string::npos) << removed.out;
+
+  const std::string all = Run({"events", "depot"}).out;
+  const std::string last = all.substr(all.rfind('\n', all.size() - 2) + 1);
+  const std::size_t time_place = last.find('-') - 4;  // Of its year, 2021-...
+  const std::string time = last.substr(time_place, last.find('Z') + 1 - time_place);
+  const std::string before = Run({"events", "depot", "--until", time}).out;
+  const std::string after = Run({"events", "depot", "--since", time}).out;
+  EXPECT_TRUE(after.ends_with(last)) << after;
+  EXPECT_EQ(before.find(time), std::string::npos) << before;
+  EXPECT_EQ(before + after, all);
+  ExpectFailure({"events", "depot", "--since", time, "--until", "2000-01-01T00:00:00Z"},
+                "end_time");
 
   const auto export_size = [this](const std::string& file, const std::string& object) {
     std::vector<std::string> command = {

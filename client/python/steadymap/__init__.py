@@ -20,12 +20,21 @@ from steadymap.exports import ExportFormat, ExportSummary
 from steadymap.frame import Frame, Intrinsics
 from steadymap.geometry import Pose
 from steadymap.images import PixelEncoding
-from steadymap.maps import ClassMotion, Map, MapOptions, SemanticClass, UpdatePolicy
+from steadymap.maps import (
+    ClassMotion,
+    GeoAnchor,
+    Map,
+    MapCondition,
+    MapOptions,
+    SemanticClass,
+    UpdatePolicy,
+    WorldFrame,
+)
 from steadymap.mesh import Mesh
 from steadymap.objects import Belief, Cuboid, Event, EventReason, EventType, Object, ObjectStanding
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
-from steadymap.upload_queue import RefusedFrame, UploadProgress
+from steadymap.upload_queue import LostFrames, RefusedFrame, UploadProgress
 from steadymap.volumes import Leaf, LeafVoxels, Section, unpack_leaves
 from steadymap.watch import Watch, WatchKind, WatchOptions, WatchStart
 from steadymap.watch_items import Created, Delta, Events, Progress, Resync, Snapshot, WatchItem
@@ -47,11 +56,14 @@ __all__ = [
     "ExportFormat",
     "ExportSummary",
     "Frame",
+    "GeoAnchor",
     "Intrinsics",
     "Leaf",
     "LeafVoxels",
     "Listing",
+    "LostFrames",
     "Map",
+    "MapCondition",
     "MapOptions",
     "Mesh",
     "Object",
@@ -76,6 +88,7 @@ __all__ = [
     "WatchKind",
     "WatchOptions",
     "WatchStart",
+    "WorldFrame",
     "connect",
     "errors",
     "unpack_leaves",

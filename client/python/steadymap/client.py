@@ -1,8 +1,9 @@
 """The service, seen from a program."""
 
+import dataclasses
 import os
 from pathlib import Path
-from typing import Any, AsyncIterator, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import Any, AsyncIterator, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from steadymap._generated.v1 import (
     map_service_pb2,
@@ -30,9 +31,12 @@ from steadymap.exports import (
 )
 from steadymap.frame import Frame
 from steadymap.geometry import box_to_proto
+from steadymap.map_change import MapChange, change_map
 from steadymap.maps import (
     Map,
     MapOptions,
+    SemanticClass,
+    WorldFrame,
     full_map_name,
     map_from_proto,
     map_to_proto,
@@ -116,6 +120,54 @@ class Client:
             if not request.page_token:
                 return maps
 
+    def update_map(
+        self,
+        map_name: str,
+        *,
+        labels: Optional[Mapping[str, str]] = None,
+        remove_labels: Sequence[str] = (),
+        world_frame: Optional[Union[WorldFrame, str]] = None,
+        display_name: Optional[str] = None,
+        byte_budget: Optional[int] = None,
+        add_classes: Sequence[SemanticClass] = (),
+        etag: Optional[str] = None,
+    ) -> Map:
+        """Changes what is named here and leaves the rest; the map as it is then.
+
+        Where somebody else changes the map at the same time, both changes are made, unless `etag`
+        is given. A request whose answer is lost is sent again, for about 10 s, and counts once.
+
+        Args:
+            map_name: the map's name.
+            labels: to add, or to give another value.
+            remove_labels: keys to take away; one that the map lacks is no error.
+            world_frame: in place of the present one; a string: its description alone.
+            display_name: for people, at most 128 characters.
+            byte_budget: most bytes of the map's volumes in memory. 0: no limit.
+            add_classes: rows for the class table, which hold for the frames that come after. A row
+                that is there already may be among them; InvalidArgumentError for one that differs
+                from the row of its id.
+            etag: of the only state that may be changed, as `Map.etag` has it; AbortedError /
+                ETAG_MISMATCH where the map has another. None: whichever it has.
+        """
+        change = MapChange(
+            labels=labels or {},
+            removed_labels=remove_labels,
+            world_frame=world_frame,
+            display_name=display_name,
+            byte_budget=byte_budget,
+            classes=add_classes,
+            etag=etag,
+        )
+        request = map_service_pb2.GetMapRequest(name=full_map_name(map_name))
+        return map_from_proto(
+            change_map(
+                change,
+                read=lambda: self._connection.call(self._maps.GetMap, request),
+                send=lambda update: self._connection.call(self._maps.UpdateMap, update),
+            )
+        )
+
     def delete_map(self, map_name: str) -> None:
         """Deletes a map with its log and its history. NotFoundError if there is none."""
         self._connection.call(
@@ -128,8 +180,11 @@ class Client:
         """Uploads frames and waits until all have reached `options.wait_for` or were refused.
 
         Broken connections and restarted servers are outlasted. A refused frame is no error of the
-        upload: look at `refused` of the summary.
+        upload: look at `refused` of the summary. Frames of a sequence, such as a list, that the
+        service lost after it had acknowledged them are sent again.
         """
+        if isinstance(frames, Sequence) and options.read_again is None:
+            options = dataclasses.replace(options, read_again=frames.__getitem__)
         with self.uploader(map_name, options) as uploader:
             for frame in frames:
                 uploader.push(frame)

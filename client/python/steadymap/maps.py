@@ -2,7 +2,7 @@
 
 import dataclasses
 import enum
-from typing import Optional, Sequence, Tuple, Union
+from typing import Mapping, Optional, Sequence, Tuple, Union
 
 from steadymap._generated.v1 import map_pb2
 from steadymap.moments import time_ns_from_proto
@@ -53,9 +53,56 @@ class SemanticClass:
         object.__setattr__(self, "motion", ClassMotion(self.motion))
 
 
+class MapCondition(str, enum.Enum):
+    """How a map fares, whatever becomes of the others.
+
+    OPENING: being read from disk. READY: takes frames and answers. READ_ONLY: answers, and takes no
+    frames for now. QUARANTINED: answers, and takes no frames until an operator has seen to it.
+    DAMAGED: what is stored of it cannot be read. UNKNOWN: the server is older or newer than that.
+    """
+
+    UNKNOWN = "unknown"
+    OPENING = "opening"
+    READY = "ready"
+    READ_ONLY = "read_only"
+    QUARANTINED = "quarantined"
+    DAMAGED = "damaged"
+
+
+@dataclasses.dataclass(frozen=True)
+class GeoAnchor:
+    """Where a world frame is on the Earth, WGS 84.
+
+    Attributes:
+        latitude_deg, longitude_deg: of the origin, degrees, in [-90, 90] and [-180, 180].
+        altitude_m: of the origin, above the ellipsoid, metres, in [-1000, 10000].
+        heading_deg: where x points, degrees clockwise from true north, in [0, 360).
+    """
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float = 0.0
+    heading_deg: float = 0.0
+
+
+@dataclasses.dataclass(frozen=True)
+class WorldFrame:
+    """What the coordinates of a map mean: z is up, right-handed, metres.
+
+    Attributes:
+        description: for people: where the origin is and where x points, at most 512 bytes.
+        floor: of the building that z = 0 lies on, at most 64 bytes.
+        anchor: where on the Earth it is; None: not known.
+    """
+
+    description: str = ""
+    floor: str = ""
+    anchor: Optional[GeoAnchor] = None
+
+
 @dataclasses.dataclass(frozen=True)
 class MapOptions:
-    """How a map is built; fixed when it is created.
+    """How a map is built. Fixed when it is created, but for what `Client.update_map` changes.
 
     Attributes:
         voxel_size_m: edge of a voxel, metres, in [0.001, 1]. 0: the server's default, 0.05.
@@ -66,6 +113,9 @@ class MapOptions:
         classes: that label images may hold. Empty: the server's default, the TorWIC table.
         display_name: for people, at most 128 characters.
         byte_budget: most bytes of the map's volumes in memory. 0: no limit.
+        labels: for those who have many maps: at most 64; keys match `[a-z][a-z0-9-]{0,62}`, values
+            have at most 256 bytes.
+        world_frame: what the coordinates mean.
     """
 
     voxel_size_m: float = 0.0
@@ -75,10 +125,13 @@ class MapOptions:
     classes: Sequence[SemanticClass] = ()
     display_name: str = ""
     byte_budget: int = 0
+    labels: Mapping[str, str] = dataclasses.field(default_factory=dict, hash=False)
+    world_frame: WorldFrame = WorldFrame()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "policy", UpdatePolicy(self.policy))
         object.__setattr__(self, "classes", tuple(self.classes))
+        object.__setattr__(self, "labels", dict(self.labels))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -87,12 +140,18 @@ class Map:
 
     Attributes:
         name: `tenants/{tenant}/maps/{map}`.
-        options: how it is built, the server's defaults filled in.
+        options: how it is built, the server's defaults filled in. Of a map that is OPENING or
+            DAMAGED it may be unknown: then all of it is as in `MapOptions()`.
         create_time_ns: when it was created, nanoseconds since 1970, by the server's clock.
+        etag: changes whenever something of the map but its content does; see `update_map`.
         incarnation: changes when the map's history can no longer be continued.
+        condition: how the map fares.
+        condition_reason: for people: why the condition is another than READY.
         revision: newest revision; 0: nothing committed yet.
-        durable_map_seq: sequence number of the newest durable frame; 0: none yet.
-        lag_frames: durable frames that wait for integration.
+        durable_map_seq: sequence number of the newest durable entry of the map's log, a frame or
+            classes that were added; 0: none yet.
+        integrated_map_seq: of the newest entry that is part of the newest revision; 0: none yet.
+        lag_frames: durable entries that wait for integration.
         refused_frames: frames refused since the server started.
         leaves: 8 x 8 x 8 blocks with at least one observed voxel, background and present objects.
         voxels: observed voxels of background and present objects.
@@ -105,9 +164,13 @@ class Map:
     name: str
     options: MapOptions
     create_time_ns: Optional[int]
+    etag: str
     incarnation: str
+    condition: MapCondition
+    condition_reason: str
     revision: int
     durable_map_seq: int
+    integrated_map_seq: int
     lag_frames: int
     refused_frames: int
     leaves: int
@@ -135,41 +198,63 @@ def split_map_name(name: str) -> Tuple[str, str]:
 
 def map_to_proto(options: MapOptions) -> map_pb2.Map:
     """The map to create."""
-    message = map_pb2.Map(display_name=options.display_name, byte_budget=options.byte_budget)
+    message = map_pb2.Map(
+        display_name=options.display_name, byte_budget=options.byte_budget, labels=options.labels
+    )
+    set_world_frame(options.world_frame, message)
     config = message.config
     config.voxel_size_m = options.voxel_size_m
     config.truncation_m = options.truncation_m
     config.max_depth_m = options.max_depth_m
     config.policy = map_pb2.UpdatePolicy.Value(f"UPDATE_POLICY_{options.policy.name}")
     for row in options.classes:
-        config.classes.add(
-            id=row.id,
-            name=row.name,
-            motion=map_pb2.ClassMotion.Value(f"CLASS_MOTION_{row.motion.name}"),
-            in_background=row.in_background,
-        )
+        set_class(row, config.classes.add())
     return message
+
+
+def set_class(row: SemanticClass, message: map_pb2.SemanticClass) -> None:
+    """Writes one row of a class table."""
+    message.id = row.id
+    message.name = row.name
+    message.motion = map_pb2.ClassMotion.Value(f"CLASS_MOTION_{row.motion.name}")
+    message.in_background = row.in_background
+
+
+def set_world_frame(frame: WorldFrame, message: map_pb2.Map) -> None:
+    """Writes the world frame of a map; none where nothing of it is known."""
+    message.ClearField("world_frame")
+    if frame == WorldFrame():
+        return
+    message.world_frame.description = frame.description
+    message.world_frame.floor = frame.floor
+    if frame.anchor is not None:
+        message.world_frame.anchor.CopyFrom(map_pb2.GeoAnchor(**dataclasses.asdict(frame.anchor)))
 
 
 def map_from_proto(message: map_pb2.Map) -> Map:
     """A map that the service described."""
     config, state = message.config, message.state
-    policy = map_pb2.UpdatePolicy.Name(config.policy).replace("UPDATE_POLICY_", "")
     return Map(
         name=message.name,
         options=MapOptions(
             voxel_size_m=config.voxel_size_m,
             truncation_m=config.truncation_m,
             max_depth_m=config.max_depth_m,
-            policy=UpdatePolicy[policy],
+            policy=_policy_from_proto(config.policy),
             classes=[_class_from_proto(row) for row in config.classes],
             display_name=message.display_name,
             byte_budget=message.byte_budget,
+            labels=message.labels,
+            world_frame=_world_frame_from_proto(message.world_frame),
         ),
         create_time_ns=time_ns_from_proto(message, "create_time"),
+        etag=message.etag,
         incarnation=message.incarnation,
+        condition=_condition_from_proto(state.condition),
+        condition_reason=state.condition_reason,
         revision=state.revision,
         durable_map_seq=state.durable_map_seq,
+        integrated_map_seq=state.integrated_map_seq,
         lag_frames=state.lag_frames,
         refused_frames=state.refused_frames,
         leaves=state.leaves,
@@ -178,6 +263,32 @@ def map_from_proto(message: map_pb2.Map) -> Map:
         last_capture_time_ns=time_ns_from_proto(state, "last_capture_time"),
         present_objects=state.present_objects,
         archived_objects=state.archived_objects,
+    )
+
+
+def _policy_from_proto(number: int) -> UpdatePolicy:
+    """Of a map whose configuration is not known, the one that `MapOptions()` has."""
+    if number == map_pb2.UPDATE_POLICY_UNSPECIFIED:
+        return UpdatePolicy.STATIC
+    return UpdatePolicy[map_pb2.UpdatePolicy.Name(number).replace("UPDATE_POLICY_", "")]
+
+
+def _condition_from_proto(number: int) -> MapCondition:
+    known = map_pb2.MapCondition.DESCRIPTOR.values_by_number.get(number)
+    name = known.name.replace("MAP_CONDITION_", "") if known else ""
+    return MapCondition.__members__.get(name, MapCondition.UNKNOWN)
+
+
+def _world_frame_from_proto(message: map_pb2.WorldFrame) -> WorldFrame:
+    anchor = message.anchor
+    return WorldFrame(
+        description=message.description,
+        floor=message.floor,
+        anchor=GeoAnchor(
+            anchor.latitude_deg, anchor.longitude_deg, anchor.altitude_m, anchor.heading_deg
+        )
+        if message.HasField("anchor")
+        else None,
     )
 
 

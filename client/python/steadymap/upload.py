@@ -12,6 +12,7 @@ from steadymap._generated.v1 import map_service_pb2, map_service_pb2_grpc
 from steadymap.backoff import Backoff
 from steadymap.errors import (
     CancelledError,
+    DataLossError,
     DeadlineExceededError,
     FailedPreconditionError,
     SteadymapError,
@@ -22,7 +23,7 @@ from steadymap.errors import (
 )
 from steadymap.frame import Frame, frame_to_proto
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
-from steadymap.upload_queue import UploadProgress, UploadQueue
+from steadymap.upload_queue import LossRecovery, LostFrames, UploadProgress, UploadQueue
 
 _CONFIRMATION_TIMEOUT_S = 30.0
 
@@ -73,7 +74,10 @@ class Uploader:
         self._options = options
         self._session = options.session or f"upload-{secrets.token_hex(8)}"
         self._changed = threading.Condition()
-        self._queue = UploadQueue(options.max_batch_bytes, options.max_batch_frames)
+        recovery = LossRecovery.GO_ON if options.on_lost is not None else LossRecovery.NONE
+        if options.read_again is not None:
+            recovery = LossRecovery.SEND_AGAIN
+        self._queue = UploadQueue(options.max_batch_bytes, options.max_batch_frames, recovery)
         self._stream = _Stream()
         self._reconnections = 0
         self._finishing = False
@@ -133,7 +137,8 @@ class Uploader:
             if self._error is not None:
                 raise self._error
             refused = sorted(self._queue.refused, key=lambda frame: frame.index)
-            return UploadSummary(self._queue.progress(self._reconnections), refused)
+            progress = self._queue.progress(self._reconnections)
+            return UploadSummary(progress, refused, self._queue.lost)
 
     def close(self) -> None:
         """Ends the upload at once. Frames that are not durable by then may be lost."""
@@ -167,7 +172,8 @@ class Uploader:
             if error is None or not is_worth_retrying(error):
                 return error
             # Who was let in may have had nothing to upload for hours.
-            took_s = 0.0 if self._stream.opened else time.monotonic() - start_s
+            counts = not self._stream.opened and self._options.sleep is None
+            took_s = time.monotonic() - start_s if counts else 0.0
             delay_s = backoff.next_delay_s(
                 was_answered=self._stream.closed or is_server_answer(error),
                 asked_s=error.retry_delay_s or 0.0,
@@ -184,8 +190,11 @@ class Uploader:
         """Returns whether to try again."""
         if self._options.on_retry is not None:
             self._options.on_retry(error, delay_s)
+        if self._options.sleep is not None:
+            self._options.sleep(delay_s)
         with self._changed:
-            self._changed.wait_for(lambda: self._cancelled, delay_s)
+            if self._options.sleep is None:
+                self._changed.wait_for(lambda: self._cancelled, delay_s)
             self._reconnections += 1
             return not self._cancelled
 
@@ -236,14 +245,39 @@ class Uploader:
                 self._changed.wait_for(lambda: self._is_over(stream) or self._writer_has_work())
                 if self._is_over(stream):
                     return
-                try:
-                    request = self._queue.take_batch()
-                except SteadymapError as error:
-                    stream.fail(error)
+                missing = self._queue.frame_to_read_again()
+                request = None
+                if missing is None:
+                    try:
+                        request = self._queue.take_batch()
+                    except SteadymapError as error:
+                        stream.fail(error)
+                        return
+            if missing is not None:
+                if not self._read_again(stream, missing):
                     return
-            if request is None:
+            elif request is None:
                 return  # Everything is sent, and there will be no more.
-            yield request
+            else:
+                yield request
+
+    def _read_again(self, stream: _Stream, index: int) -> bool:
+        """Returns whether the stream can go on."""
+        error: Optional[SteadymapError] = None
+        try:
+            message = frame_to_proto(self._options.read_again(index), self._options.encoding)
+        except Exception as cause:  # Whatever the user's function raises.
+            error = DataLossError(
+                f"the server lost frame {index}, which it had acknowledged as durable, and it could "
+                f"not be read again: {cause!r}"
+            )
+            error.__cause__ = cause
+        with self._changed:
+            if error is not None:
+                stream.fail(error)
+                return False
+            self._queue.fill_in(index, message)
+            return True
 
     def _open_message(self) -> ingest_service_pb2.UploadFramesRequest:
         request = ingest_service_pb2.UploadFramesRequest()
@@ -262,10 +296,11 @@ class Uploader:
 
     def _take(self, stream: _Stream, response: ingest_service_pb2.UploadFramesResponse) -> None:
         kind = response.WhichOneof("kind")
+        lost: Optional[LostFrames] = None
         with self._changed:
             try:
                 if kind == "opened":
-                    self._queue.open(response.opened)
+                    lost = self._queue.open(response.opened)
                     stream.opened = True
                 elif kind == "ack":
                     self._queue.acknowledge(response.ack)
@@ -276,6 +311,8 @@ class Uploader:
             self._end_where_reached(stream)
             progress = self._queue.progress(self._reconnections)
             self._changed.notify_all()
+        if lost is not None and self._options.on_lost is not None:
+            self._options.on_lost(lost)
         if kind == "ack" and self._options.on_progress is not None:
             self._options.on_progress(progress)
 
@@ -343,7 +380,9 @@ class Uploader:
         return self._done or self._finishing or has_room
 
     def _writer_has_work(self) -> bool:
-        return self._queue.can_take_batch() or (self._finishing and self._queue.all_sent)
+        if self._queue.can_take_batch() or self._queue.frame_to_read_again() is not None:
+            return True
+        return self._finishing and self._queue.all_sent
 
     def _is_over(self, stream: _Stream) -> bool:
         return stream.ended or self._cancelled or stream.error is not None

@@ -6,8 +6,9 @@ from typing import Callable, List, Optional, Union
 
 from steadymap.backoff import BackoffOptions
 from steadymap.errors import SteadymapError
+from steadymap.frame import Frame
 from steadymap.images import PixelEncoding, default_encoding
-from steadymap.upload_queue import RefusedFrame, UploadProgress
+from steadymap.upload_queue import LostFrames, RefusedFrame, UploadProgress
 
 
 class AckLevel(str, enum.Enum):
@@ -41,8 +42,18 @@ class UploadOptions:
         open_timeout_s: a server that does not answer the opening for so long counts as unavailable.
         backoff: waits between reconnections.
         seed: of the jitter. None: from the system.
+        sleep: replaces the waiting between reconnections, and the clock: tries then take no time. For
+            tests. None: really waits.
         on_progress: called after each acknowledgement, from the uploader's thread; it must not call
             the uploader.
+        read_again: gives a frame once more, by its index among those that were pushed: for frames of
+            a recording. If the service has lost frames that it had acknowledged, they are read and
+            sent again, in their order and before those behind. Called from a thread of the uploader;
+            it must not call the uploader. What it raises ends the upload. None: they are gone.
+        on_lost: called from the uploader's thread when the service turns out to have lost frames.
+            Without `read_again` and with this, as a robot that uploads what it sees has it, the
+            upload goes on behind them and counts them as lost. Without both it ends with
+            DataLossError.
         on_retry: called likewise before each wait for a reconnection, with what went wrong and the
             seconds to wait.
     """
@@ -58,7 +69,10 @@ class UploadOptions:
     open_timeout_s: float = 20.0
     backoff: BackoffOptions = BackoffOptions()
     seed: Optional[int] = None
+    sleep: Optional[Callable[[float], object]] = None
     on_progress: Optional[Callable[[UploadProgress], None]] = None
+    read_again: Optional[Callable[[int], Frame]] = None
+    on_lost: Optional[Callable[[LostFrames], None]] = None
     on_retry: Optional[Callable[[SteadymapError, float], None]] = None
 
     def __post_init__(self) -> None:
@@ -77,7 +91,9 @@ class UploadSummary:
     Attributes:
         progress: at the end.
         refused: frames that the service refused, in the order of their indices; the first 1000.
+        lost: frames that the service lost and that were not sent again, by rising indices.
     """
 
     progress: UploadProgress
     refused: List[RefusedFrame]
+    lost: List[LostFrames] = dataclasses.field(default_factory=list)

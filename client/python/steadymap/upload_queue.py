@@ -5,6 +5,7 @@ Pure state: no threads, clock or network. The same rules as client/upload_queue.
 
 import collections
 import dataclasses
+import enum
 from typing import Deque, List, Optional, Set, Tuple
 
 from steadymap._generated.v1 import frame_pb2, ingest_service_pb2
@@ -42,10 +43,32 @@ class RefusedFrame:
 
 
 @dataclasses.dataclass(frozen=True)
+class LostFrames:
+    """Frames that the service had acknowledged as durable and no longer has, as after its disk was
+    set back to an older copy.
+
+    Attributes:
+        first, last: indices among the frames of the upload, from 0, both included.
+    """
+
+    first: int
+    last: int
+
+
+class LossRecovery(enum.Enum):
+    """What becomes of such frames: their loss is an error; they are given up; they are sent again."""
+
+    NONE = "none"
+    GO_ON = "go_on"
+    SEND_AGAIN = "send_again"
+
+
+@dataclasses.dataclass(frozen=True)
 class UploadProgress:
     """Where an upload stands: counts of frames since its start.
 
-    A refused frame counts as `refused` and nowhere behind `pushed` and `sent`.
+    A refused frame counts as `refused` and nowhere behind `pushed` and `sent`. Only the levels may
+    fall: when the service has lost frames that it had acknowledged.
 
     Attributes:
         pushed: given to the uploader.
@@ -55,6 +78,7 @@ class UploadProgress:
         durable: would survive the server's death.
         integrated: part of a committed revision.
         refused: refused by the service.
+        lost: were durable, are no more and were not sent again.
         sent_again: sendings beyond the first, after reconnections.
         reconnections: streams opened after the first.
         bytes_sent: of serialized batches.
@@ -69,6 +93,7 @@ class UploadProgress:
     durable: int = 0
     integrated: int = 0
     refused: int = 0
+    lost: int = 0
     sent_again: int = 0
     reconnections: int = 0
     bytes_sent: int = 0
@@ -79,12 +104,19 @@ class UploadQueue:
     """Frames by client sequence, credit, and batches. Bounded by its user, who pushes only while
     `buffered_bytes` allows it."""
 
-    def __init__(self, max_batch_bytes: int, max_batch_frames: int) -> None:
+    def __init__(
+        self,
+        max_batch_bytes: int,
+        max_batch_frames: int,
+        recovery: LossRecovery = LossRecovery.NONE,
+    ) -> None:
+        self._recovery = recovery
         self._max_batch_bytes = max_batch_bytes
         self._max_batch_frames = max_batch_frames
         self._max_message_bytes = _UNLIMITED_BYTES
-        # Client sequences `durable + 1` to `last_pushed`, with their serialized bytes.
-        self._pending: Deque[Tuple[frame_pb2.Frame, int]] = collections.deque()
+        # Client sequences `durable + 1` to `last_pushed`, with their serialized bytes. None: to be
+        # read again.
+        self._pending: Deque[Tuple[Optional[frame_pb2.Frame], int]] = collections.deque()
         self.buffered_bytes = 0
         self.last_pushed = 0
         self._next_to_send = 1
@@ -96,6 +128,8 @@ class UploadQueue:
         self._credit_frames = 0
         self._refused_ahead: Set[int] = set()  # Refused sequences above `integrated`.
         self._refused_behind = 0  # How many there were up to it.
+        self._was_refused = bytearray()  # By client sequence, up to the last refused one.
+        self._given_up: List[Tuple[LostFrames, int]] = []  # With how many had not been refused.
         self.refused: List[RefusedFrame] = []
         self._sent_again = 0
         self._bytes_sent = 0
@@ -115,18 +149,56 @@ class UploadQueue:
         self._pending.append((frame, frame_bytes))
         self.buffered_bytes += frame_bytes
 
-    def open(self, opened: ingest_service_pb2.UploadOpened) -> None:
-        """Starts over at the server's resume point. DataLossError if it forgot durable frames."""
-        if opened.resume_client_seq < self.durable:
+    @property
+    def lost(self) -> List[LostFrames]:
+        """Frames that were given up, by rising indices."""
+        return [frames for frames, _ in self._given_up]
+
+    def open(self, opened: ingest_service_pb2.UploadOpened) -> Optional[LostFrames]:
+        """Starts over at the server's resume point.
+
+        The frames that turn out to be lost now and were not known to be, or None. DataLossError where
+        frames are lost and there is no recovery.
+        """
+        resume = opened.resume_client_seq
+        lost: Optional[LostFrames] = None
+        if resume >= self.durable:
+            self._settle(resume)
+        elif self._recovery is LossRecovery.SEND_AGAIN:
+            lost = LostFrames(resume, self.durable - 1)
+            self._miss_again(resume)
+        elif self._recovery is LossRecovery.GO_ON:
+            lost = self._give_up(resume)
+        else:
             raise DataLossError(
                 f"the server acknowledged frames up to {self.durable} of this session as durable, "
-                f"but now knows only {opened.resume_client_seq}"
+                f"but now knows only {resume}"
             )
-        self._settle(opened.resume_client_seq)
         self._next_to_send = self.durable + 1
         self._credit_bytes = opened.credit.bytes
         self._credit_frames = opened.credit.frames
         self._max_message_bytes = opened.max_message_bytes or _UNLIMITED_BYTES
+        return lost
+
+    def frame_to_read_again(self) -> Optional[int]:
+        """Index of the first frame for the next batch that must be read again, or None where there
+        is no such frame or no credit."""
+        end = self._next_to_send + min(self._credit_frames, self._max_batch_frames)
+        batch_bytes = 0
+        for client_seq in range(self._next_to_send, min(end, self.last_pushed + 1)):
+            frame, frame_bytes = self._pending[client_seq - self.durable - 1]
+            if frame is None:
+                return client_seq - 1
+            batch_bytes += frame_bytes
+            if batch_bytes >= self._max_batch_bytes:
+                return None
+        return None
+
+    def fill_in(self, index: int, frame: frame_pb2.Frame) -> None:
+        """Gives back the frame that `frame_to_read_again` named."""
+        frame_bytes = frame.ByteSize()
+        self._pending[index - self.durable] = (frame, frame_bytes)
+        self.buffered_bytes += frame_bytes
 
     def grant(self, credit: ingest_service_pb2.UploadCredit) -> None:
         """Adds credit."""
@@ -153,7 +225,7 @@ class UploadQueue:
 
     def can_take_batch(self) -> bool:
         """Whether `take_batch` would give a batch or an error."""
-        if self.all_sent:
+        if self.all_sent or self._pending[self._next_to_send - self.durable - 1][0] is None:
             return False
         frame_bytes = self._bytes_at(self._next_to_send)
         has_credit = self._credit_frames > 0 and frame_bytes <= self._credit_bytes
@@ -191,13 +263,16 @@ class UploadQueue:
 
     def progress(self, reconnections: int) -> UploadProgress:
         """Where the upload stands."""
+        lost = sum(count for _, count in self._given_up)
+        lost_behind = sum(c for frames, c in self._given_up if frames.last < self.integrated)
         return UploadProgress(
             pushed=self.last_pushed,
             sent=self._highest_sent,
-            received=self._without_refused(max(self.received, self.durable)),
-            durable=self._without_refused(self.durable),
-            integrated=self._without_refused(self.integrated),
+            received=self._without_refused(max(self.received, self.durable)) - lost,
+            durable=self._without_refused(self.durable) - lost,
+            integrated=self._without_refused(self.integrated) - lost_behind,
             refused=self._refused_behind + len(self._refused_ahead),
+            lost=lost,
             sent_again=self._sent_again,
             reconnections=reconnections,
             bytes_sent=self._bytes_sent,
@@ -210,7 +285,38 @@ class UploadQueue:
             if self._pending:
                 self.buffered_bytes -= self._pending.popleft()[1]
 
+    def _miss_again(self, resume: int) -> None:
+        """What is lost is pending again, to be read when it is sent."""
+        missing = max(0, min(self.durable, self.last_pushed) - resume)
+        self._pending.extendleft([(None, 0)] * missing)
+        self.durable = resume
+        self.received = min(self.received, resume)
+        self._set_back_integrated(resume)
+
+    def _give_up(self, resume: int) -> Optional[LostFrames]:
+        """Goes on behind what was durable; None if all of it was given up already."""
+        lost = LostFrames(resume, self.durable - 1)
+        if self._given_up and self._given_up[-1][0] == lost:
+            return None
+        self._set_back_integrated(resume)
+        while self._given_up and self._given_up[-1][0].first >= lost.first:
+            self._given_up.pop()
+        last = min(lost.last + 1, self.last_pushed)
+        refused = sum(self._was_refused[lost.first : last])
+        self._given_up.append((lost, last - lost.first - refused))
+        return lost
+
+    def _set_back_integrated(self, client_seq: int) -> None:
+        for sequence in range(client_seq + 1, min(self.integrated, len(self._was_refused)) + 1):
+            if self._was_refused[sequence - 1]:
+                self._refused_ahead.add(sequence)
+                self._refused_behind -= 1
+        self.integrated = min(self.integrated, client_seq)
+
     def _note_integrated(self, client_seq: int) -> None:
+        for frames, _ in self._given_up:  # What is lost need not be waited for.
+            if client_seq >= frames.first:
+                client_seq = max(client_seq, frames.last + 1)
         self.integrated = max(self.integrated, client_seq)
         behind = {sequence for sequence in self._refused_ahead if sequence <= self.integrated}
         self._refused_ahead -= behind
@@ -224,6 +330,8 @@ class UploadQueue:
         if not self.integrated < client_seq < self._next_to_send:
             return
         self._refused_ahead.add(client_seq)
+        self._was_refused.extend(bytes(max(0, client_seq - len(self._was_refused))))
+        self._was_refused[client_seq - 1] = 1
         if len(self.refused) < _MAX_KEPT_REFUSALS:
             self.refused.append(RefusedFrame(client_seq - 1, error_from_status(refused.status)))
 
@@ -242,6 +350,8 @@ class UploadQueue:
         batch_bytes = _ENVELOPE_BYTES
         count = 0
         while count == 0 or count < most_frames:
+            if self._pending[self._next_to_send + count - self.durable - 1][0] is None:
+                break
             grown = batch_bytes + self._bytes_at(self._next_to_send + count) - _ENVELOPE_BYTES
             if grown > self._max_message_bytes:
                 break
