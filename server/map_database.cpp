@@ -62,7 +62,9 @@ absl::StatusOr<std::unique_ptr<MapDatabase>> MapDatabase::Open(const std::filesy
 }
 
 absl::Status MapDatabase::OpenState(const std::filesystem::path& folder) {
-  const bool has_room = !surroundings_.read_only && CheckFree(kOpenBytes).ok();
+  // Not more than the reserve: a disk with enough for appends has enough to be opened.
+  const std::uint64_t needed = std::min(kOpenBytes, surroundings_.options->min_free_disk_bytes);
+  const bool has_room = !surroundings_.read_only && CheckFree(needed).ok();
   absl::StatusOr<std::unique_ptr<StateDatabase>> state = StateDatabase::Open(
       StateFolder(folder),
       has_room ? StateDatabase::Mode::kReadWrite : StateDatabase::Mode::kReadOnly,

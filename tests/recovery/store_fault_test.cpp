@@ -197,6 +197,17 @@ TEST_F(StoreFault, MapOpensForReadingAloneOnAFullDiskAndHealsWhenItIsLoaded) {
   EXPECT_TRUE(Commit(map_, 2, 4).ok());
 }
 
+TEST_F(StoreFault, DiskWithItsReserveFreeIsEnoughForAMapToBeWrittenTo) {
+  StoreOptions options;
+  options.write_buffer_bytes = std::size_t{1} << 20;
+  options.min_free_disk_bytes = 3 * options.write_buffer_bytes;
+  free_bytes_ = options.min_free_disk_bytes;
+  Open(options);
+  ASSERT_TRUE(store_->LoadMap(map_).ok());
+  EXPECT_TRUE(store_->health(map_.key).ok());
+  EXPECT_TRUE(store_->Append(MakeAppend(map_.key, 4, 1)).ok());
+}
+
 TEST_F(StoreFault, LogGivesItsSpaceBackOnAFullDisk) {
   ASSERT_TRUE(Commit(map_, 0, 3).ok());
   free_bytes_ = 0;
