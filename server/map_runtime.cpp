@@ -21,7 +21,7 @@ constexpr std::size_t kMaxGroupBytes = std::size_t{8} << 20;
 
 // Between tries to open a map anew after a write to it has failed.
 constexpr std::chrono::milliseconds kFirstRetry{500};
-constexpr std::chrono::milliseconds kLongestRetry{60'000};
+constexpr std::chrono::milliseconds kLongestRetry{10'000};
 
 // Between looks at a disk that had no room.
 constexpr std::chrono::milliseconds kDiskRetry{1000};
@@ -222,6 +222,11 @@ Strand::Next MapRuntime::AppendStep() {
   if (status.ok()) status = dependencies_.store->Append(group.append());
   if (ReasonOf(status) == reason::kDiskLow) status = WithRetryDelay(status, kDiskRetry.count());
   if (status.ok()) NoteAppended(group);
+  // A disk without room refuses batches one by one; anything else stops the map, before anybody
+  // hears of it and asks how the map fares.
+  const bool stops_map =
+      !status.ok() && ReasonOf(status) != reason::kDiskLow && !absl::IsNotFound(status);
+  if (stops_map) Fail(status);
   // DURABLE goes out before anybody can say INTEGRATED.
   group.Report(status);
   for (const PendingClasses& pending : classes) pending.done(status);
@@ -231,11 +236,7 @@ Strand::Next MapRuntime::AppendStep() {
     map_strand_->Wake();
     return queue_.waiting_frames() > 0 ? Strand::Next::Now() : Strand::Next::Never();
   }
-  // A disk without room refuses batches one by one; anything else stops the map.
-  if (ReasonOf(status) != reason::kDiskLow && !absl::IsNotFound(status)) {
-    Fail(status);
-    map_strand_->Wake();
-  }
+  if (stops_map) map_strand_->Wake();
   return Strand::Next::Now();
 }
 
