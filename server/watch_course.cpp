@@ -207,10 +207,18 @@ absl::StatusOr<WatchCourse::Message> WatchCourse::Next(bool draining) {
   return MakeGoodbye();
 }
 
+std::vector<std::shared_ptr<WatchMessages>> WatchCourse::StepsInPart() const {
+  std::vector<std::shared_ptr<WatchMessages>> steps;
+  if (std::shared_ptr<WatchMessages> sent = sent_step_.lock()) steps.push_back(std::move(sent));
+  if (step_ != nullptr && place_ > 0 && step_->is_resumable()) steps.push_back(step_);
+  return steps;
+}
+
 /// The next message of the step under way; none, and no step, once it is whole.
 absl::StatusOr<WatchCourse::Message> WatchCourse::NextOfStep() {
   while (step_ != nullptr) {
     if (place_ == step_->count()) {
+      if (step_->is_resumable()) sent_step_ = step_;
       position_ = step_->after();
       shown_ = step_->shown();
       step_ = nullptr;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
@@ -51,8 +52,9 @@ class WatchCourse {
   /// The step on its way; null between steps.
   const std::shared_ptr<WatchMessages>& step() const { return step_; }
 
-  /// Whether the watcher may have part of that step, and a token for going on within it.
-  bool is_within_step() const { return step_ != nullptr && place_ > 0 && step_->is_resumable(); }
+  /// The steps of which the watcher may have a part, and a token for going on within them: the one
+  /// on its way, and the one sent last, since what was sent may be lost on its way.
+  std::vector<std::shared_ptr<WatchMessages>> StepsInPart() const;
 
  private:
   absl::Status ChooseStart(const PublishedRevision& newest);
@@ -81,8 +83,9 @@ class WatchCourse {
   std::optional<PublishedRevision> next_snapshot_;  ///< To be sent whole; none: deltas follow.
   absl::Status gap_;  ///< Why the history behind the token is no use; to be told or resynced.
   std::shared_ptr<WatchMessages> step_;
-  std::size_t place_ = 0;        ///< Of the next message in the step.
-  bool continues_step_ = false;  ///< The watcher has part of the first step.
+  std::size_t place_ = 0;                   ///< Of the next message in the step.
+  std::weak_ptr<WatchMessages> sent_step_;  ///< The last one with tokens; the hub keeps some.
+  bool continues_step_ = false;             ///< The watcher has part of the first step.
   bool said_goodbye_ = false;
 };
 

@@ -138,11 +138,19 @@ std::shared_ptr<WatchMessages> WatchHub::FindHeld(const StepKey& key) const {
     std::shared_ptr<WatchMessages> step = watch->step();
     if (step != nullptr && step->key() == key) return step;
   }
-  const absl::MutexLock lock(&mutex_);
-  for (const HeldStep& held : held_) {
-    if (held.messages->key() == key) return held.messages;
+  std::shared_ptr<SharedStep> sent;
+  {
+    const absl::MutexLock lock(&mutex_);
+    for (const HeldStep& held : held_) {
+      if (held.messages->key() == key) return held.messages;
+    }
+    const auto shared = std::find_if(
+        steps_.begin(), steps_.end(), [&key](const auto& step) { return step->key == key; });
+    if (shared == steps_.end()) return nullptr;
+    sent = *shared;
   }
-  return nullptr;
+  const absl::MutexLock lock(&sent->mutex);
+  return sent->messages;
 }
 
 void WatchHub::DropHeld(absl::Time now) {

@@ -119,12 +119,13 @@ class WatchHub {
   absl::StatusOr<std::shared_ptr<WatchMessages>> FindStep(const StepRequest& request)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Keeps a step that a watch was cut off in, for a minute, so that its watcher can go on within
-  /// it; the last few of them. To be called before the watch leaves.
+  /// Keeps a step that a watch may have been cut off in, for a minute, so that its watcher can go
+  /// on within it; the last few of them. To be called before the watch leaves.
   void Hold(std::shared_ptr<WatchMessages> step) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// A step that is held, or that a watch is being sent, since the server may not know yet that its
-  /// watcher has gone; null if there is none.
+  /// A step that is held, or that a watch is being sent, or that one was sent to its end lately:
+  /// the server may not know yet that its watcher has gone, or that part of it was lost on the way.
+  /// Null if there is none.
   std::shared_ptr<WatchMessages> FindHeld(const StepKey& key) const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:

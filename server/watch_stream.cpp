@@ -117,8 +117,8 @@ void WatchStream::OnGone() {
   }
   if (!entered) return;
   const std::shared_ptr<MapRuntime>& map = course_->map();
-  if (course_->is_within_step() && !absl::IsNotFound(status)) {
-    surroundings_.hub->Hold(course_->step());
+  if (!absl::IsNotFound(status)) {
+    for (auto& step : course_->StepsInPart()) surroundings_.hub->Hold(std::move(step));
   }
   surroundings_.hub->Leave(map->key(), shared_from_this());
   spdlog::debug("map {}: a watch ended behind revision {}: {}",

@@ -116,6 +116,30 @@ TEST_P(WatchPartTest, ALongDeltaComesPieceByPieceThoughTheMapMovesOn) {
   EXPECT_EQ(view.All(), leaves);
 }
 
+TEST_P(WatchPartTest, AStepThatWasSentToItsEndCanBeGoneOnWithin) {
+  uploaded_ = kObjectMapRevision;
+  const auto begin = Watch(Request())->ReadStep();
+  ASSERT_TRUE(begin.has_value());
+  Upload(20);
+  // What lies behind the first message counts as lost on its way.
+  auto watch = Watch(SmallMessages(ResumeBehind(begin->progress)));
+  watch->Read();
+  const auto first = watch->Read();
+  ASSERT_TRUE(first.has_value());
+  const auto lost = watch->ReadStep();
+  ASSERT_TRUE(lost.has_value());
+  watch.reset();
+  Upload(1);
+  const auto again = Watch(GoOnBehind(PartToken(*first)))->ReadStep();
+  ASSERT_TRUE(again.has_value());
+  EXPECT_TRUE(again->created->continues_step());
+  EXPECT_EQ(again->progress.revision(), lost->progress.revision());
+  ASSERT_EQ(again->delta.size(), lost->delta.size());
+  for (std::size_t i = 0; i < again->delta.size(); ++i) {
+    EXPECT_EQ(again->delta[i].SerializeAsString(), lost->delta[i].SerializeAsString());
+  }
+}
+
 TEST_P(WatchPartTest, TheSnapshotOfAMapThatRestsGoesOnAfterARestart) {
   const Part part = TakePieceByPiece(SmallMessages(Request()), [this] { service_.Restart(); });
   EXPECT_GE(part.messages, 5);
