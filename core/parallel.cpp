@@ -1,8 +1,9 @@
 #include "core/parallel.h"
 
 #include <algorithm>
+#include <atomic>
+#include <utility>
 
-#include <pthread.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_scheduler_observer.h>
@@ -12,21 +13,22 @@ namespace {
 
 thread_local void* work_owner = nullptr;
 
-/// Names oneTBB's threads as they come to help the thread that made this.
-class HelperNames final : public tbb::task_scheduler_observer {
+std::atomic<void (*)()> helper_greeting = nullptr;
+
+/// Greets oneTBB's threads as they come to help the thread that made this.
+class HelperGreeter final : public tbb::task_scheduler_observer {
  public:
-  HelperNames() { observe(true); }
+  HelperGreeter() { observe(true); }
 
-  ~HelperNames() override { observe(false); }
+  ~HelperGreeter() override { observe(false); }
 
-  HelperNames(const HelperNames&) = delete;
-  HelperNames& operator=(const HelperNames&) = delete;
+  HelperGreeter(const HelperGreeter&) = delete;
+  HelperGreeter& operator=(const HelperGreeter&) = delete;
 
   void on_scheduler_entry(bool is_helper) override {
-    thread_local bool is_named = false;
-    if (!is_helper || is_named) return;
-    ::pthread_setname_np(::pthread_self(), "compute");
-    is_named = true;
+    thread_local bool is_greeted = false;
+    if (!is_helper || std::exchange(is_greeted, true)) return;
+    if (void (*const greet)() = helper_greeting) greet();
   }
 };
 
@@ -54,7 +56,7 @@ void ParallelFor(std::size_t count,
     work(0, count);
     return;
   }
-  thread_local HelperNames helper_names;
+  thread_local HelperGreeter greeter;
   void* const owner = work_owner;
   // oneTBB halves what is longer than its grain, so halves are at least half as long as that.
   const std::size_t grain = std::max<std::size_t>(2 * min_range, 2) - 1;
@@ -63,6 +65,8 @@ void ParallelFor(std::size_t count,
     work(range.begin(), range.end());
   });
 }
+
+void SetHelperGreeting(void (*greet)()) { helper_greeting = greet; }
 
 void* WorkOwner() { return work_owner; }
 

@@ -20,6 +20,10 @@ void ParallelFor(std::size_t count,
                  std::size_t min_range,
                  absl::FunctionRef<void(std::size_t begin, std::size_t end)> work);
 
+/// Has `greet` called on every thread that comes to help, once and before it does: to name it. To
+/// be called before there is work.
+void SetHelperGreeting(void (*greet)());
+
 /// On whose behalf the current thread works, for those that look from outside, such as a handler of
 /// crashes; null: on nobody's. `ParallelFor` takes it along to the threads that help. May be called
 /// in a signal handler.

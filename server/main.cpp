@@ -22,6 +22,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include "core/parallel.h"
 #include "server/command_line.h"
 #include "server/config_file.h"
 #include "server/exit_deadline.h"
@@ -32,6 +33,7 @@
 #include "server/service_manager_notifier.h"
 #include "server/store.h"
 #include "server/store_tools.h"
+#include "server/worker_pool.h"
 
 namespace steadymap {
 namespace {
@@ -167,6 +169,7 @@ int Run(const CommandLine& command_line, ServerConfig config) {
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockSignals();
   IntegrationNote::CatchCrashes();
+  SetHelperGreeting([] { NameThread("compute"); });
   absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(config.data_dir, config.store);
   if (!store.ok()) {
     spdlog::error("{}", std::string(store.status().message()));

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <random>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -61,6 +62,23 @@ TEST(ParallelFor, LittleWorkStaysWithTheCaller) {
   EXPECT_EQ(RunOnThreads(8, [] { return RangesOf(64, 64); }), (std::vector<Range>{{0, 64}}));
   EXPECT_TRUE(RangesOf(0, 1).empty());
   EXPECT_GT(RunOnThreads(8, [] { return RangesOf(64, 8); }).size(), 1U);
+}
+
+TEST(ParallelFor, GreetsEachHelperOnce) {
+  static thread_local int greetings = 0;
+  SetHelperGreeting([] { ++greetings; });
+  std::atomic<int> oftener = 0;
+  std::atomic<int> callers = 0;
+  const std::thread::id caller = std::this_thread::get_id();
+  for (int round = 0; round < 100; ++round) {
+    ParallelFor(64, 1, [&](std::size_t, std::size_t) {
+      if (greetings > 1) ++oftener;
+      if (std::this_thread::get_id() == caller && greetings > 0) ++callers;
+    });
+  }
+  SetHelperGreeting(nullptr);
+  EXPECT_EQ(oftener, 0);
+  EXPECT_EQ(callers, 0);
 }
 
 TEST(ParallelFor, ExceptionsComeOut) {
