@@ -21,6 +21,10 @@ constexpr std::size_t kSegmentSummedBytes = 40;
 constexpr std::size_t kRecordHeaderBytes = 32;
 constexpr std::size_t kRecordSummedBytes = 24;
 constexpr std::size_t kAlignment = 8;
+// Bytes that a segment takes of the disk for appends to come; no more than it has itself, so that
+// those of small maps stay small.
+constexpr std::uint64_t kMaxSpaceAhead = std::uint64_t{4} << 20;
+
 constexpr std::string_view kPadding{"\0\0\0\0\0\0\0", kAlignment - 1};
 
 void AppendInteger(std::uint64_t value, std::size_t bytes, std::string* text) {
@@ -188,7 +192,42 @@ class SegmentWalk {
 }  // namespace
 
 LogSegmentWriter::LogSegmentWriter(PosixFile file, std::uint64_t size)
-    : file_(std::move(file)), size_(size) {}
+    : file_(std::move(file)), size_(size), space_end_(size) {}
+
+LogSegmentWriter::~LogSegmentWriter() { GiveSpaceBack(); }
+
+LogSegmentWriter::LogSegmentWriter(LogSegmentWriter&& other) noexcept
+    : file_(std::move(other.file_)),
+      size_(other.size_),
+      space_end_(std::exchange(other.space_end_, 0)) {}
+
+LogSegmentWriter& LogSegmentWriter::operator=(LogSegmentWriter&& other) noexcept {
+  GiveSpaceBack();
+  file_ = std::move(other.file_);
+  size_ = other.size_;
+  space_end_ = std::exchange(other.space_end_, 0);
+  return *this;
+}
+
+/// Takes more than is needed as the segment grows: to allocate with each sync makes it a fifth
+/// slower.
+absl::Status LogSegmentWriter::TakeSpace(std::uint64_t bytes) {
+  const std::uint64_t end = size_ + bytes;
+  if (end <= space_end_) return absl::OkStatus();
+  const std::uint64_t ahead = std::min(size_, kMaxSpaceAhead);
+  if (file_.Reserve(size_, bytes + ahead).ok()) {
+    space_end_ = end + ahead;
+    return absl::OkStatus();
+  }
+  absl::Status status = file_.Reserve(size_, bytes);
+  if (status.ok()) space_end_ = end;
+  return status;
+}
+
+void LogSegmentWriter::GiveSpaceBack() {
+  if (space_end_ > size_) file_.Truncate(size_).IgnoreError();
+  space_end_ = 0;
+}
 
 absl::StatusOr<LogSegmentWriter> LogSegmentWriter::Create(const std::filesystem::path& path,
                                                           const SegmentStart& start) {
@@ -222,7 +261,7 @@ absl::Status LogSegmentWriter::Append(const std::vector<LogRecord>& records, Map
         kPadding.substr(0, header.record_bytes() - kRecordHeaderBytes - header.payload_bytes));
     bytes += header.record_bytes();
   }
-  if (absl::Status status = file_.Reserve(size_, bytes); !status.ok()) return status;
+  if (absl::Status status = TakeSpace(bytes); !status.ok()) return status;
   absl::Status status = file_.WriteAt(size_, parts);
   if (status.ok()) status = file_.Sync();
   if (status.ok()) {
@@ -230,6 +269,7 @@ absl::Status LogSegmentWriter::Append(const std::vector<LogRecord>& records, Map
     return status;
   }
   const absl::Status cut = file_.Truncate(size_);
+  space_end_ = size_;
   if (cut.ok() && ReasonOf(status) == reason::kDiskLow) return status;
   return MakeError(absl::StatusCode::kUnavailable,
                    reason::kStoreReadOnly,

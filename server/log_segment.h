@@ -64,6 +64,11 @@ class LogSegmentWriter {
   static absl::StatusOr<LogSegmentWriter> Reopen(const std::filesystem::path& path,
                                                  std::uint64_t size);
 
+  /// Gives back disk space that was taken for appends to come.
+  ~LogSegmentWriter();
+  LogSegmentWriter(LogSegmentWriter&& other) noexcept;
+  LogSegmentWriter& operator=(LogSegmentWriter&& other) noexcept;
+
   /// Appends a group, `records` with their end last, and syncs it.
   /// Errors: `ResourceExhausted` with reason `DISK_LOW`: nothing was written. `Unavailable` with
   /// reason `STORE_READ_ONLY`: see above.
@@ -75,8 +80,12 @@ class LogSegmentWriter {
  private:
   LogSegmentWriter(PosixFile file, std::uint64_t size);
 
+  absl::Status TakeSpace(std::uint64_t bytes);
+  void GiveSpaceBack();
+
   PosixFile file_;
   std::uint64_t size_ = 0;
+  std::uint64_t space_end_ = 0;  ///< Up to where the disk has space for the file.
 };
 
 /// A record as it was found in a segment.

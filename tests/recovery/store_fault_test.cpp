@@ -2,12 +2,16 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <rocksdb/env.h>
+#include <sys/stat.h>
 
 #include "core/error.h"
 #include "server/posix_file.h"
@@ -126,6 +130,36 @@ TEST_F(StoreFault, FullDiskRefusesAppendsAndNothingElse) {
   SetFileFaultsForTest({});
   EXPECT_TRUE(store_->Append(MakeAppend(map_.key, 4, 2)).ok());
   EXPECT_EQ(ReadAll(store_.get(), map_.key).size(), 5U);
+}
+
+TEST_F(StoreFault, LogTakesDiskSpaceAheadAndGivesItBackWhenItIsClosed) {
+  const auto taken_bytes = [this] {
+    std::uintmax_t size = 0;
+    std::uintmax_t taken = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path())) {
+      if (entry.path().extension() != ".log" || entry.path().parent_path().filename() != "log") {
+        continue;
+      }
+      struct stat info {};
+
+      EXPECT_EQ(::stat(entry.path().c_str(), &info), 0);
+      size += entry.file_size();
+      taken += 512 * static_cast<std::uintmax_t>(info.st_blocks);
+    }
+    return std::pair(size, taken);
+  };
+  LogAppend append = MakeAppend(map_.key, 4, 1);
+  append.entries = {MakeLogEntry(4, 300'000)};
+  ASSERT_TRUE(store_->Append(append).ok());
+  append = MakeAppend(map_.key, 5, 1);
+  append.entries = {MakeLogEntry(5, 5'000)};
+  ASSERT_TRUE(store_->Append(append).ok());
+  const auto [open_size, open_taken] = taken_bytes();
+  EXPECT_GT(open_taken, open_size + 200'000) << "the next appends find their space";
+  store_.reset();
+  const auto [size, taken] = taken_bytes();
+  EXPECT_EQ(size, open_size);
+  EXPECT_LT(taken, size + 100'000);
 }
 
 TEST_F(StoreFault, CommitOnADiskThatFillsUpWaitsForRoom) {
