@@ -15,11 +15,11 @@
 namespace steadymap {
 namespace {
 
-constexpr std::size_t kMiB = std::size_t{1} << 20;
+constexpr std::size_t kMegabyte = std::size_t{1} << 20;
 
 TEST(MemoryGuard, RefusesWhileMoreIsHeldThanAllowedAndSaysHowMuch) {
-  std::size_t held = 100 * kMiB;
-  MemoryGuard guard(100 * kMiB, [&held] { return held; });
+  std::size_t held = 100 * kMegabyte;
+  MemoryGuard guard(100 * kMegabyte, [&held] { return held; });
   EXPECT_TRUE(guard.Check().ok());
   guard.SetMax(held - 1);
   const absl::Status refused = guard.Check();
@@ -44,9 +44,9 @@ TEST(MemoryGuard, MeasuresSeldomHoweverOftenItIsAsked) {
 
 TEST(ResidentBytes, GrowsWithWhatIsWritten) {
   const std::size_t before = ResidentBytes();
-  EXPECT_GT(before, kMiB);
-  const std::vector<char> block(64 * kMiB, 'x');
-  EXPECT_GT(ResidentBytes(), before + 48 * kMiB) << block.size();
+  EXPECT_GT(before, kMegabyte);
+  const std::vector<char> block(64 * kMegabyte, 'x');
+  EXPECT_GT(ResidentBytes(), before + 48 * kMegabyte) << block.size();
 }
 
 /// A machine as /proc and /sys describe it.
@@ -65,21 +65,21 @@ class Machine : public ::testing::Test {
 
 TEST_F(Machine, MemoryIsThatOfTheMachineWithoutALimit) {
   Write("proc/meminfo", "MemFree:  5 kB\nMemTotal:       16384 kB\nMemAvailable: 7 kB\n");
-  EXPECT_EQ(Usable(), 16 * kMiB);
+  EXPECT_EQ(Usable(), 16 * kMegabyte);
   Write("proc/self/cgroup", "0::/system.slice/steadymapd.service\n");
   Write("sys/fs/cgroup/system.slice/memory.max", "max\n");
-  EXPECT_EQ(Usable(), 16 * kMiB);
+  EXPECT_EQ(Usable(), 16 * kMegabyte);
 }
 
 TEST_F(Machine, MemoryIsTheLeastLimitOfTheControlGroupsAround) {
   Write("proc/meminfo", "MemTotal: 16384 kB\n");
   Write("proc/self/cgroup", "1:name=systemd:/x\n0::/system.slice/steadymapd.service\n");
   Write("sys/fs/cgroup/system.slice/steadymapd.service/memory.max", "8388608\n");
-  EXPECT_EQ(Usable(), 8 * kMiB);
+  EXPECT_EQ(Usable(), 8 * kMegabyte);
   Write("sys/fs/cgroup/system.slice/memory.max", "4194304\n");
-  EXPECT_EQ(Usable(), 4 * kMiB);
+  EXPECT_EQ(Usable(), 4 * kMegabyte);
   Write("sys/fs/cgroup/memory.max", "2097152\n");
-  EXPECT_EQ(Usable(), 2 * kMiB) << "what a container sees";
+  EXPECT_EQ(Usable(), 2 * kMegabyte) << "what a container sees";
 }
 
 TEST(UsableMemoryBytes, OfThisMachineHoldsThisProcess) {
