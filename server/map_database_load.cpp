@@ -132,7 +132,7 @@ class ContentLoader {
     if (absl::Status status = UnsealRecord(place, stored.value, &record); !status.ok()) {
       return status;
     }
-    const absl::Status status = UnpackLeaf(record.packed(), content_->scale, &leaf->voxels);
+    absl::Status status = UnpackLeaf(record.packed(), content_->scale, &leaf->voxels);
     if (status.ok()) return status;
     return DamagedValue(place, absl::StrCat("is no leaf: ", status.message()));
   }

@@ -39,6 +39,7 @@ class Load:
     """Works on a daemon of one build until the time is up."""
 
     def __init__(self, build: Path, folder: Path) -> None:
+        self._folder = folder
         self._program = str(build / "client/cli/steadymap")
         self.daemon = DaemonProcess(folder, build / "server/steadymapd")
         self._client = steadymap.connect(self.daemon.address)
@@ -58,7 +59,9 @@ class Load:
         self.run("map", "create", name, "--policy", "pocd")
         self.run("simulate", name, "--route", "1-5", "--stride", "2")
         for kind in ("vdb", "glb"):
-            self.run("export", name, "--format", kind, "--output", "/dev/null")
+            output = str(self._folder / f"{name}.{kind}")
+            self.run("export", name, "--format", kind, "--output", output)
+            Path(output).unlink()
         self._client.mesh(name)
         list(self._client.objects(name))
         list(self._client.events(name))
