@@ -15,7 +15,8 @@ TrackedObject::TrackedObject(ObjectId id,
 TrackedObject::TrackedObject(const MapObject& published, const VoxelScale& scale)
     : state_(static_cast<const ObjectState&>(published)),
       scale_(scale),
-      volume_(published.volume->Clone()) {
+      // Shared until it is written, as after `Publish`.
+      volume_(std::const_pointer_cast<TsdfGrid>(published.volume)) {
   surface_.Rebuild(*volume_, scale_);
   UpdateBounds();
 }

@@ -18,7 +18,7 @@ class TrackedObject {
   /// A new object whose frame has its origin at `position_world`.
   TrackedObject(ObjectId id, const Eigen::Vector3d& position_world, const VoxelScale& scale);
 
-  /// Goes on from a published object.
+  /// Goes on from a published object, whose volume it shares.
   TrackedObject(const MapObject& published, const VoxelScale& scale);
 
   ObjectState& state() { return state_; }

@@ -159,6 +159,29 @@ TEST(WorkingMap, FindsAfterARestoreWhatItFoundBefore) {
   }
 }
 
+TEST(WorkingMap, SharesVolumesWithTheSnapshotItWasRestoredFromUntilItWritesThem) {
+  WorkingMap map((MapConfig()));
+  map.BeginFrame(Revision(1), Timestamp::FromSeconds(1.0));
+  TrackedObject& made = map.AddObject(Eigen::Vector3d::Zero());
+  map.MarkLeaves(&made, WriteCube(Eigen::Vector3d::Zero(), &made));
+  const ObjectId id = made.id();
+  map.EndFrame();
+  const std::shared_ptr<const MapSnapshot> published = map.Commit().snapshot;
+  const std::shared_ptr<const TsdfGrid> volume = published->objects.find(id)->second->volume;
+  const std::size_t leaves = volume->leaf_count();
+
+  WorkingMap restored((MapConfig()));
+  restored.Restore(*published);
+  TrackedObject& object = restored.mutable_objects().at(id);
+  EXPECT_EQ(&object.volume(), volume.get()) << "memory for two";
+  LeafVoxels leaf;
+  leaf.observed.front() = 1;
+  object.MutableVolume().StoreLeaf({800, 0, 0}, leaf);
+  EXPECT_NE(&object.volume(), volume.get());
+  EXPECT_EQ(object.volume().leaf_count(), leaves + 1);
+  EXPECT_EQ(volume->leaf_count(), leaves);
+}
+
 TEST(WorkingMap, FindsNothingInAnEmptyBoxNorAnObjectWithoutSurface) {
   WorkingMap map((MapConfig()));
   map.BeginFrame(Revision(1), Timestamp::FromSeconds(1.0));
