@@ -27,11 +27,21 @@ Mapper::Mapper(const MapConfig& config, const MapperOptions& options)
   UseClasses();
 }
 
-/// What lasts stands in the map, so everything else can be made anew.
 void Mapper::UseClasses() {
   config_.classes = created_classes_;
   const std::vector<SemanticClass>& added = map_.added_classes();
   config_.classes.insert(config_.classes.end(), added.begin(), added.end());
+  Rest();
+}
+
+/// What lasts stands in the map, so everything else can be made anew.
+void Mapper::Rest() {
+  cloud_.reset();
+  updater_.reset();
+}
+
+void Mapper::PrepareForFrames() {
+  if (updater_ != nullptr) return;
   cloud_ =
       std::make_unique<SemanticCloud>(config_, DropsDynamicClasses(config_, options_.switches));
   updater_ = MakeMapUpdater(config_, options_);
@@ -60,6 +70,7 @@ void Mapper::Skip(MapSequence sequence) {
 void Mapper::Integrate(MapSequence sequence, const Frame& frame) {
   assert(sequence == head().Next());
   assert(ValidateFrame(frame, KnownLabels(config_.classes)).ok());
+  PrepareForFrames();
   stages_.Enter(MapperStage::kCloud);
   cloud_->Compute(frame);
   map_.BeginFrame(Revision(sequence.value()), frame.capture_time);

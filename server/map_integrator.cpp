@@ -25,6 +25,9 @@ constexpr std::chrono::seconds kCommitRetry{1};
 constexpr std::size_t kReadAheadEntries = 16;
 constexpr std::size_t kReadAheadBytes = std::size_t{8} << 20;
 
+// A map that got no frame for so long gives the memory for working on them back.
+constexpr std::chrono::seconds kRestDelay{10};
+
 // Processes that may end on an entry before it is left alone.
 constexpr std::uint32_t kMaxCrashes = 2;
 
@@ -82,6 +85,7 @@ absl::Status MapIntegrator::Start(const MapRecord& record, const StoredState& st
   details_ = {};
   unstored_.reset();
   commit_due_ = Clock::time_point::max();
+  rest_at_ = Clock::time_point::max();
   DropWaiting();
   if (mapper_->head() < log_head_) {
     spdlog::info("map {}: integrating the log from entry {} to {}",
@@ -113,6 +117,10 @@ absl::Status MapIntegrator::Advance() {
   if (unstored_ && Clock::now() < retry_at_) return absl::OkStatus();
   if (unstored_ || IsCommitDue()) {
     if (absl::Status status = Commit(); !status.ok()) return status;
+  }
+  if (Clock::now() >= rest_at_) {
+    mapper_->Rest();
+    rest_at_ = Clock::time_point::max();
   }
   const Clock::time_point end = Clock::now() + kSlice;
   while (!unstored_ && !interrupted_ && Clock::now() < end) {
@@ -194,6 +202,7 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
   if (mapper_->uncommitted_entries() == 0) {
     commit_due_ = Clock::now() + std::chrono::milliseconds(max_delay_ms_);
   }
+  rest_at_ = Clock::now() + kRestDelay;
   note_->Begin(entry.sequence);
   if (entry.kind == LogEntryKind::kClasses) {
     mapper_->AddClasses(entry.sequence, entry.classes);
@@ -268,7 +277,8 @@ Strand::Next MapIntegrator::NextStep() const {
     const absl::MutexLock lock(&mutex_);
     if (!inbox_.empty()) return Strand::Next::Now();
   }
-  return mapper_->uncommitted_entries() > 0 ? Strand::Next::At(commit_due_) : Strand::Next::Never();
+  if (mapper_->uncommitted_entries() > 0) return Strand::Next::At(commit_due_);
+  return rest_at_ == Clock::time_point::max() ? Strand::Next::Never() : Strand::Next::At(rest_at_);
 }
 
 bool MapIntegrator::IsCommitDue() const {

@@ -119,6 +119,7 @@ class MapIntegrator {
   std::optional<MapCommit> unstored_;                 ///< Made, but the disk had no room for it.
   Clock::time_point retry_at_ = Clock::time_point::min();  ///< When to store it.
   Clock::time_point commit_due_ = Clock::time_point::max();
+  Clock::time_point rest_at_ = Clock::time_point::max();  ///< When the mapper may rest.
   MapCounter counter_;
 
   std::atomic<bool> interrupted_ = false;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,6 +14,7 @@
 #include "core/map_delta.h"
 #include "core/tsdf_mesh.h"
 #include "core/vdb_file.h"
+#include "tests/core/room_drive.h"
 #include "tests/support/analytic_depth.h"
 
 namespace steadymap {
@@ -266,6 +268,41 @@ TEST(WriteVdb, KeepsToTheBoxAndIsReproducible) {
   const std::string part = WriteVdb(map, &box).value();
   EXPECT_LT(part.size(), Vdb(map).size());
 }
+
+class RestingMapper : public ::testing::TestWithParam<UpdatePolicy> {
+ protected:
+  static std::vector<MapDelta> Map(const std::vector<Frame>& frames, std::size_t rest_after) {
+    MapConfig config;
+    config.policy = GetParam();
+    const std::unique_ptr<Mapper> mapper = Mapper::Create(config).value();
+    std::vector<MapDelta> deltas;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (i % rest_after == rest_after - 1) mapper->Rest();
+      mapper->Integrate(mapper->head().Next(), frames[i]);
+      deltas.push_back(mapper->Commit().delta);
+    }
+    return deltas;
+  }
+};
+
+TEST_P(RestingMapper, GoesOnAsIfItHadNotRested) {
+  std::vector<Frame> frames = testing::Drive(testing::Room(), 0, 10);
+  for (Frame& frame : testing::Drive(testing::RoomWithout(2), 10, 10, 60.0)) {
+    frames.push_back(std::move(frame));
+  }
+  const std::vector<MapDelta> busy = Map(frames, frames.size() + 1);
+  EXPECT_EQ(Map(frames, 1), busy);
+  EXPECT_EQ(Map(frames, 7), busy);
+}
+
+INSTANTIATE_TEST_SUITE_P(Policies,
+                         RestingMapper,
+                         ::testing::Values(UpdatePolicy::kStatic,
+                                           UpdatePolicy::kVoxelChange,
+                                           UpdatePolicy::kSubmapChange,
+                                           UpdatePolicy::kTracking,
+                                           UpdatePolicy::kPocd,
+                                           UpdatePolicy::kPocdPaper));
 
 }  // namespace
 }  // namespace steadymap
