@@ -26,6 +26,7 @@ const char* __tsan_default_options() { return "ignore_noninstrumented_modules=1"
 // NOLINTNEXTLINE(bugprone-reserved-identifier)
 const char* __tsan_default_suppressions() {
   return "race:tbb::detail\n"
+         "race:oneapi/tbb/\n"
          "race_top:grpc::\n"
          "race:grpc::SerializationTraits\n"
          "race:grpc::internal::CallOpSendMessage\n"
