@@ -89,9 +89,9 @@ class BandWalk {
 struct TsdfIntegrator::Scratch {
   /// One leaf from where it is kept to what the frame makes of it.
   struct LeafWork {
+    LeafVoxels new_leaf;  ///< What it would become, if it is none yet.
     LeafPlace place;
-    LeafEdit edit;         ///< Of the leaf as it is; null where there is none yet, and then ...
-    LeafVoxels new_leaf;   ///< ... what it would become.
+    LeafEdit edit;         ///< Of the leaf as it is; null where there is none yet.
     bool changed = false;  ///< Whether the frame says anything about it.
 
     LeafKernelLeaf ArraysFor(const Eigen::Vector3d& lowest_camera, bool with_color) {
