@@ -272,8 +272,10 @@ TEST_P(StoreContract, CommitsSurviveARestartLeafByLeaf) {
 TEST_P(StoreContract, LoadsTheSameOnAnyNumberOfThreads) {
   const MapRecord map = Create("hall");
   Append(MakeAppend(map.key, 1, 1));
+  constexpr std::int32_t kLeaves = 1300;
   std::vector<LeafChange> leaves;
-  for (std::int32_t i = 0; i < 1300; ++i) {
+  leaves.reserve(kLeaves);
+  for (std::int32_t i = 0; i < kLeaves; ++i) {
     leaves.push_back(MakeLeaf(i % 40, i / 40, -i % 7, static_cast<std::uint32_t>(i)));
   }
   const MapDelta delta = MakeDelta(0, 1, std::move(leaves));
