@@ -54,11 +54,12 @@ class MirrorHarness {
     callbacks.on_step = [this](const MirrorStep& step) {
       const std::lock_guard lock(mutex_);
       steps_.push_back(step);
+      told_.notify_all();
     };
     callbacks.on_events = [this](std::span<const NumberedEvent> events) {
       const std::lock_guard lock(mutex_);
       for (const NumberedEvent& event : events) event_numbers_.push_back(event.number.value());
-      events_came_.notify_all();
+      told_.notify_all();
     };
     callbacks.on_state = [this](const WatchStateChange& change) { Note(change); };
     mirror_ = MapMirror::Start(server.channels(), {"default", "kitchen"}, options, callbacks);
@@ -83,11 +84,16 @@ class MirrorHarness {
     EXPECT_TRUE(resynced_.WaitForNotificationWithTimeout(absl::FromChrono(kHangTimeout)));
   }
 
-  /// Waits until so many events were told of: a step can be seen before its callbacks run.
+  /// Waits until so many steps were told of: a step can be seen before its callbacks run.
+  void AwaitSteps(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(told_.wait_for(lock, kHangTimeout, [&] { return steps_.size() >= count; }));
+  }
+
+  /// Waits until so many events were told of.
   void AwaitEvents(std::size_t count) {
     std::unique_lock lock(mutex_);
-    EXPECT_TRUE(
-        events_came_.wait_for(lock, kHangTimeout, [&] { return event_numbers_.size() >= count; }));
+    EXPECT_TRUE(told_.wait_for(lock, kHangTimeout, [&] { return event_numbers_.size() >= count; }));
   }
 
   std::vector<MirrorStep> steps() const {
@@ -123,7 +129,7 @@ class MirrorHarness {
   }
 
   mutable std::mutex mutex_;
-  std::condition_variable events_came_;
+  std::condition_variable told_;  ///< Of a step or of events.
   std::vector<MirrorStep> steps_;
   std::vector<std::uint64_t> event_numbers_;
   std::vector<WatchStateChange> changes_;

@@ -97,6 +97,7 @@ TEST_F(UnfinishedStep, OfASnapshotGoesOnOverSeveralStreams) {
   ASSERT_TRUE(mirror.AwaitRevision(Revision(5), kHangTimeout).ok());
   EXPECT_EQ(ContentOf(*mirror.snapshot()), ContentOf(first_));
   EXPECT_EQ(mirror.resume_token(), "t5");
+  harness_.AwaitSteps(1);
   EXPECT_EQ(harness_.steps().size(), 1U);
   EXPECT_EQ(Tokens(), (std::vector<std::string>{"", "p1", "p2", "p2"}));
   EXPECT_EQ(harness_.service.requests()[1].start(), v1::WATCH_START_UNSPECIFIED);
