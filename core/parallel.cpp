@@ -13,22 +13,22 @@ namespace {
 
 thread_local void* work_owner = nullptr;
 
-std::atomic<void (*)()> helper_greeting = nullptr;
+std::atomic<void (*)()> helper_thread_hook = nullptr;
 
-/// Greets oneTBB's threads as they come to help the thread that made this.
-class HelperGreeter final : public tbb::task_scheduler_observer {
+/// Calls the hook on oneTBB's threads as they come to help the thread that made this.
+class HelperThreadObserver final : public tbb::task_scheduler_observer {
  public:
-  HelperGreeter() { observe(true); }
+  HelperThreadObserver() { observe(true); }
 
-  ~HelperGreeter() override { observe(false); }
+  ~HelperThreadObserver() override { observe(false); }
 
-  HelperGreeter(const HelperGreeter&) = delete;
-  HelperGreeter& operator=(const HelperGreeter&) = delete;
+  HelperThreadObserver(const HelperThreadObserver&) = delete;
+  HelperThreadObserver& operator=(const HelperThreadObserver&) = delete;
 
   void on_scheduler_entry(bool is_helper) override {
-    thread_local bool is_greeted = false;
-    if (!is_helper || std::exchange(is_greeted, true)) return;
-    if (void (*const greet)() = helper_greeting) greet();
+    thread_local bool is_known = false;
+    if (!is_helper || std::exchange(is_known, true)) return;
+    if (void (*const hook)() = helper_thread_hook) hook();
   }
 };
 
@@ -56,7 +56,7 @@ void ParallelFor(std::size_t count,
     work(0, count);
     return;
   }
-  thread_local HelperGreeter greeter;
+  thread_local HelperThreadObserver observer;
   void* const owner = work_owner;
   // oneTBB halves what is longer than its grain, so halves are at least half as long as that.
   const std::size_t grain = std::max<std::size_t>(2 * min_range, 2) - 1;
@@ -73,7 +73,7 @@ void ParallelFor(std::size_t count,
   order.load(std::memory_order_acquire);
 }
 
-void SetHelperGreeting(void (*greet)()) { helper_greeting = greet; }
+void SetHelperThreadHook(void (*hook)()) { helper_thread_hook = hook; }
 
 void* WorkOwner() { return work_owner; }
 

@@ -22,7 +22,7 @@ void ParallelFor(std::size_t count,
 
 /// Has `greet` called on every thread that comes to help, once and before it does: to name it. To
 /// be called before there is work.
-void SetHelperGreeting(void (*greet)());
+void SetHelperThreadHook(void (*hook)());
 
 /// On whose behalf the current thread works, for those that look from outside, such as a handler of
 /// crashes; null: on nobody's. `ParallelFor` takes it along to the threads that help. May be called

@@ -169,7 +169,7 @@ int Run(const CommandLine& command_line, ServerConfig config) {
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockSignals();
   IntegrationNote::CatchCrashes();
-  SetHelperGreeting([] { NameThread("compute"); });
+  SetHelperThreadHook([] { NameThread("compute"); });
   absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(config.data_dir, config.store);
   if (!store.ok()) {
     spdlog::error("{}", std::string(store.status().message()));

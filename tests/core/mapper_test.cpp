@@ -15,6 +15,7 @@
 #include "core/tsdf_mesh.h"
 #include "core/vdb_file.h"
 #include "tests/core/room_drive.h"
+#include "tests/support/all_policies.h"
 #include "tests/support/analytic_depth.h"
 
 namespace steadymap {
@@ -297,12 +298,7 @@ TEST_P(RestingMapper, GoesOnAsIfItHadNotRested) {
 
 INSTANTIATE_TEST_SUITE_P(Policies,
                          RestingMapper,
-                         ::testing::Values(UpdatePolicy::kStatic,
-                                           UpdatePolicy::kVoxelChange,
-                                           UpdatePolicy::kSubmapChange,
-                                           UpdatePolicy::kTracking,
-                                           UpdatePolicy::kPocd,
-                                           UpdatePolicy::kPocdPaper));
+                         ::testing::ValuesIn(testing::kAllPolicies));
 
 }  // namespace
 }  // namespace steadymap

@@ -18,6 +18,7 @@
 #include "core/mapper.h"
 #include "core/placed_volume.h"
 #include "tests/core/room_drive.h"
+#include "tests/support/all_policies.h"
 #include "tests/support/thread_limit.h"
 
 namespace steadymap {
@@ -64,19 +65,19 @@ TEST(ParallelFor, LittleWorkStaysWithTheCaller) {
   EXPECT_GT(RunOnThreads(8, [] { return RangesOf(64, 8); }).size(), 1U);
 }
 
-TEST(ParallelFor, GreetsEachHelperOnce) {
-  static thread_local int greetings = 0;
-  SetHelperGreeting([] { ++greetings; });
+TEST(ParallelFor, CallsTheHookOnceOnEachHelper) {
+  static thread_local int hook_calls = 0;
+  SetHelperThreadHook([] { ++hook_calls; });
   std::atomic<int> oftener = 0;
   std::atomic<int> callers = 0;
   const std::thread::id caller = std::this_thread::get_id();
   for (int round = 0; round < 100; ++round) {
     ParallelFor(64, 1, [&](std::size_t, std::size_t) {
-      if (greetings > 1) ++oftener;
-      if (std::this_thread::get_id() == caller && greetings > 0) ++callers;
+      if (hook_calls > 1) ++oftener;
+      if (std::this_thread::get_id() == caller && hook_calls > 0) ++callers;
     });
   }
-  SetHelperGreeting(nullptr);
+  SetHelperThreadHook(nullptr);
   EXPECT_EQ(oftener, 0);
   EXPECT_EQ(callers, 0);
 }
@@ -161,12 +162,7 @@ TEST_P(SameBits, ForAnyNumberOfThreads) {
 
 INSTANTIATE_TEST_SUITE_P(Policies,
                          SameBits,
-                         ::testing::Values(UpdatePolicy::kStatic,
-                                           UpdatePolicy::kVoxelChange,
-                                           UpdatePolicy::kSubmapChange,
-                                           UpdatePolicy::kTracking,
-                                           UpdatePolicy::kPocd,
-                                           UpdatePolicy::kPocdPaper));
+                         ::testing::ValuesIn(testing::kAllPolicies));
 
 }  // namespace
 }  // namespace steadymap

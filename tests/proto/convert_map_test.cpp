@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/support/all_policies.h"
 
 namespace steadymap {
 namespace {
@@ -22,12 +23,7 @@ TEST(ConvertMapConfig, AbsentFieldsTakeTheDefaults) {
 }
 
 TEST(ConvertMapConfig, PoliciesComeBack) {
-  for (const UpdatePolicy policy : {UpdatePolicy::kStatic,
-                                    UpdatePolicy::kVoxelChange,
-                                    UpdatePolicy::kSubmapChange,
-                                    UpdatePolicy::kTracking,
-                                    UpdatePolicy::kPocd,
-                                    UpdatePolicy::kPocdPaper}) {
+  for (const UpdatePolicy policy : testing::kAllPolicies) {
     MapConfig config;
     config.policy = policy;
     EXPECT_EQ(FromProto(ToProto(config))->policy, policy);
