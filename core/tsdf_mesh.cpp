@@ -290,10 +290,9 @@ class SurfaceNet {
 
   /// Gives the vertices their places in the whole.
   void IndexVertices() {
-    std::uint32_t vertices = 0;
     for (MeshPart& part : parts_) {
-      part.first_vertex = vertices;
-      vertices += static_cast<std::uint32_t>(part.mesh.vertices_world.size());
+      part.first_vertex = vertex_count_;
+      vertex_count_ += static_cast<std::uint32_t>(part.mesh.vertices_world.size());
       for (const auto& [origin, cells] : part.cells) {
         vertices_.emplace(origin, VertexPlace{&cells, part.first_vertex});
       }
@@ -349,31 +348,26 @@ class SurfaceNet {
   }
 
   Mesh JoinParts() {
-    if (parts_.empty()) return {};
     bool any_color = false;
-    std::size_t vertices = 0;
     std::size_t triangles = 0;
     for (const MeshPart& part : parts_) {
       any_color = any_color || part.any_color;
-      vertices += part.mesh.vertices_world.size();
       triangles += part.mesh.triangles.size();
     }
-    Mesh whole = std::move(parts_.front().mesh);
-    if (!any_color) whole.colors = {};
-    whole.vertices_world.reserve(vertices);
-    whole.normals_world.reserve(vertices);
-    if (any_color) whole.colors.reserve(vertices);
+    Mesh whole;
+    whole.vertices_world.reserve(vertex_count_);
+    whole.normals_world.reserve(vertex_count_);
+    if (any_color) whole.colors.reserve(vertex_count_);
     whole.triangles.reserve(triangles);
-    const auto move_over = [](auto* from, auto* to) {
-      to->insert(to->end(), from->begin(), from->end());
-      *from = {};
+    const auto append = [](const auto& from, auto* to) {
+      to->insert(to->end(), from.begin(), from.end());
     };
-    for (std::size_t part = 1; part < parts_.size(); ++part) {
-      Mesh& mesh = parts_[part].mesh;
-      move_over(&mesh.vertices_world, &whole.vertices_world);
-      move_over(&mesh.normals_world, &whole.normals_world);
-      if (any_color) move_over(&mesh.colors, &whole.colors);
-      move_over(&mesh.triangles, &whole.triangles);
+    for (MeshPart& part : parts_) {
+      const Mesh mesh = std::exchange(part.mesh, {});
+      append(mesh.vertices_world, &whole.vertices_world);
+      append(mesh.normals_world, &whole.normals_world);
+      if (any_color) append(mesh.colors, &whole.colors);
+      append(mesh.triangles, &whole.triangles);
     }
     return whole;
   }
@@ -386,6 +380,7 @@ class SurfaceNet {
   float max_jump_m_;
   std::vector<LeafOrigin> leaves_;
   std::vector<MeshPart> parts_;
+  std::uint32_t vertex_count_ = 0;
   std::unordered_map<LeafOrigin, VertexPlace> vertices_;
 };
 
