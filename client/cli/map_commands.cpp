@@ -89,13 +89,7 @@ absl::Status MapCommands::Create() const {
   const absl::StatusOr<v1::Map> map =
       MapClient(context_->Channel()).CreateMap(*name, ToProto(*config), settings);
   if (!map.ok()) return map.status();
-  if (as_json_) {
-    JsonWriter json;
-    WriteMapJson(*map, &json);
-    context_->out << json.Finish();
-  } else {
-    context_->out << "created " << map->name() << '\n';
-  }
+  WriteChangedMap("created", *map, as_json_, &context_->out);
   return absl::OkStatus();
 }
 

@@ -215,4 +215,14 @@ void WriteMapJson(const v1::Map& map, JsonWriter* json) {
   json->EndObject();
 }
 
+void WriteChangedMap(std::string_view done, const v1::Map& map, bool as_json, std::ostream* out) {
+  if (!as_json) {
+    *out << done << ' ' << map.name() << '\n';
+    return;
+  }
+  JsonWriter json;
+  WriteMapJson(map, &json);
+  *out << json.Finish();
+}
+
 }  // namespace steadymap

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ostream>
+#include <string_view>
 #include <vector>
 
 #include "client/cli/json_writer.h"
@@ -18,5 +19,9 @@ void WriteMapTable(const std::vector<v1::Map>& maps, std::ostream* out);
 
 /// Everything about a map as a JSON object, fields spelt as in map.proto, counts as numbers.
 void WriteMapJson(const v1::Map& map, JsonWriter* json);
+
+/// The answer to a change of a map: `done` and its name, such as "created tenants/t/maps/m", or as
+/// `WriteMapJson`.
+void WriteChangedMap(std::string_view done, const v1::Map& map, bool as_json, std::ostream* out);
 
 }  // namespace steadymap

@@ -8,7 +8,6 @@
 
 #include "client/cli/argument_text.h"
 #include "client/cli/class_table_file.h"
-#include "client/cli/json_writer.h"
 #include "client/cli/map_text.h"
 #include "client/map_change.h"
 #include "proto/convert_map.h"
@@ -88,13 +87,7 @@ absl::Status MapUpdateCommand::Run() const {
   }
   const absl::StatusOr<v1::Map> map = ChangeMap(context_->Channels(), *name, change);
   if (!map.ok()) return map.status();
-  if (as_json_) {
-    JsonWriter json;
-    WriteMapJson(*map, &json);
-    context_->out << json.Finish();
-  } else {
-    context_->out << "updated " << map->name() << '\n';
-  }
+  WriteChangedMap("updated", *map, as_json_, &context_->out);
   return absl::OkStatus();
 }
 
