@@ -1,25 +1,17 @@
 #pragma once
 
 #include <algorithm>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "client/cli/command_line.h"
 #include "tests/client/fake_ingest_service.h"
 #include "tests/client/fake_map_server.h"
+#include "tests/support/command_outcome.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {
-
-/// What a command printed and returned.
-struct Outcome {
-  int exit_code = 0;
-  std::string out;
-  std::string err;
-};
 
 inline grpc::Status AcceptAll(ScriptedStream& stream) {
   stream.ReadOpen();
@@ -31,15 +23,10 @@ inline grpc::Status AcceptAll(ScriptedStream& stream) {
 class CommandLineTest : public ::testing::Test {
  protected:
   Outcome Run(const std::vector<std::string>& arguments) {
-    std::ostringstream out;
-    std::ostringstream err;
-    CommandContext context{.out = out, .err = err};
-    context.open_channel = [this](const std::string& server) {
+    return RunCommand(arguments, [this](const std::string& server) {
       server_asked_ = server;
       return server_.channel();
-    };
-    const int exit_code = RunCommandLine(arguments, &context);
-    return {exit_code, out.str(), err.str()};
+    });
   }
 
   /// Runs a command that must fail with one line that holds `part`.

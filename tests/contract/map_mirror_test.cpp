@@ -23,6 +23,7 @@
 #include "core/mesh_file.h"
 #include "core/vdb_file.h"
 #include "proto/convert_event.h"
+#include "tests/support/command_outcome.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_folder.h"
 
@@ -43,15 +44,11 @@ class MirrorContractTest : public ::testing::Test {
   }
 
   int Run(std::vector<std::string> arguments) {
-    std::ostringstream out;
-    std::ostringstream err;
-    CommandContext context{.out = out, .err = err};
-    context.open_channel = OpenChannel;
     arguments.insert(arguments.begin(), {"--server", daemon_.address()});
-    const int exit_code = RunCommandLine(arguments, &context);
-    out_ = out.str();
-    err_ = err.str();
-    return exit_code;
+    const Outcome outcome = RunCommand(arguments, OpenChannel);
+    out_ = outcome.out;
+    err_ = outcome.err;
+    return outcome.exit_code;
   }
 
   /// Uploads a simulated route and waits until it is in the map; the map's revision.

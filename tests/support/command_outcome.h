@@ -1,0 +1,29 @@
+#pragma once
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "client/cli/command_line.h"
+
+namespace steadymap {
+
+/// What a command printed and returned.
+struct Outcome {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+/// Runs a command of the command line in this process; `open_channel` is how it reaches its server.
+template <typename OpenChannel>
+Outcome RunCommand(const std::vector<std::string>& arguments, const OpenChannel& open_channel) {
+  std::ostringstream out;
+  std::ostringstream err;
+  CommandContext context{.out = out, .err = err};
+  context.open_channel = open_channel;
+  const int exit_code = RunCommandLine(arguments, &context);
+  return {exit_code, out.str(), err.str()};
+}
+
+}  // namespace steadymap
