@@ -125,9 +125,10 @@ absl::Status MapRuntime::CheckReads() const {
 }
 
 absl::Status MapRuntime::CheckUploads() const {
+  const absl::Status memory = dependencies_.memory->Check();
   const absl::MutexLock lock(&mutex_);
   if (health_.condition != Condition::kReady) return health_.reason;
-  if (absl::Status status = dependencies_.memory->Check(); !status.ok()) return status;
+  if (!memory.ok()) return memory;
   const std::size_t memory_bytes = published_.counts.memory_bytes;
   if (record_.byte_budget == 0 || memory_bytes <= record_.byte_budget) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
