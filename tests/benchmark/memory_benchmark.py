@@ -7,18 +7,18 @@ r"""Memory of the daemon under load and after it, of one build or of several to 
 The load: the simulated route 1-5 goes into map after map, four at a time, each of which is exported,
 meshed and listed, and every other of which is deleted again; one map of the `hall` stays. Rows give
 the resident memory of the daemon, MB of 10^6 bytes, when it has been idle for 5 s: without maps; when
-the load has ended; after all maps were deleted. `maps` is what they say that their volumes take. Everything is over loopback and in a
-temporary folder (some GB), and ends by itself.
+the load has ended; after all maps were deleted. `maps MB` is what they say that their volumes take.
+Everything is over loopback and in a temporary folder (some GB), and ends by itself.
 """
 
 import argparse
-import subprocess
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from daemon_process import DaemonProcess
+from export_benchmark import resident_mb
 
 import steadymap
 
@@ -27,31 +27,18 @@ IDLE_S = 5.0
 KEPT_MAPS = 20
 
 
-def resident_mb(process_id: int) -> float:
-    """VmRSS of a process, in 10^6 bytes."""
-    for line in Path(f"/proc/{process_id}/status").read_text(encoding="ascii").splitlines():
-        if line.startswith("VmRSS:"):
-            return int(line.split()[1]) * 1024e-6
-    raise RuntimeError(f"process {process_id} has no VmRSS")
-
-
 class Load:
     """Works on a daemon of one build until the time is up."""
 
     def __init__(self, build: Path, folder: Path) -> None:
         self._folder = folder
-        self._program = str(build / "client/cli/steadymap")
+        self._client_program = build / "client/cli/steadymap"
         self.daemon = DaemonProcess(folder, build / "server/steadymapd")
         self._client = steadymap.connect(self.daemon.address)
 
     def run(self, *arguments: str) -> None:
         """A call of the build's client."""
-        subprocess.run(
-            [self._program, "--server", self.daemon.address, *arguments],
-            check=True,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        self.daemon.run_client(self._client_program, *arguments)
 
     def _drive(self, number: int) -> None:
         """Makes a map, reads it in every way, and deletes it if its number is odd."""
@@ -85,7 +72,7 @@ class Load:
         time.sleep(IDLE_S)
         maps = self._client.list_maps()
         accounted_mb = sum(each.memory_bytes for each in maps) * 1e-6
-        resident = resident_mb(self.daemon.process_id)
+        resident = resident_mb(self.daemon.process_id, "VmRSS")
         print(f"{what:28}{len(maps):6}{accounted_mb:11.0f}{resident:11.0f}", flush=True)
 
     def delete_all(self) -> None:

@@ -14,7 +14,6 @@ included. Everything is over loopback and in a temporary folder (1 GB), and ends
 import argparse
 import os
 import statistics
-import subprocess
 import tempfile
 import threading
 import time
@@ -118,17 +117,12 @@ class Build:
     """A daemon of one build."""
 
     def __init__(self, build: Path, folder: Path) -> None:
-        self._program = str(build / "client/cli/steadymap")
+        self._client_program = build / "client/cli/steadymap"
         self.daemon = DaemonProcess(folder, build / "server/steadymapd")
 
     def run(self, *arguments: str) -> None:
         """A call of the build's client."""
-        subprocess.run(
-            [self._program, "--server", self.daemon.address, *arguments],
-            check=True,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        self.daemon.run_client(self._client_program, *arguments)
 
     def create(self, map_id: str, *options: str) -> None:
         """A map that fuses whatever it gets."""

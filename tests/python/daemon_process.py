@@ -59,6 +59,15 @@ class DaemonProcess:
         self._process = None
         return code
 
+    def run_client(self, client: Path, *arguments: str) -> None:
+        """Runs the command line of a build against it, which must succeed."""
+        subprocess.run(
+            [str(client), "--server", self.address, *arguments],
+            check=True,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+
     def send_signal(self, number: int) -> None:
         """Sends a signal to it."""
         if self._process is not None:
