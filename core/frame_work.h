@@ -13,6 +13,9 @@ namespace steadymap {
 /// An ordinary frame touches some hundreds to some thousands.
 inline constexpr std::size_t kMaxFrameLeaves = 65'536;
 
+/// Leaves that the volumes of background and objects take from one frame, together.
+inline constexpr std::size_t kMaxFusedLeaves = 2 * kMaxFrameLeaves;
+
 /// About the number of leaves that integrating a frame touches: those within the truncation of what
 /// its depth image shows, as if every surface faced the camera. Counts no further than past
 /// `limit`. Cost: that of a sixteenth of the pixels, or of all where these are too many.

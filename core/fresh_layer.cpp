@@ -65,10 +65,9 @@ TrackedObject& FreshLayer::TileAt(LeafOrigin tile) {
   return object;
 }
 
-void FreshLayer::Fuse(const SemanticCloud& cloud, TsdfIntegrator* integrator) {
+void FreshLayer::Fuse(TsdfIntegrator* integrator) {
   std::vector<LeafOrigin> changed;
   integrator->IntegrateWorld(
-      cloud,
       [this](LeafOrigin origin) {
         const Place place = PlaceOf(origin);
         return LeafPlace{&TileAt(place.tile).MutableVolume(), place.origin};

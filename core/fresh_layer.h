@@ -3,7 +3,6 @@
 #include <map>
 #include <vector>
 
-#include "core/semantic_cloud.h"
 #include "core/timestamp.h"
 #include "core/tsdf_grid.h"
 #include "core/tsdf_integrator.h"
@@ -31,8 +30,8 @@ class FreshLayer final : public VoxelReader {
   /// When a frame was last fused, to a second; the epoch if it is empty.
   Timestamp last_fused() const { return last_fused_; }
 
-  /// Fuses the cells of a frame that belong to the background.
-  void Fuse(const SemanticCloud& cloud, TsdfIntegrator* integrator);
+  /// Fuses the cells of the integrator's frame that belong to the background.
+  void Fuse(TsdfIntegrator* integrator);
 
   /// Replaces one leaf.
   void StoreLeaf(LeafOrigin origin, const LeafVoxels& voxels);

@@ -17,7 +17,8 @@ class StaticUpdater final : public MapUpdater {
   explicit StaticUpdater(const MapConfig& config) : integrator_(config) {}
 
   void Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingMap* map) override {
-    map->FuseBackground(*cloud, &integrator_);
+    integrator_.SetFrame(*cloud);
+    map->FuseBackground(&integrator_);
   }
 
  private:

@@ -265,13 +265,12 @@ void ObjectMapper::CountViews() {
 }
 
 void ObjectMapper::Integrate() {
-  map_->FuseBackground(*cloud_, &integrator_);
-  const CellRange everywhere{0, cloud_->cells_wide(), 0, cloud_->cells_high()};
+  integrator_.SetFrame(*cloud_);
+  map_->FuseBackground(&integrator_);
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     TrackedObject* object = in_view_[i].object;
     if (fitting_samples_[i] == 0 || object->is_archived()) continue;
-    map_->FuseObject(
-        *cloud_, {static_cast<std::uint32_t>(i + 1), everywhere}, object, &integrator_);
+    map_->FuseObject(static_cast<std::uint32_t>(i + 1), object, &integrator_);
   }
 }
 

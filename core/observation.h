@@ -29,8 +29,12 @@ struct Observation {
   bool TouchesBackground() const;
 };
 
+/// Observations of one frame, which bounds what its associations cost. Frames of cluttered places
+/// have some hundreds, most of them noise of a sample or two.
+inline constexpr std::size_t kMaxObservations = 1024;
+
 /// Groups the samples that have no owner. Samples with instance ids group by instance instead of
-/// class. In the order of their first sample.
+/// class. In the order of their first sample; the largest `kMaxObservations` if there are more.
 std::vector<Observation> FindObservations(const SampleGrid& samples,
                                           const Association& association);
 

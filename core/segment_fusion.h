@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,9 +42,7 @@ class SegmentFusion {
   void Part(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);
 
   /// Says for each segment with which object in view it is matched.
-  void SetMatches(std::vector<std::optional<std::size_t>> matches) {
-    matches_ = std::move(matches);
-  }
+  void SetMatches(std::vector<std::optional<std::size_t>> matches);
 
   /// Parts the frame, and matches the segments with the candidates that they overlap.
   void Match(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);
@@ -88,6 +85,7 @@ class SegmentFusion {
   std::vector<Observation> segments_;
   std::vector<std::optional<std::size_t>> matches_;  ///< By segment: place in view.
   std::vector<ObjectInView> in_view_;
+  std::vector<std::vector<std::size_t>> segments_of_;  ///< By place in view, rising.
 };
 
 }  // namespace steadymap

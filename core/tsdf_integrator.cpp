@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "core/cell_runs.h"
+#include "core/frame_work.h"
 #include "core/leaf_set.h"
 #include "core/parallel.h"
 #include "core/semantic_cloud.h"
@@ -32,7 +34,7 @@ struct VolumeView {
   const SemanticCloud& cloud;
   Eigen::Isometry3d T_volume_camera;
   std::uint32_t owner;
-  CellRange cells;  ///< Where the owner's cells lie.
+  std::span<const CellRun> cells;  ///< The owner's.
 };
 
 /// Finds the leaves that the truncation band around a frame's surface meets. Works in leaves,
@@ -111,6 +113,11 @@ struct TsdfIntegrator::Scratch {
       : scale{config.voxel_size_m, config.truncation_m},
         max_depth_m(static_cast<float>(config.max_depth_m)) {}
 
+  /// The frame as it is in a volume.
+  VolumeView View(std::uint32_t owner, const Eigen::Isometry3d& T_volume_world) const {
+    return {*cloud, T_volume_world * cloud->T_world_camera(), owner, runs.Of(owner)};
+  }
+
   template <typename PlaceOf>
   void Update(const VolumeView& view,
               const PlaceOf& place_of,
@@ -123,6 +130,9 @@ struct TsdfIntegrator::Scratch {
   const TsdfKernels& kernels = SelectKernels();
   VoxelScale scale;
   float max_depth_m;
+  const SemanticCloud* cloud = nullptr;  ///< The frame at hand.
+  CellRuns runs;                         ///< Of that.
+  std::size_t leaves_left = 0;           ///< That it may still touch.
   LeafSet leaves;
   std::vector<LeafWork> batch;
 };
@@ -138,20 +148,22 @@ void TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
     return std::clamp(static_cast<int>(cells_at_1m / depth_m), 1, kMaxRayStrideCells);
   };
   const int stride = stride_at(max_depth_m);
-  for (int row = view.cells.first_row; row < view.cells.end_row; row += stride) {
-    leaves.StartRow();
-    // Every other row is shifted by half a stride: a thin upright thing that falls between the rays
-    // of one row is met by those of the next.
-    const int shift = (row / stride) % 2 == 0 ? 0 : stride / 2;
-    int column = view.cells.first_column + shift;
-    while (column < view.cells.end_column) {
-      const SurfaceCell& cell = view.cloud.At(column, row);
-      if (cell.weight > 0.0F && cell.owner == view.owner) {
-        walk.Collect(cell, column, row, &leaves);
-        column += stride_at(cell.depth_m);
-      } else {
-        ++column;
-      }
+  int last_row = -1;
+  int column = 0;
+  for (const CellRun& run : view.cells) {
+    if (run.row % stride != 0) continue;
+    if (run.row != last_row) {
+      leaves.StartRow();
+      // Every other row is shifted by half a stride: a thin upright thing that falls between the
+      // rays of one row is met by those of the next.
+      column = (run.row / stride) % 2 == 0 ? 0 : stride / 2;
+      last_row = run.row;
+    }
+    column = std::max(column, run.begin);
+    while (column < run.end) {
+      const SurfaceCell& cell = view.cloud.At(column, run.row);
+      walk.Collect(cell, column, run.row, &leaves);
+      column += stride_at(cell.depth_m);
     }
   }
 }
@@ -206,7 +218,9 @@ void TsdfIntegrator::Scratch::Update(const VolumeView& view,
   CollectLeaves(view);
   const LeafKernelFrame kernel_frame = MakeKernelFrame(view);
   const Eigen::Isometry3d T_camera_volume = view.T_volume_camera.inverse();
-  const std::span<const LeafOrigin> origins = leaves.Sorted();
+  std::span<const LeafOrigin> origins = leaves.Sorted();
+  origins = origins.first(std::min(origins.size(), leaves_left));
+  leaves_left -= origins.size();
   for (std::size_t first = 0; first < origins.size(); first += kBatchLeaves) {
     const auto batch_origins =
         origins.subspan(first, std::min(kBatchLeaves, origins.size() - first));
@@ -238,32 +252,32 @@ TsdfIntegrator::~TsdfIntegrator() = default;
 TsdfIntegrator::TsdfIntegrator(TsdfIntegrator&&) noexcept = default;
 TsdfIntegrator& TsdfIntegrator::operator=(TsdfIntegrator&&) noexcept = default;
 
-void TsdfIntegrator::Integrate(const SemanticCloud& cloud,
-                               Background* background,
-                               std::vector<LeafOrigin>* changed_leaves) {
+void TsdfIntegrator::SetFrame(const SemanticCloud& cloud) {
+  scratch_->cloud = &cloud;
+  scratch_->leaves_left = kMaxFusedLeaves;
+  scratch_->runs.Compute(cloud);
+}
+
+void TsdfIntegrator::Integrate(Background* background, std::vector<LeafOrigin>* changed_leaves) {
   IntegrateWorld(
-      cloud,
       [background](LeafOrigin origin) {
         return LeafPlace{&background->MutableTile(origin), origin};
       },
       changed_leaves);
 }
 
-void TsdfIntegrator::IntegrateWorld(const SemanticCloud& cloud,
-                                    const std::function<LeafPlace(LeafOrigin)>& place_of,
+void TsdfIntegrator::IntegrateWorld(const std::function<LeafPlace(LeafOrigin)>& place_of,
                                     std::vector<LeafOrigin>* changed_leaves) {
-  const CellRange everything{0, cloud.cells_wide(), 0, cloud.cells_high()};
   scratch_->Update(
-      {cloud, cloud.T_world_camera(), kBackgroundOwner, everything}, place_of, changed_leaves);
+      scratch_->View(kBackgroundOwner, Eigen::Isometry3d::Identity()), place_of, changed_leaves);
 }
 
-void TsdfIntegrator::Integrate(const SemanticCloud& cloud,
-                               const CellSelection& selection,
+void TsdfIntegrator::Integrate(std::uint32_t owner,
                                const Eigen::Isometry3d& T_world_object,
                                TsdfGrid* grid,
                                std::vector<LeafOrigin>* changed_leaves) {
   scratch_->Update(
-      {cloud, T_world_object.inverse() * cloud.T_world_camera(), selection.owner, selection.range},
+      scratch_->View(owner, T_world_object.inverse()),
       [grid](LeafOrigin origin) {
         return LeafPlace{grid, origin};
       },

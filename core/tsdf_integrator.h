@@ -12,20 +12,6 @@
 
 namespace steadymap {
 
-/// A rectangle of cells, [first, end).
-struct CellRange {
-  int first_column = 0;
-  int end_column = 0;
-  int first_row = 0;
-  int end_row = 0;
-};
-
-/// The cells of one owner.
-struct CellSelection {
-  std::uint32_t owner = 0;
-  CellRange range;  ///< Holds all of them.
-};
-
 /// Where a leaf is kept: in which grid, and where in it.
 struct LeafPlace {
   TsdfGrid* grid = nullptr;
@@ -41,20 +27,23 @@ class TsdfIntegrator {
   TsdfIntegrator(TsdfIntegrator&&) noexcept;
   TsdfIntegrator& operator=(TsdfIntegrator&&) noexcept;
 
+  /// Takes a frame whose cells have their owners. It must outlive the calls below and not change
+  /// between them. They touch no more than `kMaxFusedLeaves` in all: a frame that passed
+  /// `CheckFrameWork` meets that bound only if very many objects share the same leaves, each with
+  /// its own, and the last of them are left out.
+  void SetFrame(const SemanticCloud& cloud);
+
   /// Fuses the cells that belong to the background (owner 0) into it and appends the leaves that
   /// changed to `changed_leaves`, each once, sorted.
-  void Integrate(const SemanticCloud& cloud,
-                 Background* background,
-                 std::vector<LeafOrigin>* changed_leaves);
+  void Integrate(Background* background, std::vector<LeafOrigin>* changed_leaves);
 
   /// The same with leaves that are kept where `place_of` says, for each leaf of the world.
-  void IntegrateWorld(const SemanticCloud& cloud,
-                      const std::function<LeafPlace(LeafOrigin)>& place_of,
+  void IntegrateWorld(const std::function<LeafPlace(LeafOrigin)>& place_of,
                       std::vector<LeafOrigin>* changed_leaves);
 
-  /// Fuses the cells of one owner into the grid of an object; likewise.
-  void Integrate(const SemanticCloud& cloud,
-                 const CellSelection& selection,
+  /// Fuses the cells of one owner into the grid of an object; likewise. Cost: that of these cells
+  /// and of the leaves around them.
+  void Integrate(std::uint32_t owner,
                  const Eigen::Isometry3d& T_world_object,
                  TsdfGrid* grid,
                  std::vector<LeafOrigin>* changed_leaves);

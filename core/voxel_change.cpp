@@ -71,7 +71,8 @@ void VoxelChangeMapper::Process(const Frame& frame, SemanticCloud* cloud, Workin
     TakeOver(all, fresh);
     fresh.Discard();
   }
-  fresh.Fuse(*cloud, &integrator_);
+  integrator_.SetFrame(*cloud);
+  fresh.Fuse(&integrator_);
   if (map->revision().value() % parameters_.frames_per_comparison != 0) return;
   tiles_.Compute(frame.depth);
   const FreeView view(*cloud, tiles_, parameters_.max_depth_m);

@@ -177,9 +177,9 @@ void WorkingMap::MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> l
   if (!leaves.empty()) MarkChanged(object);
 }
 
-void WorkingMap::FuseBackground(const SemanticCloud& cloud, TsdfIntegrator* integrator) {
+void WorkingMap::FuseBackground(TsdfIntegrator* integrator) {
   std::vector<LeafOrigin> changed;
-  integrator->Integrate(cloud, &map_.background, &changed);
+  integrator->Integrate(&map_.background, &changed);
   for (const LeafOrigin& origin : changed) changed_leaves_.push_back({kBackgroundId, origin});
 }
 
@@ -188,16 +188,12 @@ void WorkingMap::StoreBackgroundLeaf(LeafOrigin origin, const LeafVoxels& voxels
   changed_leaves_.push_back({kBackgroundId, origin});
 }
 
-void WorkingMap::FuseObject(const SemanticCloud& cloud,
-                            const CellSelection& selection,
+void WorkingMap::FuseObject(std::uint32_t owner,
                             TrackedObject* object,
                             TsdfIntegrator* integrator) {
   std::vector<LeafOrigin> changed;
-  integrator->Integrate(cloud,
-                        selection,
-                        object->state().T_world_object.ToIsometry(),
-                        &object->MutableVolume(),
-                        &changed);
+  integrator->Integrate(
+      owner, object->state().T_world_object.ToIsometry(), &object->MutableVolume(), &changed);
   object->UpdateSurface(changed);
   MarkLeaves(object, changed);
 }

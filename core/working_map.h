@@ -15,7 +15,6 @@
 #include "core/map_snapshot.h"
 #include "core/object_event.h"
 #include "core/object_index.h"
-#include "core/semantic_cloud.h"
 #include "core/timestamp.h"
 #include "core/tracked_object.h"
 #include "core/tsdf_integrator.h"
@@ -105,17 +104,14 @@ class WorkingMap {
   /// Voxels of the object have changed, and with them its state.
   void MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> leaves);
 
-  /// Fuses the cells that belong to the background (owner 0) into it.
-  void FuseBackground(const SemanticCloud& cloud, TsdfIntegrator* integrator);
+  /// Fuses the cells of the integrator's frame that belong to the background (owner 0) into it.
+  void FuseBackground(TsdfIntegrator* integrator);
 
   /// Replaces one leaf of the background; one without observed voxels removes it.
   void StoreBackgroundLeaf(LeafOrigin origin, const LeafVoxels& voxels);
 
-  /// Fuses the cells of one owner into an object.
-  void FuseObject(const SemanticCloud& cloud,
-                  const CellSelection& selection,
-                  TrackedObject* object,
-                  TsdfIntegrator* integrator);
+  /// Fuses those of one owner into an object.
+  void FuseObject(std::uint32_t owner, TrackedObject* object, TsdfIntegrator* integrator);
 
   /// Marks what lies between two points as looked through.
   void MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);

@@ -75,6 +75,32 @@ TEST(FindObservations, SeparatesThingsOfOneClassThatStandApart) {
   EXPECT_EQ(FindObservations(samples, NoOwners(samples)).size(), 3U);
 }
 
+TEST(FindObservations, AreTheLargestOfTooMany) {
+  Frame frame = HalfAndHalf();
+  const PinholeCamera& camera = frame.camera;
+  frame.instances = Image<std::uint16_t>(camera.width_px, camera.height_px);
+  // A thing of four by four samples amid things of one: those are more than a frame may have.
+  constexpr int kSamplePx = 4;
+  for (int v = 0; v < camera.height_px; ++v) {
+    for (int u = 0; u < camera.width_px; ++u) {
+      const int column = u / kSamplePx;
+      const int row = v / kSamplePx;
+      const bool is_large = column >= 60 && column < 64 && row >= 50 && row < 54;
+      frame.instances.At(u, v) =
+          static_cast<std::uint16_t>(is_large ? 1 : row * camera.width_px + column + 2);
+    }
+  }
+  const SampleGrid samples = SamplesOf(frame);
+  ASSERT_GT(CountValid(samples), 2 * kMaxObservations);
+  const std::vector<Observation> found = FindObservations(samples, NoOwners(samples));
+  ASSERT_EQ(found.size(), kMaxObservations);
+  // The large one begins far down the picture, behind the smaller ones that are kept.
+  EXPECT_EQ(found.back().samples.size(), 16U);
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    EXPECT_LT(found[i - 1].samples.front(), found[i].samples.front());
+  }
+}
+
 TEST(FindObservations, GroupsByInstanceWhereThereIsOne) {
   Frame frame = HalfAndHalf();
   frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px, 5);
