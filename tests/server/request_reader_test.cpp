@@ -81,11 +81,25 @@ TEST(ReadRequest, DropsFieldsThatItDoesNotKnow) {
   v1::FrameBatch batch;
   batch.set_first_client_seq(7);
   const std::string known = batch.SerializeAsString();
-  // Field 1000: 3, and a string of field 1001.
-  const std::string unknown = known + std::string("\xC0\x3E\x03\xCA\x3E\x02hi", 8);
-  v1::FrameBatch read;
-  ASSERT_TRUE(ReadRequest(BytesOf(unknown), kLimits, &read).ok());
-  EXPECT_EQ(read.SerializeAsString(), known);
+  v1::FrameBatch with_frame = batch;
+  with_frame.add_frames();
+
+  struct Case {
+    std::string bytes;
+    std::string read;
+  };
+
+  for (const Case& each :
+       {// Field 1000: 3, and a string of field 1001.
+        Case{known + std::string("\xC0\x3E\x03\xCA\x3E\x02hi", 8), known},
+        // The sequence as a string.
+        Case{known + std::string("\x0A\x02hi", 4), known},
+        // A frame with field 1000.
+        Case{known + std::string("\x12\x03\xC0\x3E\x03", 5), with_frame.SerializeAsString()}}) {
+    v1::FrameBatch read;
+    ASSERT_TRUE(ReadRequest(BytesOf(each.bytes), kLimits, &read).ok());
+    EXPECT_EQ(read.SerializeAsString(), each.read);
+  }
 }
 
 TEST(ReadRequest, RefusesGarbage) {
