@@ -125,7 +125,7 @@ absl::Status MapRuntime::CheckReads() const {
 }
 
 absl::Status MapRuntime::CheckUploads() const {
-  const absl::Status memory = dependencies_.memory->Check();
+  absl::Status memory = dependencies_.memory->Check();
   const absl::MutexLock lock(&mutex_);
   if (health_.condition != Condition::kReady) return health_.reason;
   if (!memory.ok()) return memory;

@@ -296,9 +296,7 @@ TEST_P(RestingMapper, GoesOnAsIfItHadNotRested) {
   EXPECT_EQ(Map(frames, 7), busy);
 }
 
-INSTANTIATE_TEST_SUITE_P(Policies,
-                         RestingMapper,
-                         ::testing::ValuesIn(testing::kAllPolicies));
+INSTANTIATE_TEST_SUITE_P(Policies, RestingMapper, ::testing::ValuesIn(testing::kAllPolicies));
 
 }  // namespace
 }  // namespace steadymap

@@ -160,9 +160,7 @@ TEST_P(SameBits, ForAnyNumberOfThreads) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Policies,
-                         SameBits,
-                         ::testing::ValuesIn(testing::kAllPolicies));
+INSTANTIATE_TEST_SUITE_P(Policies, SameBits, ::testing::ValuesIn(testing::kAllPolicies));
 
 }  // namespace
 }  // namespace steadymap
