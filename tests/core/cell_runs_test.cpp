@@ -1,6 +1,7 @@
 #include "core/cell_runs.h"
 
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,14 @@ std::vector<Cell> CellsOf(const SemanticCloud& cloud, std::uint32_t owner) {
   return cells;
 }
 
+std::vector<Cell> CellsOf(std::span<const CellRun> runs) {
+  std::vector<Cell> cells;
+  for (const CellRun& run : runs) {
+    for (int column = run.begin; column < run.end; ++column) cells.emplace_back(run.row, column);
+  }
+  return cells;
+}
+
 TEST(CellRuns, HoldTheCellsOfEachOwnerOnceInOrder) {
   CellRuns runs;
   for (const std::uint32_t owners : {1U, 3U, 400U}) {
@@ -54,13 +63,7 @@ TEST(CellRuns, HoldTheCellsOfEachOwnerOnceInOrder) {
       const SemanticCloud cloud = RandomOwners(owners, change_chance, owners);
       runs.Compute(cloud);
       for (std::uint32_t owner = 0; owner <= owners; ++owner) {
-        std::vector<Cell> cells;
-        for (const CellRun& run : runs.Of(owner)) {
-          for (int column = run.begin; column < run.end; ++column) {
-            cells.emplace_back(run.row, column);
-          }
-        }
-        EXPECT_EQ(cells, CellsOf(cloud, owner)) << owner << " of " << owners;
+        EXPECT_EQ(CellsOf(runs.Of(owner)), CellsOf(cloud, owner)) << owner << " of " << owners;
       }
     }
   }
