@@ -42,6 +42,9 @@ class FreeSpace {
   /// A box around all that is free, to the tile; empty if nothing is.
   Box Bounds() const;
 
+  /// Bytes of the cells in memory.
+  std::size_t memory_bytes() const { return tiles_.size() * sizeof(Tile); }
+
   /// Whether what lies right behind a surface that faces along the unit vector `normal_world` was
   /// looked through, so that the surface came after that. Nothing can be said of what is thinner
   /// than a cell.

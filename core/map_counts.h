@@ -14,7 +14,8 @@ struct MapCounts {
   std::size_t archived_objects = 0;
   std::size_t leaves = 0;  ///< Of background and present objects.
   std::size_t voxels = 0;  ///< Observed, of background and present objects.
-  /// Of all volumes in memory: background and objects, whatever their standing.
+  /// In memory: the volumes of background and objects, whatever their standing, what is kept of
+  /// their surfaces, and the free space.
   std::size_t memory_bytes = 0;
 
   friend bool operator==(const MapCounts&, const MapCounts&) = default;
@@ -24,7 +25,8 @@ struct MapCounts {
 /// time; for the revisions of one map.
 class MapCounter {
  public:
-  /// Cost: that of the volumes that changed, and a look at each of the others.
+  /// Cost: that of the volumes that changed, and a look at each of the others. The bytes leave out
+  /// what the map's writer alone keeps: `Mapper::surface_bytes`.
   MapCounts Count(const MapSnapshot& snapshot);
 
  private:

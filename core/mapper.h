@@ -50,6 +50,9 @@ class Mapper {
   /// The newest entry taken in, committed or not.
   MapSequence head() const { return MapSequence(map_.revision().value()); }
 
+  /// Bytes that the mapper keeps of the surfaces of objects, beside what snapshots hold.
+  std::size_t surface_bytes() const { return map_.surface_bytes(); }
+
   /// Entries taken in since the last commit.
   std::size_t uncommitted_entries() const { return uncommitted_entries_; }
 

@@ -9,6 +9,9 @@ namespace {
 // Less than this was hardly seen: a sliver at a depth edge, not a surface.
 constexpr float kMinWeight = 0.05F;
 
+// Points of a plane across a leaf, about.
+constexpr std::size_t kPlanePoints = std::size_t{kLeafSide} * kLeafSide;
+
 /// Gradient of the distance at a voxel from the voxels of its own leaf, so that a leaf's points
 /// depend on nothing else. Zero where no neighbour is known along an axis.
 Eigen::Vector3f GradientAt(const LeafView& leaf, std::size_t offset) {
@@ -30,6 +33,7 @@ Eigen::Vector3f GradientAt(const LeafView& leaf, std::size_t offset) {
 
 SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelScale& scale) {
   SurfaceLeaf surface{origin, {}};
+  surface.points.reserve(kPlanePoints);
   const auto voxel_size_m = static_cast<float>(scale.voxel_size_m);
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
     const float distance_m = leaf.distance_m[offset];
@@ -49,7 +53,13 @@ SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelSc
     surface.points.push_back(
         {centre * voxel_size_m - normal * distance_m, normal, EvidenceCellOf(offset)});
   }
+  // The points stay as long as the object: room for more of them would add up.
+  surface.points.shrink_to_fit();
   return surface;
+}
+
+std::size_t PointBytesOf(const SurfaceLeaf& leaf) {
+  return leaf.points.capacity() * sizeof(SurfaceVoxel);
 }
 
 bool IsLeafBefore(const SurfaceLeaf& leaf, LeafOrigin origin) { return leaf.origin < origin; }
@@ -65,6 +75,8 @@ void ObjectSurface::Update(const TsdfGrid& volume,
     if (view) surface = ExtractPoints(origin, view, scale);
     const auto place = std::lower_bound(leaves_.begin(), leaves_.end(), origin, IsLeafBefore);
     const bool is_known = place != leaves_.end() && place->origin == origin;
+    if (is_known) point_bytes_ -= PointBytesOf(*place);
+    point_bytes_ += PointBytesOf(surface);
     if (surface.points.empty()) {
       if (is_known) leaves_.erase(place);
     } else if (is_known) {
@@ -77,8 +89,10 @@ void ObjectSurface::Update(const TsdfGrid& volume,
 
 void ObjectSurface::Rebuild(const TsdfGrid& volume, const VoxelScale& scale) {
   leaves_.clear();
+  point_bytes_ = 0;
   volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& view) {
     SurfaceLeaf surface = ExtractPoints(origin, view, scale);
+    point_bytes_ += PointBytesOf(surface);
     if (!surface.points.empty()) leaves_.push_back(std::move(surface));
   });
   std::sort(leaves_.begin(), leaves_.end(), [](const SurfaceLeaf& a, const SurfaceLeaf& b) {

@@ -45,8 +45,14 @@ class ObjectSurface {
 
   std::size_t point_count() const;
 
+  /// Bytes of the points and their leaves.
+  std::size_t memory_bytes() const {
+    return leaves_.capacity() * sizeof(SurfaceLeaf) + point_bytes_;
+  }
+
  private:
   std::vector<SurfaceLeaf> leaves_;
+  std::size_t point_bytes_ = 0;  ///< Of all leaves.
 };
 
 /// Evidence cell of the voxel at `offset` of its leaf.

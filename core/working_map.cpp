@@ -198,6 +198,12 @@ void WorkingMap::FuseObject(std::uint32_t owner,
   MarkLeaves(object, changed);
 }
 
+std::size_t WorkingMap::surface_bytes() const {
+  std::size_t bytes = 0;
+  for (const auto& [id, object] : objects_) bytes += object.surface().memory_bytes();
+  return bytes;
+}
+
 void WorkingMap::MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) {
   map_.free_space.MarkRay(from_world, to_world, &changed_blocks_);
 }

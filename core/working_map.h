@@ -113,6 +113,9 @@ class WorkingMap {
   /// Fuses those of one owner into an object.
   void FuseObject(std::uint32_t owner, TrackedObject* object, TsdfIntegrator* integrator);
 
+  /// Bytes of the surfaces of all objects.
+  std::size_t surface_bytes() const;
+
   /// Marks what lies between two points as looked through.
   void MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);
 

@@ -96,6 +96,12 @@ absl::Status MapIntegrator::Start(const MapRecord& record, const StoredState& st
   return absl::OkStatus();
 }
 
+MapCounts MapIntegrator::Count(const MapSnapshot& snapshot) {
+  MapCounts counts = counter_.Count(snapshot);
+  counts.memory_bytes += mapper_->surface_bytes();
+  return counts;
+}
+
 MapIntegrator::StepResult MapIntegrator::Step() {
   absl::Status status;
   try {
@@ -263,7 +269,7 @@ absl::Status MapIntegrator::Commit() {
                 details_.poses.size(),
                 unstored_->delta.leaves.size());
   PublishedRevision published{std::move(unstored_->snapshot), *mark, {}};
-  published.counts = counter_.Count(*published.snapshot);
+  published.counts = Count(*published.snapshot);
   unstored_.reset();
   details_.poses.clear();
   on_commit_(std::move(published));

@@ -42,7 +42,7 @@ struct PublishedRevision {
 /// An entry that ended the process while it was integrated, twice in a row, is not integrated
 /// again.
 ///
-/// `Step`, `Start` and `CommitNow` are for one thread at a time, the others for any.
+/// `Step`, `Start`, `Count` and `CommitNow` are for one thread at a time, the others for any.
 class MapIntegrator {
  public:
   using Clock = Strand::Clock;
@@ -65,6 +65,9 @@ class MapIntegrator {
   /// Begins, or begins anew, from a stored state of the map of `record`. Errors: those of a
   /// configuration that is not valid, which no record holds.
   absl::Status Start(const MapRecord& record, const StoredState& state);
+
+  /// Counts a revision of the map, what the mapper keeps in memory beside it included.
+  MapCounts Count(const MapSnapshot& snapshot);
 
   /// Integrates for some milliseconds, or commits. An exception becomes `Internal`.
   StepResult Step();

@@ -133,9 +133,9 @@ absl::Status MapRuntime::CheckUploads() const {
   if (record_.byte_budget == 0 || memory_bytes <= record_.byte_budget) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
                    reason::kMapBytes,
-                   absl::StrCat("the map's volumes take ",
+                   absl::StrCat("the map takes ",
                                 memory_bytes,
-                                " bytes, more than its byte_budget of ",
+                                " bytes of memory, more than its byte_budget of ",
                                 record_.byte_budget));
 }
 
@@ -308,7 +308,7 @@ absl::Status MapRuntime::AdoptState(const StoredState& state) {
   if (absl::Status status = integrator_.Start(record(), state); !status.ok()) return status;
   Publish({std::make_shared<const MapSnapshot>(state.snapshot),
            state.commit,
-           CountMap(state.snapshot)});
+           integrator_.Count(state.snapshot)});
   return absl::OkStatus();
 }
 

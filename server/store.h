@@ -58,7 +58,7 @@ struct MapRecord {
   MapConfig config;
   std::chrono::seconds frame_log_age{0};  ///< Retention of integrated frames; 0: drop at once.
   std::uint64_t frame_log_bytes = 0;      ///< Retention of integrated frames; 0: drop at once.
-  std::uint64_t byte_budget = 0;          ///< Of the volumes in memory; 0: no limit.
+  std::uint64_t byte_budget = 0;          ///< Of the map in memory; 0: no limit.
   std::chrono::milliseconds max_commit_delay{0};  ///< 0: as the server is configured.
   Timestamp create_time;
   std::string incarnation;

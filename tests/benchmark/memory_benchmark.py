@@ -7,7 +7,7 @@ r"""Memory of the daemon under load and after it, of one build or of several to 
 The load: the simulated route 1-5 goes into map after map, four at a time, each of which is exported,
 meshed and listed, and every other of which is deleted again; one map of the `hall` stays. Rows give
 the resident memory of the daemon, MB of 10^6 bytes, when it has been idle for 5 s: without maps; when
-the load has ended; after all maps were deleted. `maps MB` is what they say that their volumes take.
+the load has ended; after all maps were deleted. `maps MB` is what they say that they take.
 Everything is over loopback and in a temporary folder (some GB), and ends by itself.
 """
 

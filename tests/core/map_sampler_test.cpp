@@ -217,6 +217,21 @@ TEST(EmptySide, CubesHoldNoLeafAndAreNoSmallerThanTheyNeedBe) {
   EXPECT_EQ(CheckEmptySide(floor, {0, 0, -520}), 512);
 }
 
+TEST(CountMap, FreeSpaceAndEvidenceTakeMemory) {
+  MapSnapshot map = FloorMap();
+  const std::size_t floor_bytes = CountMap(map).memory_bytes;
+  std::vector<LeafOrigin> changed_blocks;
+  map.free_space.MarkRay({0.05, 0.05, 1.05}, {0.95, 0.05, 1.05}, &changed_blocks);
+  const std::size_t free_bytes = map.free_space.memory_bytes();
+  EXPECT_GT(free_bytes, 0U);
+  EXPECT_EQ(CountMap(map).memory_bytes, floor_bytes + free_bytes);
+  MapObject object = BoxObject(ObjectId(1), kBoxSizeM, kBoxPlace);
+  object.evidence.leaves.resize(10);
+  AddObject(object, &map);
+  EXPECT_GE(CountMap(map).memory_bytes,
+            floor_bytes + free_bytes + object.volume->memory_bytes() + 10 * sizeof(LeafEvidence));
+}
+
 TEST(CountMap, BackgroundAndObjectsAreCounted) {
   MapSnapshot map = FloorMap();
   const MapCounts floor = CountMap(map);

@@ -50,8 +50,15 @@ std::vector<SurfaceVoxel> PointsOf(const ObjectSurface& surface) {
   return points;
 }
 
+/// Those of the points alone: room for leaves depends on the way that they came.
+std::size_t PointBytesOf(const ObjectSurface& surface) {
+  return surface.memory_bytes() - surface.leaves().capacity() * sizeof(SurfaceLeaf);
+}
+
 void ExpectSame(const ObjectSurface& a, const ObjectSurface& b) {
   ASSERT_EQ(a.leaves().size(), b.leaves().size());
+  EXPECT_EQ(PointBytesOf(a), a.point_count() * sizeof(SurfaceVoxel));
+  EXPECT_EQ(PointBytesOf(b), PointBytesOf(a));
   for (std::size_t i = 0; i < a.leaves().size(); ++i) {
     const SurfaceLeaf& leaf = a.leaves()[i];
     const SurfaceLeaf& other = b.leaves()[i];

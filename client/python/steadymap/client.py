@@ -143,7 +143,7 @@ class Client:
             remove_labels: keys to take away; one that the map lacks is no error.
             world_frame: in place of the present one; a string: its description alone.
             display_name: for people, at most 128 characters.
-            byte_budget: most bytes of the map's volumes in memory. 0: no limit.
+            byte_budget: most bytes of the map in memory. 0: no limit.
             add_classes: rows for the class table, which hold for the frames that come after. A row
                 that is there already may be among them; InvalidArgumentError for one that differs
                 from the row of its id.

@@ -112,7 +112,7 @@ class MapOptions:
         policy: how the map decides what to believe.
         classes: that label images may hold. Empty: the server's default, the TorWIC table.
         display_name: for people, at most 128 characters.
-        byte_budget: most bytes of the map's volumes in memory. 0: no limit.
+        byte_budget: most bytes of the map in memory. 0: no limit.
         labels: for those who have many maps: at most 64; keys match `[a-z][a-z0-9-]{0,62}`, values
             have at most 256 bytes.
         world_frame: what the coordinates mean.
@@ -155,7 +155,7 @@ class Map:
         refused_frames: frames refused since the server started.
         leaves: 8 x 8 x 8 blocks with at least one observed voxel, background and present objects.
         voxels: observed voxels of background and present objects.
-        memory_bytes: bytes of all the map's volumes in memory.
+        memory_bytes: bytes of the map in memory: volumes, surfaces and free space.
         last_capture_time_ns: of the newest frame in the map; None: none yet.
         present_objects: objects that are part of the map.
         archived_objects: objects that were, kept for history.
