@@ -29,8 +29,9 @@ struct Observation {
   bool TouchesBackground() const;
 };
 
-/// Observations of one frame, which bounds what its associations cost. Frames of cluttered places
-/// have some hundreds, most of them noise of a sample or two.
+/// Largest number of observations of one frame; bounds the cost of their association. Frames of the
+/// simulated routes had at most 198, those of a real kitchen 327 (185 on average), most of them
+/// noise of a sample or two.
 inline constexpr std::size_t kMaxObservations = 1024;
 
 /// Groups the samples that have no owner. Samples with instance ids group by instance instead of

@@ -1,12 +1,12 @@
-// What one frame may cost a map, over frames and maps at the edges of what is allowed:
+// Measures the cost of one frame, over frames and maps at the limits of what the service accepts:
 //
 //   build/release/tests/benchmark/frame_bound_sweep --frames 500
 //
-// `--only "thing a block"` tries those alone whose description has the words. Each case is a
-// process of its own, ended after a minute: it asks whether the frame may be integrated, as an
-// upload does, and if so integrates it three times into one map. Prints the dearest cases by
-// processor time and by memory, that of the images included. Fails if a case did not end or took
-// more than 1 GB.
+// `--only "thing a block"` runs only the cases whose description has these words. Each case runs in
+// its own process, for at most a minute: it checks the frame as an upload does and, if it is
+// accepted, integrates it three times into one map. Prints the most expensive cases by processor
+// time and by memory, that of the images included. Fails if a case did not end or took more than
+// 1 GB.
 
 #include <algorithm>
 #include <cstdint>
@@ -45,7 +45,7 @@ double SecondsOf(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-/// What the child process of a case does; its exit status.
+/// Runs one case in the child process. Returns its exit status.
 int Integrate(const LegalFrame& legal) {
   const KnownLabels labels(legal.config.classes);
   auto mapper = Mapper::Create(legal.config);
@@ -53,7 +53,7 @@ int Integrate(const LegalFrame& legal) {
   if (!CheckFrameWork(legal.frame, legal.config).ok()) return kRefused;
   Frame frame = legal.frame;
   for (int i = 0; i < kTimesIntegrated; ++i) {
-    // As a robot that moves on.
+    // The robot moves on by 2 cm.
     frame.T_world_camera.translate(Eigen::Vector3d(0.02, 0.0, 0.0));
     frame.capture_time = Timestamp::FromSeconds(0.1 * (i + 1));
     (*mapper)->Integrate((*mapper)->head().Next(), frame);
@@ -81,7 +81,10 @@ CaseCost Measure(std::uint64_t seed, const LegalFrame& legal) {
 }
 
 template <typename Key>
-void PrintDearest(const char* title, std::vector<CaseCost> costs, std::size_t count, Key key) {
+void PrintMostExpensive(const char* title,
+                        std::vector<CaseCost> costs,
+                        std::size_t count,
+                        Key key) {
   std::sort(costs.begin(), costs.end(), [&](const CaseCost& a, const CaseCost& b) {
     return key(a) > key(b);
   });
@@ -96,7 +99,7 @@ void PrintDearest(const char* title, std::vector<CaseCost> costs, std::size_t co
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("What one frame may cost a map.");
+  CLI::App app("Measures the cost of one frame at the limits of what the service accepts.");
   int frames = 500;
   int max_side_px = 4096;
   std::uint64_t first = 0;
@@ -125,8 +128,8 @@ int Main(int argc, char** argv) {
               endless,
               too_large,
               kMostMb);
-  PrintDearest("by time", costs, 12, [](const CaseCost& cost) { return cost.processor_s; });
-  PrintDearest("by memory", costs, 12, [](const CaseCost& cost) { return cost.peak_mb; });
+  PrintMostExpensive("by time", costs, 12, [](const CaseCost& cost) { return cost.processor_s; });
+  PrintMostExpensive("by memory", costs, 12, [](const CaseCost& cost) { return cost.peak_mb; });
   return endless + too_large == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 

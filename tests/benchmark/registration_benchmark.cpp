@@ -89,7 +89,7 @@ void FortyThreePairs(benchmark::State& state) {
   RegisterAll(state, MakePairs(static_cast<std::size_t>(state.range(0))), 0);
 }
 
-/// The dearest case: what is seen is never what is mapped there.
+/// The most expensive case: the observed surface never matches the mapped one.
 void FortyThreeStrangers(benchmark::State& state) { RegisterAll(state, MakePairs(0), 1); }
 
 BENCHMARK(FortyThreePairs)->Arg(0)->Arg(4)->Arg(13)->Arg(43)->Unit(benchmark::kMillisecond);

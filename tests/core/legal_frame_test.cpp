@@ -1,4 +1,4 @@
-// Frames and maps that every rule lets in: what one of them costs stays within its bound.
+// The cost of one frame stays within its bound for frames and maps that pass every check.
 
 #include "tests/support/legal_frame.h"
 
@@ -13,8 +13,8 @@
 namespace steadymap {
 namespace {
 
-/// Integrates a frame into an empty map, and once more as a robot that has moved on; the most
-/// leaves that one of the two changed.
+/// Integrates a frame into an empty map, and again from a pose 2 cm further. Returns the larger
+/// number of leaves that one of the two integrations changed.
 std::size_t MostLeavesChanged(const MapConfig& config, Frame frame) {
   auto mapper = Mapper::Create(config).value();
   std::size_t most = 0;

@@ -8,14 +8,14 @@
 
 namespace steadymap {
 
-/// A map and a frame that each rule of the service lets in, at the edges of what they allow.
+/// A map and a frame that pass every check of the service, at the limits of those checks.
 struct LegalFrame {
   MapConfig config;
   Frame frame;
   std::string description;  ///< One line, for people.
 };
 
-/// One of them by chance: any policy, voxels of 1 mm to 1 m, the narrowest to the widest
+/// Draws one of them at random: any policy, voxels of 1 mm to 1 m, the narrowest to the widest
 /// truncation, depth up to 100 m, images up to `max_side_px`, telephoto to nearly flat cameras;
 /// walls, slopes, combs and noise, without labels or with every pixel a thing of its own.
 LegalFrame RandomLegalFrame(std::uint64_t seed, int max_side_px);
