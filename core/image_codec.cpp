@@ -14,6 +14,7 @@
 #include "core/image_expectation.h"
 #include "core/jpeg_codec.h"
 #include "core/png_codec.h"
+#include "core/png_encoder.h"
 
 namespace steadymap {
 namespace {

@@ -1,3 +1,5 @@
+#include "core/mesh_file_glb.h"
+
 #include <array>
 #include <cassert>
 #include <charconv>
@@ -11,7 +13,6 @@
 
 #include "core/error.h"
 #include "core/mesh_bytes.h"
-#include "core/mesh_file.h"
 
 namespace steadymap {
 namespace {

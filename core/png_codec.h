@@ -37,10 +37,4 @@ absl::StatusOr<Image<std::uint16_t>> DecodePngPixels(std::string_view data,
 absl::StatusOr<Image<Rgb>> DecodePngColor(std::string_view data,
                                           const ImageExpectation& expectation);
 
-/// Encodes a greyscale image with 8 bits a pixel (every pixel below 256) or 16.
-std::string EncodePngPixels(const Image<std::uint16_t>& image, bool with_16_bits);
-
-/// Encodes an RGB image with 8 bits a channel.
-std::string EncodePngColor(const Image<Rgb>& image);
-
 }  // namespace steadymap

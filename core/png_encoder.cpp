@@ -1,3 +1,5 @@
+#include "core/png_encoder.h"
+
 #include <bit>
 #include <cassert>
 #include <new>
@@ -6,7 +8,6 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "core/png_codec.h"
 #include "core/png_error.h"
 
 namespace steadymap {

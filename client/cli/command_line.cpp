@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <exception>
-#include <string_view>
 
 #include <CLI/CLI.hpp>
 
+#include "client/cli/error_line.h"
 #include "client/cli/evaluate_command.h"
 #include "client/cli/events_command.h"
 #include "client/cli/export_command.h"
@@ -17,16 +17,12 @@
 #include "client/cli/simulate_command.h"
 #include "client/cli/upload_command.h"
 #include "client/cli/watch_command.h"
-#include "core/error.h"
 
 namespace steadymap {
 namespace {
 
 constexpr int kFailed = 1;
 constexpr int kMisused = 2;
-
-// Says nothing that the rest of gRPC's sentence does not.
-constexpr std::string_view kGrpcPreamble = "failed to connect to all addresses; last error: ";
 
 constexpr char kCommandLineFooter[] =
     "Maps are kept in metres in a right-handed frame with z up. A map's NAME is its id in the\n"
@@ -80,19 +76,6 @@ std::string CheckServer(const std::string& server) {
 }
 
 }  // namespace
-
-std::string ErrorLine(const absl::Status& status, const std::string& server) {
-  std::string line(status.message());
-  if (line.empty()) line = absl::StatusCodeToString(status.code());
-  const std::string reason = ReasonOf(status);
-  if (status.code() == absl::StatusCode::kUnavailable && reason.empty()) {
-    if (line.starts_with(kGrpcPreamble)) line.erase(0, kGrpcPreamble.size());
-    line = "cannot reach a server at " + server + " (" + line + ")";
-  }
-  const std::string field = FieldOf(status);
-  if (!reason.empty()) line += " [" + reason + (field.empty() ? "" : ", " + field) + "]";
-  return line;
-}
 
 int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* context) {
   CLI::App app("Uploads frames to a steadymap server and reads its maps.", "steadymap");

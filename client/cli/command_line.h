@@ -3,8 +3,6 @@
 #include <string>
 #include <vector>
 
-#include <absl/status/status.h>
-
 #include "client/cli/command_context.h"
 
 namespace steadymap {
@@ -13,9 +11,5 @@ namespace steadymap {
 /// only on success, 2 for a command line that makes no sense, 1 for everything else. An error is
 /// one line on `context.err`.
 int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* context);
-
-/// An error as one line without its line feed: what happened, and where the service named them the
-/// reason and the field.
-std::string ErrorLine(const absl::Status& status, const std::string& server);
 
 }  // namespace steadymap

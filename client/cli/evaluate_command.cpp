@@ -11,6 +11,7 @@
 #include "client/cli/output_file.h"
 #include "client/cli/progress_report.h"
 #include "client/evaluation/recording_evaluation.h"
+#include "client/evaluation/route_evaluation.h"
 #include "client/evaluation/score_picture.h"
 #include "client/evaluation/score_table.h"
 #include "client/evaluation/stage_table.h"

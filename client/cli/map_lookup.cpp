@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "client/backoff.h"
-#include "client/cli/command_line.h"
+#include "client/cli/error_line.h"
 #include "client/map_client.h"
 #include "client/server_answer.h"
 

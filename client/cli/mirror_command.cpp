@@ -14,7 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/argument_text.h"
-#include "client/cli/command_line.h"
+#include "client/cli/error_line.h"
 #include "client/cli/json_writer.h"
 #include "client/cli/map_lookup.h"
 #include "client/cli/number_text.h"

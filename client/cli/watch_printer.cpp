@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "client/cli/command_line.h"
+#include "client/cli/error_line.h"
 #include "client/cli/number_text.h"
 #include "client/cli/resume_token.h"
 #include "core/error.h"

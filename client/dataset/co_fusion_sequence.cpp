@@ -1,3 +1,5 @@
+#include "client/dataset/co_fusion_sequence.h"
+
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -12,7 +14,6 @@
 #include "client/dataset/depth_file.h"
 #include "client/dataset/folder_listing.h"
 #include "client/dataset/image_file.h"
-#include "client/dataset/recorded_sequence.h"
 #include "client/dataset/text_file.h"
 
 namespace steadymap {

@@ -8,11 +8,16 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 
+#include "client/dataset/co_fusion_sequence.h"
 #include "client/dataset/folder_listing.h"
 #include "client/dataset/image_file.h"
+#include "client/dataset/panoptic_sequence.h"
 #include "client/dataset/recorded_frame_source.h"
 #include "client/dataset/recorded_sequence.h"
+#include "client/dataset/seven_scenes_sequence.h"
 #include "client/dataset/text_file.h"
+#include "client/dataset/torwic_sequence.h"
+#include "client/dataset/tum_sequence.h"
 #include "core/absl_text.h"
 
 namespace steadymap {

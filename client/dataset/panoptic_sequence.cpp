@@ -1,3 +1,5 @@
+#include "client/dataset/panoptic_sequence.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -12,7 +14,6 @@
 
 #include "client/dataset/depth_file.h"
 #include "client/dataset/folder_listing.h"
-#include "client/dataset/recorded_sequence.h"
 #include "client/dataset/segment_classes.h"
 #include "client/dataset/text_file.h"
 

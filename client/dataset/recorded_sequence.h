@@ -9,7 +9,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "client/dataset/dataset.h"
+#include "core/frame.h"
 #include "core/geometry.h"
 #include "core/timestamp.h"
 
@@ -53,23 +53,5 @@ struct DatasetFormat {
   absl::StatusOr<RecordedSequence> (*index)(const std::filesystem::path& folder);
   bool has_depth_unit = true;  ///< Depth images hold whole units; else metres.
 };
-
-/// TorWIC-Mapping (`torwic_sequence.cpp`).
-DatasetFormat TorwicFormat();
-
-/// 7-Scenes (`seven_scenes_sequence.cpp`).
-DatasetFormat SevenScenesFormat();
-
-/// TUM RGB-D (`tum_sequence.cpp`).
-DatasetFormat TumFormat();
-
-/// Co-Fusion (`co_fusion_sequence.cpp`). Masks serve as instances, and as classes that a label map
-/// turns into the map's. Its world is wherever the first camera pose puts it; `T_world_dataset` of
-/// the options sets it upright.
-DatasetFormat CoFusionFormat();
-
-/// The flat of panoptic mapping (`panoptic_sequence.cpp`): its world has z up. Segments serve as
-/// instances, 0 being none.
-DatasetFormat PanopticFormat();
 
 }  // namespace steadymap

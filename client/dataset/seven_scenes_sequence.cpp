@@ -1,3 +1,5 @@
+#include "client/dataset/seven_scenes_sequence.h"
+
 #include <cmath>
 #include <string>
 #include <system_error>
@@ -7,7 +9,6 @@
 
 #include "client/dataset/camera_matrix.h"
 #include "client/dataset/folder_listing.h"
-#include "client/dataset/recorded_sequence.h"
 #include "client/dataset/text_file.h"
 
 namespace steadymap {

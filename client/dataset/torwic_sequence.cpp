@@ -1,3 +1,5 @@
+#include "client/dataset/torwic_sequence.h"
+
 #include <cmath>
 #include <optional>
 #include <span>
@@ -6,7 +8,6 @@
 #include <absl/strings/str_cat.h>
 
 #include "client/dataset/folder_listing.h"
-#include "client/dataset/recorded_sequence.h"
 #include "client/dataset/text_file.h"
 #include "client/dataset/torwic_layout.h"
 

@@ -1,3 +1,5 @@
+#include "client/dataset/tum_sequence.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +13,6 @@
 
 #include "client/dataset/camera_matrix.h"
 #include "client/dataset/folder_listing.h"
-#include "client/dataset/recorded_sequence.h"
 #include "client/dataset/text_file.h"
 
 namespace steadymap {

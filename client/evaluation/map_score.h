@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "client/evaluation/observed_space.h"
-#include "client/evaluation/route_survey.h"
 #include "client/evaluation/surface_points.h"
 
 /// How true a map's surface is (datasets.md section 3).
@@ -69,11 +68,6 @@ struct Reference {
   /// up. There is so much ground that it would drown what the score is about.
   std::vector<SurfacePoint> ground{};
 };
-
-/// Sorts a route's surface into what the score asks for. The survey's observed space is moved out.
-/// What lies within a voxel of true surface is neither `vanished` nor `swept`, and what lies within
-/// a voxel of seen surface is not `remembered`: a map's surface there may stand for either.
-Reference MakeReference(RouteSurvey* survey, bool with_ground);
 
 /// What a voxel of the row `near` turned out to be.
 enum class VoxelVerdict {

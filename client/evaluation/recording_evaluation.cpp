@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/evaluation/method_run.h"
+#include "client/evaluation/route_evaluation.h"
 #include "proto/convert_frame.h"
 
 namespace steadymap {

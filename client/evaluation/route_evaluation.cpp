@@ -1,10 +1,12 @@
+#include "client/evaluation/route_evaluation.h"
+
 #include <algorithm>
 #include <cassert>
 #include <utility>
 
 #include "client/evaluation/belief_score.h"
-#include "client/evaluation/evaluation.h"
 #include "client/evaluation/method_run.h"
+#include "client/evaluation/route_reference.h"
 
 namespace steadymap {
 namespace {

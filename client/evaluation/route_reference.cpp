@@ -1,7 +1,8 @@
+#include "client/evaluation/route_reference.h"
+
 #include <cstdint>
 #include <utility>
 
-#include "client/evaluation/map_score.h"
 #include "client/evaluation/point_index.h"
 
 namespace steadymap {

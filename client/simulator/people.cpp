@@ -1,9 +1,10 @@
+#include "client/simulator/people.h"
+
 #include <cassert>
 #include <utility>
 
 #include "client/dataset/torwic_layout.h"
 #include "client/simulator/moving_things.h"
-#include "client/simulator/named_scenes.h"
 #include "client/simulator/torwic_hall.h"
 
 namespace steadymap {

@@ -10,8 +10,10 @@
 #include "client/dataset/torwic_layout.h"
 #include "client/simulator/clutter.h"
 #include "client/simulator/large_hall.h"
-#include "client/simulator/named_scenes.h"
+#include "client/simulator/people.h"
+#include "client/simulator/table_top.h"
 #include "client/simulator/torwic_hall.h"
+#include "client/simulator/twin.h"
 #include "core/absl_text.h"
 #include "core/error.h"
 

@@ -1,9 +1,10 @@
+#include "client/simulator/table_top.h"
+
 #include <cmath>
 #include <utility>
 
 #include "client/dataset/torwic_layout.h"
 #include "client/simulator/moving_things.h"
-#include "client/simulator/named_scenes.h"
 
 namespace steadymap {
 namespace {

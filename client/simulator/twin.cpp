@@ -1,8 +1,9 @@
+#include "client/simulator/twin.h"
+
 #include <cmath>
 #include <utility>
 
 #include "client/dataset/torwic_layout.h"
-#include "client/simulator/named_scenes.h"
 
 namespace steadymap {
 namespace {

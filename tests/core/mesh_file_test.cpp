@@ -12,6 +12,8 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include "core/mesh_file_glb.h"
+
 namespace steadymap {
 namespace {
 

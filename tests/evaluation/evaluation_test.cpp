@@ -1,5 +1,3 @@
-#include "client/evaluation/evaluation.h"
-
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/evaluation/recording_evaluation.h"
+#include "client/evaluation/route_evaluation.h"
 #include "client/simulator/torwic_writer.h"
 #include "tests/support/temporary_folder.h"
 

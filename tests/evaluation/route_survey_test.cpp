@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "client/evaluation/event_truth.h"
-#include "client/evaluation/map_score.h"
+#include "client/evaluation/route_reference.h"
 
 namespace steadymap {
 namespace {

@@ -1,3 +1,5 @@
+#include "server/event_answers.h"
+
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -5,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "server/object_answers.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/memory_store.h"
 

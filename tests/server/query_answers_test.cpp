@@ -11,6 +11,8 @@
 #include "core/error.h"
 #include "core/query_work.h"
 #include "proto/convert_geometry.h"
+#include "server/map_export.h"
+#include "server/map_section.h"
 #include "server/object_answers.h"
 #include "server/query_selection.h"
 #include "tests/server/store_builder.h"
