@@ -1,3 +1,5 @@
+#include "server/event_answers.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +13,6 @@
 #include "core/error.h"
 #include "proto/convert_event.h"
 #include "proto/convert_geometry.h"
-#include "server/object_answers.h"
 #include "server/page_token.h"
 #include "server/query_selection.h"
 

@@ -4,20 +4,17 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include <absl/base/thread_annotations.h>
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 #include <absl/synchronization/mutex.h>
-#include <rocksdb/write_batch.h>
 
 #include "server/entry_log.h"
+#include "server/record_batch.h"
 #include "server/state_database.h"
 #include "server/store.h"
-#include "server/store_records.h"
 #include "server/write_turn.h"
 
 #include "steadymap/storage/v1/records.pb.h"
@@ -96,46 +93,12 @@ class MapDatabase {
   /// OK, or `DISK_LOW` if fewer bytes are free than `needed`.
   absl::Status CheckFree(std::uint64_t needed) const;
 
-  /// Reading the committed state, all from one snapshot of the database.
-  using RecordVisitor = std::function<absl::Status(const ValuePlace&, std::string_view)>;
-  absl::Status ForEachRecord(Family family,
-                             const rocksdb::Snapshot* snapshot,
-                             const RecordVisitor& visit) const;
-  absl::Status LoadHead(const rocksdb::Snapshot* snapshot, storage::v1::Head* head) const;
-  absl::Status LoadClasses(const rocksdb::Snapshot* snapshot,
-                           std::vector<SemanticClass>* classes) const;
-  absl::Status LoadSessions(const rocksdb::Snapshot* snapshot, StoredState* state) const;
-  absl::Status LoadContent(const rocksdb::Snapshot* snapshot, MapSnapshot* content) const;
-
-  /// Putting things into a batch.
-  void PutSealed(Family family,
-                 const std::string& key,
-                 const google::protobuf::MessageLite& record,
-                 rocksdb::WriteBatch* batch) const;
-  void PutChange(const MapDelta& delta,
-                 const storage::v1::Head& before,
-                 const storage::v1::Head& after,
-                 rocksdb::WriteBatch* batch) const;
-  void PutContent(const MapDelta& delta, rocksdb::WriteBatch* batch) const;
-  void PutEvents(const std::vector<ObjectEvent>& events,
-                 EventNumber first,
-                 rocksdb::WriteBatch* batch) const;
-  /// The sessions that the database does not know yet, and with them the head, which then knows how
+  /// Adds the sessions that the database does not know yet and the head, which then records how
   /// far the log goes.
-  void PutProgress(const Progress& progress,
-                   storage::v1::Head* head,
-                   rocksdb::WriteBatch* batch) const;
+  void PutProgress(const Progress& progress, storage::v1::Head* head, RecordBatch* records) const;
   void ForgetSaved(const storage::v1::Head& head) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The parts of a trim: each puts what goes into `batch`.
   absl::Status TrimState(const TrimBounds& bounds);
-  absl::Status TrimPoses(const storage::v1::Head& head, rocksdb::WriteBatch* batch) const;
-  absl::Status TrimChangeLists(const storage::v1::Head& head,
-                               const TrimBounds& bounds,
-                               rocksdb::WriteBatch* batch) const;
-  absl::Status TrimEvents(const storage::v1::Head& head, rocksdb::WriteBatch* batch) const;
-  absl::Status TrimSessions(const TrimBounds& bounds, rocksdb::WriteBatch* batch);
-  absl::StatusOr<std::optional<std::uint64_t>> FirstNumber(Family family) const;
 
   const MapRecord record_;  ///< As it was when the map was opened: its key, name and configuration.
   const Surroundings surroundings_;

@@ -1,3 +1,5 @@
+#include "server/map_export.h"
+
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -12,8 +14,8 @@
 #include "core/file_encoder.h"
 #include "core/map_mesh.h"
 #include "core/mesh_file.h"
+#include "core/mesh_file_glb.h"
 #include "core/vdb_file.h"
-#include "server/query_answers.h"
 #include "server/query_selection.h"
 
 namespace steadymap {

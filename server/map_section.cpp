@@ -1,3 +1,5 @@
+#include "server/map_section.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -9,7 +11,6 @@
 #include "core/error.h"
 #include "core/tsdf_codec.h"
 #include "proto/convert_object.h"
-#include "server/query_answers.h"
 #include "server/query_selection.h"
 
 namespace steadymap {

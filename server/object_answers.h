@@ -27,13 +27,4 @@ absl::Status AnswerListObjects(MapKey map,
                                const Cancellation& cancellation,
                                v1::ListObjectsResponse* response);
 
-/// A page of the map's events up to the snapshot's revision, read from `store`. Cost: about 1 us an
-/// event passed over; after 100 000 of them a page ends even if it is not full.
-absl::Status AnswerListEvents(Store& store,
-                              MapKey map,
-                              const MapSnapshot& snapshot,
-                              const v1::ListEventsRequest& request,
-                              const Cancellation& cancellation,
-                              v1::ListEventsResponse* response);
-
 }  // namespace steadymap

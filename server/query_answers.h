@@ -1,17 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
 
 #include <absl/status/status.h>
-#include <absl/status/statusor.h>
 
 #include "core/cancellation.h"
 #include "core/geometry.h"
 #include "core/map_snapshot.h"
-#include "server/message_stream.h"
 #include "server/store.h"
 
 #include "steadymap/v1/query_service.pb.h"
@@ -46,20 +41,5 @@ absl::Status AnswerListFramePoses(Store& store,
                                   const v1::ListFramePosesRequest& request,
                                   const Cancellation& cancellation,
                                   v1::ListFramePosesResponse* response);
-
-/// The objects and leaves that touch the request's box, in messages of at most about 1 MiB.
-/// Errors, here and of the source: also `Cancelled`, as `cancellation` says.
-absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMapSection(
-    std::shared_ptr<const MapSnapshot> snapshot,
-    const v1::GetMapSectionRequest& request,
-    const Cancellation& cancellation);
-
-/// The map as a file, in chunks of at most `kFilePieceBytes`, each made when it is asked for; of a
-/// mesh file the mesh is made first. Errors, here and of the source: also `Cancelled`, as
-/// `cancellation` says.
-absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport(
-    std::shared_ptr<const MapSnapshot> snapshot,
-    const v1::ExportMapRequest& request,
-    const Cancellation& cancellation);
 
 }  // namespace steadymap

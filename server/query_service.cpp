@@ -5,6 +5,9 @@
 #include <string_view>
 #include <utility>
 
+#include "server/event_answers.h"
+#include "server/map_export.h"
+#include "server/map_section.h"
 #include "server/message_call.h"
 #include "server/object_answers.h"
 #include "server/pool_call.h"

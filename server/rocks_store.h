@@ -19,17 +19,10 @@
 #include "server/disk_space_gate.h"
 #include "server/folder_lock.h"
 #include "server/map_database.h"
-#include "server/map_folder.h"
 #include "server/store.h"
-#include "server/store_catalog.h"
+#include "server/twin_file.h"
 
 namespace steadymap {
-
-/// Name of the folder in the data folder that holds a folder for each map.
-inline constexpr char kMapsFolderName[] = "maps";
-
-/// What the name of a map's folder ends with until the map is whole.
-inline constexpr char kUnfinishedSuffix[] = ".new";
 
 /// The store on disk. Private to the server: everybody else uses `Store`.
 ///
@@ -102,8 +95,6 @@ class RocksStore final : public Store {
 
   static absl::StatusOr<std::uint64_t> FreeDiskBytes(const std::filesystem::path& folder);
   absl::Status LoadCatalog();
-  void AdoptFolder(const std::filesystem::path& folder);
-  MapEntry LoadEntry(const StoreCatalog::Map& map);
   void RemoveDeleted();
   absl::Status WriteCatalog() ABSL_EXCLUSIVE_LOCKS_REQUIRED(catalog_mutex_);
 
@@ -115,7 +106,6 @@ class RocksStore final : public Store {
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   MapDatabase::Surroundings DatabaseSurroundings() const;
-  MapFolder FolderOf(MapKey map) const;
 
   const FolderLock lock_;
   const std::filesystem::path folder_;

@@ -7,8 +7,10 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "core/map_updater.h"
 #include "proto/grpc_status.h"
 #include "server/request_reader.h"
+#include "server/upload_request.h"
 
 namespace steadymap {
 
@@ -105,6 +107,119 @@ void UploadStream::OnRead(bool ok) {
     if (!ending_) ending_ = absl::OkStatus();
   }
   Drive();
+}
+
+/// Leaves the message as it came until there is memory for what it holds; nothing more is read
+/// meanwhile.
+void UploadStream::AwaitMemory() {
+  const std::size_t bytes = request_.Length();
+  if (map_ == nullptr || bytes > limits_.max_message_bytes) return TakeMessage({});
+  std::optional<FrameBudget::Reservation> memory =
+      FrameBudget::TryReserve(map_->read_account(), bytes);
+  if (memory) return TakeMessage(*std::move(memory));
+  FrameBudget::Reserve(
+      map_->read_account(), bytes, [self = shared_from_this()](FrameBudget::Reservation granted) {
+        auto shared = std::make_shared<FrameBudget::Reservation>(std::move(granted));
+        self->surroundings_.decoders->Submit(
+            [self, shared] { self->TakeMessage(std::move(*shared)); });
+      });
+}
+
+void UploadStream::TakeMessage(FrameBudget::Reservation memory) {
+  const absl::Status status = HandleMessage(std::move(memory));
+  {
+    const absl::MutexLock lock(&mutex_);
+    reading_ = false;
+    if (!status.ok() && !end_) end_ = status;
+  }
+  Drive();
+}
+
+absl::Status UploadStream::HandleMessage(FrameBudget::Reservation memory) {
+  v1::UploadFramesRequest request;
+  absl::Status status = ReadRequest(request_, UploadRequestLimits(limits_), &request);
+  request_.Clear();
+  if (!status.ok()) return status;
+  switch (request.kind_case()) {
+    case v1::UploadFramesRequest::kOpen:
+      if (map_ != nullptr) {
+        return InvalidField(reason::kBadValue, "open", "the stream is open already");
+      }
+      return WithFieldPrefix(HandleOpen(request.open()), "open");
+    case v1::UploadFramesRequest::kBatch:
+      if (map_ == nullptr) {
+        return InvalidField(reason::kBadValue, "batch", "a stream begins with `open`");
+      }
+      return WithFieldPrefix(HandleBatch({std::move(*request.mutable_batch()), std::move(memory)}),
+                             "batch");
+    default:
+      return InvalidField(reason::kBadValue, "kind", "a message must hold `open` or `batch`");
+  }
+}
+
+absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
+  absl::StatusOr<UploadTarget> target = FindUploadTarget(
+      *surroundings_.maps, open.map(), open.robot(), open.sensor(), open.session());
+  if (!target.ok()) return target.status();
+  auto config = std::make_shared<const MapConfig>(target->map->record().config);
+  missing_labels_.SetKeepsObjects(KeepsObjects(config->policy));
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (absl::Status status = answers_.ChooseLevels(open); !status.ok()) return status;
+    entered_ = true;
+    awaiting_map_ = true;
+    map_ = target->map;
+    config_ = std::move(config);
+    session_ = target->session;
+  }
+  absl::Status status = surroundings_.roster->Enter(map_->key(), session_, shared_from_this());
+  if (!status.ok()) {
+    const absl::MutexLock lock(&mutex_);
+    entered_ = false;
+    return status;
+  }
+  const ClientSequence known_durable(open.last_durable_client_seq());
+  map_->WhenOpened(
+      [self = shared_from_this(), known_durable] { self->OnMapOpened(known_durable); });
+  return absl::OkStatus();
+}
+
+void UploadStream::OnMapOpened(ClientSequence known_durable) {
+  const absl::Status status = WithFieldPrefix(map_->CheckReads(), "open");
+  v1::UploadFramesResponse response =
+      MakeOpenedResponse(map_.get(), session_, known_durable, limits_);
+  {
+    const absl::MutexLock lock(&mutex_);
+    awaiting_map_ = false;
+    *response.mutable_opened()->mutable_credit() = answers_.initial_credit();
+    if (status.ok()) {
+      opened_ = std::move(response);
+    } else if (!end_) {
+      end_ = status;
+    }
+  }
+  Drive();
+}
+
+absl::Status UploadStream::HandleBatch(ReadBatch batch) {
+  if (absl::Status status = CheckNumbering(batch.frames); !status.ok()) return status;
+  missing_labels_.Check(batch.frames, map_->name(), session_);
+  const auto frames = static_cast<std::uint64_t>(batch.frames.frames_size());
+  const std::uint64_t bytes = batch.frames.ByteSizeLong();
+  const absl::MutexLock lock(&mutex_);
+  if (batch.frames.first_client_seq() <= last_read_.value()) {
+    return InvalidField(reason::kBadSequence,
+                        "first_client_seq",
+                        absl::StrCat("client sequences rise within a stream: after ",
+                                     last_read_.value(),
+                                     " came ",
+                                     batch.frames.first_client_seq()));
+  }
+  if (absl::Status status = answers_.Spend(frames, bytes); !status.ok()) return status;
+  last_read_ = LastSequenceOf(batch.frames);
+  if (ending_ || end_) return absl::OkStatus();
+  inbox_.push_back(std::move(batch));
+  return absl::OkStatus();
 }
 
 void UploadStream::OnWritten(bool ok) {

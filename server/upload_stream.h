@@ -19,6 +19,7 @@
 #include "server/map_directory.h"
 #include "server/server_config.h"
 #include "server/upload_answers.h"
+#include "server/upload_opening.h"
 #include "server/upload_roster.h"
 #include "server/worker_pool.h"
 
@@ -87,8 +88,8 @@ class UploadStream final : public UploadObserver,
   void TakeMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleOpen(const v1::UploadOpen& open) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// `known_durable`: the last frame that the client knows to be durable.
   void OnMapOpened(ClientSequence known_durable) ABSL_LOCKS_EXCLUDED(mutex_);
-  void NoteMissingLabels(const v1::FrameBatch& batch);
   absl::Status HandleBatch(ReadBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Surroundings surroundings_;
@@ -102,8 +103,7 @@ class UploadStream final : public UploadObserver,
   std::shared_ptr<const MapConfig> config_;  ///< Of the map; all batches share it.
   SessionName session_;
 
-  /// Of the reading side: the map keeps objects, and no frame without labels has come yet.
-  bool wants_labels_ = false;
+  MissingLabelsWarning missing_labels_;  ///< Of the reading side.
 
   mutable absl::Mutex mutex_;
   bool driving_ ABSL_GUARDED_BY(mutex_) = false;

@@ -1,32 +1,27 @@
-// How a map's committed state is read.
+#include "server/content_loader.h"
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
-#include <rocksdb/snapshot.h>
 
 #include "core/parallel.h"
 #include "core/tsdf_codec.h"
-#include "server/map_database.h"
 #include "server/object_records.h"
 #include "server/robot_records.h"
+#include "server/state_reading.h"
 #include "server/store_keys.h"
-#include "server/store_records.h"
+
+#include "steadymap/storage/v1/records.pb.h"
 
 namespace steadymap {
 namespace {
-
-absl::StatusOr<SessionRecord> LoadSession(const ValuePlace& place, std::string_view value) {
-  storage::v1::SessionRecord proto;
-  if (absl::Status status = UnsealRecord(place, value, &proto); !status.ok()) return status;
-  return FromProto(proto);
-}
 
 /// Puts records into a snapshot: objects first, then their leaves.
 class ContentLoader {
@@ -158,100 +153,9 @@ class ContentLoader {
 
 }  // namespace
 
-absl::StatusOr<StoredState> MapDatabase::Load() const {
-  // The log first: it never ends before the state that is read after it.
-  const Progress progress = this->progress();
-  rocksdb::ManagedSnapshot snapshot(&state_->database());
-  storage::v1::Head head;
-  if (absl::Status status = LoadHead(snapshot.snapshot(), &head); !status.ok()) return status;
-  StoredState state;
-  state.durable_head = std::max(progress.durable_head, MapSequence(head.revision()));
-  state.durable_classes = record_.config.classes;
-  state.durable_classes.insert(
-      state.durable_classes.end(), progress.added_classes.begin(), progress.added_classes.end());
-  state.commit = {Revision(head.revision()), head.history_hash()};
-  state.uptime = MapUptime(std::max(head.uptime_ns(), progress.head.uptime_ns()));
-  state.note = note_;
-  state.snapshot = MapSnapshot({record_.config.voxel_size_m, record_.config.truncation_m});
-  state.snapshot.revision = Revision{head.revision()};
-  state.snapshot.last_capture_time = Timestamp::FromNanoseconds(head.last_capture_time_ns());
-  state.snapshot.newest_object = ObjectId{head.newest_object()};
-  state.snapshot.last_event = EventNumber{head.events()};
-  if (absl::Status status = LoadClasses(snapshot.snapshot(), &state.snapshot.added_classes);
-      !status.ok()) {
-    return status;
-  }
-  if (absl::Status status = LoadSessions(snapshot.snapshot(), &state); !status.ok()) return status;
-  for (const auto& [name, unsaved] : progress.unsaved_sessions) {
-    std::erase_if(state.sessions,
-                  [&name = name](const SessionRecord& known) { return known.name == name; });
-    state.sessions.push_back(unsaved.record);
-  }
-  std::sort(state.sessions.begin(),
-            state.sessions.end(),
-            [](const SessionRecord& a, const SessionRecord& b) { return a.name < b.name; });
-  if (absl::Status status = LoadContent(snapshot.snapshot(), &state.snapshot); !status.ok()) {
-    return status;
-  }
-  return state;
-}
-
-absl::Status MapDatabase::LoadHead(const rocksdb::Snapshot* snapshot,
-                                   storage::v1::Head* head) const {
-  const std::string key = HeadKey();
-  const absl::StatusOr<std::string> value = state_->Read(Family::kMeta, key, snapshot);
-  const ValuePlace place{NameOf(Family::kMeta), key};
-  if (absl::IsNotFound(value.status())) return DamagedValue(place, "is missing");
-  if (!value.ok()) return value.status();
-  return UnsealRecord(place, *value, head);
-}
-
-absl::Status MapDatabase::LoadClasses(const rocksdb::Snapshot* snapshot,
-                                      std::vector<SemanticClass>* classes) const {
-  const absl::StatusOr<std::string> value = state_->Read(Family::kMeta, ClassTableKey(), snapshot);
-  if (absl::IsNotFound(value.status())) return absl::OkStatus();
-  if (!value.ok()) return value.status();
-  storage::v1::ClassTable table;
-  if (absl::Status status = UnsealRecord({NameOf(Family::kMeta), ClassTableKey()}, *value, &table);
-      !status.ok()) {
-    return status;
-  }
-  for (const storage::v1::SemanticClass& row : table.classes()) {
-    absl::StatusOr<SemanticClass> read = FromProto(row);
-    if (!read.ok()) return read.status();
-    classes->push_back(*std::move(read));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status MapDatabase::ForEachRecord(Family family,
-                                        const rocksdb::Snapshot* snapshot,
-                                        const RecordVisitor& visit) const {
-  const KeyRange range = RangeOf(family);
-  const rocksdb::Slice upper_bound(range.end);
-  const std::unique_ptr<rocksdb::Iterator> scan = state_->Scan(family, &upper_bound, snapshot);
-  for (scan->Seek(range.begin); scan->Valid(); scan->Next()) {
-    const ValuePlace place{NameOf(family), scan->key().ToStringView()};
-    if (absl::Status status = visit(place, scan->value().ToStringView()); !status.ok()) {
-      return status;
-    }
-  }
-  return FromRocksdb(scan->status(), absl::StrCat("reading ", NameOf(family).data()));
-}
-
-absl::Status MapDatabase::LoadSessions(const rocksdb::Snapshot* snapshot,
-                                       StoredState* state) const {
-  return ForEachRecord(
-      Family::kSession, snapshot, [state](const ValuePlace& place, std::string_view value) {
-        absl::StatusOr<SessionRecord> session = LoadSession(place, value);
-        if (!session.ok()) return session.status();
-        state->sessions.push_back(*std::move(session));
-        return absl::OkStatus();
-      });
-}
-
-absl::Status MapDatabase::LoadContent(const rocksdb::Snapshot* snapshot,
-                                      MapSnapshot* content) const {
+absl::Status LoadContent(const StateDatabase& state,
+                         const rocksdb::Snapshot* snapshot,
+                         MapSnapshot* content) {
   ContentLoader loader(content);
   using LoadRecord = absl::Status (ContentLoader::*)(const ValuePlace&, std::string_view);
   static constexpr std::array<std::pair<Family, LoadRecord>, 4> kLoads = {
@@ -263,7 +167,8 @@ absl::Status MapDatabase::LoadContent(const rocksdb::Snapshot* snapshot,
     const auto visit = [&loader, load = load](const ValuePlace& place, std::string_view value) {
       return (loader.*load)(place, value);
     };
-    if (absl::Status status = ForEachRecord(family, snapshot, visit); !status.ok()) return status;
+    if (absl::Status status = ForEachRecord(state, family, snapshot, visit); !status.ok())
+      return status;
   }
   if (absl::Status status = loader.StoreLeaves(); !status.ok()) return status;
   loader.Finish();

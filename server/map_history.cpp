@@ -1,7 +1,8 @@
-// How the history of a map is read: what commits changed, events, poses.
+#include "server/map_history.h"
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -9,10 +10,11 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/error.h"
-#include "server/map_database.h"
 #include "server/object_records.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"
+
+#include "steadymap/storage/v1/records.pb.h"
 
 namespace steadymap {
 namespace {
@@ -49,11 +51,11 @@ void SortUnique(std::vector<Key>* keys) {
 
 }  // namespace
 
-absl::StatusOr<ChangeList> MapDatabase::ReadChanges(CommitMark from, Revision to) const {
+absl::StatusOr<ChangeList> ReadChanges(const StateDatabase& state, CommitMark from, Revision to) {
   ChangeList changes;
   const std::string end = ChangeKey(to.Next());
   const rocksdb::Slice upper_bound(end);
-  const std::unique_ptr<rocksdb::Iterator> scan = state_->Scan(Family::kChange, &upper_bound);
+  const std::unique_ptr<rocksdb::Iterator> scan = state.Scan(Family::kChange, &upper_bound);
   // A commit names the one before it, so a list that is missing shows, and so does another history.
   Revision reached = from.revision;
   bool is_first = true;
@@ -79,12 +81,13 @@ absl::StatusOr<ChangeList> MapDatabase::ReadChanges(CommitMark from, Revision to
   return changes;
 }
 
-absl::StatusOr<std::vector<StoredEvent>> MapDatabase::ReadEvents(EventNumber first,
-                                                                 std::size_t limit) const {
+absl::StatusOr<std::vector<StoredEvent>> ReadEvents(const StateDatabase& state,
+                                                    EventNumber first,
+                                                    std::size_t limit) {
   std::vector<StoredEvent> events;
   const std::string end = RangeOf(Family::kEvent).end;
   const rocksdb::Slice upper_bound(end);
-  const std::unique_ptr<rocksdb::Iterator> scan = state_->Scan(Family::kEvent, &upper_bound);
+  const std::unique_ptr<rocksdb::Iterator> scan = state.Scan(Family::kEvent, &upper_bound);
   for (scan->Seek(EventKey(first)); scan->Valid() && events.size() < limit; scan->Next()) {
     const ValuePlace place{NameOf(Family::kEvent), scan->key().ToStringView()};
     const std::optional<EventNumber> number = EventOfKey(place.key);
@@ -102,13 +105,14 @@ absl::StatusOr<std::vector<StoredEvent>> MapDatabase::ReadEvents(EventNumber fir
   return events;
 }
 
-absl::StatusOr<std::vector<FramePose>> MapDatabase::ReadPoses(MapSequence first,
-                                                              MapSequence last,
-                                                              std::size_t limit) const {
+absl::StatusOr<std::vector<FramePose>> ReadPoses(const StateDatabase& state,
+                                                 MapSequence first,
+                                                 MapSequence last,
+                                                 std::size_t limit) {
   std::vector<FramePose> poses;
   const std::string end = RangeOf(Family::kPose).end;
   const rocksdb::Slice upper_bound(end);
-  const std::unique_ptr<rocksdb::Iterator> scan = state_->Scan(Family::kPose, &upper_bound);
+  const std::unique_ptr<rocksdb::Iterator> scan = state.Scan(Family::kPose, &upper_bound);
   for (scan->Seek(PoseKey(first)); scan->Valid() && poses.size() < limit; scan->Next()) {
     const ValuePlace place{NameOf(Family::kPose), scan->key().ToStringView()};
     const std::optional<MapSequence> sequence = SequenceOfPoseKey(place.key);

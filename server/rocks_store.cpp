@@ -1,4 +1,4 @@
-#include "server/store.h"
+#include "server/rocks_store.h"
 
 #include <algorithm>
 #include <system_error>
@@ -9,8 +9,9 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "server/map_discovery.h"
 #include "server/posix_file.h"
-#include "server/rocks_store.h"
+#include "server/store_catalog.h"
 
 namespace steadymap {
 namespace {
@@ -87,6 +88,54 @@ RocksStore::~RocksStore() {
   RemoveDeleted();
 }
 
+absl::Status RocksStore::LoadCatalog() {
+  absl::StatusOr<DiscoveredMaps> maps = DiscoverMaps(folder_, catalog_file_);
+  if (!maps.ok()) return maps.status();
+  const absl::MutexLock lock(&mutex_);
+  next_key_ = maps->next_key;
+  for (const MapKey key : maps->deleted) deleted_.emplace_back(key, nullptr);
+  for (auto& [key, record] : maps->records) {
+    names_.emplace(record.name, key);
+    maps_[key].record = std::move(record);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RocksStore::WriteCatalog() {
+  StoreCatalog catalog;
+  {
+    const absl::MutexLock lock(&mutex_);
+    catalog.next_key = next_key_;
+    for (const auto& [key, entry] : maps_) catalog.maps.push_back({key, entry.record.name});
+  }
+  return catalog_file_.Write(catalog.Pack());
+}
+
+/// Gives the space of deleted maps back, as far as nobody uses them any more.
+void RocksStore::RemoveDeleted() {
+  const absl::MutexLock catalog_lock(&catalog_mutex_);
+  std::vector<MapKey> unused;
+  {
+    const absl::MutexLock lock(&mutex_);
+    for (const auto& [key, closed] : deleted_) {
+      if (closed == nullptr || closed->HasBeenNotified()) unused.push_back(key);
+    }
+  }
+  if (unused.empty()) return;
+  // The catalog first: a map that it names and that has no folder is a loss.
+  absl::Status status = WriteCatalog();
+  for (const MapKey key : unused) {
+    if (status.ok()) status = MapFolderOf(folder_, key).Remove();
+    if (!status.ok()) break;
+    const absl::MutexLock lock(&mutex_);
+    deleted_.remove_if([key](const auto& deleted) { return deleted.first == key; });
+  }
+  if (!status.ok()) {
+    spdlog::warn("the space of a deleted map is not given back yet: {}",
+                 std::string(status.message()));
+  }
+}
+
 absl::StatusOr<MapRecord> RocksStore::CreateMap(const MapRecord& record) {
   if (!IsValidId(record.name.tenant) || !IsValidId(record.name.map)) {
     return InvalidField(reason::kBadName, "name", "a map's name must be made of two valid ids");
@@ -107,7 +156,7 @@ absl::StatusOr<MapRecord> RocksStore::CreateMap(const MapRecord& record) {
     next_key_ = next_key_.Next();
   }
   // Whole under another name first.
-  const std::filesystem::path place = FolderOf(entry.record.key).path();
+  const std::filesystem::path place = MapFolderOf(folder_, entry.record.key).path();
   const MapFolder unfinished(place.string() + kUnfinishedSuffix, entry.record.key);
   absl::Status status = unfinished.Create(entry.record);
   if (status.ok()) status = MapDatabase::Create(unfinished.path(), DatabaseSurroundings());
@@ -137,7 +186,8 @@ absl::Status RocksStore::UpdateMap(const MapRecord& record) {
       return absl::FailedPreconditionError("the name and the config of a map never change");
     }
   }
-  if (absl::Status status = FolderOf(record.key).WriteRecord(record); !status.ok()) return status;
+  if (absl::Status status = MapFolderOf(folder_, record.key).WriteRecord(record); !status.ok())
+    return status;
   const absl::MutexLock lock(&mutex_);
   const auto entry = maps_.find(record.key);
   if (entry != maps_.end()) entry->second.record = record;
@@ -147,7 +197,7 @@ absl::Status RocksStore::UpdateMap(const MapRecord& record) {
 absl::Status RocksStore::DeleteMap(MapKey map) {
   {
     const absl::MutexLock catalog_lock(&catalog_mutex_);
-    const MapFolder folder = FolderOf(map);
+    const MapFolder folder = MapFolderOf(folder_, map);
     {
       const absl::MutexLock lock(&mutex_);
       if (!maps_.contains(map)) return UnknownMap(map);
@@ -212,7 +262,7 @@ absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::OpenDatabase(const MapR
   // One database a folder: those who still read the old one finish first.
   if (closing != nullptr) closing->WaitForNotification();
   absl::StatusOr<std::unique_ptr<MapDatabase>> opened =
-      MapDatabase::Open(FolderOf(record.key).path(), record, DatabaseSurroundings());
+      MapDatabase::Open(MapFolderOf(folder_, record.key).path(), record, DatabaseSurroundings());
   if (!opened.ok()) return opened.status();
   auto closed = std::make_shared<absl::Notification>();
   const std::shared_ptr<MapDatabase> database(opened->release(), [closed](MapDatabase* last) {
@@ -320,10 +370,6 @@ absl::StatusOr<std::uint64_t> RocksStore::FreeDiskBytes(const std::filesystem::p
 
 MapDatabase::Surroundings RocksStore::DatabaseSurroundings() const {
   return {&shared_, &options_, [this] { return platform_.free_disk_bytes(folder_); }};
-}
-
-MapFolder RocksStore::FolderOf(MapKey map) const {
-  return {folder_ / kMapsFolderName / absl::StrFormat("%020d", map.value()), map};
 }
 
 }  // namespace steadymap
