@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/progress_report.h"
+#include "client/simulator/named_routes.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/simulator/torwic_writer.h"
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/dataset/frame_message.h"
+#include "client/simulator/named_routes.h"
 #include "core/error.h"
 #include "core/image_codec.h"
 

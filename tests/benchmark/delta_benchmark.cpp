@@ -21,6 +21,7 @@
 
 #include "client/channel.h"
 #include "client/map_client.h"
+#include "client/simulator/named_routes.h"
 #include "tests/benchmark/delta_account.h"
 #include "tests/benchmark/frame_feed.h"
 #include "tests/benchmark/watch_crowd.h"

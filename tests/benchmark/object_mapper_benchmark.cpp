@@ -17,6 +17,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "client/simulator/named_routes.h"
 #include "client/simulator/simulation.h"
 #include "core/mapper.h"
 #include "tests/benchmark/hall_drive.h"

@@ -3,6 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "client/simulator/named_routes.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/simulator/simulation.h"
 

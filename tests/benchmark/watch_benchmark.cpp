@@ -24,6 +24,7 @@
 
 #include "client/channel.h"
 #include "client/map_client.h"
+#include "client/simulator/named_routes.h"
 #include "client/simulator/scene.h"
 #include "tests/benchmark/frame_feed.h"
 #include "tests/benchmark/process_usage.h"

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "client/simulator/large_hall.h"
+#include "client/simulator/named_routes.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "core/error.h"
 #include "core/image_codec.h"

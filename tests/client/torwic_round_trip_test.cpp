@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "client/dataset/dataset.h"
+#include "client/simulator/named_routes.h"
 #include "client/simulator/torwic_writer.h"
 #include "core/image_codec.h"
 #include "tests/support/temporary_folder.h"

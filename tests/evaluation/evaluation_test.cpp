@@ -6,6 +6,7 @@
 
 #include "client/evaluation/recording_evaluation.h"
 #include "client/evaluation/route_evaluation.h"
+#include "client/simulator/named_routes.h"
 #include "client/simulator/torwic_writer.h"
 #include "tests/support/temporary_folder.h"
 

@@ -7,6 +7,7 @@
 
 #include "client/evaluation/event_truth.h"
 #include "client/evaluation/route_reference.h"
+#include "client/simulator/named_routes.h"
 
 namespace steadymap {
 namespace {

@@ -12,6 +12,7 @@
 
 #include "client/channel.h"
 #include "client/map_client.h"
+#include "client/simulator/named_routes.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/uploader.h"
 #include "tests/support/daemon_process.h"

@@ -1,4 +1,4 @@
-#include "client/simulator/route.h"
+#include "client/simulator/named_routes.h"
 
 #include <algorithm>
 #include <cstdint>
