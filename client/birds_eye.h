@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 
 #include "client/top_down_raster.h"
-#include "core/cuboid.h"
-#include "core/frame.h"
-#include "core/mesh.h"
+#include "core/frame/frame.h"
+#include "core/geometry/cuboid.h"
+#include "core/volume/mesh.h"
 
 /// The bird's-eye picture of a map: its surface from straight above, where robots drove, and what a
 /// reader needs to make sense of it.

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "client/stroke_font.h"
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

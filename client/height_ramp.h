@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

@@ -9,7 +9,7 @@
 
 #include "client/map_client.h"
 #include "client/server_answer.h"
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "client/backoff.h"
 #include "client/channel.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/map.pb.h"
 

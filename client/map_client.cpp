@@ -11,8 +11,8 @@
 
 #include "client/map_section_reader.h"
 #include "client/protocol_error.h"
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 #include "proto/convert_geometry.h"
 #include "proto/grpc_status.h"
 

@@ -16,10 +16,10 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/channel.h>
 
-#include "core/geometry.h"
-#include "core/identifiers.h"
-#include "core/map_snapshot.h"
-#include "core/timestamp.h"
+#include "core/geometry/geometry.h"
+#include "core/map/map_snapshot.h"
+#include "core/types/identifiers.h"
+#include "core/types/timestamp.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"
 #include "steadymap/v1/query_service.grpc.pb.h"
@@ -88,7 +88,8 @@ struct ExportSummary {
 /// Creates, reads and queries maps on a server.
 ///
 /// Every error carries the service's code and message, and where the service gave them the reason
-/// and the field path (`ReasonOf`, `FieldOf` in core/error.h). Nothing is retried. Thread-safe.
+/// and the field path (`ReasonOf`, `FieldOf` in core/types/error.h). Nothing is retried.
+/// Thread-safe.
 class MapClient {
  public:
   explicit MapClient(const std::shared_ptr<grpc::ChannelInterface>& channel,

@@ -14,9 +14,9 @@
 #include "client/map_client.h"
 #include "client/map_watch.h"
 #include "client/mirror_step.h"
-#include "core/identifiers.h"
-#include "core/map_sampler.h"
-#include "core/map_snapshot.h"
+#include "core/map/map_snapshot.h"
+#include "core/query/map_sampler.h"
+#include "core/types/identifiers.h"
 
 namespace steadymap {
 

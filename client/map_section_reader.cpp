@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "client/protocol_error.h"
-#include "core/error.h"
-#include "core/tsdf_codec.h"
-#include "core/tsdf_grid.h"
+#include "core/types/error.h"
+#include "core/volume/tsdf_codec.h"
+#include "core/volume/tsdf_grid.h"
 #include "proto/convert_object.h"
 
 namespace steadymap {

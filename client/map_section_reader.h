@@ -3,7 +3,7 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/support/sync_stream.h>
 
-#include "core/map_snapshot.h"
+#include "core/map/map_snapshot.h"
 
 #include "steadymap/v1/query_service.pb.h"
 

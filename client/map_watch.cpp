@@ -9,7 +9,7 @@
 
 #include "client/server_answer.h"
 #include "client/watch_retry.h"
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_watch.h"
 #include "proto/grpc_status.h"
 

@@ -17,8 +17,8 @@
 #include "client/channel.h"
 #include "client/watch_consumer.h"
 #include "client/watch_sequence.h"
-#include "core/identifiers.h"
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/watch_service.grpc.pb.h"
 

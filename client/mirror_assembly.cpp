@@ -7,7 +7,7 @@
 #include <absl/status/statusor.h>
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_event.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_object.h"

@@ -7,9 +7,9 @@
 
 #include "client/mirror_step.h"
 #include "client/watch_sequence.h"
-#include "core/identifiers.h"
-#include "core/map_edits.h"
-#include "core/map_snapshot.h"
+#include "core/map/map_edits.h"
+#include "core/map/map_snapshot.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/identifiers.h"
-#include "core/map_snapshot.h"
-#include "core/object_event.h"
+#include "core/map/map_snapshot.h"
+#include "core/map/object_event.h"
+#include "core/types/identifiers.h"
 
 namespace steadymap {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 /// How pictures look: a map's rectangle on a page, a title above it and legends to its right.
 namespace steadymap {

@@ -1,6 +1,6 @@
 #include "client/server_answer.h"
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 

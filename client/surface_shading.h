@@ -3,7 +3,7 @@
 #include "client/birds_eye_scene.h"
 #include "client/canvas.h"
 #include "client/top_down_raster.h"
-#include "core/mesh.h"
+#include "core/volume/mesh.h"
 
 /// Private to the bird's-eye picture: the surface in colour, with the light and shade that let a
 /// reader see steps in height from straight above.

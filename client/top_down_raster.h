@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "core/frame.h"
-#include "core/mesh.h"
+#include "core/frame/frame.h"
+#include "core/volume/mesh.h"
 
 namespace steadymap {
 

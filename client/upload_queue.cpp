@@ -7,7 +7,7 @@
 #include <absl/strings/str_cat.h>
 #include <google/protobuf/io/coded_stream.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/batch_checksum.h"
 #include "proto/convert_status.h"
 

@@ -1,6 +1,6 @@
 #include "client/upload_retry.h"
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 

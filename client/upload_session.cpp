@@ -12,7 +12,7 @@
 
 #include "client/server_answer.h"
 #include "client/upload_retry.h"
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 
 namespace steadymap {

@@ -16,7 +16,7 @@
 #include "client/channel.h"
 #include "client/upload_queue.h"
 #include "client/uploader.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/ingest_service.grpc.pb.h"
 #include "steadymap/v1/map_service.grpc.pb.h"

@@ -15,7 +15,7 @@
 #include "client/channel.h"
 #include "client/frame_source.h"
 #include "client/upload_progress.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 namespace steadymap {
 

@@ -7,8 +7,8 @@
 
 #include <absl/status/status.h>
 
-#include "core/identifiers.h"
-#include "core/timestamp.h"
+#include "core/types/identifiers.h"
+#include "core/types/timestamp.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 

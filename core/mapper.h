@@ -6,15 +6,15 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/frame.h"
-#include "core/identifiers.h"
-#include "core/map_config.h"
-#include "core/map_snapshot.h"
-#include "core/map_updater.h"
-#include "core/mapper_options.h"
-#include "core/semantic_cloud.h"
-#include "core/stage_observer.h"
-#include "core/working_map.h"
+#include "core/frame/frame.h"
+#include "core/integration/semantic_cloud.h"
+#include "core/map/map_snapshot.h"
+#include "core/policy/map_updater.h"
+#include "core/policy/mapper_options.h"
+#include "core/policy/stage_observer.h"
+#include "core/types/identifiers.h"
+#include "core/types/map_config.h"
+#include "core/working/working_map.h"
 
 namespace steadymap {
 

@@ -1,6 +1,6 @@
 #include "proto/batch_checksum.h"
 
-#include "core/crc32c.h"
+#include "core/types/crc32c.h"
 
 namespace steadymap {
 

@@ -8,7 +8,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_object.h"
 

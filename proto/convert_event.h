@@ -4,8 +4,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/identifiers.h"
-#include "core/object_event.h"
+#include "core/map/object_event.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/event.pb.h"
 

@@ -9,9 +9,9 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
-#include "core/image_codec.h"
-#include "core/parallel.h"
+#include "core/frame/image_codec.h"
+#include "core/types/error.h"
+#include "core/types/parallel.h"
 #include "proto/convert_geometry.h"
 
 namespace steadymap {

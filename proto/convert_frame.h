@@ -4,7 +4,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 #include "steadymap/v1/frame.pb.h"
 

@@ -3,8 +3,8 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/geometry.h"
-#include "core/timestamp.h"
+#include "core/geometry/geometry.h"
+#include "core/types/timestamp.h"
 
 #include "google/protobuf/timestamp.pb.h"
 #include "steadymap/v1/geometry.pb.h"

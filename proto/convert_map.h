@@ -4,7 +4,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 
 #include "steadymap/v1/map.pb.h"
 

@@ -9,8 +9,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
-#include "core/geometry.h"
+#include "core/geometry/geometry.h"
+#include "core/types/error.h"
 #include "proto/convert_geometry.h"
 
 namespace steadymap {

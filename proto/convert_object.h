@@ -2,7 +2,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/map_object.h"
+#include "core/map/map_object.h"
 
 #include "steadymap/v1/object.pb.h"
 

@@ -2,7 +2,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 

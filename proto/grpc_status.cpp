@@ -1,6 +1,6 @@
 #include "proto/grpc_status.h"
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_status.h"
 
 namespace steadymap {

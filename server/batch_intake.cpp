@@ -8,8 +8,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
-#include "core/frame_work.h"
+#include "core/integration/frame_work.h"
+#include "core/types/error.h"
 #include "proto/batch_checksum.h"
 #include "proto/convert_frame.h"
 #include "server/system_clock.h"

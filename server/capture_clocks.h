@@ -12,8 +12,8 @@
 #include <absl/status/status.h>
 #include <absl/synchronization/mutex.h>
 
-#include "core/identifiers.h"
-#include "core/timestamp.h"
+#include "core/types/identifiers.h"
+#include "core/types/timestamp.h"
 
 #include "steadymap/v1/frame.pb.h"
 

@@ -16,7 +16,7 @@
 #include <absl/strings/str_split.h>
 #include <toml++/toml.h>
 
-#include "core/absl_text.h"
+#include "core/types/absl_text.h"
 #include "server/config_fields.h"
 
 namespace steadymap {

@@ -11,8 +11,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/parallel.h"
-#include "core/tsdf_codec.h"
+#include "core/types/parallel.h"
+#include "core/volume/tsdf_codec.h"
 #include "server/object_records.h"
 #include "server/robot_records.h"
 #include "server/state_reading.h"

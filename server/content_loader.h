@@ -3,7 +3,7 @@
 #include <absl/status/status.h>
 #include <rocksdb/snapshot.h>
 
-#include "core/map_snapshot.h"
+#include "core/map/map_snapshot.h"
 #include "server/state_database.h"
 
 namespace steadymap {

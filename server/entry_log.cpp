@@ -11,7 +11,7 @@
 #include <fcntl.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/posix_file.h"
 #include "server/store_records.h"
 

@@ -10,7 +10,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_event.h"
 #include "proto/convert_geometry.h"
 #include "server/page_token.h"

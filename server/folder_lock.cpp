@@ -12,8 +12,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include "core/absl_text.h"
-#include "core/error.h"
+#include "core/types/absl_text.h"
+#include "core/types/error.h"
 #include "server/posix_file.h"
 #include "server/twin_file.h"
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "core/crc32c.h"
+#include "core/types/crc32c.h"
 
 namespace steadymap {
 

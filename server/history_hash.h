@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 namespace steadymap {
 

@@ -4,7 +4,7 @@
 
 #include <absl/status/status.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 

@@ -14,7 +14,7 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 
-#include "core/parallel.h"
+#include "core/types/parallel.h"
 #include "server/posix_file.h"
 
 namespace steadymap {

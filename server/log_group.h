@@ -7,7 +7,7 @@
 
 #include <absl/status/status.h>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 #include "server/commit_waiters.h"
 #include "server/frame_budget.h"
 #include "server/pending_batch.h"

@@ -11,7 +11,7 @@
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
 
-#include "core/absl_text.h"
+#include "core/types/absl_text.h"
 #include "server/log_segment.h"
 #include "server/posix_file.h"
 #include "server/store_check.h"

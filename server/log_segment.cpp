@@ -7,8 +7,8 @@
 #include <absl/strings/str_cat.h>
 #include <fcntl.h>
 
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 #include "server/torn_write.h"
 
 namespace steadymap {

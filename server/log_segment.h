@@ -11,7 +11,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 #include "server/posix_file.h"
 #include "server/store.h"
 

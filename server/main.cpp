@@ -22,7 +22,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
-#include "core/parallel.h"
+#include "core/types/parallel.h"
 #include "server/command_line.h"
 #include "server/config_file.h"
 #include "server/exit_deadline.h"

@@ -6,7 +6,7 @@
 #include <absl/strings/str_cat.h>
 #include <rocksdb/snapshot.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/content_loader.h"
 #include "server/history_hash.h"
 #include "server/map_history.h"

@@ -6,7 +6,7 @@
 #include <absl/synchronization/blocking_counter.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 

@@ -12,7 +12,7 @@
 #include <absl/status/statusor.h>
 #include <absl/synchronization/mutex.h>
 
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 #include "server/map_runtime.h"
 #include "server/store.h"
 

@@ -6,7 +6,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 #include "server/map_folder.h"
 #include "server/store.h"
 #include "server/twin_file.h"

@@ -9,13 +9,13 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/crc32c.h"
-#include "core/error.h"
-#include "core/file_encoder.h"
-#include "core/map_mesh.h"
-#include "core/mesh_file.h"
-#include "core/mesh_file_glb.h"
-#include "core/vdb_file.h"
+#include "core/query/file_encoder.h"
+#include "core/query/map_mesh.h"
+#include "core/query/mesh_file.h"
+#include "core/query/mesh_file_glb.h"
+#include "core/query/vdb_file.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 #include "server/query_selection.h"
 
 namespace steadymap {

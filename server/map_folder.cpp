@@ -10,7 +10,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/posix_file.h"
 #include "server/store_records.h"
 

@@ -9,7 +9,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/object_records.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"

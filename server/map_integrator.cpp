@@ -7,8 +7,8 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
-#include "core/parallel.h"
+#include "core/types/error.h"
+#include "core/types/parallel.h"
 #include "proto/convert_frame.h"
 
 namespace steadymap {

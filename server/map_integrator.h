@@ -14,7 +14,7 @@
 #include <absl/status/status.h>
 #include <absl/synchronization/mutex.h>
 
-#include "core/map_counts.h"
+#include "core/map/map_counts.h"
 #include "core/mapper.h"
 #include "server/log_group.h"
 #include "server/map_clock.h"

@@ -8,7 +8,7 @@
 #include <google/protobuf/util/field_mask_util.h>
 #include <google/protobuf/util/time_util.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_map.h"
 #include "server/map_folder.h"

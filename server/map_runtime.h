@@ -12,7 +12,7 @@
 #include <absl/status/status.h>
 #include <absl/synchronization/mutex.h>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 #include "server/capture_clocks.h"
 #include "server/commit_waiters.h"
 #include "server/frame_budget.h"

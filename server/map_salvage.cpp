@@ -7,7 +7,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/folder_lock.h"
 #include "server/log_salvage.h"
 #include "server/map_folder.h"

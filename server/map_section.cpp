@@ -8,8 +8,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
-#include "core/tsdf_codec.h"
+#include "core/types/error.h"
+#include "core/volume/tsdf_codec.h"
 #include "proto/convert_object.h"
 #include "server/query_selection.h"
 

@@ -4,8 +4,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/cancellation.h"
-#include "core/map_snapshot.h"
+#include "core/map/map_snapshot.h"
+#include "core/types/cancellation.h"
 #include "server/message_stream.h"
 
 #include "steadymap/v1/query_service.pb.h"

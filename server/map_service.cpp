@@ -7,7 +7,7 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/descriptors.h"
 #include "server/map_resource.h"
 #include "server/message_call.h"

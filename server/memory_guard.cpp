@@ -10,7 +10,7 @@
 #include <absl/strings/str_cat.h>
 #include <unistd.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

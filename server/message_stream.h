@@ -13,8 +13,8 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
-#include "core/cancellation.h"
-#include "core/error.h"
+#include "core/types/cancellation.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "server/pool_call.h"
 #include "server/request_reader.h"

@@ -8,8 +8,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/cuboid.h"
-#include "core/error.h"
+#include "core/geometry/cuboid.h"
+#include "core/types/error.h"
 #include "proto/convert_object.h"
 #include "server/page_token.h"
 #include "server/query_selection.h"

@@ -2,9 +2,9 @@
 
 #include <absl/status/status.h>
 
-#include "core/cancellation.h"
-#include "core/identifiers.h"
-#include "core/map_snapshot.h"
+#include "core/map/map_snapshot.h"
+#include "core/types/cancellation.h"
+#include "core/types/identifiers.h"
 #include "server/query_selection.h"
 #include "server/store.h"
 

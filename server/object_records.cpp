@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/impossible_record.h"
 
 #include "steadymap/storage/v1/records.pb.h"

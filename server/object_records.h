@@ -2,9 +2,9 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/map_delta.h"
-#include "core/map_object.h"
-#include "core/object_event.h"
+#include "core/map/map_delta.h"
+#include "core/map/map_object.h"
+#include "core/map/object_event.h"
 
 namespace steadymap::storage::v1 {
 class EventRecord;

@@ -12,9 +12,9 @@
 #include <absl/strings/str_join.h>
 #include <absl/strings/str_split.h>
 
-#include "core/absl_text.h"
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/absl_text.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

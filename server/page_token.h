@@ -8,7 +8,7 @@
 #include <absl/status/statusor.h>
 #include <google/protobuf/message.h>
 
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 namespace steadymap {
 

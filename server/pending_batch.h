@@ -8,8 +8,8 @@
 
 #include <absl/status/status.h>
 
-#include "core/frame.h"
-#include "core/identifiers.h"
+#include "core/frame/frame.h"
+#include "core/types/identifiers.h"
 #include "server/frame_budget.h"
 #include "server/store.h"
 

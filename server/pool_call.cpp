@@ -6,7 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 
 namespace steadymap {

@@ -5,7 +5,7 @@
 #include <absl/status/status.h>
 #include <grpcpp/support/server_callback.h>
 
-#include "core/cancellation.h"
+#include "core/types/cancellation.h"
 #include "server/worker_pool.h"
 
 namespace steadymap {

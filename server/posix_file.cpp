@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/absl_text.h"
-#include "core/error.h"
+#include "core/types/absl_text.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

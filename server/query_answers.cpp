@@ -6,8 +6,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
-#include "core/map_sampler.h"
+#include "core/query/map_sampler.h"
+#include "core/types/error.h"
 #include "proto/convert_geometry.h"
 #include "server/page_token.h"
 

@@ -4,9 +4,9 @@
 
 #include <absl/status/status.h>
 
-#include "core/cancellation.h"
-#include "core/geometry.h"
-#include "core/map_snapshot.h"
+#include "core/geometry/geometry.h"
+#include "core/map/map_snapshot.h"
+#include "core/types/cancellation.h"
 #include "server/store.h"
 
 #include "steadymap/v1/query_service.pb.h"

@@ -6,8 +6,8 @@
 #include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 
-#include "core/absl_text.h"
-#include "core/error.h"
+#include "core/types/absl_text.h"
+#include "core/types/error.h"
 #include "proto/convert_geometry.h"
 
 namespace steadymap {

@@ -11,10 +11,10 @@
 #include <absl/status/statusor.h>
 #include <google/protobuf/repeated_field.h>
 
-#include "core/geometry.h"
-#include "core/identifiers.h"
-#include "core/map_snapshot.h"
-#include "core/placed_volume.h"
+#include "core/geometry/geometry.h"
+#include "core/map/map_snapshot.h"
+#include "core/map/placed_volume.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/geometry.pb.h"
 #include "steadymap/v1/query_service.pb.h"

@@ -5,7 +5,7 @@
 
 #include <rocksdb/write_batch.h>
 
-#include "core/map_delta.h"
+#include "core/map/map_delta.h"
 #include "server/state_database.h"
 #include "server/store.h"
 

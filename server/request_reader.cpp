@@ -7,7 +7,7 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/proto_buffer_reader.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

@@ -8,8 +8,8 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 #include "proto/convert_watch.h"
 #include "server/history_hash.h"
 

@@ -9,8 +9,8 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/identifiers.h"
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
+#include "core/types/identifiers.h"
 #include "server/store.h"
 
 namespace steadymap {

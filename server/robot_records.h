@@ -2,7 +2,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/robot_state.h"
+#include "core/map/robot_state.h"
 
 namespace steadymap::storage::v1 {
 class RobotRecord;

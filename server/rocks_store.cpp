@@ -8,7 +8,7 @@
 #include <absl/strings/str_format.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/map_discovery.h"
 #include "server/posix_file.h"
 #include "server/store_catalog.h"

@@ -18,7 +18,7 @@
 #include <grpcpp/server_builder.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/calls_under_way.h"
 #include "server/connection_acceptor.h"
 #include "server/frame_budget.h"

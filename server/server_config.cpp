@@ -7,7 +7,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 
-#include "core/absl_text.h"
+#include "core/types/absl_text.h"
 #include "server/config_fields.h"
 #include "server/listen_address.h"
 

@@ -9,7 +9,7 @@
 #include <absl/base/thread_annotations.h>
 #include <absl/synchronization/mutex.h>
 
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 #include "server/store.h"
 
 namespace steadymap {

@@ -8,7 +8,7 @@
 #include <rocksdb/table.h>
 #include <rocksdb/write_batch.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/shortened_file_system.h"
 #include "server/store_keys.h"
 #include "server/store_records.h"

@@ -7,7 +7,7 @@
 #include <absl/status/status.h>
 #include <rocksdb/snapshot.h>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 #include "server/state_database.h"
 #include "server/store.h"
 #include "server/store_records.h"

@@ -15,12 +15,12 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/geometry.h"
-#include "core/identifiers.h"
-#include "core/map_config.h"
-#include "core/map_delta.h"
-#include "core/map_snapshot.h"
-#include "core/timestamp.h"
+#include "core/geometry/geometry.h"
+#include "core/map/map_delta.h"
+#include "core/map/map_snapshot.h"
+#include "core/types/identifiers.h"
+#include "core/types/map_config.h"
+#include "core/types/timestamp.h"
 #include "server/integration_note.h"
 #include "server/sequence_set.h"
 

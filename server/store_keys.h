@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/identifiers.h"
-#include "core/map_delta.h"
+#include "core/map/map_delta.h"
+#include "core/types/identifiers.h"
 #include "server/state_database.h"
 #include "server/store.h"
 

@@ -4,8 +4,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 #include "server/impossible_record.h"
 #include "server/store_keys.h"
 

@@ -7,7 +7,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/timestamp.h"
+#include "core/types/timestamp.h"
 #include "server/store.h"
 
 namespace steadymap::storage::v1 {

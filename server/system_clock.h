@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/timestamp.h"
+#include "core/types/timestamp.h"
 
 namespace steadymap {
 

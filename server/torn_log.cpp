@@ -12,8 +12,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 #include "server/torn_write.h"
 
 namespace steadymap {

@@ -5,8 +5,8 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 #include "server/posix_file.h"
 
 namespace steadymap {

@@ -5,7 +5,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_status.h"
 
 namespace steadymap {

@@ -7,7 +7,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "server/request_reader.h"
 #include "server/upload_request.h"

@@ -5,7 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

@@ -4,7 +4,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/batch_intake.h"
 
 namespace steadymap {

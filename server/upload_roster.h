@@ -11,7 +11,7 @@
 #include <absl/synchronization/mutex.h>
 #include <absl/time/time.h>
 
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 #include "server/server_config.h"
 #include "server/store.h"
 

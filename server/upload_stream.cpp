@@ -6,8 +6,8 @@
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
-#include "core/map_updater.h"
+#include "core/policy/map_updater.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "server/request_reader.h"
 #include "server/upload_request.h"

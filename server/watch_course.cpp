@@ -5,7 +5,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_watch.h"
 #include "server/request_reader.h"
 #include "server/upload_roster.h"

@@ -9,7 +9,7 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/support/byte_buffer.h>
 
-#include "core/cancellation.h"
+#include "core/types/cancellation.h"
 #include "server/map_directory.h"
 #include "server/watch_hub.h"
 

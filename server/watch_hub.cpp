@@ -6,7 +6,7 @@
 #include <absl/strings/str_cat.h>
 #include <absl/time/clock.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/upload_roster.h"
 
 namespace steadymap {

@@ -14,8 +14,8 @@
 #include <absl/synchronization/mutex.h>
 #include <absl/time/time.h>
 
-#include "core/cancellation.h"
-#include "core/identifiers.h"
+#include "core/types/cancellation.h"
+#include "core/types/identifiers.h"
 #include "server/map_runtime.h"
 #include "server/store.h"
 #include "server/watch_messages.h"

@@ -5,8 +5,8 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "core/error.h"
-#include "core/tsdf_codec.h"
+#include "core/types/error.h"
+#include "core/volume/tsdf_codec.h"
 #include "proto/convert_event.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_object.h"

@@ -11,7 +11,7 @@
 #include <absl/synchronization/mutex.h>
 #include <grpcpp/support/byte_buffer.h>
 
-#include "core/cancellation.h"
+#include "core/types/cancellation.h"
 #include "server/resume_token.h"
 #include "server/store.h"
 #include "server/watch_step.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/leaf_patch.h"
+#include "core/volume/leaf_patch.h"
 
 namespace steadymap {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/cancellation.h"
-#include "core/identifiers.h"
-#include "core/map_filter.h"
-#include "core/map_snapshot.h"
-#include "core/voxel_leaf.h"
+#include "core/map/map_filter.h"
+#include "core/map/map_snapshot.h"
+#include "core/types/cancellation.h"
+#include "core/types/identifiers.h"
+#include "core/volume/voxel_leaf.h"
 #include "server/store.h"
 
 namespace steadymap {

@@ -6,7 +6,7 @@
 #include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "server/pool_call.h"
 #include "server/request_reader.h"

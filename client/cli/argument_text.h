@@ -9,9 +9,9 @@
 #include <Eigen/Core>
 #include <absl/status/statusor.h>
 
-#include "core/geometry.h"
-#include "core/identifiers.h"
-#include "core/timestamp.h"
+#include "core/geometry/geometry.h"
+#include "core/types/identifiers.h"
+#include "core/types/timestamp.h"
 
 /// Arguments of the command line that CLI11 does not know. All errors are `InvalidArgument` and say
 /// what was expected and what was found.

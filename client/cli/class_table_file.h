@@ -5,7 +5,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 
 namespace steadymap {
 

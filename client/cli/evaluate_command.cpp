@@ -16,7 +16,7 @@
 #include "client/evaluation/score_table.h"
 #include "client/evaluation/stage_table.h"
 #include "client/simulator/named_routes.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 
 namespace steadymap {
 namespace {

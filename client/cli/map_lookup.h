@@ -5,7 +5,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/cli/command_context.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/map.pb.h"
 

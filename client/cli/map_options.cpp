@@ -10,7 +10,7 @@
 #include "client/cli/class_table_file.h"
 #include "client/cli/enumerator_text.h"
 #include "client/cli/number_text.h"
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_map.h"
 
 namespace steadymap {

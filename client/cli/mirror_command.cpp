@@ -21,9 +21,9 @@
 #include "client/cli/output_file.h"
 #include "client/cli/resume_token.h"
 #include "client/cli/stop_signal.h"
-#include "core/file_encoder.h"
-#include "core/placed_volume.h"
-#include "core/vdb_file.h"
+#include "core/map/placed_volume.h"
+#include "core/query/file_encoder.h"
+#include "core/query/vdb_file.h"
 
 namespace steadymap {
 namespace {

@@ -8,8 +8,8 @@
 #include "client/cli/command_context.h"
 #include "client/cli/watch_filter_options.h"
 #include "client/map_mirror.h"
-#include "core/identifiers.h"
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
+#include "core/types/identifiers.h"
 
 namespace steadymap {
 

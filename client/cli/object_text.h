@@ -11,7 +11,7 @@
 
 #include "client/cli/json_writer.h"
 #include "client/map_client.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 #include "google/protobuf/timestamp.pb.h"
 #include "steadymap/v1/event.pb.h"

@@ -9,7 +9,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "core/absl_text.h"
+#include "core/types/absl_text.h"
 
 namespace steadymap {
 namespace {

@@ -12,9 +12,9 @@
 #include "client/cli/number_text.h"
 #include "client/cli/output_file.h"
 #include "client/map_client.h"
-#include "core/image_codec.h"
-#include "core/map_mesh.h"
-#include "core/placed_volume.h"
+#include "core/frame/image_codec.h"
+#include "core/map/placed_volume.h"
+#include "core/query/map_mesh.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_object.h"
 

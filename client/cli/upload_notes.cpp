@@ -1,6 +1,6 @@
 #include "client/cli/upload_notes.h"
 
-#include "core/map_updater.h"
+#include "core/policy/map_updater.h"
 
 namespace steadymap {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 
 #include "steadymap/v1/frame.pb.h"
 

@@ -17,7 +17,7 @@
 #include "client/frame_replay.h"
 #include "client/map_client.h"
 #include "client/uploader.h"
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_map.h"
 
 namespace steadymap {

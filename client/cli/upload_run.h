@@ -7,7 +7,7 @@
 #include "client/cli/command_context.h"
 #include "client/cli/map_options.h"
 #include "client/frame_source.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 namespace CLI {
 class App;

@@ -7,7 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/cli/object_text.h"
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
 
 namespace CLI {
 class App;

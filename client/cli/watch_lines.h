@@ -7,7 +7,7 @@
 
 #include "client/cli/object_text.h"
 #include "client/watch_sequence.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/event.pb.h"
 #include "steadymap/v1/object.pb.h"

@@ -5,7 +5,7 @@
 #include "client/cli/error_line.h"
 #include "client/cli/number_text.h"
 #include "client/cli/resume_token.h"
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 

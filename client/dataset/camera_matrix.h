@@ -4,7 +4,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/geometry.h"
+#include "core/geometry/geometry.h"
 
 namespace steadymap {
 

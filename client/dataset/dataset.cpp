@@ -18,7 +18,7 @@
 #include "client/dataset/text_file.h"
 #include "client/dataset/torwic_sequence.h"
 #include "client/dataset/tum_sequence.h"
-#include "core/absl_text.h"
+#include "core/types/absl_text.h"
 
 namespace steadymap {
 namespace {

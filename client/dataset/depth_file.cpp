@@ -11,8 +11,8 @@
 #include "client/dataset/exr_file.h"
 #include "client/dataset/image_file.h"
 #include "client/dataset/tiff_file.h"
-#include "core/frame.h"
-#include "core/image_codec.h"
+#include "core/frame/frame.h"
+#include "core/frame/image_codec.h"
 
 namespace steadymap {
 namespace {

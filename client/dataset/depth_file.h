@@ -4,7 +4,7 @@
 
 #include <absl/status/status.h>
 
-#include "core/geometry.h"
+#include "core/geometry/geometry.h"
 
 #include "steadymap/v1/frame.pb.h"
 

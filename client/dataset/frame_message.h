@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/geometry.h"
-#include "core/timestamp.h"
+#include "core/geometry/geometry.h"
+#include "core/types/timestamp.h"
 
 #include "steadymap/v1/frame.pb.h"
 

@@ -7,8 +7,8 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "core/geometry.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
+#include "core/geometry/geometry.h"
 
 namespace steadymap {
 

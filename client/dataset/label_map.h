@@ -6,7 +6,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

@@ -13,7 +13,7 @@
 #include "client/dataset/frame_message.h"
 #include "client/dataset/image_file.h"
 #include "client/dataset/segment_classes.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 
 namespace steadymap {
 namespace {

@@ -9,9 +9,9 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/frame.h"
-#include "core/geometry.h"
-#include "core/timestamp.h"
+#include "core/frame/frame.h"
+#include "core/geometry/geometry.h"
+#include "core/types/timestamp.h"
 
 namespace steadymap {
 

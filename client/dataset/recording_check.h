@@ -6,7 +6,7 @@
 
 #include <absl/status/status.h>
 
-#include "core/timestamp.h"
+#include "core/types/timestamp.h"
 
 namespace steadymap {
 

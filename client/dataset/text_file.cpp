@@ -10,8 +10,8 @@
 #include <absl/strings/str_split.h>
 #include <absl/strings/strip.h>
 
-#include "core/absl_text.h"
-#include "core/geometry.h"
+#include "core/geometry/geometry.h"
+#include "core/types/absl_text.h"
 
 namespace steadymap {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/geometry.h"
-#include "core/timestamp.h"
+#include "core/geometry/geometry.h"
+#include "core/types/timestamp.h"
 
 /// The TorWIC-Mapping layout on disk, shared by the loader and the simulator's writer.
 namespace steadymap {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 
-#include "core/frame.h"
-#include "core/geometry.h"
+#include "core/frame/frame.h"
+#include "core/geometry/geometry.h"
 
 namespace steadymap {
 

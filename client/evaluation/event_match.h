@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/evaluation/event_truth.h"
-#include "core/object_event.h"
+#include "core/map/object_event.h"
 
 /// Private to the score of events: which event may describe which change.
 namespace steadymap {

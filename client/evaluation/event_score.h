@@ -6,7 +6,7 @@
 
 #include "client/evaluation/event_truth.h"
 #include "client/evaluation/map_score.h"
-#include "core/object_event.h"
+#include "core/map/object_event.h"
 
 /// How well a map's events tell what changed (datasets.md section 3).
 ///

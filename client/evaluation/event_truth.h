@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 
 #include "client/evaluation/route_survey.h"
-#include "core/identifiers.h"
-#include "core/timestamp.h"
+#include "core/types/identifiers.h"
+#include "core/types/timestamp.h"
 
 /// What truly changed on a simulated route, for the events of a map to be compared with.
 namespace steadymap {

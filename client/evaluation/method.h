@@ -5,8 +5,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/engine_switches.h"
-#include "core/map_config.h"
+#include "core/policy/engine_switches.h"
+#include "core/types/map_config.h"
 
 namespace steadymap {
 

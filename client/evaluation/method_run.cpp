@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "core/map_counts.h"
+#include "core/map/map_counts.h"
 
 namespace steadymap {
 namespace {

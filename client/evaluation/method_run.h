@@ -11,9 +11,9 @@
 #include "client/evaluation/method.h"
 #include "client/evaluation/stage_clock.h"
 #include "client/evaluation/surface_points.h"
-#include "core/frame.h"
+#include "core/frame/frame.h"
+#include "core/map/object_event.h"
 #include "core/mapper.h"
-#include "core/object_event.h"
 
 namespace steadymap {
 

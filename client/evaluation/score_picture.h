@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "client/evaluation/map_score.h"
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

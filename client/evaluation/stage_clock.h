@@ -3,7 +3,7 @@
 #include <array>
 #include <chrono>
 
-#include "core/stage_observer.h"
+#include "core/policy/stage_observer.h"
 
 namespace steadymap {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/map_mesh.h"
-#include "core/placed_volume.h"
+#include "core/map/placed_volume.h"
+#include "core/query/map_mesh.h"
 
 namespace steadymap {
 namespace {

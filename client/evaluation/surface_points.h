@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 
 #include "client/simulator/shape.h"
-#include "core/map_object.h"
-#include "core/map_snapshot.h"
-#include "core/mesh.h"
+#include "core/map/map_object.h"
+#include "core/map/map_snapshot.h"
+#include "core/volume/mesh.h"
 
 namespace steadymap {
 

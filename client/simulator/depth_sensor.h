@@ -5,8 +5,8 @@
 
 #include "client/simulator/renderer.h"
 #include "client/simulator/sensor_model.h"
-#include "core/frame.h"
-#include "core/geometry.h"
+#include "core/frame/frame.h"
+#include "core/geometry/geometry.h"
 
 namespace steadymap {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "client/simulator/shape.h"
-#include "core/frame.h"
-#include "core/geometry.h"
+#include "core/frame/frame.h"
+#include "core/geometry/geometry.h"
 
 namespace steadymap {
 

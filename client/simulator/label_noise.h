@@ -4,7 +4,7 @@
 
 #include "client/simulator/scene.h"
 #include "client/simulator/sensor_model.h"
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

@@ -10,7 +10,7 @@
 
 #include "client/dataset/torwic_layout.h"
 #include "client/simulator/counter_random.h"
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

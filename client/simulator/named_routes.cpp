@@ -14,8 +14,8 @@
 #include "client/simulator/table_top.h"
 #include "client/simulator/torwic_hall.h"
 #include "client/simulator/twin.h"
-#include "core/absl_text.h"
-#include "core/error.h"
+#include "core/types/absl_text.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

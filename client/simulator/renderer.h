@@ -9,8 +9,8 @@
 #include "client/simulator/facet_raster.h"
 #include "client/simulator/scene.h"
 #include "client/simulator/sensor_model.h"
-#include "core/frame.h"
-#include "core/geometry.h"
+#include "core/frame/frame.h"
+#include "core/geometry/geometry.h"
 
 namespace steadymap {
 

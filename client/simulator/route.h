@@ -6,7 +6,7 @@
 
 #include "client/simulator/scene.h"
 #include "client/simulator/trajectory.h"
-#include "core/geometry.h"
+#include "core/geometry/geometry.h"
 
 namespace steadymap {
 

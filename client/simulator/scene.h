@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "client/simulator/shape.h"
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

@@ -7,8 +7,8 @@
 
 #include "client/dataset/frame_message.h"
 #include "client/simulator/named_routes.h"
-#include "core/error.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

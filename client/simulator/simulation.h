@@ -10,7 +10,7 @@
 #include "client/simulator/renderer.h"
 #include "client/simulator/route.h"
 #include "client/simulator/sensor_model.h"
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

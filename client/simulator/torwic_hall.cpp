@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "client/simulator/torwic_scenarios.h"
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

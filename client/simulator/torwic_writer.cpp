@@ -10,7 +10,7 @@
 #include <absl/strings/str_format.h>
 
 #include "client/dataset/torwic_layout.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 
 namespace steadymap {
 namespace {

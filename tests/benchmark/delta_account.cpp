@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/leaf_patch.h"
-#include "core/tsdf_codec.h"
+#include "core/volume/leaf_patch.h"
+#include "core/volume/tsdf_codec.h"
 
 namespace steadymap::benchmarks {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/identifiers.h"
-#include "core/voxel_leaf.h"
+#include "core/types/identifiers.h"
+#include "core/volume/voxel_leaf.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 

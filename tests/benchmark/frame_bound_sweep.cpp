@@ -21,7 +21,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/frame_work.h"
+#include "core/integration/frame_work.h"
 #include "core/mapper.h"
 #include "tests/support/legal_frame.h"
 

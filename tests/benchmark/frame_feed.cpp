@@ -9,7 +9,7 @@
 #include "client/channel.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/uploader.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 
 namespace steadymap::benchmarks {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "client/simulator/simulation.h"
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 #include "steadymap/v1/frame.pb.h"
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/frame.h"
-#include "core/map_snapshot.h"
+#include "core/frame/frame.h"
+#include "core/map/map_snapshot.h"
 
 namespace steadymap::benchmarks {
 

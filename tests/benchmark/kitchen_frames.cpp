@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "client/dataset/dataset.h"
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 #include "proto/convert_frame.h"
 
 namespace steadymap::benchmarks {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap::benchmarks {
 

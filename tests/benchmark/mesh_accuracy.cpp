@@ -12,7 +12,7 @@
 #include <unordered_map>
 
 #include "core/mapper.h"
-#include "core/tsdf_mesh.h"
+#include "core/volume/tsdf_mesh.h"
 #include "tests/benchmark/kitchen_frames.h"
 
 namespace steadymap::benchmarks {

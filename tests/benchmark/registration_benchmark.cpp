@@ -10,7 +10,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/registration.h"
+#include "core/registration/registration.h"
 #include "tests/support/analytic_solid.h"
 
 namespace steadymap::benchmarks {

@@ -8,9 +8,9 @@
 #include <benchmark/benchmark.h>
 
 #include "core/mapper.h"
-#include "core/tsdf_codec.h"
-#include "core/tsdf_mesh.h"
-#include "core/vdb_file.h"
+#include "core/query/vdb_file.h"
+#include "core/volume/tsdf_codec.h"
+#include "core/volume/tsdf_mesh.h"
 #include "tests/benchmark/kitchen_frames.h"
 
 namespace steadymap::benchmarks {

@@ -21,7 +21,7 @@
 #include "client/simulator/named_routes.h"
 #include "client/simulator/simulated_frame_source.h"
 #include "client/uploader.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_folder.h"
 

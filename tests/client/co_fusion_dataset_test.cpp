@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "client/dataset/dataset.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 #include "tests/client/float_image_writer.h"
 #include "tests/client/recording_builder.h"
 #include "tests/support/temporary_folder.h"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/client/command_line_fixture.h"
 
 namespace steadymap {

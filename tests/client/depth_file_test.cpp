@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 #include "tests/client/float_image_writer.h"
 #include "tests/client/recording_builder.h"
 #include "tests/support/temporary_folder.h"

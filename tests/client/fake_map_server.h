@@ -9,9 +9,9 @@
 #include <grpcpp/server_builder.h>
 
 #include "client/channel.h"
-#include "core/crc32c.h"
-#include "core/error.h"
-#include "core/identifiers.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
+#include "core/types/identifiers.h"
 #include "proto/grpc_status.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_map_server.h"
 

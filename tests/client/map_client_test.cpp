@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
-#include "core/tsdf_codec.h"
+#include "core/types/error.h"
+#include "core/volume/tsdf_codec.h"
 #include "proto/convert_object.h"
 #include "tests/client/fake_map_server.h"
 

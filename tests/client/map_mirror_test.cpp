@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/tsdf_codec.h"
-#include "core/vdb_file.h"
+#include "core/query/vdb_file.h"
+#include "core/volume/tsdf_codec.h"
 #include "proto/convert_object.h"
 #include "proto/convert_watch.h"
 #include "tests/client/mirror_harness.h"

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "client/map_mirror.h"
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_map_server.h"
 #include "tests/client/fake_watch_service.h"

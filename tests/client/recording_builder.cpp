@@ -3,7 +3,7 @@
 #include <absl/strings/str_format.h>
 #include <gtest/gtest.h>
 
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 
 namespace steadymap {
 

@@ -8,8 +8,8 @@
 #include "client/simulator/large_hall.h"
 #include "client/simulator/named_routes.h"
 #include "client/simulator/simulated_frame_source.h"
-#include "core/error.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "client/dataset/dataset.h"
 #include "client/dataset/torwic_layout.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 #include "tests/client/recording_builder.h"
 #include "tests/support/temporary_folder.h"
 

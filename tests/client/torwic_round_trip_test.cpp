@@ -4,7 +4,7 @@
 #include "client/dataset/dataset.h"
 #include "client/simulator/named_routes.h"
 #include "client/simulator/torwic_writer.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

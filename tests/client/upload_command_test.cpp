@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_status.h"
 #include "tests/client/command_line_fixture.h"
 

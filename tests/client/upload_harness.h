@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/uploader.h"
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_ingest_service.h"
 #include "tests/client/fake_map_server.h"

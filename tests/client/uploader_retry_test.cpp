@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_status.h"
 #include "proto/grpc_status.h"
 #include "tests/client/upload_harness.h"

@@ -13,8 +13,8 @@
 
 #include "client/cli/command_line.h"
 #include "client/cli/resume_token.h"
-#include "core/error.h"
-#include "core/vdb_file.h"
+#include "core/query/vdb_file.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_map_server.h"
 #include "tests/client/fake_watch_service.h"

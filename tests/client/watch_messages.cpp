@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "core/map_delta.h"
-#include "core/tsdf_codec.h"
+#include "core/map/map_delta.h"
+#include "core/volume/tsdf_codec.h"
 #include "proto/convert_event.h"
 #include "proto/convert_geometry.h"
 #include "proto/convert_object.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/map_snapshot.h"
+#include "core/map/map_snapshot.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 

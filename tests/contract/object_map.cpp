@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_delta.h"
+#include "core/map/map_delta.h"
 #include "tests/support/analytic_map.h"
 
 namespace steadymap {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/map_snapshot.h"
-#include "core/object_event.h"
+#include "core/map/map_snapshot.h"
+#include "core/map/object_event.h"
 #include "tests/contract/test_service.h"
 
 namespace steadymap {

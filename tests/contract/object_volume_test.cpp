@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_counts.h"
-#include "core/tsdf_codec.h"
+#include "core/map/map_counts.h"
+#include "core/volume/tsdf_codec.h"
 #include "proto/convert_geometry.h"
 #include "tests/contract/object_map.h"
 #include "tests/contract/test_service.h"

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/crc32c.h"
-#include "core/tsdf_codec.h"
+#include "core/types/crc32c.h"
+#include "core/volume/tsdf_codec.h"
 #include "proto/convert_geometry.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"

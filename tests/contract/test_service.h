@@ -10,7 +10,7 @@
 #include <grpcpp/client_context.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "server/server.h"
 #include "tests/support/memory_store.h"

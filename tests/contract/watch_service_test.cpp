@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/map_delta.h"
+#include "core/map/map_delta.h"
 #include "tests/contract/object_map.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/watch_fixture.h"

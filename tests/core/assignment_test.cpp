@@ -1,6 +1,6 @@
 // Oracle: every matching of a small problem is tried.
 
-#include "core/assignment.h"
+#include "core/geometry/assignment.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/association.h"
+#include "core/association/association.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/cell_ownership.h"
-#include "core/frame_clusters.h"
-#include "core/map_config.h"
+#include "core/association/cell_ownership.h"
+#include "core/association/frame_clusters.h"
+#include "core/types/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/default_scale.h"

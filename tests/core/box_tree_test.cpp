@@ -1,4 +1,4 @@
-#include "core/box_tree.h"
+#include "core/geometry/box_tree.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "core/cell_runs.h"
+#include "core/integration/cell_runs.h"
 
 #include <random>
 #include <span>

@@ -1,6 +1,6 @@
 // The change by rays against the paper's by voxels, and scenes whose change is known.
 
-#include "core/change_estimate.h"
+#include "core/change/change_estimate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/changed_voxels.h"
+#include "core/change/changed_voxels.h"
 
 #include <functional>
 

@@ -1,4 +1,4 @@
-#include "core/class_votes.h"
+#include "core/association/class_votes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/contact.h"
+#include "core/association/contact.h"
 
 #include <vector>
 

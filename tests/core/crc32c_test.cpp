@@ -1,4 +1,4 @@
-#include "core/crc32c.h"
+#include "core/types/crc32c.h"
 
 #include <random>
 #include <string>

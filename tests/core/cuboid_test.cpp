@@ -1,6 +1,6 @@
 // Oracles: closed forms, and random or densely spaced points of the boxes.
 
-#include "core/cuboid.h"
+#include "core/geometry/cuboid.h"
 
 #include <cmath>
 #include <limits>

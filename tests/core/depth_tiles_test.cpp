@@ -1,4 +1,4 @@
-#include "core/depth_tiles.h"
+#include "core/change/depth_tiles.h"
 
 #include <gtest/gtest.h>
 

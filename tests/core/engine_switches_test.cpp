@@ -1,6 +1,6 @@
 // A small scene for each switch of the pocd policy, whose answer is another one without it.
 
-#include "core/engine_switches.h"
+#include "core/policy/engine_switches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/engine_parameters.h"
 #include "core/mapper.h"
+#include "core/policy/engine_parameters.h"
 #include "tests/core/map_story.h"
 #include "tests/core/room_drive.h"
 #include "tests/support/analytic_scene.h"

@@ -1,4 +1,4 @@
-#include "core/far_tiles.h"
+#include "core/change/far_tiles.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/frame_agreement.h"
+#include "core/robot/frame_agreement.h"
 
 #include <vector>
 

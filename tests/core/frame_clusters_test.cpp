@@ -1,4 +1,4 @@
-#include "core/frame_clusters.h"
+#include "core/association/frame_clusters.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 #include <cmath>
 #include <functional>
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/support/special_numbers.h"
 
 namespace steadymap {

@@ -1,11 +1,11 @@
-#include "core/frame_work.h"
+#include "core/integration/frame_work.h"
 
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/free_space.h"
+#include "core/volume/free_space.h"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/free_view.h"
+#include "core/change/free_view.h"
 
 #include <gtest/gtest.h>
 

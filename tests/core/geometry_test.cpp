@@ -1,10 +1,10 @@
-#include "core/geometry.h"
+#include "core/geometry/geometry.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/support/special_numbers.h"
 
 namespace steadymap {

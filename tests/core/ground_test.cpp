@@ -1,4 +1,4 @@
-#include "core/ground.h"
+#include "core/association/ground.h"
 
 #include <gtest/gtest.h>
 

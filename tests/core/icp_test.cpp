@@ -1,6 +1,6 @@
 // Points of one look at a thing, moved by known motions, are registered to the thing's surface.
 
-#include "core/icp.h"
+#include "core/registration/icp.h"
 
 #include <cmath>
 #include <limits>

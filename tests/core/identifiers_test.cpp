@@ -1,8 +1,8 @@
-#include "core/identifiers.h"
+#include "core/types/identifiers.h"
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 /// Images and image files for the tests of the codecs. The files are put together byte by byte, so
 /// that they can also be wrong in ways that no encoder would write.

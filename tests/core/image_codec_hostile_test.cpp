@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
+#include "core/types/error.h"
 #include "tests/core/image_builder.h"
 
 namespace steadymap {

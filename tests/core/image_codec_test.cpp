@@ -1,11 +1,11 @@
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/core/image_builder.h"
 
 namespace steadymap {

@@ -1,4 +1,4 @@
-#include "core/judgement.h"
+#include "core/change/judgement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "core/leaf_patch.h"
+#include "core/volume/leaf_patch.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "core/tsdf_codec.h"
+#include "core/volume/tsdf_codec.h"
 #include "tests/core/random_leaf.h"
 #include "tests/support/default_scale.h"
 

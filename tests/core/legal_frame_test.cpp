@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/frame_work.h"
+#include "core/integration/frame_work.h"
 #include "core/mapper.h"
 
 namespace steadymap {

@@ -1,4 +1,4 @@
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 
 #include <cmath>
 #include <string>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {

@@ -1,11 +1,11 @@
-#include "core/map_edits.h"
+#include "core/map/map_edits.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
-#include "core/tsdf_codec.h"
+#include "core/types/error.h"
+#include "core/volume/tsdf_codec.h"
 #include "tests/support/analytic_map.h"
 
 namespace steadymap {

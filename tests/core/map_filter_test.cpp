@@ -1,4 +1,4 @@
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
 
 #include <gtest/gtest.h>
 

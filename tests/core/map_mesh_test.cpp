@@ -1,4 +1,4 @@
-#include "core/map_mesh.h"
+#include "core/query/map_mesh.h"
 
 #include <atomic>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/tsdf_mesh.h"
+#include "core/volume/tsdf_mesh.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/thread_limit.h"
 

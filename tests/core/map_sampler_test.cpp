@@ -1,6 +1,6 @@
 // Closed-form oracles of what a whole map shows: a floor and boxes whose distances are known.
 
-#include "core/map_sampler.h"
+#include "core/query/map_sampler.h"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_counts.h"
+#include "core/map/map_counts.h"
 #include "tests/support/analytic_map.h"
 
 namespace steadymap {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_delta.h"
-#include "core/tsdf_codec.h"
-#include "core/tsdf_mesh.h"
+#include "core/map/map_delta.h"
+#include "core/volume/tsdf_codec.h"
+#include "core/volume/tsdf_mesh.h"
 
 namespace steadymap::testing {
 namespace {

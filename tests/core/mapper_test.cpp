@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/leaf_patch.h"
-#include "core/map_counts.h"
-#include "core/map_delta.h"
-#include "core/tsdf_mesh.h"
-#include "core/vdb_file.h"
+#include "core/map/map_counts.h"
+#include "core/map/map_delta.h"
+#include "core/query/vdb_file.h"
+#include "core/volume/leaf_patch.h"
+#include "core/volume/tsdf_mesh.h"
 #include "tests/core/room_drive.h"
 #include "tests/support/all_policies.h"
 #include "tests/support/analytic_depth.h"

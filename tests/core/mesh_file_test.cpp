@@ -1,4 +1,4 @@
-#include "core/mesh_file.h"
+#include "core/query/mesh_file.h"
 
 #include <array>
 #include <cstring>
@@ -12,7 +12,7 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include "core/mesh_file_glb.h"
+#include "core/query/mesh_file_glb.h"
 
 namespace steadymap {
 namespace {

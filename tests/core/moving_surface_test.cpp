@@ -1,6 +1,6 @@
 // A person before a wall whom some frames take for something else.
 
-#include "core/moving_surface.h"
+#include "core/robot/moving_surface.h"
 
 #include <cstddef>
 #include <string>

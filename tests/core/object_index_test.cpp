@@ -1,4 +1,4 @@
-#include "core/object_index.h"
+#include "core/working/object_index.h"
 
 #include <map>
 #include <random>

@@ -1,4 +1,4 @@
-#include "core/object_library.h"
+#include "core/map/object_library.h"
 
 #include <algorithm>
 #include <limits>

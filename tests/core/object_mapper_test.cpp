@@ -1,7 +1,7 @@
 // Small scenes with a known answer, run through a map of the pocd policy: things in front of a
 // wall, looked at from changing places.
 
-#include "core/object_mapper.h"
+#include "core/policy/object_mapper.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_delta.h"
+#include "core/map/map_delta.h"
 #include "core/mapper.h"
 #include "tests/core/map_story.h"
 #include "tests/support/analytic_scene.h"

@@ -1,12 +1,12 @@
 // Two objects whose surfaces a frame shows connected: the halves of a wall that fills the picture.
 
-#include "core/object_merge.h"
+#include "core/objects/object_merge.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 #include "tests/support/analytic_samples.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/analytic_solid.h"

@@ -1,13 +1,13 @@
 // Piles, all alike but where a test says otherwise, stand in a row along y; one stands where none
 // stood before.
 
-#include "core/object_moves.h"
+#include "core/objects/object_moves.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_solid.h"
 

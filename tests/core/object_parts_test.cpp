@@ -1,4 +1,4 @@
-#include "core/object_parts.h"
+#include "core/working/object_parts.h"
 
 #include <array>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Oracle: planes and spheres, whose distances are known in closed form.
 
-#include "core/object_surface.h"
+#include "core/map/object_surface.h"
 
 #include <cmath>
 #include <map>

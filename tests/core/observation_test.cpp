@@ -1,4 +1,4 @@
-#include "core/observation.h"
+#include "core/association/observation.h"
 
 #include <set>
 #include <vector>

@@ -1,6 +1,6 @@
 // Small scenes with a known answer, run through POCD as its paper has it, failures included.
 
-#include "core/paper_mapper.h"
+#include "core/policy/paper_mapper.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Work on all cores: every item once, and the same bits for any number of threads.
 
-#include "core/parallel.h"
+#include "core/types/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -14,9 +14,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_mesh.h"
+#include "core/map/placed_volume.h"
 #include "core/mapper.h"
-#include "core/placed_volume.h"
+#include "core/query/map_mesh.h"
 #include "tests/core/room_drive.h"
 #include "tests/support/all_policies.h"
 #include "tests/support/thread_limit.h"

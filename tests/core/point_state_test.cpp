@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_sampler.h"
+#include "core/query/map_sampler.h"
 #include "tests/support/analytic_map.h"
 
 namespace steadymap {

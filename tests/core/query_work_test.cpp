@@ -1,4 +1,4 @@
-#include "core/query_work.h"
+#include "core/types/query_work.h"
 
 #include <cstdint>
 

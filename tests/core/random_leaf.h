@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/voxel_leaf.h"
+#include "core/volume/voxel_leaf.h"
 
 namespace steadymap {
 

@@ -1,11 +1,11 @@
-#include "core/recognition.h"
+#include "core/objects/recognition.h"
 
 #include <cmath>
 #include <map>
 
 #include <gtest/gtest.h>
 
-#include "core/object_parts.h"
+#include "core/working/object_parts.h"
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
 

@@ -8,7 +8,7 @@
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
 
-#include "core/registration.h"
+#include "core/registration/registration.h"
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
 

@@ -1,4 +1,4 @@
-#include "core/registration.h"
+#include "core/registration/registration.h"
 
 #include <cmath>
 #include <memory>

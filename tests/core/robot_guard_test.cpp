@@ -1,6 +1,6 @@
 // Robots that jump about in the corner of a room, through maps of the pocd policy.
 
-#include "core/robot_guard.h"
+#include "core/robot/robot_guard.h"
 
 #include <algorithm>
 #include <limits>
@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_delta.h"
+#include "core/map/map_delta.h"
 #include "core/mapper.h"
-#include "core/object_mapper.h"
+#include "core/policy/object_mapper.h"
 #include "tests/core/map_story.h"
 #include "tests/core/room_drive.h"
 

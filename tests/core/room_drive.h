@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 #include "tests/support/analytic_scene.h"
 
 /// A robot that looks around in the corner of a room, ten frames a second.

@@ -1,8 +1,8 @@
-#include "core/segment_fusion.h"
+#include "core/policy/segment_fusion.h"
 
 #include <gtest/gtest.h>
 
-#include "core/segmentation.h"
+#include "core/association/segmentation.h"
 #include "tests/core/map_story.h"
 
 namespace steadymap {

@@ -1,4 +1,4 @@
-#include "core/semantic_cloud.h"
+#include "core/integration/semantic_cloud.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {

@@ -1,4 +1,4 @@
-#include "core/stage_observer.h"
+#include "core/policy/stage_observer.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,6 +1,6 @@
 // Oracle: the exact posterior, integrated over both unknowns.
 
-#include "core/stationarity.h"
+#include "core/map/stationarity.h"
 
 #include <algorithm>
 #include <cmath>

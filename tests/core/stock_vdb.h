@@ -5,8 +5,8 @@
 
 #include <openvdb/openvdb.h>
 
-#include "core/map_snapshot.h"
-#include "core/placed_volume.h"
+#include "core/map/map_snapshot.h"
+#include "core/map/placed_volume.h"
 
 namespace steadymap::testing {
 

@@ -1,6 +1,6 @@
 // Small scenes with a known answer, run through a map of the submap_change policy.
 
-#include "core/submap_change.h"
+#include "core/policy/submap_change.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Small scenes with a known answer, run through a map of the tracking policy.
 
-#include "core/tracking.h"
+#include "core/policy/tracking.h"
 
 #include <cmath>
 

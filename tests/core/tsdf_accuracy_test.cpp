@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "core/mapper.h"
-#include "core/tsdf_mesh.h"
-#include "core/tsdf_raycast.h"
-#include "core/tsdf_sample.h"
+#include "core/volume/tsdf_mesh.h"
+#include "core/volume/tsdf_raycast.h"
+#include "core/volume/tsdf_sample.h"
 #include "tests/support/analytic_depth.h"
 #include "tests/support/analytic_solid.h"
 

@@ -1,4 +1,4 @@
-#include "core/tsdf_codec.h"
+#include "core/volume/tsdf_codec.h"
 
 #include <cmath>
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/core/random_leaf.h"
 #include "tests/support/default_scale.h"
 

@@ -1,6 +1,6 @@
 // The two compiled variants of the kernels must agree bit for bit on any input.
 
-#include "core/tsdf_kernel.h"
+#include "core/integration/tsdf_kernel.h"
 
 #include <cmath>
 #include <cstring>

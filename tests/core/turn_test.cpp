@@ -1,4 +1,4 @@
-#include "core/turn.h"
+#include "core/change/turn.h"
 
 #include <cmath>
 #include <random>

@@ -14,7 +14,7 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include "core/vdb_file.h"
+#include "core/query/vdb_file.h"
 #include "tests/core/random_leaf.h"
 #include "tests/core/stock_vdb.h"
 #include "tests/support/analytic_map.h"

@@ -1,4 +1,4 @@
-#include "core/vdb_file.h"
+#include "core/query/vdb_file.h"
 
 #include <map>
 #include <sstream>

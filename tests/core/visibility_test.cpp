@@ -1,6 +1,6 @@
 // Scenes whose answer is known: a wall at 2 m that a frame finds, misses, or cannot see.
 
-#include "core/visibility.h"
+#include "core/change/visibility.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/background.h"
-#include "core/frame_clusters.h"
-#include "core/judgement.h"
-#include "core/map_config.h"
+#include "core/association/frame_clusters.h"
+#include "core/change/judgement.h"
+#include "core/types/map_config.h"
+#include "core/volume/background.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/analytic_solid.h"

@@ -1,6 +1,6 @@
 // Small scenes with a known answer, run through a map of the voxel_change policy.
 
-#include "core/voxel_change.h"
+#include "core/policy/voxel_change.h"
 
 #include <gtest/gtest.h>
 

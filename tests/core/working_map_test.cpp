@@ -1,4 +1,4 @@
-#include "core/working_map.h"
+#include "core/working/working_map.h"
 
 #include <map>
 #include <random>

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
+#include "core/types/error.h"
 #include "tests/support/thread_limit.h"
 #include "tests/support/wall_frame.h"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/support/all_policies.h"
 
 namespace steadymap {

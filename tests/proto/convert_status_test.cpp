@@ -8,7 +8,7 @@
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/grpc_status.h"
 
 #include "steadymap/v1/ingest_service.pb.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/crc32c.h"
+#include "core/types/crc32c.h"
 #include "server/torn_log.h"
 
 namespace steadymap {

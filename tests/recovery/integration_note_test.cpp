@@ -19,7 +19,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/parallel.h"
+#include "core/types/parallel.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/store_check.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/temporary_folder.h"

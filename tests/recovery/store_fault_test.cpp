@@ -13,7 +13,7 @@
 #include <rocksdb/env.h>
 #include <sys/stat.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/posix_file.h"
 #include "server/rocks_store.h"
 #include "tests/recovery/faulty_file_system.h"

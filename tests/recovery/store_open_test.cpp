@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/rocks_store.h"
 #include "server/store_keys.h"
 #include "tests/server/store_builder.h"

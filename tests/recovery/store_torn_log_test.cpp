@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/store.h"
 #include "server/store_check.h"
 #include "tests/server/store_builder.h"

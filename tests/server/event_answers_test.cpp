@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/memory_store.h"
 

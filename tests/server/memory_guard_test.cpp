@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

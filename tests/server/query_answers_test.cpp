@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
-#include "core/query_work.h"
+#include "core/types/error.h"
+#include "core/types/query_work.h"
 #include "proto/convert_geometry.h"
 #include "server/map_export.h"
 #include "server/map_section.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 
 #include "steadymap/v1/ingest_service.pb.h"
 

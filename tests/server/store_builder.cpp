@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/tsdf_codec.h"
+#include "core/volume/tsdf_codec.h"
 
 namespace steadymap {
 namespace {

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/server/store_contract.h"
 
 namespace steadymap {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/crc32c.h"
-#include "core/error.h"
+#include "core/types/crc32c.h"
+#include "core/types/error.h"
 
 #include "steadymap/storage/v1/records.pb.h"
 

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/server/store_contract.h"
 #include "tests/support/thread_limit.h"
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "tests/server/noting_watch.h"
 #include "tests/support/analytic_map.h"
 

@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/map_delta.h"
-#include "core/tsdf_codec.h"
+#include "core/map/map_delta.h"
+#include "core/volume/tsdf_codec.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/packed_leaf.h"
 

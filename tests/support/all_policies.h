@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "core/map_config.h"
+#include "core/types/map_config.h"
 
 namespace steadymap::testing {
 

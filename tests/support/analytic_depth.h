@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 
 namespace steadymap::testing {
 

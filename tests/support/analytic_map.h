@@ -3,12 +3,12 @@
 #include <cmath>
 #include <memory>
 
-#include "core/map_snapshot.h"
+#include "core/map/map_snapshot.h"
 #include "tests/support/analytic_solid.h"
 
 namespace steadymap::testing {
 
-/// The same volume with canonical voxels (core/voxel_leaf.h).
+/// The same volume with canonical voxels (core/volume/voxel_leaf.h).
 inline TsdfGrid Canonical(const TsdfGrid& volume, const VoxelScale& scale) {
   TsdfGrid canonical;
   volume.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/map_config.h"
-#include "core/sample_grid.h"
-#include "core/semantic_cloud.h"
+#include "core/association/sample_grid.h"
+#include "core/integration/semantic_cloud.h"
+#include "core/types/map_config.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap::testing {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/frame.h"
+#include "core/frame/frame.h"
 #include "tests/support/analytic_depth.h"
 #include "tests/support/analytic_solid.h"
 

@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "core/geometry.h"
-#include "core/tsdf_grid.h"
+#include "core/geometry/geometry.h"
+#include "core/volume/tsdf_grid.h"
 #include "tests/support/analytic_depth.h"
 
 namespace steadymap::testing {

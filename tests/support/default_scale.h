@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/voxel_leaf.h"
+#include "core/volume/voxel_leaf.h"
 
 namespace steadymap::testing {
 

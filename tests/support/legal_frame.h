@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "core/frame.h"
-#include "core/map_config.h"
+#include "core/frame/frame.h"
+#include "core/types/map_config.h"
 
 namespace steadymap {
 

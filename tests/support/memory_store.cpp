@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/history_hash.h"
 
 namespace steadymap {

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "core/leaf_patch.h"
-#include "core/tsdf_codec.h"
+#include "core/volume/leaf_patch.h"
+#include "core/volume/tsdf_codec.h"
 
 #include "steadymap/v1/volume.pb.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/image_codec.h"
+#include "core/frame/image_codec.h"
 #include "proto/convert_frame.h"
 #include "proto/convert_geometry.h"
 

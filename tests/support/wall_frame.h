@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/geometry.h"
+#include "core/geometry/geometry.h"
 
 #include "steadymap/v1/frame.pb.h"
 

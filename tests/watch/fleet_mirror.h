@@ -10,7 +10,7 @@
 #include <absl/synchronization/mutex.h>
 
 #include "client/map_mirror.h"
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
 #include "tests/support/tcp_proxy.h"
 #include "tests/watch/fleet_server.h"
 #include "tests/watch/map_history.h"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "proto/convert_watch.h"
 #include "proto/grpc_status.h"
 

@@ -12,7 +12,7 @@
 #include <absl/synchronization/mutex.h>
 #include <grpcpp/client_context.h>
 
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
 #include "tests/watch/fleet_server.h"
 #include "tests/watch/watch_promises.h"
 

@@ -10,8 +10,8 @@
 #include <absl/base/thread_annotations.h>
 #include <absl/synchronization/mutex.h>
 
-#include "core/map_delta.h"
-#include "core/map_filter.h"
+#include "core/map/map_delta.h"
+#include "core/map/map_filter.h"
 
 namespace steadymap {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/error.h"
+#include "core/types/error.h"
 #include "server/store.h"
 #include "tests/watch/map_history.h"
 

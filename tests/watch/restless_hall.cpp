@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/frame.h"
-#include "core/image_codec.h"
+#include "core/frame/frame.h"
+#include "core/frame/image_codec.h"
 #include "proto/convert_frame.h"
 #include "proto/convert_geometry.h"
 #include "tests/support/analytic_scene.h"

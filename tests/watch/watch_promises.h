@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/map_filter.h"
+#include "core/map/map_filter.h"
 #include "tests/watch/map_history.h"
 
 #include "steadymap/v1/watch_service.pb.h"

@@ -36,7 +36,7 @@ _COLOR_PROPERTIES = ["red", "green", "blue"]
 
 
 def parse_ply(data: bytes, revision: int) -> Mesh:
-    """The mesh of a PLY file as the service writes it (core/mesh_file.h); DataLossError for any
+    """The mesh of a PLY file as the service writes it (core/query/mesh_file.h); DataLossError for any
     other."""
     header_bytes = data.find(_HEADER_END)
     if header_bytes < 0 or not data.startswith(b"ply\nformat binary_little_endian 1.0\n"):

@@ -1,4 +1,4 @@
-"""The volumes of a map: leaves of 8 x 8 x 8 voxels, packed as core/tsdf_codec.h says."""
+"""The volumes of a map: leaves of 8 x 8 x 8 voxels, packed as core/volume/tsdf_codec.h says."""
 
 import dataclasses
 from typing import Any, Iterable, List, Optional, Sequence, Tuple
@@ -198,7 +198,7 @@ def _undo_prediction(observed: np.ndarray, residuals: np.ndarray) -> np.ndarray:
 
 
 def _predict(has: np.ndarray, steps: np.ndarray, offset: int) -> np.ndarray:
-    """As PredictDistance in core/tsdf_codec.cpp: the last rule here that holds is the one."""
+    """As PredictDistance in core/volume/tsdf_codec.cpp: the last rule here that holds is the one."""
     x, y, z = offset - 64, offset - 8, offset - 1
     along_x, along_y, depth = offset >> 6 > 0, offset >> 3 & 7 > 0, offset & 7
     prediction = np.zeros(has.shape[1], np.int32)

@@ -1,0 +1,56 @@
+#include "core/association/cell_ownership.h"
+
+#include <array>
+#include <cmath>
+
+namespace steadymap {
+namespace {
+
+// Cells that lie this far off a sample's plane belong to something else.
+constexpr float kMaxOffPlaneM = 0.05F;
+
+/// Owner of the nearest sample whose plane holds the cell.
+std::uint32_t OwnerOf(int column,
+                      int row,
+                      const Eigen::Vector3f& position_world,
+                      const SampleGrid& samples,
+                      const Association& association) {
+  // A cell between samples has up to four around it.
+  constexpr std::array<std::array<int, 2>, 4> kCorners = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+  for (const auto& [right, down] : kCorners) {
+    const int u = column / SampleGrid::kStrideCells + right * (column % SampleGrid::kStrideCells);
+    const int v = row / SampleGrid::kStrideCells + down * (row % SampleGrid::kStrideCells);
+    if (u >= samples.width() || v >= samples.height()) continue;
+    const SurfaceSample& sample = samples.At(u, v);
+    if (!sample.is_valid()) continue;
+    const float off_plane_m = (position_world - sample.position_world).dot(sample.normal_world);
+    if (std::abs(off_plane_m) <= kMaxOffPlaneM) return association.owner[samples.Index(u, v)];
+  }
+  return Association::kNone;
+}
+
+}  // namespace
+
+void GiveCellsToOwners(const SampleGrid& samples,
+                       const Association& association,
+                       SemanticCloud* cloud) {
+  static_assert(SampleGrid::kStrideCells == 2, "between two samples lies one cell");
+  const Eigen::Matrix3f rotation = cloud->T_world_camera().linear().cast<float>();
+  const Eigen::Vector3f camera_world = cloud->T_world_camera().translation().cast<float>();
+  for (int row = 0; row < cloud->cells_high(); ++row) {
+    for (int column = 0; column < cloud->cells_wide(); ++column) {
+      SurfaceCell& cell = cloud->MutableAt(column, row);
+      if (!(cell.weight > 0.0F)) continue;
+      const Eigen::Vector3f ray = cloud->camera().Ray(column, row).cast<float>();
+      const std::uint32_t owner = OwnerOf(
+          column, row, camera_world + rotation * (ray * cell.depth_m), samples, association);
+      if (owner == Association::kNone) {
+        cell.weight = 0.0F;
+      } else {
+        cell.owner = owner;
+      }
+    }
+  }
+}
+
+}  // namespace steadymap

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "core/map/map_object.h"
+
+namespace steadymap {
+
+/// Adds one frame's vote on an object's class, shared out by the samples of each class, and lets
+/// the votes choose. No samples: no vote.
+void AddVotes(const std::map<ClassId, std::size_t>& samples_by_class, ObjectState* object);
+
+}  // namespace steadymap

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/frame/frame.h"
+#include "core/integration/semantic_cloud.h"
+
+namespace steadymap {
+
+/// One of the surface points that decisions are made with.
+struct SurfaceSample {
+  Eigen::Vector3f position_world;  ///< Metres.
+  Eigen::Vector3f normal_world;    ///< Unit, towards the camera.
+  float depth_m = 0.0F;            ///< 0: nothing was seen here, and nothing else holds.
+  float area_m2 = 0.0F;            ///< Of the surface that the sample stands for.
+  std::uint16_t label = 0;         ///< Class, by majority around the sample.
+  std::uint16_t instance = 0;      ///< 0: none.
+
+  bool is_valid() const { return depth_m > 0.0F; }
+};
+
+/// Every second cell of a semantic cloud in both directions, in the world frame.
+class SampleGrid {
+ public:
+  /// Cells from one sample to the next.
+  static constexpr int kStrideCells = 2;
+
+  /// Takes the samples of a frame.
+  void Compute(const SemanticCloud& cloud);
+
+  int width() const { return width_; }
+
+  int height() const { return height_; }
+
+  std::size_t size() const { return samples_.size(); }
+
+  const SurfaceSample& operator[](std::size_t index) const { return samples_[index]; }
+
+  std::size_t Index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column);
+  }
+
+  const SurfaceSample& At(int column, int row) const { return samples_[Index(column, row)]; }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<SurfaceSample> samples_;
+};
+
+/// Whether one surface goes on from `a` to its neighbour `b` in the grid.
+bool AreConnected(const SurfaceSample& a, const SurfaceSample& b);
+
+}  // namespace steadymap

@@ -1,0 +1,73 @@
+#include "core/change/change_estimate.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+namespace steadymap {
+namespace {
+
+/// Integral of `z^2` from 0: voxels of the ray of a pixel of unit size up to a depth.
+double VoxelsUpTo(double depth_m) { return depth_m * depth_m * depth_m / 3.0; }
+
+/// Integral of `z^3` from 0.
+double DepthsUpTo(double depth_m) { return depth_m * depth_m * depth_m * depth_m / 4.0; }
+
+bool IsSurface(double depth_m) { return depth_m > 0.0 && std::isfinite(depth_m); }
+
+}  // namespace
+
+void ChangeSum::AddRay(double object_depth_m, double observed_depth_m) {
+  if (!IsSurface(object_depth_m) || !IsSurface(observed_depth_m)) return;
+  const double near_m = std::min(object_depth_m, observed_depth_m);
+  const double apart_m = std::abs(object_depth_m - observed_depth_m);
+
+  // Voxels nearer than `floor_m` are beyond the truncation of both surfaces; from there to `full_m`
+  // the distance of the farther surface is clamped, so the difference is `z - floor_m`.
+  const double floor_m = near_m - parameters_.truncation_m;
+  const double start_m = std::max(floor_m, 0.0);
+  const double full_m = std::clamp(floor_m + apart_m, start_m, near_m);
+  const double voxels = VoxelsUpTo(near_m) - VoxelsUpTo(start_m);
+  double difference = apart_m * (VoxelsUpTo(near_m) - VoxelsUpTo(full_m));
+  if (full_m > start_m) {
+    difference += DepthsUpTo(full_m) - DepthsUpTo(start_m) -
+                  floor_m * (VoxelsUpTo(full_m) - VoxelsUpTo(start_m));
+  }
+  voxels_ += voxels;
+  difference_ += difference;
+  signed_difference_ += std::copysign(difference, object_depth_m - observed_depth_m);
+
+  // The mean magnitude of a normal deviate is sqrt(2 / pi) of its standard deviation.
+  const double noise_m =
+      parameters_.noise_base_m + parameters_.noise_per_square_metre * near_m * near_m;
+  noise_ += std::sqrt(2.0 * std::numbers::inv_pi) * noise_m * voxels;
+}
+
+std::optional<double> ChangeSum::Change() const {
+  if (!(voxels_ > 0.0)) return std::nullopt;
+  double difference_m = difference_ / voxels_;
+  if (parameters_.subtracts_noise) {
+    // In quadrature: that takes all of what noise alone gives, and next to nothing of a shift well
+    // beyond the noise, whose mean magnitude the noise hardly raises.
+    const double noise_m = noise_ / voxels_;
+    difference_m = std::sqrt(std::max(difference_m * difference_m - noise_m * noise_m, 0.0));
+  }
+  if (signed_difference_ == 0.0) return 0.0;
+  return std::copysign(parameters_.change_scale * difference_m, signed_difference_);
+}
+
+std::optional<double> EstimateChange(const Image<float>& object_depth_m,
+                                     const Image<float>& observed_depth_m,
+                                     const ChangeParameters& parameters) {
+  assert(object_depth_m.width_px() == observed_depth_m.width_px());
+  assert(object_depth_m.height_px() == observed_depth_m.height_px());
+  ChangeSum sum(parameters);
+  for (std::size_t i = 0; i < object_depth_m.size(); ++i) {
+    sum.AddRay(static_cast<double>(object_depth_m.data()[i]),
+               static_cast<double>(observed_depth_m.data()[i]));
+  }
+  return sum.Change();
+}
+
+}  // namespace steadymap

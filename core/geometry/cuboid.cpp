@@ -1,0 +1,218 @@
+#include "core/geometry/cuboid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace steadymap {
+namespace {
+
+Eigen::Matrix2d PlanRotation(double yaw_rad) {
+  return Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
+}
+
+/// A point seen from above in the frame of the box.
+Eigen::Vector2d PlanInCuboid(const Cuboid& cuboid, const Eigen::Vector2d& point_world) {
+  return PlanRotation(cuboid.yaw_rad).transpose() * (point_world - cuboid.center_world.head<2>());
+}
+
+double PlanDistance(const Cuboid& cuboid, const Eigen::Vector2d& point_world) {
+  const Eigen::Vector2d beyond_m =
+      PlanInCuboid(cuboid, point_world).cwiseAbs() - 0.5 * cuboid.size_m.head<2>();
+  return beyond_m.cwiseMax(0.0).norm();
+}
+
+/// Whether a line along a side of `a` keeps the two bases apart.
+bool SideSeparates(const Cuboid& a, const Cuboid& b) {
+  Eigen::Vector2d low_m = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d high_m = -low_m;
+  for (const Eigen::Vector2d& corner_world : b.BaseCorners()) {
+    const Eigen::Vector2d corner_m = PlanInCuboid(a, corner_world);
+    low_m = low_m.cwiseMin(corner_m);
+    high_m = high_m.cwiseMax(corner_m);
+  }
+  const Eigen::Vector2d half_m = 0.5 * a.size_m.head<2>();
+  return (low_m.array() > half_m.array()).any() || (high_m.array() < -half_m.array()).any();
+}
+
+double PlanDistance(const Cuboid& a, const Cuboid& b) {
+  if (!SideSeparates(a, b) && !SideSeparates(b, a)) return 0.0;
+  // Of two convex polygons that are apart, one has a corner nearest to the other.
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector2d& corner_world : a.BaseCorners()) {
+    least_m = std::min(least_m, PlanDistance(b, corner_world));
+  }
+  for (const Eigen::Vector2d& corner_world : b.BaseCorners()) {
+    least_m = std::min(least_m, PlanDistance(a, corner_world));
+  }
+  return least_m;
+}
+
+using Polygon = std::vector<Eigen::Vector2d>;
+
+/// The part of a convex polygon where `normal.dot(point) <= limit_m` (Sutherland and Hodgman,
+/// 1974).
+Polygon ClipToHalfPlane(const Polygon& polygon, const Eigen::Vector2d& normal, double limit_m) {
+  Polygon clipped;
+  clipped.reserve(polygon.size() + 1);
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& from = polygon[i];
+    const Eigen::Vector2d& to = polygon[(i + 1) % polygon.size()];
+    const double from_beyond_m = normal.dot(from) - limit_m;
+    const double to_beyond_m = normal.dot(to) - limit_m;
+    if (from_beyond_m <= 0.0) clipped.push_back(from);
+    if ((from_beyond_m <= 0.0) != (to_beyond_m <= 0.0)) {
+      clipped.emplace_back(from + from_beyond_m / (from_beyond_m - to_beyond_m) * (to - from));
+    }
+  }
+  return clipped;
+}
+
+/// Half the sum of the cross products of neighbouring corners.
+double Area(const Polygon& polygon) {
+  double twice_m2 = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& from = polygon[i];
+    const Eigen::Vector2d& to = polygon[(i + 1) % polygon.size()];
+    twice_m2 += from.x() * to.y() - to.x() * from.y();
+  }
+  return std::max(0.0, 0.5 * twice_m2);
+}
+
+double PlanOverlapM2(const Cuboid& a, const Cuboid& b) {
+  Polygon shared;
+  for (const Eigen::Vector2d& corner_world : a.BaseCorners()) {
+    shared.push_back(PlanInCuboid(b, corner_world));
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d normal = Eigen::Vector2d::Unit(axis);
+    shared = ClipToHalfPlane(shared, normal, 0.5 * b.size_m[axis]);
+    shared = ClipToHalfPlane(shared, -normal, 0.5 * b.size_m[axis]);
+  }
+  return Area(shared);
+}
+
+/// Points seen from above, metres, a column each.
+using PlanPoints = Eigen::Array<float, 2, Eigen::Dynamic, Eigen::RowMajor>;
+
+// More points than these tell no more of the heading.
+constexpr std::size_t kMaxHeadingPoints = 1024;
+
+/// Some of the points, evenly chosen, relative to the first.
+PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world) {
+  const std::size_t stride = (points_world.size() + kMaxHeadingPoints - 1) / kMaxHeadingPoints;
+  const std::size_t count = (points_world.size() + stride - 1) / stride;
+  PlanPoints points(2, static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d offset_m = points_world[i * stride] - points_world.front();
+    points.col(static_cast<Eigen::Index>(i)) = offset_m.head<2>().cast<float>();
+  }
+  return points;
+}
+
+/// Mean distance of points from the nearest side of the least rectangle around them that has a
+/// heading, metres.
+double MeanDistanceFromSides(const PlanPoints& points, double yaw_rad) {
+  const auto cosine = static_cast<float>(std::cos(yaw_rad));
+  const auto sine = static_cast<float>(std::sin(yaw_rad));
+  const Eigen::ArrayXf x = cosine * points.row(0) + sine * points.row(1);
+  const Eigen::ArrayXf y = cosine * points.row(1) - sine * points.row(0);
+  const Eigen::ArrayXf from_x_side = (x - x.minCoeff()).min(x.maxCoeff() - x);
+  const Eigen::ArrayXf from_y_side = (y - y.minCoeff()).min(y.maxCoeff() - y);
+  return static_cast<double>(from_x_side.min(from_y_side).mean());
+}
+
+/// The best heading of a number of them, `step_rad` apart, from `first_rad` on.
+double FindBestHeading(const PlanPoints& points, double first_rad, double step_rad, int count) {
+  double best_rad = first_rad;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < count; ++i) {
+    const double yaw_rad = first_rad + i * step_rad;
+    const double distance_m = MeanDistanceFromSides(points, yaw_rad);
+    if (distance_m >= least_m) continue;
+    best_rad = yaw_rad;
+    least_m = distance_m;
+  }
+  return best_rad;
+}
+
+/// Heading of one of the sides, to an eighth of a degree.
+double FindSideYaw(std::span<const Eigen::Vector3d> points_world) {
+  if (points_world.size() < 2) return 0.0;
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const PlanPoints points = ChoosePlanPoints(points_world);
+  double yaw_rad = FindBestHeading(points, 0.0, 5.0 * kDegree, 18);
+  yaw_rad = FindBestHeading(points, yaw_rad - 4.0 * kDegree, kDegree, 9);
+  return FindBestHeading(points, yaw_rad - 0.75 * kDegree, 0.25 * kDegree, 7);
+}
+
+}  // namespace
+
+Eigen::Isometry3d Cuboid::T_world_cuboid() const {
+  Eigen::Isometry3d T_world_cuboid = Eigen::Isometry3d::Identity();
+  T_world_cuboid.translation() = center_world;
+  T_world_cuboid.linear().topLeftCorner<2, 2>() = PlanRotation(yaw_rad);
+  return T_world_cuboid;
+}
+
+std::array<Eigen::Vector2d, 4> Cuboid::BaseCorners() const {
+  const Eigen::Matrix2d R_world_cuboid = PlanRotation(yaw_rad);
+  const Eigen::Vector2d along_m = R_world_cuboid.col(0) * (0.5 * size_m.x());
+  const Eigen::Vector2d across_m = R_world_cuboid.col(1) * (0.5 * size_m.y());
+  const Eigen::Vector2d center = center_world.head<2>();
+  return {center - along_m - across_m,
+          center + along_m - across_m,
+          center + along_m + across_m,
+          center - along_m + across_m};
+}
+
+double DistanceTo(const Cuboid& cuboid, const Eigen::Vector3d& point_world) {
+  const double above_m = point_world.z() - cuboid.highest_m();
+  const double below_m = cuboid.lowest_m() - point_world.z();
+  return std::hypot(PlanDistance(cuboid, point_world.head<2>()), std::max({0.0, above_m, below_m}));
+}
+
+double DistanceBetween(const Cuboid& a, const Cuboid& b) {
+  const double above_m = a.lowest_m() - b.highest_m();
+  const double below_m = b.lowest_m() - a.highest_m();
+  return std::hypot(PlanDistance(a, b), std::max({0.0, above_m, below_m}));
+}
+
+double OverlapM3(const Cuboid& a, const Cuboid& b) {
+  const double shared_height_m =
+      std::min(a.highest_m(), b.highest_m()) - std::max(a.lowest_m(), b.lowest_m());
+  if (shared_height_m <= 0.0) return 0.0;
+  return shared_height_m * PlanOverlapM2(a, b);
+}
+
+Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world) {
+  const double yaw_rad = FindSideYaw(points_world);
+  Cuboid cuboid = FitCuboid(points_world, yaw_rad);
+  if (cuboid.size_m.x() >= cuboid.size_m.y()) return cuboid;
+  const double quarter_turn_rad = 0.5 * std::numbers::pi;
+  return FitCuboid(points_world,
+                   yaw_rad > 0.0 ? yaw_rad - quarter_turn_rad : yaw_rad + quarter_turn_rad);
+}
+
+Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, double yaw_rad) {
+  Cuboid cuboid;
+  cuboid.yaw_rad = yaw_rad;
+  if (points_world.empty()) return cuboid;
+  // Offsets from a point of the set, not from the origin: far from it digits would be lost.
+  const Eigen::Vector3d& reference_world = points_world.front();
+  Eigen::Matrix3d R_world_cuboid = Eigen::Matrix3d::Identity();
+  R_world_cuboid.topLeftCorner<2, 2>() = PlanRotation(yaw_rad);
+  Eigen::Vector3d low_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d high_m = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point_world : points_world) {
+    const Eigen::Vector3d offset_m = R_world_cuboid.transpose() * (point_world - reference_world);
+    low_m = low_m.cwiseMin(offset_m);
+    high_m = high_m.cwiseMax(offset_m);
+  }
+  cuboid.center_world = reference_world + R_world_cuboid * (0.5 * (low_m + high_m));
+  cuboid.size_m = high_m - low_m;
+  return cuboid;
+}
+
+}  // namespace steadymap

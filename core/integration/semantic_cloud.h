@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/frame/frame.h"
+#include "core/geometry/geometry.h"
+#include "core/integration/tsdf_kernel.h"
+#include "core/types/map_config.h"
+
+namespace steadymap {
+
+/// What one frame says about surfaces: for each 2 x 2 pixels a cell with the plane seen there, its
+/// weight as evidence, its class and its colour (pocd.md section 2, step 1). Cells at depth edges
+/// and beyond the map's greatest depth weigh little or nothing.
+///
+/// Keeps its memory from frame to frame. One thread at a time.
+class SemanticCloud {
+ public:
+  /// `drops_dynamic`: whether cells of dynamic classes weigh nothing, nor do those of instances
+  /// most of whose cells are.
+  explicit SemanticCloud(const MapConfig& config, bool drops_dynamic = true);
+
+  /// Takes in a frame that passed `ValidateFrame`. Every cell belongs to owner 0.
+  void Compute(const Frame& frame);
+
+  int cells_wide() const { return cells_wide_; }
+
+  int cells_high() const { return cells_high_; }
+
+  /// The camera whose pixels are the cells.
+  const PinholeCamera& camera() const { return cell_camera_; }
+
+  const Eigen::Isometry3d& T_world_camera() const { return T_world_camera_; }
+
+  bool has_color() const { return has_color_; }
+
+  /// Row-major.
+  const std::vector<SurfaceCell>& cells() const { return cells_; }
+
+  const SurfaceCell& At(int column, int row) const { return cells_[Index(column, row)]; }
+
+  /// For those who decide whom a cell belongs to.
+  SurfaceCell& MutableAt(int column, int row) { return cells_[Index(column, row)]; }
+
+  /// Class of a cell: that of its upper left pixel; 0 in a frame without labels.
+  std::uint16_t LabelAt(int column, int row) const {
+    return labels_.empty() ? std::uint16_t{0} : labels_[Index(column, row)];
+  }
+
+  /// Whether that class is dynamic; of none where cells of dynamic classes are not dropped.
+  bool IsDynamicAt(int column, int row) const {
+    return any_dynamic_ && !labels_.empty() && is_dynamic_[LabelAt(column, row)] != 0;
+  }
+
+  /// Instance of a cell, 0 none; likewise.
+  std::uint16_t InstanceAt(int column, int row) const {
+    return instances_.empty() ? std::uint16_t{0} : instances_[Index(column, row)];
+  }
+
+  bool has_instances() const { return !instances_.empty(); }
+
+ private:
+  std::size_t Index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_wide_) +
+           static_cast<std::size_t>(column);
+  }
+
+  void ComputeSurface(const Frame& frame);
+  void DropDynamicClasses(const Frame& frame);
+  void DropDynamicInstances();
+  void AddColors(const Frame& frame);
+  void TakeCorners(const Image<std::uint16_t>& image, std::vector<std::uint16_t>* corners) const;
+
+  const TsdfKernels& kernels_ = SelectKernels();
+  float max_depth_m_;
+  std::vector<std::uint8_t> is_dynamic_;  ///< By class.
+  bool any_dynamic_ = false;
+
+  int cells_wide_ = 0;
+  int cells_high_ = 0;
+  PinholeCamera cell_camera_;
+  Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();
+  bool has_color_ = false;
+  std::vector<float> inverse_depth_;
+  std::vector<float> support_;
+  std::vector<SurfaceCell> cells_;
+  std::vector<std::uint16_t> labels_;
+  std::vector<std::uint16_t> instances_;
+};
+
+}  // namespace steadymap

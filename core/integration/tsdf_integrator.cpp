@@ -1,0 +1,287 @@
+#include "core/integration/tsdf_integrator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <utility>
+
+#include "core/integration/cell_runs.h"
+#include "core/integration/frame_work.h"
+#include "core/integration/semantic_cloud.h"
+#include "core/integration/tsdf_kernel.h"
+#include "core/types/parallel.h"
+#include "core/volume/leaf_set.h"
+
+namespace steadymap {
+namespace {
+
+// Rays are walked this far apart where they meet the surface, but no further than every fourth
+// cell.
+constexpr double kRaySpacingLeaves = 0.26;
+constexpr int kMaxRayStrideCells = 4;
+
+// Leaves that are worked on together: enough for all cores, and few enough that those which are
+// made anew fit into a cache.
+constexpr std::size_t kBatchLeaves = 256;
+
+// Leaves that a core takes at a time: some 50 us of work.
+constexpr std::size_t kMinRangeLeaves = 32;
+
+/// One frame as one volume sees it.
+struct VolumeView {
+  const SemanticCloud& cloud;
+  Eigen::Isometry3d T_volume_camera;
+  std::uint32_t owner;
+  std::span<const CellRun> cells;  ///< The owner's.
+};
+
+/// Finds the leaves that the truncation band around a frame's surface meets. Works in leaves,
+/// relative to the one that holds the camera, so that single precision suffices at any place of the
+/// map.
+class BandWalk {
+ public:
+  BandWalk(const VolumeView& view, const VoxelScale& scale)
+      : focal_x_(static_cast<float>(view.cloud.camera().fx)),
+        focal_y_(static_cast<float>(view.cloud.camera().fy)),
+        centre_x_(static_cast<float>(view.cloud.camera().cx)),
+        centre_y_(static_cast<float>(view.cloud.camera().cy)),
+        truncation_m_(static_cast<float>(scale.truncation_m)),
+        leaf_size_m_(static_cast<float>(scale.leaf_size_m())),
+        to_leaves_((view.T_volume_camera.linear() / scale.leaf_size_m()).cast<float>()) {
+    // A leaf reaches half a voxel below the centre of its lowest voxel.
+    const Eigen::Vector3d camera_leaves =
+        (view.T_volume_camera.translation().array() / scale.voxel_size_m + 0.5) / kLeafSide;
+    const Eigen::Vector3d base = camera_leaves.array().floor();
+    base_leaf_ = base.cast<std::int32_t>();
+    camera_leaves_ = (camera_leaves - base).cast<float>();
+  }
+
+  LeafSet::LeafIndex base_leaf() const { return {base_leaf_.x(), base_leaf_.y(), base_leaf_.z()}; }
+
+  /// Adds the leaves around the surface of one cell.
+  void Collect(const SurfaceCell& cell, int column, int row, LeafSet* leaves) const {
+    const Eigen::Vector3f ray_camera((static_cast<float>(column) - centre_x_) / focal_x_,
+                                     (static_cast<float>(row) - centre_y_) / focal_y_,
+                                     1.0F);
+    // The signed distance that a metre of depth makes at the surface's slant.
+    const float slant = cell.offset_m / cell.depth_m;
+    const float band_m = std::min(truncation_m_ / slant, kMaxRayBand * truncation_m_);
+    const float from_m = std::max(cell.depth_m - band_m, kNearM);
+    const Eigen::Vector3f ray = to_leaves_ * ray_camera;
+    leaves->InsertSegment(camera_leaves_ + from_m * ray,
+                          camera_leaves_ + (cell.depth_m + band_m) * ray);
+  }
+
+ private:
+  float focal_x_;
+  float focal_y_;
+  float centre_x_;
+  float centre_y_;
+  float truncation_m_;
+  float leaf_size_m_;
+  Eigen::Matrix3f to_leaves_;
+  Eigen::Vector3i base_leaf_;
+  Eigen::Vector3f camera_leaves_;
+};
+
+}  // namespace
+
+struct TsdfIntegrator::Scratch {
+  /// One leaf from where it is kept to what the frame makes of it.
+  struct LeafWork {
+    LeafVoxels new_leaf;  ///< What it would become, if it is none yet.
+    LeafPlace place;
+    LeafEdit edit;         ///< Of the leaf as it is; null where there is none yet.
+    bool changed = false;  ///< Whether the frame says anything about it.
+
+    LeafKernelLeaf ArraysFor(const Eigen::Vector3d& lowest_camera, bool with_color) {
+      LeafKernelLeaf arrays{};
+      for (int axis = 0; axis < 3; ++axis) {
+        arrays.origin[axis] = static_cast<float>(lowest_camera[axis]);
+      }
+      arrays.distance_m = edit ? edit.distance_m : new_leaf.distance_m.data();
+      arrays.weight = edit ? edit.weight : new_leaf.weight.data();
+      if (with_color) arrays.color = edit ? edit.color : new_leaf.color.data();
+      arrays.observed = edit ? edit.observed.data() : new_leaf.observed.data();
+      return arrays;
+    }
+  };
+
+  explicit Scratch(const MapConfig& config)
+      : scale{config.voxel_size_m, config.truncation_m},
+        max_depth_m(static_cast<float>(config.max_depth_m)) {}
+
+  /// The frame as it is in a volume.
+  VolumeView View(std::uint32_t owner, const Eigen::Isometry3d& T_volume_world) const {
+    return {*cloud, T_volume_world * cloud->T_world_camera(), owner, runs.Of(owner)};
+  }
+
+  template <typename PlaceOf>
+  void Update(const VolumeView& view,
+              const PlaceOf& place_of,
+              std::vector<LeafOrigin>* changed_leaves);
+  void CollectLeaves(const VolumeView& view);
+  LeafKernelFrame MakeKernelFrame(const VolumeView& view) const;
+  void PrepareLeaf(LeafPlace place, bool with_color, LeafWork* work);
+  static void StoreResult(const LeafWork& work);
+
+  const TsdfKernels& kernels = SelectKernels();
+  VoxelScale scale;
+  float max_depth_m;
+  const SemanticCloud* cloud = nullptr;  ///< The frame at hand.
+  CellRuns runs;                         ///< Of that.
+  std::size_t leaves_left = 0;           ///< That it may still touch.
+  LeafSet leaves;
+  std::vector<LeafWork> batch;
+};
+
+/// Walks the truncation band along a grid of rays and collects the leaves it meets.
+void TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
+  const BandWalk walk(view, scale);
+  leaves.Reset(walk.base_leaf());
+  // Cells that fit between two rays at a depth of one metre.
+  const auto cells_at_1m =
+      static_cast<float>(kRaySpacingLeaves * view.cloud.camera().fx * scale.leaf_size_m());
+  const auto stride_at = [&](float depth_m) {
+    return std::clamp(static_cast<int>(cells_at_1m / depth_m), 1, kMaxRayStrideCells);
+  };
+  const int stride = stride_at(max_depth_m);
+  int last_row = -1;
+  int column = 0;
+  for (const CellRun& run : view.cells) {
+    if (run.row % stride != 0) continue;
+    if (run.row != last_row) {
+      leaves.StartRow();
+      // Every other row is shifted by half a stride: a thin upright thing that falls between the
+      // rays of one row is met by those of the next.
+      column = (run.row / stride) % 2 == 0 ? 0 : stride / 2;
+      last_row = run.row;
+    }
+    column = std::max(column, run.begin);
+    while (column < run.end) {
+      const SurfaceCell& cell = view.cloud.At(column, run.row);
+      walk.Collect(cell, column, run.row, &leaves);
+      column += stride_at(cell.depth_m);
+    }
+  }
+}
+
+LeafKernelFrame TsdfIntegrator::Scratch::MakeKernelFrame(const VolumeView& view) const {
+  const PinholeCamera& cell_camera = view.cloud.camera();
+  LeafKernelFrame kernel_frame{};
+  kernel_frame.cells = view.cloud.cells().data();
+  kernel_frame.cells_wide = view.cloud.cells_wide();
+  kernel_frame.cells_high = view.cloud.cells_high();
+  kernel_frame.fx = static_cast<float>(cell_camera.fx);
+  kernel_frame.fy = static_cast<float>(cell_camera.fy);
+  kernel_frame.cx = static_cast<float>(cell_camera.cx);
+  kernel_frame.cy = static_cast<float>(cell_camera.cy);
+  const Eigen::Matrix3f steps =
+      (view.T_volume_camera.linear().transpose() * scale.voxel_size_m).cast<float>();
+  for (int axis = 0; axis < 3; ++axis) {
+    kernel_frame.step_x[axis] = steps(axis, 0);
+    kernel_frame.step_y[axis] = steps(axis, 1);
+    kernel_frame.step_z[axis] = steps(axis, 2);
+  }
+  kernel_frame.voxel_size_m = static_cast<float>(scale.voxel_size_m);
+  kernel_frame.truncation_m = static_cast<float>(scale.truncation_m);
+  kernel_frame.distance_step_m = scale.distance_step_m();
+  kernel_frame.owner = view.owner;
+  kernel_frame.fuse_color = view.cloud.has_color();
+  return kernel_frame;
+}
+
+void TsdfIntegrator::Scratch::PrepareLeaf(LeafPlace place, bool with_color, LeafWork* work) {
+  work->place = place;
+  work->edit = place.grid->EditLeaf(place.origin, with_color);
+  if (work->edit) return;
+  work->new_leaf = LeafVoxels{};
+  work->new_leaf.has_color = with_color;
+}
+
+void TsdfIntegrator::Scratch::StoreResult(const LeafWork& work) {
+  if (work.edit) {
+    work.place.grid->SetObserved(work.place.origin, work.edit.observed);
+  } else {
+    work.place.grid->StoreLeaf(work.place.origin, work.new_leaf);
+  }
+}
+
+/// Updates all leaves of a view's band; `place_of(origin)` is where the leaf at `origin` is kept.
+/// Grids are touched by the calling thread alone, voxels by all.
+template <typename PlaceOf>
+void TsdfIntegrator::Scratch::Update(const VolumeView& view,
+                                     const PlaceOf& place_of,
+                                     std::vector<LeafOrigin>* changed_leaves) {
+  CollectLeaves(view);
+  const LeafKernelFrame kernel_frame = MakeKernelFrame(view);
+  const Eigen::Isometry3d T_camera_volume = view.T_volume_camera.inverse();
+  std::span<const LeafOrigin> origins = leaves.Sorted();
+  origins = origins.first(std::min(origins.size(), leaves_left));
+  leaves_left -= origins.size();
+  for (std::size_t first = 0; first < origins.size(); first += kBatchLeaves) {
+    const auto batch_origins =
+        origins.subspan(first, std::min(kBatchLeaves, origins.size() - first));
+    if (batch.size() < batch_origins.size()) batch.resize(batch_origins.size());
+    for (std::size_t i = 0; i < batch_origins.size(); ++i) {
+      PrepareLeaf(place_of(batch_origins[i]), kernel_frame.fuse_color, &batch[i]);
+    }
+    ParallelFor(batch_origins.size(), kMinRangeLeaves, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const LeafOrigin& origin = batch_origins[i];
+        const Eigen::Vector3d lowest_camera =
+            T_camera_volume * (Eigen::Vector3d(origin.x, origin.y, origin.z) * scale.voxel_size_m);
+        batch[i].changed = kernels.update_leaf(
+            kernel_frame, batch[i].ArraysFor(lowest_camera, kernel_frame.fuse_color));
+      }
+    });
+    for (std::size_t i = 0; i < batch_origins.size(); ++i) {
+      if (!batch[i].changed) continue;
+      StoreResult(batch[i]);
+      changed_leaves->push_back(batch_origins[i]);
+    }
+  }
+}
+
+TsdfIntegrator::TsdfIntegrator(const MapConfig& config)
+    : scratch_(std::make_unique<Scratch>(config)) {}
+
+TsdfIntegrator::~TsdfIntegrator() = default;
+TsdfIntegrator::TsdfIntegrator(TsdfIntegrator&&) noexcept = default;
+TsdfIntegrator& TsdfIntegrator::operator=(TsdfIntegrator&&) noexcept = default;
+
+void TsdfIntegrator::SetFrame(const SemanticCloud& cloud) {
+  scratch_->cloud = &cloud;
+  scratch_->leaves_left = kMaxFusedLeaves;
+  scratch_->runs.Compute(cloud);
+}
+
+void TsdfIntegrator::Integrate(Background* background, std::vector<LeafOrigin>* changed_leaves) {
+  IntegrateWorld(
+      [background](LeafOrigin origin) {
+        return LeafPlace{&background->MutableTile(origin), origin};
+      },
+      changed_leaves);
+}
+
+void TsdfIntegrator::IntegrateWorld(const std::function<LeafPlace(LeafOrigin)>& place_of,
+                                    std::vector<LeafOrigin>* changed_leaves) {
+  scratch_->Update(
+      scratch_->View(kBackgroundOwner, Eigen::Isometry3d::Identity()), place_of, changed_leaves);
+}
+
+void TsdfIntegrator::Integrate(std::uint32_t owner,
+                               const Eigen::Isometry3d& T_world_object,
+                               TsdfGrid* grid,
+                               std::vector<LeafOrigin>* changed_leaves) {
+  scratch_->Update(
+      scratch_->View(owner, T_world_object.inverse()),
+      [grid](LeafOrigin origin) {
+        return LeafPlace{grid, origin};
+      },
+      changed_leaves);
+}
+
+}  // namespace steadymap

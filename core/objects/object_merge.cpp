@@ -1,0 +1,61 @@
+#include "core/objects/object_merge.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/association/contact.h"
+#include "core/working/object_parts.h"
+
+namespace steadymap {
+namespace {
+
+bool IsPresent(const TrackedObject& object) {
+  return object.state().standing == ObjectStanding::kPresent;
+}
+
+}  // namespace
+
+void MergeObjects(TrackedObject* into, TrackedObject* from, WorkingMap* map) {
+  ObjectState& state = into->state();
+  const ObjectState& other = from->state();
+  const MovedLeaves moved = CopyVoxels(*from, map->scale(), into);
+  map->MarkLeaves(into, moved.into);
+  state.first_seen = std::min(state.first_seen, other.first_seen);
+  state.standing_since = std::min(state.standing_since, other.standing_since);
+  state.last_seen = std::max(state.last_seen, other.last_seen);
+  state.views = std::max(state.views, other.views);
+  if (other.standing == ObjectStanding::kPresent) {
+    TellMerged(*from, EventReason::kConnected, state.id, map);
+  }
+  map->MarkChanged(into);
+  map->Forget(from);
+}
+
+void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into, WorkingMap* map) {
+  ObjectEvent event = map->MakeEvent(EventType::kMerged, reason, from);
+  event.related = into;
+  map->Tell(event);
+}
+
+void MergeConnected(const SampleGrid& samples,
+                    const Association& association,
+                    const std::vector<ObjectInView>& in_view,
+                    const MergeParameters& parameters,
+                    WorkingMap* map) {
+  if (parameters.contacts == 0) return;
+  for (const Contact& contact : FindContacts(samples, association)) {
+    if (contact.samples < parameters.contacts) continue;
+    TrackedObject* a = in_view[contact.first - 1].object;
+    TrackedObject* b = in_view[contact.second - 1].object;
+    const double apart_s =
+        a->state().standing_since.seconds() - b->state().standing_since.seconds();
+    if (a->is_archived() || b->is_archived() || a->state().class_id != b->state().class_id ||
+        std::abs(apart_s) > parameters.recent_s || !ShareLattice(a->state(), b->state())) {
+      continue;
+    }
+    const bool keeps_a = IsPresent(*a) == IsPresent(*b) ? a->id() < b->id() : IsPresent(*a);
+    MergeObjects(keeps_a ? a : b, keeps_a ? b : a, map);
+  }
+}
+
+}  // namespace steadymap

@@ -1,0 +1,53 @@
+#include "core/policy/map_updater.h"
+
+#include "core/integration/tsdf_integrator.h"
+#include "core/policy/engine_parameters.h"
+#include "core/policy/object_mapper.h"
+#include "core/policy/paper_mapper.h"
+#include "core/policy/submap_change.h"
+#include "core/policy/tracking.h"
+#include "core/policy/voxel_change.h"
+
+namespace steadymap {
+namespace {
+
+/// The `static` policy: every frame is fused, nothing is ever removed.
+class StaticUpdater final : public MapUpdater {
+ public:
+  explicit StaticUpdater(const MapConfig& config) : integrator_(config) {}
+
+  void Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingMap* map) override {
+    integrator_.SetFrame(*cloud);
+    map->FuseBackground(&integrator_);
+  }
+
+ private:
+  TsdfIntegrator integrator_;
+};
+
+}  // namespace
+
+std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const MapperOptions& options) {
+  switch (config.policy) {
+    case UpdatePolicy::kStatic:
+      return std::make_unique<StaticUpdater>(config);
+    case UpdatePolicy::kVoxelChange:
+      return std::make_unique<VoxelChangeMapper>(config, VoxelChangeParameters{});
+    case UpdatePolicy::kSubmapChange:
+      return std::make_unique<SubmapMapper>(config, SubmapChangeParameters{});
+    case UpdatePolicy::kTracking:
+      return std::make_unique<TrackingMapper>(config, TrackingParameters{});
+    case UpdatePolicy::kPocdPaper:
+      return std::make_unique<PaperMapper>(config, PaperParameters{});
+    case UpdatePolicy::kPocd:
+      return std::make_unique<ObjectMapper>(
+          config, ParametersFor(config, options.switches), options.stages);
+  }
+  return nullptr;
+}
+
+bool KeepsObjects(UpdatePolicy policy) {
+  return policy != UpdatePolicy::kStatic && policy != UpdatePolicy::kVoxelChange;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,164 @@
+#include "core/policy/paper_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/association/class_votes.h"
+#include "core/change/judgement.h"
+#include "core/geometry/assignment.h"
+
+namespace steadymap {
+namespace {
+
+/// The upright box along the world's axes around points.
+Eigen::AlignedBox3d BoundsOf(const std::vector<Eigen::Vector3d>& points_world) {
+  Eigen::AlignedBox3d bounds_world;
+  for (const Eigen::Vector3d& point_world : points_world) bounds_world.extend(point_world);
+  return bounds_world;
+}
+
+/// Draws points into a picture with a pixel a sample: the nearest depth, 0 where there is none.
+Image<float> DrawDepth(const std::vector<Eigen::Vector3d>& points_world,
+                       const SemanticCloud& cloud,
+                       const SampleGrid& samples) {
+  Image<float> depth_m(samples.width(), samples.height(), 0.0F);
+  const Eigen::Isometry3d T_camera_world = cloud.T_world_camera().inverse();
+  const PinholeCamera& camera = cloud.camera();
+  for (const Eigen::Vector3d& point_world : points_world) {
+    const Eigen::Vector3d point = T_camera_world * point_world;
+    if (point.z() <= 0.0) continue;
+    const double column =
+        std::floor((camera.fx * point.x() / point.z() + camera.cx) / SampleGrid::kStrideCells);
+    const double row =
+        std::floor((camera.fy * point.y() / point.z() + camera.cy) / SampleGrid::kStrideCells);
+    if (column < 0.0 || row < 0.0 || column >= samples.width() || row >= samples.height()) {
+      continue;
+    }
+    float& pixel_m = depth_m.At(static_cast<int>(column), static_cast<int>(row));
+    const auto depth = static_cast<float>(point.z());
+    if (pixel_m == 0.0F || depth < pixel_m) pixel_m = depth;
+  }
+  return depth_m;
+}
+
+}  // namespace
+
+PaperMapper::PaperMapper(const MapConfig& config, const PaperParameters& parameters)
+    : config_(config), parameters_(parameters), segments_(config, parameters.segments) {}
+
+void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingMap* map) {
+  map_ = map;
+  segments_.Part(segments_.Candidates(*cloud, map), cloud, map);
+  segments_.SetMatches(Associate());
+  const double largest_fused_m = 0.5 * parameters_.stationarity.change_noise_m;
+  for (std::size_t place = 0; place < segments_.in_view().size(); ++place) {
+    TrackedObject* object = segments_.in_view()[place].object;
+    const std::size_t samples = segments_.CountSamples(place);
+    if (samples > 0) {
+      ++object->state().views;
+      object->state().last_seen = map->now();
+      AddVotes({{object->state().class_id, samples}}, &object->state());
+      map->MarkChanged(object);
+      const std::optional<double> change_m = MeasureChange(place, *cloud);
+      if (!change_m.has_value()) continue;
+      Update(object, *change_m);
+      if (std::abs(*change_m) > largest_fused_m || object->is_forgotten()) segments_.Release(place);
+    } else if (IsExpectedInView(*object, *cloud)) {
+      ++object->state().absences;
+      Update(object, parameters_.stationarity.max_change_m);
+    }
+  }
+  AddObjects();
+  segments_.Fuse();
+}
+
+/// Matches segments with objects: registers the pairs within the gate, then assigns at the least
+/// cost (pocd.md section 2, step 4, "Paper").
+std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
+  const std::vector<ObjectInView>& in_view = segments_.in_view();
+  const std::vector<Observation>& segments = segments_.segments();
+  std::vector<std::vector<Eigen::Vector3d>> points_world;
+  points_world.reserve(segments.size());
+  for (const Observation& segment : segments) points_world.push_back(segments_.PointsOf(segment));
+  std::vector<AssignmentPair> pairs;
+  for (std::size_t column = 0; column < in_view.size(); ++column) {
+    const TrackedObject& object = *in_view[column].object;
+    std::optional<IcpTarget> target;
+    for (std::size_t row = 0; row < segments.size(); ++row) {
+      const Eigen::Vector3d center_world = BoundsOf(points_world[row]).center();
+      const double apart_m = (object.cuboid().center_world - center_world).norm();
+      if (apart_m > parameters_.association_distance_m) continue;
+      if (!target.has_value()) target.emplace(object, parameters_.icp);
+      const IcpFit fit = target->Align(points_world[row]);
+      if (fit.outlier_share > parameters_.max_dissimilarity) continue;
+      const bool is_other_class = object.state().class_id.value() != segments[row].label;
+      pairs.push_back({row,
+                       column,
+                       parameters_.position_weight * fit.shift_world.norm() +
+                           parameters_.orientation_weight * std::abs(fit.yaw_rad) +
+                           parameters_.class_weight * (is_other_class ? 1.0 : 0.0)});
+    }
+  }
+  return AssignColumns(segments.size(), in_view.size(), pairs, parameters_.cost_cutoff);
+}
+
+/// The change between what was seen of an object and what is known of it, by the paper's measure.
+/// None where nothing can be compared.
+std::optional<double> PaperMapper::MeasureChange(std::size_t place,
+                                                 const SemanticCloud& cloud) const {
+  const TrackedObject& object = *segments_.in_view()[place].object;
+  const SampleGrid& samples = segments_.samples();
+  return EstimateChange(DrawDepth(object.SurfaceInWorld(), cloud, samples),
+                        DrawDepth(segments_.PointsOf(place), cloud, samples),
+                        parameters_.change);
+}
+
+/// Whether enough of an object's points lie in the frustum, hidden or not.
+bool PaperMapper::IsExpectedInView(const TrackedObject& object, const SemanticCloud& cloud) const {
+  const Eigen::Isometry3d T_camera_object =
+      cloud.T_world_camera().inverse() * object.state().T_world_object.ToIsometry();
+  const PinholeCamera& camera = cloud.camera();
+  std::size_t visible = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      const Eigen::Vector3d point_camera = T_camera_object * point.position_object.cast<double>();
+      if (point_camera.z() <= 0.0 || point_camera.z() > config_.max_depth_m) continue;
+      const double u = camera.fx * point_camera.x() / point_camera.z() + camera.cx;
+      const double v = camera.fy * point_camera.y() / point_camera.z() + camera.cy;
+      if (u >= 0.0 && v >= 0.0 && u < camera.width_px && v < camera.height_px) ++visible;
+    }
+  }
+  return visible > 0 &&
+         static_cast<double>(visible) >=
+             parameters_.min_visible_share * static_cast<double>(object.surface().point_count());
+}
+
+/// Updates the belief by one measurement, and removes what is no longer believed.
+void PaperMapper::Update(TrackedObject* object, double change_m) {
+  ObjectState& state = object->state();
+  const Belief before = state.belief;
+  state.belief = UpdateStationarity(
+                     before, change_m, PriorOf(config_, state.class_id), parameters_.stationarity)
+                     .belief;
+  map_->MarkChanged(object);
+  if (state.belief.stationarity() >= parameters_.min_stationarity) return;
+  ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object);
+  event.before = before;
+  map_->Tell(event);
+  map_->Forget(object);
+}
+
+void PaperMapper::AddObjects() {
+  const std::size_t known = segments_.in_view().size();
+  segments_.AddObjects();
+  for (std::size_t place = known; place < segments_.in_view().size(); ++place) {
+    TrackedObject* object = segments_.in_view()[place].object;
+    object->state().belief = InitialBelief(parameters_.initial_stationarity);
+    object->state().standing = ObjectStanding::kPresent;
+    object->state().views = 1;
+    map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+    map_->MarkChanged(object);
+  }
+}
+
+}  // namespace steadymap

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/query/file_encoder.h"
+#include "core/volume/mesh.h"
+
+/// Private to the mesh files: what the formats share.
+namespace steadymap {
+
+/// Asserts that a mesh has one normal a vertex, one colour a vertex or none, and valid indices.
+void AssertWhole(const Mesh& mesh);
+
+/// Appends `count` bytes as they lie in memory.
+void AppendBytes(const void* bytes, std::size_t count, std::string* file);
+
+/// A part of a file: elements of one length, which `append` adds by their number.
+struct FileSection {
+  std::size_t elements = 0;
+  std::size_t element_bytes = 0;
+  std::function<void(std::size_t element, std::string* file)> append;
+};
+
+/// A file that is a head, at most `kFilePieceBytes` long, and sections one after the other.
+std::unique_ptr<FileEncoder> MakeSectionEncoder(std::string head,
+                                                std::vector<FileSection> sections);
+
+/// Bytes of three floats, and of a triangle's three indices.
+inline constexpr std::size_t kVectorBytes = 3 * sizeof(float);
+inline constexpr std::size_t kTriangleBytes = 3 * sizeof(std::uint32_t);
+
+static_assert(sizeof(Eigen::Vector3f) == kVectorBytes, "vectors are copied whole");
+static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
+
+}  // namespace steadymap

@@ -1,3 +1,0 @@
-#define STEADYMAP_KERNEL_FUNCTION Avx2Kernels
-#define STEADYMAP_KERNEL_NAME "avx2"
-#include "core/tsdf_kernel_body.h"

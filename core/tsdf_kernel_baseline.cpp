@@ -1,3 +1,0 @@
-#define STEADYMAP_KERNEL_FUNCTION BaselineKernels
-#define STEADYMAP_KERNEL_NAME "baseline"
-#include "core/tsdf_kernel_body.h"

@@ -1,0 +1,157 @@
+#include "core/types/map_config.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <set>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/types/error.h"
+
+namespace steadymap {
+namespace {
+
+constexpr double kMinVoxelSizeM = 0.001;
+constexpr double kMaxVoxelSizeM = 1.0;
+constexpr double kMinTruncationVoxels = 2.0;
+constexpr double kMaxTruncationVoxels = 16.0;
+constexpr double kMinMaxDepthM = 0.1;
+constexpr double kMaxMaxDepthM = 100.0;
+constexpr double kMaxMaxDepthVoxels = 4000.0;
+constexpr std::size_t kMaxClassNameLength = 64;
+
+// 0.15 / 0.05 is a hair under 3: limits in voxels must not turn on the last bit.
+constexpr double kRelativeSlack = 1e-9;
+
+// An error has to fit in the trailers of a call.
+constexpr int kMostViolationsShown = 10;
+
+/// Collects violations; the first one's field becomes the field of the status.
+class Violations {
+ public:
+  void Add(std::string field, const std::string& text) {
+    if (first_field_.empty()) first_field_ = std::move(field);
+    if (++count_ > kMostViolationsShown) return;
+    absl::StrAppend(&message_, message_.empty() ? "" : "; ", text);
+  }
+
+  /// `value` must lie in [`low`, `high`]; NaN does not. Whether it does.
+  bool CheckRange(const char* field, double value, double low, double high) {
+    if (value >= low * (1 - kRelativeSlack) && value <= high * (1 + kRelativeSlack)) return true;
+    Add(field, absl::StrCat(field, " must lie in [", low, ", ", high, "], got ", value));
+    return false;
+  }
+
+  absl::Status ToStatus() const {
+    if (message_.empty()) return absl::OkStatus();
+    const int more = count_ - kMostViolationsShown;
+    return InvalidField(reason::kBadValue,
+                        first_field_,
+                        more > 0 ? absl::StrCat(message_, "; and ", more, " more") : message_);
+  }
+
+ private:
+  std::string first_field_;
+  std::string message_;
+  int count_ = 0;
+};
+
+void CheckClasses(const std::vector<SemanticClass>& classes, Violations* violations) {
+  if (classes.empty()) violations->Add("classes", "classes must not be empty");
+  std::set<ClassId> seen;
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const std::string field = absl::StrCat("classes[", i, "]");
+    if (!seen.insert(classes[i].id).second) {
+      violations->Add(field + ".id",
+                      absl::StrCat(field, ".id ", classes[i].id.value(), " is there already"));
+    }
+    if (classes[i].name.empty() || classes[i].name.size() > kMaxClassNameLength) {
+      violations->Add(field + ".name",
+                      absl::StrCat(field,
+                                   ".name must have 1 to ",
+                                   kMaxClassNameLength,
+                                   " bytes, got ",
+                                   classes[i].name.size()));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<SemanticClass> TorwicClasses() {
+  using enum ClassMotion;
+  std::vector<SemanticClass> classes;
+  const auto add = [&classes](const char* name, ClassMotion motion, bool in_background = false) {
+    classes.push_back(
+        {ClassId(static_cast<std::uint16_t>(classes.size())), name, motion, in_background});
+  };
+  add("background", kStatic, /*in_background=*/true);
+  add("driveable ground", kStatic, /*in_background=*/true);
+  add("ceiling", kStatic, /*in_background=*/true);
+  add("ego vehicle", kDynamic);
+  add("wall/fence/pillar", kStatic);
+  add("misc static feature", kStatic);
+  add("rack/shelf", kStatic);
+  add("goods materials", kSemiStatic);
+  add("fixed machinery", kStatic);
+  add("cart/pallet jack", kSemiStatic);
+  add("pylons", kSemiStatic);
+  add("text region", kStatic);
+  add("misc non-static feature", kSemiStatic);
+  add("person", kDynamic);
+  add("forklift/truck", kDynamic);
+  add("misc dynamic feature", kDynamic);
+  return classes;
+}
+
+std::size_t MapConfig::label_limit() const {
+  std::size_t limit = 1;
+  for (const SemanticClass& row : classes) {
+    limit = std::max(limit, static_cast<std::size_t>(row.id.value()) + 1);
+  }
+  return limit;
+}
+
+KnownLabels::KnownLabels(const std::vector<SemanticClass>& classes) : is_known_(1, true) {
+  for (const SemanticClass& row : classes) {
+    if (row.id.value() >= is_known_.size()) is_known_.resize(std::size_t{row.id.value()} + 1);
+    is_known_[row.id.value()] = true;
+  }
+  is_dense_ = std::find(is_known_.begin(), is_known_.end(), false) == is_known_.end();
+}
+
+const SemanticClass* MapConfig::FindClass(ClassId id) const {
+  const auto row = std::find_if(
+      classes.begin(), classes.end(), [id](const SemanticClass& known) { return known.id == id; });
+  return row == classes.end() ? nullptr : &*row;
+}
+
+bool MapConfig::IsInBackground(ClassId id) const {
+  const SemanticClass* row = FindClass(id);
+  return row == nullptr || row->in_background;
+}
+
+absl::Status ValidateMapConfig(const MapConfig& config) {
+  Violations violations;
+  // Voxels of an impossible size are no measure for the truncation.
+  if (violations.CheckRange("voxel_size_m", config.voxel_size_m, kMinVoxelSizeM, kMaxVoxelSizeM)) {
+    violations.CheckRange("truncation_m",
+                          config.truncation_m,
+                          kMinTruncationVoxels * config.voxel_size_m,
+                          kMaxTruncationVoxels * config.voxel_size_m);
+  }
+  if (violations.CheckRange("max_depth_m", config.max_depth_m, kMinMaxDepthM, kMaxMaxDepthM) &&
+      config.max_depth_m > kMaxMaxDepthVoxels * config.voxel_size_m * (1 + kRelativeSlack)) {
+    violations.Add("max_depth_m",
+                   absl::StrCat("max_depth_m must be at most ",
+                                kMaxMaxDepthVoxels,
+                                " voxels, ",
+                                kMaxMaxDepthVoxels * config.voxel_size_m,
+                                " m, got ",
+                                config.max_depth_m));
+  }
+  CheckClasses(config.classes, &violations);
+  return violations.ToStatus();
+}
+
+}  // namespace steadymap

@@ -1,0 +1,47 @@
+#include "core/volume/leaf_patch.h"
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace steadymap {
+namespace {
+
+bool IsAsBefore(const LeafView& before, const LeafView& after, std::size_t offset) {
+  const bool has_color = after.color != nullptr;
+  return before.distance_m[offset] == after.distance_m[offset] &&
+         before.weight[offset] == after.weight[offset] && (before.color != nullptr) == has_color &&
+         (!has_color || before.color[offset] == after.color[offset]);
+}
+
+}  // namespace
+
+std::optional<LeafView> FindLeafPatch(const LeafView& before, const LeafView& after) {
+  if (!before || !after || (before.color != nullptr && after.color == nullptr)) return std::nullopt;
+  LeafView patch = after;
+  for (std::size_t word = 0; word < patch.observed.size(); ++word) {
+    if ((before.observed[word] & ~after.observed[word]) != 0) return std::nullopt;
+    for (std::uint64_t both = before.observed[word]; both != 0; both &= both - 1) {
+      const auto bit = static_cast<std::size_t>(std::countr_zero(both));
+      if (IsAsBefore(before, after, word * 64 + bit)) {
+        patch.observed[word] &= ~(std::uint64_t{1} << bit);
+      }
+    }
+  }
+  return patch;
+}
+
+void ApplyLeafPatch(const LeafVoxels& patch, LeafVoxels* leaf) {
+  leaf->has_color = leaf->has_color || patch.has_color;
+  for (std::size_t word = 0; word < patch.observed.size(); ++word) {
+    leaf->observed[word] |= patch.observed[word];
+    for (std::uint64_t bits = patch.observed[word]; bits != 0; bits &= bits - 1) {
+      const std::size_t offset = word * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      leaf->distance_m[offset] = patch.distance_m[offset];
+      leaf->weight[offset] = patch.weight[offset];
+      leaf->color[offset] = patch.color[offset];
+    }
+  }
+}
+
+}  // namespace steadymap

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/volume/voxel_leaf.h"
+
+namespace steadymap {
+
+/// Collects the leaves that a frame touches, each once. Made for many insertions of few distinct
+/// leaves: neighbouring rays meet the same ones.
+class LeafSet {
+ public:
+  /// A leaf's position in leaves, not voxels.
+  struct LeafIndex {
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    std::int32_t z = 0;
+  };
+
+  /// Empties the set. Leaves are then inserted relative to `base` and must lie within 2^20 of it.
+  void Reset(LeafIndex base);
+
+  /// Forgets the segment before; call where neighbours end.
+  void StartRow();
+
+  /// Inserts every leaf that the segment from `from` to `to` passes through (in leaves, relative to
+  /// the base).
+  void InsertSegment(const Eigen::Vector3f& from, const Eigen::Vector3f& to);
+
+  std::size_t size() const { return keys_.size(); }
+
+  /// The leaves in ascending order. Valid until the next call of a non-const function.
+  const std::vector<LeafOrigin>& Sorted();
+
+ private:
+  static constexpr std::int32_t kBias = 1 << 20;
+  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
+  static constexpr std::size_t kTrackedSteps = 16;
+
+  static std::uint64_t KeyOf(const std::array<std::int32_t, 3>& leaf) {
+    return static_cast<std::uint64_t>(leaf[0] + kBias) << 42 |
+           static_cast<std::uint64_t>(leaf[1] + kBias) << 21 |
+           static_cast<std::uint64_t>(leaf[2] + kBias);
+  }
+
+  /// Inserts the leaf at `key`, the `step`-th of its segment.
+  void Insert(std::size_t step, std::uint64_t key) {
+    if (step < kTrackedSteps) {
+      if (last_keys_[step] == key) return;
+      last_keys_[step] = key;
+    }
+    InsertKey(key);
+  }
+
+  void InsertKey(std::uint64_t key);
+  void Grow();
+
+  LeafIndex base_;
+  std::array<std::uint64_t, kTrackedSteps> last_keys_;  ///< Of the segment before, by step.
+  std::vector<std::uint64_t> table_ =
+      std::vector<std::uint64_t>(4096, kNoKey);  ///< Open addressing.
+  std::vector<std::uint64_t> keys_;
+  std::vector<LeafOrigin> sorted_;
+};
+
+}  // namespace steadymap
