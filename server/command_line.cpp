@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "server/config_file.h"
+#include "server/config/config_file.h"
 
 namespace steadymap {
 

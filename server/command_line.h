@@ -6,7 +6,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "server/server_config.h"
+#include "server/config/server_config.h"
 
 namespace steadymap {
 

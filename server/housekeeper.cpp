@@ -6,7 +6,7 @@
 #include <absl/time/time.h>
 #include <spdlog/spdlog.h>
 
-#include "server/worker_pool.h"
+#include "server/process/worker_pool.h"
 
 namespace steadymap {
 namespace {

@@ -5,13 +5,13 @@
 #include <absl/base/thread_annotations.h>
 #include <absl/synchronization/mutex.h>
 
-#include "server/heartbeat.h"
-#include "server/map_directory.h"
-#include "server/server_config.h"
-#include "server/store.h"
-#include "server/stream_gate.h"
-#include "server/upload_roster.h"
-#include "server/watch_hub.h"
+#include "server/config/server_config.h"
+#include "server/mapping/map_directory.h"
+#include "server/process/heartbeat.h"
+#include "server/rpc/stream_gate.h"
+#include "server/store/model/store.h"
+#include "server/upload/upload_roster.h"
+#include "server/watch/watch_hub.h"
 
 namespace steadymap {
 

@@ -24,16 +24,16 @@
 
 #include "core/types/parallel.h"
 #include "server/command_line.h"
-#include "server/config_file.h"
-#include "server/exit_deadline.h"
-#include "server/integration_note.h"
-#include "server/log_limiter.h"
-#include "server/logging.h"
+#include "server/config/config_file.h"
+#include "server/process/exit_deadline.h"
+#include "server/process/log_limiter.h"
+#include "server/process/logging.h"
+#include "server/process/service_manager_notifier.h"
+#include "server/process/worker_pool.h"
 #include "server/server.h"
-#include "server/service_manager_notifier.h"
-#include "server/store.h"
+#include "server/store/model/integration_note.h"
+#include "server/store/model/store.h"
 #include "server/store_tools.h"
-#include "server/worker_pool.h"
 
 namespace steadymap {
 namespace {

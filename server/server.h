@@ -8,8 +8,8 @@
 #include <grpcpp/channel.h>
 #include <grpcpp/support/channel_arguments.h>
 
-#include "server/server_config.h"
-#include "server/store.h"
+#include "server/config/server_config.h"
+#include "server/store/model/store.h"
 
 namespace steadymap {
 

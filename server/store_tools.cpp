@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "server/logging.h"
-#include "server/map_salvage.h"
-#include "server/store_check.h"
+#include "server/process/logging.h"
+#include "server/store/repair/map_salvage.h"
+#include "server/store/repair/store_check.h"
 
 namespace steadymap {
 namespace {

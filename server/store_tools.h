@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/command_line.h"
-#include "server/server_config.h"
+#include "server/config/server_config.h"
 
 namespace steadymap {
 

@@ -13,7 +13,7 @@
 #include <absl/synchronization/mutex.h>
 #include <gtest/gtest.h>
 
-#include "server/posix_file.h"
+#include "server/store/disk/posix_file.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
 #include "tests/support/eventually.h"

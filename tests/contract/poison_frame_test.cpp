@@ -13,7 +13,7 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
-#include "server/map_salvage.h"
+#include "server/store/repair/map_salvage.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
 #include "tests/support/eventually.h"

@@ -3,7 +3,7 @@
 #include <grpcpp/impl/codegen/client_unary_call.h>
 #include <gtest/gtest.h>
 
-#include "server/store.h"
+#include "server/store/model/store.h"
 #include "tests/contract/test_service.h"
 #include "tests/contract/upload_client.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "server/disk_space_gate.h"
+#include "server/store/disk/disk_space_gate.h"
 
 #include <atomic>
 #include <filesystem>

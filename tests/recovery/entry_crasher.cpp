@@ -10,7 +10,7 @@
 
 #include <sys/resource.h>
 
-#include "server/store.h"
+#include "server/store/model/store.h"
 
 namespace steadymap {
 namespace {

@@ -1,6 +1,6 @@
 // What the note of a map says after processes that ended in different ways.
 
-#include "server/integration_note.h"
+#include "server/store/model/integration_note.h"
 
 #include <chrono>
 #include <csignal>

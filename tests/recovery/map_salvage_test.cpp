@@ -1,6 +1,6 @@
 // What a check says of a damaged store, and what a salvage brings back of it.
 
-#include "server/map_salvage.h"
+#include "server/store/repair/map_salvage.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "core/types/error.h"
-#include "server/store_check.h"
+#include "server/store/repair/store_check.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/temporary_folder.h"
 

@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 
 #include "core/types/error.h"
-#include "server/posix_file.h"
-#include "server/rocks_store.h"
+#include "server/store/disk/posix_file.h"
+#include "server/store/rocks_store.h"
 #include "tests/recovery/faulty_file_system.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/temporary_folder.h"

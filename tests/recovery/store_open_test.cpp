@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "core/types/error.h"
-#include "server/rocks_store.h"
-#include "server/store_keys.h"
+#include "server/store/database/store_keys.h"
+#include "server/store/rocks_store.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/temporary_folder.h"
 

@@ -17,8 +17,8 @@
 #include <unistd.h>
 
 #include "core/types/error.h"
-#include "server/store.h"
-#include "server/store_check.h"
+#include "server/store/model/store.h"
+#include "server/store/repair/store_check.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/temporary_folder.h"
 

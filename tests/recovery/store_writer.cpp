@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "server/store.h"
+#include "server/store/model/store.h"
 #include "tests/server/store_builder.h"
 
 namespace steadymap {

@@ -1,4 +1,4 @@
-#include "server/calls_under_way.h"
+#include "server/rpc/calls_under_way.h"
 
 #include <optional>
 #include <thread>

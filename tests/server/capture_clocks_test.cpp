@@ -1,4 +1,4 @@
-#include "server/capture_clocks.h"
+#include "server/mapping/capture_clocks.h"
 
 #include <chrono>
 #include <cstdint>

@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/config_file.h"
-#include "server/log_limiter.h"
-#include "server/server_config.h"
+#include "server/config/config_file.h"
+#include "server/config/server_config.h"
+#include "server/process/log_limiter.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

@@ -1,4 +1,4 @@
-#include "server/connection_acceptor.h"
+#include "server/rpc/connection_acceptor.h"
 
 #include <cerrno>
 #include <memory>
@@ -14,7 +14,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "server/descriptors.h"
+#include "server/process/descriptors.h"
 #include "tests/support/eventually.h"
 #include "tests/support/temporary_folder.h"
 

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 #include "server/command_line.h"
-#include "server/config_file.h"
+#include "server/config/config_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

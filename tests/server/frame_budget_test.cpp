@@ -1,4 +1,4 @@
-#include "server/frame_budget.h"
+#include "server/process/frame_budget.h"
 
 #include <random>
 #include <vector>

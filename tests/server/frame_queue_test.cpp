@@ -1,4 +1,4 @@
-#include "server/frame_queue.h"
+#include "server/mapping/frame_queue.h"
 
 #include <limits>
 #include <string>

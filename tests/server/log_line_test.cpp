@@ -1,4 +1,4 @@
-#include "server/log_line.h"
+#include "server/process/log_line.h"
 
 #include <string>
 

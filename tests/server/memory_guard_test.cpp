@@ -1,4 +1,4 @@
-#include "server/memory_guard.h"
+#include "server/process/memory_guard.h"
 
 #include <cstddef>
 #include <cstdlib>

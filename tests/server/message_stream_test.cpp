@@ -1,6 +1,6 @@
 // Streams over loopback: those that are read, cancelled, and left unread.
 
-#include "server/message_stream.h"
+#include "server/rpc/message_stream.h"
 
 #include <array>
 #include <chrono>

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "server/watch_hub.h"
+#include "server/watch/watch_hub.h"
 
 namespace steadymap {
 

@@ -1,4 +1,4 @@
-#include "server/peer_limiter.h"
+#include "server/rpc/peer_limiter.h"
 
 #include <string>
 

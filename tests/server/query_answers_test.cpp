@@ -1,4 +1,4 @@
-#include "server/query_answers.h"
+#include "server/query/query_answers.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -11,10 +11,10 @@
 #include "core/types/error.h"
 #include "core/types/query_work.h"
 #include "proto/convert_geometry.h"
-#include "server/map_export.h"
-#include "server/map_section.h"
-#include "server/object_answers.h"
-#include "server/query_selection.h"
+#include "server/query/map_export.h"
+#include "server/query/map_section.h"
+#include "server/query/object_answers.h"
+#include "server/query/query_selection.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/memory_store.h"

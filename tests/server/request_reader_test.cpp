@@ -1,4 +1,4 @@
-#include "server/request_reader.h"
+#include "server/rpc/request_reader.h"
 
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "server/resume_token.h"
+#include "server/watch/resume_token.h"
 
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "server/sequence_set.h"
+#include "server/store/model/sequence_set.h"
 
 #include <cstdint>
 #include <limits>

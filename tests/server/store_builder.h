@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/store.h"
+#include "server/store/model/store.h"
 
 /// What the store's tests put into it.
 namespace steadymap {

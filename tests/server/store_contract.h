@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/store.h"
+#include "server/store/model/store.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/memory_store.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "server/store_keys.h"
+#include "server/store/database/store_keys.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/object_records.h"
-#include "server/robot_records.h"
+#include "server/store/database/object_records.h"
+#include "server/store/database/robot_records.h"
 #include "tests/server/store_contract.h"
 
 #include "steadymap/storage/v1/records.pb.h"

@@ -1,4 +1,4 @@
-#include "server/store_records.h"
+#include "server/store/database/store_records.h"
 
 #include <cstdint>
 #include <string>

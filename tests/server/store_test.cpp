@@ -1,7 +1,7 @@
 // The contract of Store, held against the store in RocksDB and against the one that stands in for
 // it in tests.
 
-#include "server/store.h"
+#include "server/store/model/store.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "server/strand.h"
+#include "server/process/strand.h"
 
 #include <atomic>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "server/stream_gate.h"
+#include "server/rpc/stream_gate.h"
 
 #include <chrono>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "server/upload_answers.h"
+#include "server/upload/upload_answers.h"
 
 #include <gtest/gtest.h>
 

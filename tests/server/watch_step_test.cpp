@@ -1,4 +1,4 @@
-#include "server/watch_step.h"
+#include "server/watch/watch_step.h"
 
 #include <algorithm>
 #include <map>

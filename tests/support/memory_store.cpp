@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/types/error.h"
-#include "server/history_hash.h"
+#include "server/store/model/history_hash.h"
 
 namespace steadymap {
 namespace {

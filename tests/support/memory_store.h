@@ -10,7 +10,7 @@
 #include <absl/status/statusor.h>
 #include <absl/synchronization/mutex.h>
 
-#include "server/store.h"
+#include "server/store/model/store.h"
 
 namespace steadymap {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/types/error.h"
-#include "server/store.h"
+#include "server/store/model/store.h"
 #include "tests/watch/map_history.h"
 
 namespace steadymap {

@@ -11,7 +11,7 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <gtest/gtest.h>
 
-#include "server/watch_hub.h"
+#include "server/watch/watch_hub.h"
 #include "tests/server/noting_watch.h"
 #include "tests/server/store_builder.h"
 #include "tests/support/memory_store.h"

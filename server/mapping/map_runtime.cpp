@@ -1,0 +1,406 @@
+#include "server/mapping/map_runtime.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
+
+#include "core/types/error.h"
+
+namespace steadymap {
+namespace {
+
+// What 64 streams of 64 frames may have under way; the log takes them in a few milliseconds.
+constexpr std::size_t kMaxQueuedFrames = 4096;
+
+// Entries of one append: large enough that a sync serves many, small enough that the memory of a
+// group is bounded.
+constexpr std::size_t kMaxGroupFrames = 64;
+constexpr std::size_t kMaxGroupBytes = std::size_t{8} << 20;
+
+// Between tries to open a map anew after a write to it has failed.
+constexpr std::chrono::milliseconds kFirstRetry{500};
+constexpr std::chrono::milliseconds kLongestRetry{10'000};
+
+// Between looks at a disk that had no room.
+constexpr std::chrono::milliseconds kDiskRetry{1000};
+
+/// How a map commits: as the server does, unless the map says otherwise.
+CommitOptions CommitOf(const MapRecord& record, const CommitOptions& server) {
+  CommitOptions commit = server;
+  if (record.max_commit_delay.count() > 0) commit.max_delay = record.max_commit_delay;
+  return commit;
+}
+
+absl::Status Opening(const MapName& name) {
+  return WithRetryDelay(
+      MakeError(absl::StatusCode::kUnavailable,
+                reason::kMapOpening,
+                absl::StrCat("map ", name.ToString(), " is still being read from disk")),
+      500);
+}
+
+/// Where writing fails for now, and where it fails until somebody has seen to it.
+bool HealsByItself(const absl::Status& status) {
+  return ReasonOf(status) == reason::kStoreReadOnly || ReasonOf(status) == reason::kDiskLow;
+}
+
+}  // namespace
+
+std::shared_ptr<MapRuntime> MapRuntime::Open(const MapRecord& record,
+                                             const Dependencies& dependencies) {
+  auto map = std::make_shared<MapRuntime>(record, dependencies);
+  // The strands hold the map until they are stopped.
+  map->append_strand_ = Strand::Make(dependencies.log_pool, [map] { return map->AppendStep(); });
+  map->map_strand_ = Strand::Make(dependencies.map_pool, [map] { return map->MapStep(); });
+  if (record.condition.ok()) {
+    map->map_strand_->Wake();
+  } else {
+    map->Fail(record.condition);
+  }
+  return map;
+}
+
+MapRuntime::MapRuntime(const MapRecord& record, const Dependencies& dependencies)
+    : key_(record.key),
+      name_(record.name),
+      dependencies_(dependencies),
+      budget_account_(dependencies.budget->OpenAccount(dependencies.queue_bytes)),
+      read_account_(dependencies.read_budget->OpenAccount(dependencies.queue_bytes / 2)),
+      capture_clocks_(record.name.ToString()),
+      queue_(kMaxQueuedFrames),
+      integrator_(dependencies.store,
+                  &clock_,
+                  CommitOf(record, dependencies.commit),
+                  [this](PublishedRevision published) { Publish(std::move(published)); }),
+      record_(record),
+      health_{Condition::kOpening, Opening(record.name)},
+      durable_classes_(record.config.classes),
+      labels_(std::make_shared<const KnownLabels>(record.config.classes)) {
+  // Nobody reads the batches that a map refuses because it is not open.
+  queue_.Close(health_.reason);
+}
+
+MapRecord MapRuntime::record() const {
+  const absl::MutexLock lock(&mutex_);
+  return record_;
+}
+
+void MapRuntime::SetRecord(const MapRecord& record) {
+  integrator_.SetMaxDelay(CommitOf(record, dependencies_.commit).max_delay);
+  const absl::MutexLock lock(&mutex_);
+  record_ = record;
+}
+
+MapRuntime::Health MapRuntime::health() const {
+  const absl::MutexLock lock(&mutex_);
+  return health_;
+}
+
+void MapRuntime::WhenOpened(std::function<void()> callback) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (health_.condition == Condition::kOpening) {
+      when_opened_.push_back(std::move(callback));
+      return;
+    }
+  }
+  callback();
+}
+
+absl::Status MapRuntime::CheckReads() const {
+  const absl::MutexLock lock(&mutex_);
+  switch (health_.condition) {
+    case Condition::kReady:
+    case Condition::kReadOnly:
+    case Condition::kQuarantined:
+      return absl::OkStatus();
+    case Condition::kOpening:
+    case Condition::kDamaged:
+    case Condition::kDeleted:
+      return health_.reason;
+  }
+  return health_.reason;
+}
+
+absl::Status MapRuntime::CheckUploads() const {
+  absl::Status memory = dependencies_.memory->Check();
+  const absl::MutexLock lock(&mutex_);
+  if (health_.condition != Condition::kReady) return health_.reason;
+  if (!memory.ok()) return memory;
+  const std::size_t memory_bytes = published_.counts.memory_bytes;
+  if (record_.byte_budget == 0 || memory_bytes <= record_.byte_budget) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   reason::kMapBytes,
+                   absl::StrCat("the map takes ",
+                                memory_bytes,
+                                " bytes of memory, more than its byte_budget of ",
+                                record_.byte_budget));
+}
+
+std::shared_ptr<const MapSnapshot> MapRuntime::snapshot() const {
+  const absl::MutexLock lock(&mutex_);
+  return published_.snapshot;
+}
+
+PublishedRevision MapRuntime::published() const {
+  const absl::MutexLock lock(&mutex_);
+  return published_;
+}
+
+std::shared_ptr<const KnownLabels> MapRuntime::labels() const {
+  const absl::MutexLock lock(&mutex_);
+  return labels_;
+}
+
+std::vector<SemanticClass> MapRuntime::classes() const {
+  const absl::MutexLock lock(&mutex_);
+  return durable_classes_;
+}
+
+absl::Status MapRuntime::Enqueue(PendingBatch batch) {
+  absl::Status status = queue_.Push(std::move(batch));
+  if (status.ok()) append_strand_->Wake();
+  return status;
+}
+
+absl::Status MapRuntime::CheckClasses(const std::vector<SemanticClass>& added) const {
+  MapConfig config;
+  {
+    const absl::MutexLock lock(&mutex_);
+    config = record_.config;
+    config.classes = durable_classes_;
+    for (const PendingClasses& pending : pending_classes_) {
+      config.classes.insert(config.classes.end(), pending.classes.begin(), pending.classes.end());
+    }
+  }
+  config.classes.insert(config.classes.end(), added.begin(), added.end());
+  return ValidateMapConfig(config);
+}
+
+void MapRuntime::AddClasses(std::vector<SemanticClass> classes,
+                            std::function<void(absl::Status)> done) {
+  absl::Status status = CheckUploads();
+  if (status.ok()) status = CheckClasses(classes);
+  if (!status.ok()) return done(status);
+  {
+    const absl::MutexLock lock(&mutex_);
+    pending_classes_.push_back({std::move(classes), std::move(done)});
+  }
+  append_strand_->Wake();
+}
+
+void MapRuntime::RequestCommit(MapSequence target) {
+  integrator_.RequestCommit(target);
+  map_strand_->Wake();
+}
+
+LogGroup MapRuntime::TakeGroup(std::vector<PendingClasses>* classes) {
+  LogGroup group(key_, durable_head(), &sessions_, clock_.Now());
+  {
+    const absl::MutexLock lock(&mutex_);
+    classes->swap(pending_classes_);
+  }
+  for (const PendingClasses& pending : *classes) group.AddClasses(pending.classes);
+  for (PendingBatch& batch : queue_.PopFair(kMaxGroupFrames, kMaxGroupBytes)) {
+    group.AddBatch(std::move(batch));
+  }
+  group.Seal();
+  return group;
+}
+
+/// Writes what waits as one group: while it syncs, the next one gathers.
+Strand::Next MapRuntime::AppendStep() {
+  std::vector<PendingClasses> classes;
+  LogGroup group = TakeGroup(&classes);
+  if (group.empty()) return Strand::Next::Never();
+  absl::Status status = CheckUploads();
+  // A bound that is exceeded stops what comes, not what was taken.
+  if (ReasonOf(status) == reason::kMapBytes || ReasonOf(status) == reason::kMemoryLow) {
+    status = absl::OkStatus();
+  }
+  if (status.ok()) status = dependencies_.store->Append(group.append());
+  if (ReasonOf(status) == reason::kDiskLow) status = WithRetryDelay(status, kDiskRetry.count());
+  if (status.ok()) NoteAppended(group);
+  // A disk without room refuses batches one by one; anything else stops the map, before anybody
+  // hears of it and asks how the map fares.
+  const bool stops_map =
+      !status.ok() && ReasonOf(status) != reason::kDiskLow && !absl::IsNotFound(status);
+  if (stops_map) Fail(status);
+  // DURABLE goes out before anybody can say INTEGRATED.
+  group.Report(status);
+  for (const PendingClasses& pending : classes) pending.done(status);
+  if (status.ok()) {
+    integrator_.Push(group.TakeEntries());
+    group.AwaitCommit(&waiters_);
+    map_strand_->Wake();
+    return queue_.waiting_frames() > 0 ? Strand::Next::Now() : Strand::Next::Never();
+  }
+  if (stops_map) map_strand_->Wake();
+  return Strand::Next::Now();
+}
+
+/// What is durable is known from here on.
+void MapRuntime::NoteAppended(const LogGroup& group) {
+  for (const auto& [name, session] : group.sessions()) sessions_.Update(session);
+  durable_head_ = group.head().value();
+  std::vector<SemanticClass> added;
+  for (const LogEntry& entry : group.append().entries) {
+    added.insert(added.end(), entry.classes.begin(), entry.classes.end());
+  }
+  if (added.empty()) return;
+  const absl::MutexLock lock(&mutex_);
+  durable_classes_.insert(durable_classes_.end(), added.begin(), added.end());
+  labels_ = std::make_shared<const KnownLabels>(durable_classes_);
+}
+
+Strand::Next MapRuntime::MapStep() {
+  switch (condition()) {
+    case Condition::kOpening:
+    case Condition::kReadOnly:
+      return OpenStep();
+    case Condition::kReady: {
+      const MapIntegrator::StepResult result = integrator_.Step();
+      if (result.status.ok()) return result.next;
+      Fail(result.status);
+      return NextTry();
+    }
+    default:
+      return Strand::Next::Never();
+  }
+}
+
+/// Opens the map, or opens it anew after a write to it has failed.
+Strand::Next MapRuntime::OpenStep() {
+  Store& store = *dependencies_.store;
+  if (condition() == Condition::kReadOnly) {
+    // Without room on the disk another try would be in vain.
+    if (absl::Status disk = store.CheckDisk(); !disk.ok()) {
+      return Strand::Next::At(Strand::Clock::now() + kDiskRetry);
+    }
+  }
+  const absl::StatusOr<StoredState> state = store.LoadMap(record());
+  absl::Status status = state.status();
+  if (state.ok()) status = AdoptState(*state);
+  // It may have been opened for reading alone.
+  if (status.ok()) status = store.health(key_);
+  if (!status.ok()) {
+    Fail(status);
+    return NextTry();
+  }
+  waiters_.Restart();
+  queue_.Open();
+  retry_delay_ = std::chrono::milliseconds(0);
+  SetCondition(Condition::kReady, absl::OkStatus());
+  return Strand::Next::Now();
+}
+
+absl::Status MapRuntime::AdoptState(const StoredState& state) {
+  clock_.Continue(state.uptime);
+  sessions_.Reset(state.sessions, state.snapshot.integrated());
+  durable_head_ = state.durable_head.value();
+  {
+    const absl::MutexLock lock(&mutex_);
+    durable_classes_ = state.durable_classes;
+    labels_ = std::make_shared<const KnownLabels>(durable_classes_);
+  }
+  if (absl::Status status = integrator_.Start(record(), state); !status.ok()) return status;
+  Publish({std::make_shared<const MapSnapshot>(state.snapshot),
+           state.commit,
+           integrator_.Count(state.snapshot)});
+  return absl::OkStatus();
+}
+
+/// The map can do no more, for now or for good.
+void MapRuntime::Fail(const absl::Status& status) {
+  const bool is_readable = CheckReads().ok() || snapshot()->revision > Revision();
+  // What an exception interrupted is done anew from what is stored, unless it fails again and
+  // again.
+  const bool is_internal = ReasonOf(status) == reason::kInternal && is_readable;
+  if (is_internal || HealsByItself(status)) {
+    SetCondition(Condition::kReadOnly,
+                 is_internal ? MakeError(absl::StatusCode::kUnavailable,
+                                         reason::kStoreReadOnly,
+                                         std::string(status.message()))
+                             : status);
+  } else {
+    spdlog::error("map {}: quarantined: {}", name_.ToString(), std::string(status.message()));
+    SetCondition(is_readable ? Condition::kQuarantined : Condition::kDamaged, status);
+  }
+  StopTaking(status);
+}
+
+/// When the map is opened anew, if that may help.
+Strand::Next MapRuntime::NextTry() {
+  if (condition() != Condition::kReadOnly) return Strand::Next::Never();
+  retry_delay_ = std::clamp(2 * retry_delay_, kFirstRetry, kLongestRetry);
+  return Strand::Next::At(Strand::Clock::now() + retry_delay_);
+}
+
+void MapRuntime::SetCondition(Condition condition, const absl::Status& reason) {
+  std::vector<std::function<void()>> opened;
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (closed_) return;
+    health_ = {condition, reason};
+    if (condition != Condition::kOpening) opened.swap(when_opened_);
+  }
+  for (const std::function<void()>& callback : opened) callback();
+}
+
+void MapRuntime::Publish(PublishedRevision published) {
+  const Revision revision = published.snapshot->revision;
+  const MapSequence integrated = published.snapshot->integrated();
+  PublishedRevision previous;
+  {
+    const absl::MutexLock lock(&mutex_);
+    previous = std::exchange(published_, std::move(published));
+  }
+  waiters_.Notify(revision, integrated);
+  dependencies_.on_published(key_);
+}
+
+/// Refuses those who wait.
+void MapRuntime::StopTaking(const absl::Status& status) {
+  for (const PendingBatch& batch : queue_.Close(status)) batch.observer->OnFailed(status);
+  waiters_.Fail(status);
+  FrameBudget::Close(budget_account_);
+  FrameBudget::Close(read_account_);
+}
+
+void MapRuntime::Close(const absl::Status& status,
+                       bool commit,
+                       const std::function<void()>& on_closed) {
+  std::vector<std::function<void()>> opened;
+  std::vector<PendingClasses> classes;
+  bool was_ready = false;
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (std::exchange(closed_, true)) return;
+    was_ready = health_.condition == Condition::kReady;
+    health_ = {Condition::kDeleted, status};
+    opened.swap(when_opened_);
+    classes.swap(pending_classes_);
+  }
+  integrator_.Interrupt();
+  StopTaking(status);
+  for (const PendingClasses& pending : classes) pending.done(status);
+  for (const std::function<void()>& callback : opened) callback();
+  append_strand_->Stop([self = shared_from_this(), commit, was_ready, on_closed] {
+    self->map_strand_->Stop([self, commit, was_ready, on_closed] {
+      if (commit && was_ready) self->CommitAtEnd();
+      if (on_closed) on_closed();
+    });
+  });
+}
+
+void MapRuntime::CommitAtEnd() {
+  const absl::Status committed = integrator_.CommitNow();
+  if (committed.ok()) return;
+  spdlog::warn("map {}: its last frames are integrated at the next start: {}",
+               name_.ToString(),
+               std::string(committed.message()));
+}
+
+}  // namespace steadymap

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <deque>
+#include <string>
+
+#include "server/config/server_config.h"
+#include "server/mapping/map_directory.h"
+#include "server/process/worker_pool.h"
+#include "server/rpc/pool_call.h"
+#include "server/store/database/write_turn.h"
+#include "server/upload/upload_roster.h"
+#include "server/watch/watch_hub.h"
+
+#include "steadymap/v1/map_service.grpc.pb.h"
+
+namespace steadymap {
+
+/// The generated service, handed the bytes of its messages.
+using RawMapService = v1::MapService::WithRawCallbackMethod_CreateMap<
+    v1::MapService::WithRawCallbackMethod_GetMap<v1::MapService::WithRawCallbackMethod_ListMaps<
+        v1::MapService::WithRawCallbackMethod_UpdateMap<
+            v1::MapService::WithRawCallbackMethod_DeleteMap<v1::MapService::Service>>>>>;
+
+/// Creates, lists and deletes maps; see proto/steadymap/v1/map_service.proto.
+class MapService final : public RawMapService {
+ public:
+  /// What the service needs of the server; all of it outlives it.
+  struct Surroundings {
+    MapDirectory* maps = nullptr;
+    UploadRoster* roster = nullptr;
+    WatchHub* watches = nullptr;
+    WorkerPool* pool = nullptr;
+    RetentionOptions retention;
+  };
+
+  explicit MapService(const Surroundings& surroundings) : surroundings_(surroundings) {}
+
+  grpc::ServerUnaryReactor* CreateMap(grpc::CallbackServerContext* context,
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* GetMap(grpc::CallbackServerContext* context,
+                                   const grpc::ByteBuffer* request,
+                                   grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
+                                     const grpc::ByteBuffer* request,
+                                     grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* UpdateMap(grpc::CallbackServerContext* context,
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* DeleteMap(grpc::CallbackServerContext* context,
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
+
+ private:
+  /// A deletion that may be asked for again.
+  struct Deletion {
+    MapName name;
+    std::string request_id;
+
+    friend bool operator==(const Deletion&, const Deletion&) = default;
+  };
+
+  void Create(const v1::CreateMapRequest& request, v1::Map* response, const FinishCall& finish);
+  absl::Status List(const v1::ListMapsRequest& request, v1::ListMapsResponse* response);
+  absl::Status Update(const v1::UpdateMapRequest& request, v1::Map* response);
+  absl::Status AddClasses(const v1::UpdateMapRequest& request, MapRuntime* map);
+  absl::Status Delete(const v1::DeleteMapRequest& request);
+
+  const Surroundings surroundings_;
+  WriteTurn changes_;               ///< Changes of maps come one after another.
+  std::deque<Deletion> deletions_;  ///< The newest ones, oldest first. Of whoever has the turn.
+};
+
+}  // namespace steadymap

@@ -1,0 +1,22 @@
+#include "server/process/exit_deadline.h"
+
+#include <cstdlib>
+
+#include <absl/time/time.h>
+#include <spdlog/spdlog.h>
+
+namespace steadymap {
+
+ExitDeadline::ExitDeadline(std::chrono::milliseconds timeout)
+    : thread_([this, timeout] {
+        if (called_off_.WaitForNotificationWithTimeout(absl::FromChrono(timeout))) return;
+        spdlog::critical("still not stopped after {} ms; ending", timeout.count());
+        std::_Exit(EXIT_FAILURE);
+      }) {}
+
+ExitDeadline::~ExitDeadline() {
+  called_off_.Notify();
+  thread_.join();
+}
+
+}  // namespace steadymap

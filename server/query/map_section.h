@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+
+#include <absl/status/statusor.h>
+
+#include "core/map/map_snapshot.h"
+#include "core/types/cancellation.h"
+#include "server/rpc/message_stream.h"
+
+#include "steadymap/v1/query_service.pb.h"
+
+namespace steadymap {
+
+/// The objects and leaves that touch the request's box, in messages of at most about 1 MiB.
+/// Errors, here and of the source: also `Cancelled`, as `cancellation` says.
+absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMapSection(
+    std::shared_ptr<const MapSnapshot> snapshot,
+    const v1::GetMapSectionRequest& request,
+    const Cancellation& cancellation);
+
+}  // namespace steadymap

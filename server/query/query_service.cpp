@@ -1,0 +1,206 @@
+#include "server/query/query_service.h"
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "server/query/event_answers.h"
+#include "server/query/map_export.h"
+#include "server/query/map_section.h"
+#include "server/query/object_answers.h"
+#include "server/query/query_answers.h"
+#include "server/query/query_selection.h"
+#include "server/rpc/message_call.h"
+#include "server/rpc/pool_call.h"
+
+namespace steadymap {
+namespace {
+
+using Surroundings = QueryService::Surroundings;
+
+using FoundMap = absl::StatusOr<std::shared_ptr<MapRuntime>>;
+
+/// Calls `go_on` once the map is open, or at once if there is none.
+void WaitUntilOpened(const FoundMap& map, std::function<void()> go_on) {
+  if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
+  go_on();
+}
+
+/// OK, or why nothing can be read of the map.
+absl::Status CheckReads(const FoundMap& map) {
+  return map.ok() ? (*map)->CheckReads() : map.status();
+}
+
+/// The map that a request calls `name` in its field `field`.
+template <typename Request>
+FoundMap FindMap(const Surroundings& surroundings,
+                 const Request& request,
+                 const std::string& name,
+                 std::string_view field) {
+  if (request.has_as_of()) return AsOfError();
+  return surroundings.maps->Find(name, field);
+}
+
+/// Answers a call with what `answer` makes of a map and of the call, once the map is open.
+template <typename Call, typename Answer>
+grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
+                                      const FoundMap& map,
+                                      const Call& call,
+                                      const Answer& answer) {
+  return AnswerOnPoolAfter(
+      [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
+      surroundings.readers,
+      [map, call, answer](const Cancellation& cancellation) {
+        const absl::Status status = CheckReads(map);
+        return call.Answer(status.ok() ? answer(**map, call, cancellation) : status);
+      });
+}
+
+/// The same for a request that names the map in its field `map`.
+template <typename Request, typename Response, typename Answer>
+grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
+                                      const grpc::ByteBuffer& request,
+                                      grpc::ByteBuffer* response,
+                                      const RequestLimits& limits,
+                                      const Answer& answer) {
+  return StartMessageCall<Request, Response>(
+      request, response, limits, [&surroundings, &answer](const auto& call) {
+        const Request& message = call.request();
+        return AnswerOfMap(
+            surroundings, FindMap(surroundings, message, message.map(), "map"), call, answer);
+      });
+}
+
+/// Answers with the messages of the source that `open` makes of the map that the request names.
+template <typename Request, typename Response, typename Open>
+grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Surroundings& surroundings,
+                                                        grpc::CallbackServerContext* context,
+                                                        const grpc::ByteBuffer& bytes,
+                                                        const Open& open) {
+  using Stream = MessageStream<Response>;
+  const auto request = std::make_shared<Request>();
+  const absl::Status read = ReadRequest(bytes, kPlainRequestLimits, request.get());
+  const FoundMap map =
+      read.ok() ? FindMap(surroundings, *request, request->map(), "map") : FoundMap(read);
+  return Stream::Start(
+      {surroundings.readers, surroundings.streams},
+      context,
+      [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
+      [map, request, open](const Cancellation& cancellation)
+          -> absl::StatusOr<std::unique_ptr<typename Stream::Source>> {
+        if (absl::Status status = CheckReads(map); !status.ok()) return status;
+        return open((*map)->snapshot(), *request, cancellation);
+      });
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* QueryService::GetObject(grpc::CallbackServerContext* /*context*/,
+                                                  const grpc::ByteBuffer* request,
+                                                  grpc::ByteBuffer* response) {
+  return StartMessageCall<v1::GetObjectRequest, v1::GetObjectResponse>(
+      *request, response, kPlainRequestLimits, [this](const auto& call) {
+        const absl::StatusOr<ObjectName> name = ReadObjectName(call.request());
+        const FoundMap map =
+            name.ok() ? FindMap(surroundings_, call.request(), name->map, name->map_field)
+                      : FoundMap(name.status());
+        return AnswerOfMap(
+            surroundings_,
+            map,
+            call,
+            [name](const MapRuntime& found, const auto& answered, const Cancellation&) {
+              return AnswerGetObject(*found.snapshot(), *name, answered.response());
+            });
+      });
+}
+
+grpc::ServerUnaryReactor* QueryService::ListObjects(grpc::CallbackServerContext* /*context*/,
+                                                    const grpc::ByteBuffer* request,
+                                                    grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::ListObjectsRequest, v1::ListObjectsResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPlainRequestLimits,
+      [](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerListObjects(
+            map.key(), *map.snapshot(), call.request(), cancellation, call.response());
+      });
+}
+
+grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* /*context*/,
+                                                   const grpc::ByteBuffer* request,
+                                                   grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::ListEventsRequest, v1::ListEventsResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPlainRequestLimits,
+      [this](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerListEvents(*surroundings_.store,
+                                map.key(),
+                                *map.snapshot(),
+                                call.request(),
+                                cancellation,
+                                call.response());
+      });
+}
+
+grpc::ServerUnaryReactor* QueryService::SampleDistance(grpc::CallbackServerContext* /*context*/,
+                                                       const grpc::ByteBuffer* request,
+                                                       grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::SampleDistanceRequest, v1::SampleDistanceResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPointRequestLimits,
+      [](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerSampleDistance(*map.snapshot(), call.request(), cancellation, call.response());
+      });
+}
+
+grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*context*/,
+                                                 const grpc::ByteBuffer* request,
+                                                 grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::CastRaysRequest, v1::CastRaysResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPointRequestLimits,
+      [](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerCastRays(*map.snapshot(), call.request(), cancellation, call.response());
+      });
+}
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::GetMapSection(
+    grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
+  return StreamOfMap<v1::GetMapSectionRequest, v1::GetMapSectionResponse>(
+      surroundings_, context, *request, OpenMapSection);
+}
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::ExportMap(
+    grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
+  return StreamOfMap<v1::ExportMapRequest, v1::ExportMapResponse>(
+      surroundings_, context, *request, OpenExport);
+}
+
+grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerContext* /*context*/,
+                                                       const grpc::ByteBuffer* request,
+                                                       grpc::ByteBuffer* response) {
+  return AnswerOfMap<v1::ListFramePosesRequest, v1::ListFramePosesResponse>(
+      surroundings_,
+      *request,
+      response,
+      kPlainRequestLimits,
+      [this](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
+        return AnswerListFramePoses(*surroundings_.store,
+                                    map.key(),
+                                    *map.snapshot(),
+                                    call.request(),
+                                    cancellation,
+                                    call.response());
+      });
+}
+
+}  // namespace steadymap

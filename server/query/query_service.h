@@ -1,0 +1,64 @@
+#pragma once
+
+#include "server/mapping/map_directory.h"
+#include "server/process/worker_pool.h"
+#include "server/rpc/stream_gate.h"
+#include "server/store/model/store.h"
+
+#include "steadymap/v1/query_service.grpc.pb.h"
+
+namespace steadymap {
+
+/// The generated service, handed the bytes of its messages.
+using RawQueryService = v1::QueryService::WithRawCallbackMethod_GetObject<
+    v1::QueryService::WithRawCallbackMethod_ListObjects<
+        v1::QueryService::WithRawCallbackMethod_ListEvents<
+            v1::QueryService::WithRawCallbackMethod_SampleDistance<
+                v1::QueryService::WithRawCallbackMethod_CastRays<
+                    v1::QueryService::WithRawCallbackMethod_GetMapSection<
+                        v1::QueryService::WithRawCallbackMethod_ExportMap<
+                            v1::QueryService::WithRawCallbackMethod_ListFramePoses<
+                                v1::QueryService::Service>>>>>>>>;
+
+/// Reads maps; see proto/steadymap/v1/query_service.proto. Every call works on the one snapshot
+/// that it took at its start, on a pool of its own, so queries never hold up uploads.
+class QueryService final : public RawQueryService {
+ public:
+  /// What the service needs of the server; all of it outlives it.
+  struct Surroundings {
+    MapDirectory* maps = nullptr;
+    Store* store = nullptr;
+    WorkerPool* readers = nullptr;
+    StreamGate* streams = nullptr;  ///< Of exports and sections.
+  };
+
+  explicit QueryService(const Surroundings& surroundings) : surroundings_(surroundings) {}
+
+  grpc::ServerUnaryReactor* GetObject(grpc::CallbackServerContext* context,
+                                      const grpc::ByteBuffer* request,
+                                      grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* ListObjects(grpc::CallbackServerContext* context,
+                                        const grpc::ByteBuffer* request,
+                                        grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* ListEvents(grpc::CallbackServerContext* context,
+                                       const grpc::ByteBuffer* request,
+                                       grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* SampleDistance(grpc::CallbackServerContext* context,
+                                           const grpc::ByteBuffer* request,
+                                           grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* CastRays(grpc::CallbackServerContext* context,
+                                     const grpc::ByteBuffer* request,
+                                     grpc::ByteBuffer* response) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* GetMapSection(
+      grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* ExportMap(grpc::CallbackServerContext* context,
+                                                        const grpc::ByteBuffer* request) override;
+  grpc::ServerUnaryReactor* ListFramePoses(grpc::CallbackServerContext* context,
+                                           const grpc::ByteBuffer* request,
+                                           grpc::ByteBuffer* response) override;
+
+ private:
+  const Surroundings surroundings_;
+};
+
+}  // namespace steadymap

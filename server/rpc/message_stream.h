@@ -1,0 +1,212 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <absl/synchronization/mutex.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include "core/types/cancellation.h"
+#include "core/types/error.h"
+#include "proto/grpc_status.h"
+#include "server/process/worker_pool.h"
+#include "server/rpc/pool_call.h"
+#include "server/rpc/request_reader.h"
+#include "server/rpc/stream_gate.h"
+
+namespace steadymap {
+
+/// Makes the messages of a server stream, one at a time.
+template <typename Message>
+class MessageSource {
+ public:
+  virtual ~MessageSource() = default;
+
+  /// Fills `message`, which is empty, with the next one; false if there are no more.
+  virtual absl::StatusOr<bool> Next(Message* message) = 0;
+};
+
+/// Answers a call, whose messages gRPC takes as bytes, with those of a source: each is made on a
+/// pool, and only when the one before it was written, so a client that reads slowly costs one
+/// message and the source. At any moment either one task is under way or one write.
+///
+/// Ends with the source's status; with `Cancelled` when the client has gone or its deadline has
+/// passed; with `Aborted`, reason `SLOW_CONSUMER`, when the gate finds that the client does not
+/// read: that status lies behind the message on its way, for a client that reads again, and if none
+/// does for as long once more the call is cancelled. Thread-safe.
+template <typename Message>
+class MessageStream final : public GatedStream,
+                            public std::enable_shared_from_this<MessageStream<Message>> {
+ public:
+  using Source = MessageSource<Message>;
+  using GrpcReactor = grpc::ServerWriteReactor<grpc::ByteBuffer>;
+
+  /// Makes the source, on the pool too. The source may ask, as long as it lives, whether the call
+  /// has been cancelled.
+  using Open = std::function<absl::StatusOr<std::unique_ptr<Source>>(const Cancellation&)>;
+
+  /// What streams need of the server; all of it outlives them.
+  struct Surroundings {
+    WorkerPool* pool = nullptr;
+    StreamGate* gate = nullptr;
+  };
+
+  /// Starts a stream. `wait` is called at once and calls what it is given when the work may begin.
+  /// The reactor deletes itself.
+  static GrpcReactor* Start(const Surroundings& surroundings,
+                            grpc::CallbackServerContext* context,
+                            const std::function<void(std::function<void()>)>& wait,
+                            Open open) {
+    auto stream = std::make_shared<MessageStream>(surroundings, context, std::move(open));
+    auto* reactor = new Reactor(stream);
+    stream->reactor_ = reactor;
+    if (absl::Status status = surroundings.gate->Enter(stream, context->peer()); !status.ok()) {
+      stream->Finish(status);
+      return reactor;
+    }
+    wait([stream] {
+      if (!stream->surroundings_.pool->TrySubmit([stream] { stream->MakeNext(); })) {
+        stream->Finish(PoolFullError());
+      }
+    });
+    return reactor;
+  }
+
+  /// Use `Start`.
+  MessageStream(const Surroundings& surroundings, grpc::CallbackServerContext* context, Open open)
+      : surroundings_(surroundings), open_(std::move(open)), context_(context) {}
+
+  void EndIfStalled(Clock::time_point now, Clock::duration timeout) override
+      ABSL_LOCKS_EXCLUDED(mutex_) {
+    {
+      const absl::MutexLock lock(&mutex_);
+      if (now - sending_since_ <= timeout) return;
+      if (activity_ == Activity::kFinished) {
+        if (context_ != nullptr) context_->TryCancel();
+        return;
+      }
+      activity_ = Activity::kFinished;
+      sending_since_ = now;
+    }
+    // Nobody else looks at the stream any more: the report of the write that is on its way finds it
+    // finished.
+    source_.reset();
+    surroundings_.gate->Discount(this->shared_from_this());
+    reactor_->Finish(ToGrpcStatus(
+        MakeError(absl::StatusCode::kAborted,
+                  reason::kSlowConsumer,
+                  "the client took nothing of what was sent for longer than the server waits")));
+  }
+
+ private:
+  /// What gRPC holds: passes its reports on.
+  class Reactor final : public GrpcReactor {
+   public:
+    explicit Reactor(std::shared_ptr<MessageStream> stream) : stream_(std::move(stream)) {}
+
+    void OnWriteDone(bool ok) override { stream_->OnWritten(ok); }
+
+    void OnCancel() override { stream_->cancellation_.Cancel(); }
+
+    void OnDone() override {
+      stream_->OnGone();
+      delete this;
+    }
+
+   private:
+    const std::shared_ptr<MessageStream> stream_;
+  };
+
+  enum class Activity { kWorking, kWriting, kFinished };
+
+  static constexpr Clock::time_point kNotSending = Clock::time_point::max();
+
+  void MakeNext() ABSL_LOCKS_EXCLUDED(mutex_) {
+    bool more = false;
+    const absl::Status status = RunGuarded([this, &more] {
+      if (cancellation_.IsCancelled()) return ClientGone();
+      if (source_ == nullptr) {
+        absl::StatusOr<std::unique_ptr<Source>> source = open_(cancellation_);
+        if (!source.ok()) return source.status();
+        source_ = *std::move(source);
+      }
+      message_.Clear();
+      const absl::StatusOr<bool> next = source_->Next(&message_);
+      more = next.ok() && *next;
+      return next.status();
+    });
+    if (!more) return Finish(status);
+    Write();
+  }
+
+  void Write() ABSL_LOCKS_EXCLUDED(mutex_) {
+    std::uint64_t number = 0;
+    {
+      const absl::MutexLock lock(&mutex_);
+      activity_ = Activity::kWriting;
+      number = ++writes_;
+    }
+    outgoing_ = ToByteBuffer(message_);
+    reactor_->StartWrite(&outgoing_);
+    // From now on the write can be found to have stalled, unless it is over and another one began.
+    const absl::MutexLock lock(&mutex_);
+    if (activity_ == Activity::kWriting && writes_ == number) sending_since_ = Clock::now();
+  }
+
+  void OnWritten(bool ok) ABSL_LOCKS_EXCLUDED(mutex_) {
+    {
+      const absl::MutexLock lock(&mutex_);
+      if (activity_ == Activity::kFinished) return;
+      activity_ = Activity::kWorking;
+      sending_since_ = kNotSending;
+    }
+    if (!ok) return Finish(ClientGone());
+    const auto self = this->shared_from_this();
+    if (!surroundings_.pool->Submit([self] { self->MakeNext(); })) Finish(PoolFullError());
+  }
+
+  void OnGone() ABSL_LOCKS_EXCLUDED(mutex_) {
+    {
+      const absl::MutexLock lock(&mutex_);
+      context_ = nullptr;
+    }
+    surroundings_.gate->Leave(this->shared_from_this());
+  }
+
+  void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_) {
+    {
+      const absl::MutexLock lock(&mutex_);
+      activity_ = Activity::kFinished;
+    }
+    source_.reset();
+    reactor_->Finish(ToGrpcStatus(status));
+  }
+
+  static absl::Status ClientGone() { return absl::CancelledError("the client has gone"); }
+
+  const Surroundings surroundings_;
+  const Open open_;
+  Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
+  const Cancellation cancellation_;
+
+  // Of whoever is at work on the stream.
+  std::unique_ptr<Source> source_;
+  Message message_;
+  grpc::ByteBuffer outgoing_;  ///< Of the write on its way.
+
+  mutable absl::Mutex mutex_;
+  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null once the call is over.
+  Activity activity_ ABSL_GUARDED_BY(mutex_) = Activity::kWorking;
+  std::uint64_t writes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Begun so far.
+  /// Since when a message has been on its way; of a stream that stalled, since it was ended.
+  Clock::time_point sending_since_ ABSL_GUARDED_BY(mutex_) = kNotSending;
+};
+
+}  // namespace steadymap

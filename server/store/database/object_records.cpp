@@ -1,0 +1,232 @@
+#include "server/store/database/object_records.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/types/error.h"
+#include "server/store/database/impossible_record.h"
+
+#include "steadymap/storage/v1/records.pb.h"
+
+namespace steadymap {
+namespace {
+
+constexpr std::uint32_t kStandings = 3;
+constexpr std::uint32_t kEventTypes = static_cast<std::uint32_t>(EventType::kRobotFound) + 1;
+constexpr std::uint32_t kEventReasons = static_cast<std::uint32_t>(EventReason::kAgreement) + 1;
+constexpr std::uint32_t kMaxClassId = 0xFFFF;
+constexpr std::int32_t kMaxLeafIndex = 1 << 27;
+
+constexpr int kEvidenceNumbers = 4;
+
+using Doubles = google::protobuf::RepeatedField<double>;
+
+void Add(const Eigen::Vector3d& vector, Doubles* numbers) {
+  for (const double number : vector) numbers->Add(number);
+}
+
+Eigen::Vector3d VectorAt(const Doubles& numbers, int first) {
+  return {numbers[first], numbers[first + 1], numbers[first + 2]};
+}
+
+void BeliefToProto(const Belief& belief, storage::v1::Belief* proto) {
+  proto->set_change_mean_m(belief.change_mean_m);
+  proto->set_change_std_m(belief.change_std_m);
+  proto->set_alpha(belief.alpha);
+  proto->set_beta(belief.beta);
+}
+
+Belief BeliefFromProto(const storage::v1::Belief& proto) {
+  return {proto.change_mean_m(), proto.change_std_m(), proto.alpha(), proto.beta()};
+}
+
+bool IsPossible(const Belief& belief) {
+  return std::isfinite(belief.change_mean_m) && belief.change_std_m > 0.0 && belief.alpha > 0.0 &&
+         belief.beta > 0.0;
+}
+
+void LeafToProto(const LeafEvidence& leaf, storage::v1::LeafEvidence* proto) {
+  proto->set_x(leaf.origin.x / kLeafSide);
+  proto->set_y(leaf.origin.y / kLeafSide);
+  proto->set_z(leaf.origin.z / kLeafSide);
+  std::string scores;
+  scores.reserve(leaf.score.size());
+  for (const std::int8_t score : leaf.score) scores.push_back(static_cast<char>(score));
+  const std::size_t last = scores.find_last_not_of('\0');
+  scores.resize(last == std::string::npos ? 0 : last + 1);
+  proto->set_scores(std::move(scores));
+  proto->set_confirmed_ns(leaf.confirmed.nanoseconds());
+}
+
+absl::StatusOr<LeafEvidence> LeafFromProto(const storage::v1::LeafEvidence& proto) {
+  LeafEvidence leaf;
+  for (const std::int32_t index : {proto.x(), proto.y(), proto.z()}) {
+    if (index < -kMaxLeafIndex || index >= kMaxLeafIndex) {
+      return Impossible("an object record names an impossible leaf");
+    }
+  }
+  leaf.origin = {proto.x() * kLeafSide, proto.y() * kLeafSide, proto.z() * kLeafSide};
+  if (proto.scores().size() > leaf.score.size()) {
+    return Impossible("an object record has too many scores of a leaf");
+  }
+  std::transform(proto.scores().begin(), proto.scores().end(), leaf.score.begin(), [](char score) {
+    return static_cast<std::int8_t>(score);
+  });
+  leaf.confirmed = Timestamp::FromNanoseconds(proto.confirmed_ns());
+  return leaf;
+}
+
+absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence* evidence) {
+  evidence->present_cells = proto.evidence_cells(0);
+  evidence->absent_cells = proto.evidence_cells(1);
+  evidence->absent_streak_cells = proto.evidence_cells(2);
+  evidence->change_sum_m = proto.evidence_cells(3);
+  if (!std::isfinite(evidence->change_sum_m)) {
+    return Impossible("an object record holds an impossible change");
+  }
+  evidence->leaves.reserve(static_cast<std::size_t>(proto.evidence_size()));
+  for (const storage::v1::LeafEvidence& leaf : proto.evidence()) {
+    absl::StatusOr<LeafEvidence> read = LeafFromProto(leaf);
+    if (!read.ok()) return read.status();
+    if (!evidence->leaves.empty() && !(evidence->leaves.back().origin < read->origin)) {
+      return Impossible("the evidence of an object record is not in order");
+    }
+    evidence->leaves.push_back(*std::move(read));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+storage::v1::ObjectState ToProto(const ObjectState& state) {
+  storage::v1::ObjectState proto;
+  proto.set_standing(static_cast<std::uint32_t>(state.standing) + 1);
+  proto.set_revision(state.revision.value());
+  proto.set_class_id(state.class_id.value());
+  for (const ClassVote& vote : state.votes) {
+    storage::v1::ClassVote& added = *proto.add_votes();
+    added.set_class_id(vote.class_id.value());
+    added.set_weight(vote.weight);
+  }
+  Add(state.T_world_object.position_world, proto.mutable_pose());
+  proto.add_pose(state.T_world_object.yaw_rad);
+  Add(state.cuboid.center_world, proto.mutable_cuboid());
+  Add(state.cuboid.size_m, proto.mutable_cuboid());
+  proto.add_cuboid(state.cuboid.yaw_rad);
+  BeliefToProto(state.belief, proto.mutable_belief());
+  proto.add_evidence_cells(state.evidence.present_cells);
+  proto.add_evidence_cells(state.evidence.absent_cells);
+  proto.add_evidence_cells(state.evidence.absent_streak_cells);
+  proto.add_evidence_cells(state.evidence.change_sum_m);
+  for (const LeafEvidence& leaf : state.evidence.leaves) LeafToProto(leaf, proto.add_evidence());
+  proto.set_first_seen_ns(state.first_seen.nanoseconds());
+  proto.set_standing_since_ns(state.standing_since.nanoseconds());
+  proto.set_last_seen_ns(state.last_seen.nanoseconds());
+  proto.set_views(state.views);
+  proto.set_absences(state.absences);
+  return proto;
+}
+
+absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectState& proto) {
+  if (proto.standing() < 1 || proto.standing() > kStandings || proto.class_id() > kMaxClassId ||
+      proto.pose_size() != 4 || proto.cuboid_size() != 7 ||
+      proto.evidence_cells_size() != kEvidenceNumbers) {
+    return Impossible("an object record holds no object");
+  }
+  ObjectState state;
+  state.id = id;
+  state.standing = static_cast<ObjectStanding>(proto.standing() - 1);
+  state.revision = Revision{proto.revision()};
+  state.class_id = ClassId{static_cast<std::uint16_t>(proto.class_id())};
+  state.votes.reserve(static_cast<std::size_t>(proto.votes_size()));
+  for (const storage::v1::ClassVote& vote : proto.votes()) {
+    if (vote.class_id() > kMaxClassId) return Impossible("an object record has an impossible vote");
+    state.votes.push_back({ClassId{static_cast<std::uint16_t>(vote.class_id())}, vote.weight()});
+  }
+  state.T_world_object = {VectorAt(proto.pose(), 0), proto.pose(3)};
+  state.cuboid = {VectorAt(proto.cuboid(), 0), VectorAt(proto.cuboid(), 3), proto.cuboid(6)};
+  state.belief = BeliefFromProto(proto.belief());
+  if (!IsPossible(state.belief)) return Impossible("an object record holds an impossible belief");
+  if (absl::Status status = ReadEvidence(proto, &state.evidence); !status.ok()) return status;
+  state.first_seen = Timestamp::FromNanoseconds(proto.first_seen_ns());
+  state.standing_since = Timestamp::FromNanoseconds(proto.standing_since_ns());
+  state.last_seen = Timestamp::FromNanoseconds(proto.last_seen_ns());
+  state.views = proto.views();
+  state.absences = proto.absences();
+  return state;
+}
+
+storage::v1::EventRecord ToProto(const ObjectEvent& event) {
+  storage::v1::EventRecord record;
+  record.set_type(static_cast<std::uint32_t>(event.type) + 1);
+  record.set_reason(static_cast<std::uint32_t>(event.reason) + 1);
+  record.set_object(event.object.value());
+  record.set_class_id(event.class_id.value());
+  record.set_time_ns(event.time.nanoseconds());
+  record.set_revision(event.revision.value());
+  Add(event.center_world, record.mutable_center());
+  if (event.old_center_world) Add(*event.old_center_world, record.mutable_old_center());
+  if (event.confidence) record.set_confidence(*event.confidence);
+  if (event.move) {
+    for (const UprightPose& pose : {event.move->T_world_before, event.move->T_world_after}) {
+      Add(pose.position_world, record.mutable_move());
+      record.add_move(pose.yaw_rad);
+    }
+  }
+  BeliefToProto(event.before, record.mutable_before());
+  BeliefToProto(event.after, record.mutable_after());
+  record.set_related(event.related.value());
+  record.set_views(event.views);
+  record.set_absences(event.absences);
+  record.set_robot(event.source.robot);
+  record.set_sensor(event.source.sensor);
+  return record;
+}
+
+absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
+  if (record.type() < 1 || record.type() > kEventTypes || record.reason() < 1 ||
+      record.reason() > kEventReasons || record.class_id() > kMaxClassId ||
+      record.center_size() != 3 || record.old_center_size() % 3 != 0 ||
+      record.old_center_size() > 3 || (record.move_size() != 0 && record.move_size() != 8)) {
+    return Impossible("an event record holds no event");
+  }
+  ObjectEvent event;
+  event.type = static_cast<EventType>(record.type() - 1);
+  event.reason = static_cast<EventReason>(record.reason() - 1);
+  event.object = ObjectId{record.object()};
+  event.class_id = ClassId{static_cast<std::uint16_t>(record.class_id())};
+  event.time = Timestamp::FromNanoseconds(record.time_ns());
+  event.revision = Revision{record.revision()};
+  event.center_world = VectorAt(record.center(), 0);
+  if (record.old_center_size() == 3) event.old_center_world = VectorAt(record.old_center(), 0);
+  if (record.has_confidence()) event.confidence = record.confidence();
+  if (record.move_size() == 8) {
+    event.move = {{VectorAt(record.move(), 0), record.move(3)},
+                  {VectorAt(record.move(), 4), record.move(7)}};
+  }
+  event.before = BeliefFromProto(record.before());
+  event.after = BeliefFromProto(record.after());
+  event.related = ObjectId{record.related()};
+  event.views = record.views();
+  event.absences = record.absences();
+  event.source = {record.robot(), record.sensor()};
+  return event;
+}
+
+storage::v1::FreeBlockRecord ToProto(const LeafMask& cells) {
+  storage::v1::FreeBlockRecord record;
+  for (const std::uint64_t word : cells) record.add_cells(word);
+  return record;
+}
+
+absl::StatusOr<LeafMask> FromProto(const storage::v1::FreeBlockRecord& record) {
+  LeafMask cells{};
+  if (record.cells_size() != static_cast<int>(cells.size())) {
+    return Impossible("a record of free space holds no block");
+  }
+  std::copy(record.cells().begin(), record.cells().end(), cells.begin());
+  return cells;
+}
+
+}  // namespace steadymap

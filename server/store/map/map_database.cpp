@@ -1,0 +1,358 @@
+#include "server/store/map/map_database.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <rocksdb/snapshot.h>
+
+#include "core/types/error.h"
+#include "server/store/database/store_keys.h"
+#include "server/store/database/store_records.h"
+#include "server/store/disk/posix_file.h"
+#include "server/store/map/content_loader.h"
+#include "server/store/map/map_history.h"
+#include "server/store/map/state_reading.h"
+#include "server/store/map/state_trim.h"
+#include "server/store/model/history_hash.h"
+
+namespace steadymap {
+namespace {
+
+// Starting RocksDB writes a manifest, a log and what the old log held.
+constexpr std::uint64_t kOpenBytes = std::uint64_t{32} << 20;
+
+// The uptime of an idle map is written this often, so that a restart loses little of it.
+constexpr MapUptime kUptimeStep = std::chrono::minutes(10);
+
+std::filesystem::path StateFolder(const std::filesystem::path& folder) { return folder / "state"; }
+
+absl::Status Lost(const char* what, std::uint64_t found, std::uint64_t known) {
+  return MakeError(absl::StatusCode::kDataLoss,
+                   reason::kChecksum,
+                   absl::StrCat("the map's ",
+                                what,
+                                " ends at ",
+                                found,
+                                ", but had come to ",
+                                known,
+                                ": files are missing, or older than the map"));
+}
+
+}  // namespace
+
+MapDatabase::MapDatabase(const MapRecord& record, const Surroundings& surroundings)
+    : record_(record), surroundings_(surroundings) {}
+
+absl::Status MapDatabase::Create(const std::filesystem::path& folder,
+                                 const Surroundings& surroundings) {
+  absl::StatusOr<std::unique_ptr<StateDatabase>> state =
+      StateDatabase::Open(StateFolder(folder), StateDatabase::Mode::kCreate, *surroundings.shared);
+  if (!state.ok()) return state.status();
+  rocksdb::WriteBatch batch;
+  batch.Put((*state)->handle(Family::kMeta),
+            HeadKey(),
+            SealRecord({NameOf(Family::kMeta), HeadKey()}, storage::v1::Head()));
+  return (*state)->Write(&batch);
+}
+
+absl::StatusOr<std::unique_ptr<MapDatabase>> MapDatabase::Open(const std::filesystem::path& folder,
+                                                               const MapRecord& record,
+                                                               const Surroundings& surroundings) {
+  std::unique_ptr<MapDatabase> map(new MapDatabase(record, surroundings));
+  if (absl::Status status = map->OpenState(folder); !status.ok()) return status;
+  if (absl::Status status = map->OpenLog(folder); !status.ok()) return status;
+  absl::StatusOr<std::shared_ptr<IntegrationNote>> note =
+      surroundings.read_only ? IntegrationNote::Inspect(folder / "note")
+                             : IntegrationNote::Open(folder / "note");
+  // A note that cannot be made for want of space is not missed until there is some.
+  map->note_ = note.ok() ? *std::move(note) : IntegrationNote::InMemory();
+  if (absl::Status status = map->CheckNote(); !status.ok()) return status;
+  return map;
+}
+
+absl::Status MapDatabase::OpenState(const std::filesystem::path& folder) {
+  // Not more than the reserve: a disk with enough for appends has enough to be opened.
+  const std::uint64_t needed = std::min(kOpenBytes, surroundings_.options->min_free_disk_bytes);
+  const bool has_room = !surroundings_.read_only && CheckFree(needed).ok();
+  absl::StatusOr<std::unique_ptr<StateDatabase>> state = StateDatabase::Open(
+      StateFolder(folder),
+      has_room ? StateDatabase::Mode::kReadWrite : StateDatabase::Mode::kReadOnly,
+      *surroundings_.shared);
+  if (!state.ok()) return state.status();
+  state_ = *std::move(state);
+  Progress progress;
+  if (absl::Status status = ReadHead(*state_, nullptr, &progress.head); !status.ok()) return status;
+  if (absl::Status status = ReadAddedClasses(*state_, nullptr, &progress.added_classes);
+      !status.ok()) {
+    return status;
+  }
+  progress.stored_classes = progress.added_classes.size();
+  const absl::MutexLock lock(&mutex_);
+  progress_ = std::move(progress);
+  return absl::OkStatus();
+}
+
+absl::Status MapDatabase::OpenLog(const std::filesystem::path& folder) {
+  const storage::v1::Head head = progress().head;
+  EntryLog::Found found;
+  absl::StatusOr<std::unique_ptr<EntryLog>> log = EntryLog::Open(
+      folder / "log",
+      record_.key,
+      {MapSequence(head.durable_map_seq()), Revision(head.revision()), head.saved_group()},
+      surroundings_.options->log_segment_bytes,
+      /*read_only=*/!state_->health().ok(),
+      &found);
+  if (!log.ok()) return log.status();
+  log_ = *std::move(log);
+  const absl::MutexLock lock(&mutex_);
+  progress_.durable_head = log_->head();
+  progress_.group = log_->group();
+  progress_.head.set_uptime_ns(
+      std::max<std::int64_t>(progress_.head.uptime_ns(), found.uptime.count()));
+  for (auto& [name, session] : found.sessions) {
+    progress_.unsaved_sessions[name] = {std::move(session), progress_.group};
+  }
+  for (const LogEntry& entry : found.classes) {
+    progress_.added_classes.insert(
+        progress_.added_classes.end(), entry.classes.begin(), entry.classes.end());
+  }
+  return absl::OkStatus();
+}
+
+/// Whether everything is there that was there once: a missing newest file would go unnoticed else.
+absl::Status MapDatabase::CheckNote() const {
+  const Progress found = progress();
+  if (found.durable_head < note_->known_head()) {
+    return Lost("log", found.durable_head.value(), note_->known_head().value());
+  }
+  if (found.head.revision() < note_->known_revision().value()) {
+    return Lost("history", found.head.revision(), note_->known_revision().value());
+  }
+  return absl::OkStatus();
+}
+
+MapDatabase::Progress MapDatabase::progress() const {
+  const absl::MutexLock lock(&mutex_);
+  return progress_;
+}
+
+absl::Status MapDatabase::CheckFree(std::uint64_t needed) const {
+  const absl::StatusOr<std::uint64_t> free_bytes = surroundings_.free_disk_bytes();
+  if (!free_bytes.ok()) return free_bytes.status();
+  if (*free_bytes >= needed) return absl::OkStatus();
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   reason::kDiskLow,
+                   absl::StrCat("the disk of the data folder has ",
+                                *free_bytes,
+                                " bytes left, fewer than the ",
+                                needed,
+                                " that are kept free"));
+}
+
+absl::Status MapDatabase::Append(const LogAppend& append) {
+  if (absl::Status status = health(); !status.ok()) return status;
+  if (absl::Status status = CheckFree(surroundings_.options->min_free_disk_bytes); !status.ok()) {
+    return status;
+  }
+  const WriteTurn::Held turn(&append_turn_);
+  if (absl::Status status = log_->Append(append); !status.ok()) return status;
+  const absl::MutexLock lock(&mutex_);
+  progress_.durable_head = log_->head();
+  progress_.group = log_->group();
+  for (const SessionRecord& session : append.sessions) {
+    progress_.unsaved_sessions[session.name] = {session, progress_.group};
+  }
+  for (const LogEntry& entry : append.entries) {
+    progress_.added_classes.insert(
+        progress_.added_classes.end(), entry.classes.begin(), entry.classes.end());
+  }
+  note_->NoteHead(progress_.durable_head);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<CommitMark> MapDatabase::Commit(const MapDelta& delta,
+                                               const CommitDetails& details) {
+  if (absl::Status status = state_->health(); !status.ok()) return status;
+  const WriteTurn::Held turn(&commit_turn_);
+  const Progress progress = this->progress();
+  const storage::v1::Head& before = progress.head;
+  if (delta.from.value() != before.revision() || delta.to < delta.from ||
+      delta.to.value() > progress.durable_head.value()) {
+    return absl::FailedPreconditionError(absl::StrCat("a commit from revision ",
+                                                      delta.from.value(),
+                                                      " to ",
+                                                      delta.to.value(),
+                                                      " does not fit map ",
+                                                      record_.key.value(),
+                                                      " at revision ",
+                                                      before.revision(),
+                                                      " with ",
+                                                      progress.durable_head.value(),
+                                                      " durable entries"));
+  }
+  if (delta.to == delta.from) return CommitMark{delta.from, before.history_hash()};
+  // What is written now has to be written again when RocksDB's buffers are flushed.
+  if (absl::Status status = CheckFree(surroundings_.options->write_buffer_bytes); !status.ok()) {
+    return status;
+  }
+  storage::v1::Head head = before;
+  head.set_revision(delta.to.value());
+  head.set_last_capture_time_ns(delta.last_capture_time.nanoseconds());
+  head.set_commits(before.commits() + 1);
+  head.set_newest_object(delta.newest_object.value());
+  head.set_events(before.events() + delta.events.size());
+  head.set_uptime_ns(std::max<std::int64_t>(before.uptime_ns(), details.uptime.count()));
+  RecordBatch records(*state_);
+  records.PutContent(delta);
+  records.PutEvents(delta.events, EventNumber{before.events() + 1});
+  head.set_history_hash(ExtendHistory(before.history_hash(), delta.to, records.batch().Data()));
+  records.PutPoses(details.poses);
+  if (delta.added_classes.size() != progress.stored_classes) {
+    records.PutAddedClasses(delta.added_classes);
+  }
+  records.PutChange(delta, before, head);
+  PutProgress(progress, &head, &records);
+  if (absl::Status status = state_->Write(&records.batch()); !status.ok()) return status;
+  {
+    const absl::MutexLock lock(&mutex_);
+    progress_.stored_classes = delta.added_classes.size();
+  }
+  ForgetSaved(head);
+  note_->NoteRevision(delta.to);
+  return CommitMark{delta.to, head.history_hash()};
+}
+
+/// The database now knows `head`, and the sessions up to its group.
+void MapDatabase::ForgetSaved(const storage::v1::Head& head) {
+  const absl::MutexLock lock(&mutex_);
+  progress_.head = head;
+  std::erase_if(progress_.unsaved_sessions, [&head](const auto& unsaved) {
+    return unsaved.second.group <= head.saved_group();
+  });
+}
+
+void MapDatabase::PutProgress(const Progress& progress,
+                              storage::v1::Head* head,
+                              RecordBatch* records) const {
+  for (const auto& [name, unsaved] : progress.unsaved_sessions) {
+    records->PutSession(unsaved.record);
+  }
+  head->set_durable_map_seq(progress.durable_head.value());
+  head->set_saved_group(progress.group);
+  records->PutHead(*head);
+}
+
+absl::StatusOr<StoredState> MapDatabase::Load() const {
+  // The log first: it never ends before the state that is read after it.
+  const Progress progress = this->progress();
+  rocksdb::ManagedSnapshot snapshot(&state_->database());
+  storage::v1::Head head;
+  if (absl::Status status = ReadHead(*state_, snapshot.snapshot(), &head); !status.ok())
+    return status;
+  StoredState state;
+  state.durable_head = std::max(progress.durable_head, MapSequence(head.revision()));
+  state.durable_classes = record_.config.classes;
+  state.durable_classes.insert(
+      state.durable_classes.end(), progress.added_classes.begin(), progress.added_classes.end());
+  state.commit = {Revision(head.revision()), head.history_hash()};
+  state.uptime = MapUptime(std::max(head.uptime_ns(), progress.head.uptime_ns()));
+  state.note = note_;
+  state.snapshot = MapSnapshot({record_.config.voxel_size_m, record_.config.truncation_m});
+  state.snapshot.revision = Revision{head.revision()};
+  state.snapshot.last_capture_time = Timestamp::FromNanoseconds(head.last_capture_time_ns());
+  state.snapshot.newest_object = ObjectId{head.newest_object()};
+  state.snapshot.last_event = EventNumber{head.events()};
+  absl::Status status =
+      ReadAddedClasses(*state_, snapshot.snapshot(), &state.snapshot.added_classes);
+  if (status.ok()) status = ReadSessions(*state_, snapshot.snapshot(), &state.sessions);
+  if (!status.ok()) return status;
+  for (const auto& [name, unsaved] : progress.unsaved_sessions) {
+    std::erase_if(state.sessions,
+                  [&name = name](const SessionRecord& known) { return known.name == name; });
+    state.sessions.push_back(unsaved.record);
+  }
+  std::sort(state.sessions.begin(),
+            state.sessions.end(),
+            [](const SessionRecord& a, const SessionRecord& b) { return a.name < b.name; });
+  status = LoadContent(*state_, snapshot.snapshot(), &state.snapshot);
+  if (!status.ok()) return status;
+  return state;
+}
+
+absl::Status MapDatabase::ReadLog(MapSequence first,
+                                  const std::function<absl::Status(LogEntry)>& visit) const {
+  // Up to the revision retention may have dropped entries; behind it none may be missing.
+  const MapSequence needed(progress().head.revision() + 1);
+  return log_->Read(first, needed, visit);
+}
+
+absl::StatusOr<std::vector<FramePose>> MapDatabase::ReadPoses(MapSequence first,
+                                                              MapSequence last,
+                                                              std::size_t limit) const {
+  return steadymap::ReadPoses(*state_, first, last, limit);
+}
+
+absl::StatusOr<std::vector<StoredEvent>> MapDatabase::ReadEvents(EventNumber first,
+                                                                 std::size_t limit) const {
+  return steadymap::ReadEvents(*state_, first, limit);
+}
+
+absl::StatusOr<ChangeList> MapDatabase::ReadChanges(CommitMark from, Revision to) const {
+  return steadymap::ReadChanges(*state_, from, to);
+}
+
+absl::Status MapDatabase::Trim(const MapRecord& retention, const TrimBounds& bounds) {
+  // Where there is no room to write, what the database knows already can be dropped all the same.
+  absl::Status status = state_->health();
+  if (status.ok()) status = CheckFree(surroundings_.options->write_buffer_bytes);
+  if (status.ok()) {
+    const WriteTurn::Held turn(&commit_turn_);
+    status = TrimState(bounds);
+  }
+  const bool keeps_log = !bounds.disk_is_low;
+  const WriteTurn::Held turn(&append_turn_);
+  const storage::v1::Head head = progress().head;
+  const absl::Status dropped =
+      log_->Drop({MapSequence(head.revision()), head.saved_group()},
+                 keeps_log ? retention.frame_log_bytes : 0,
+                 bounds.uptime,
+                 keeps_log ? retention.frame_log_age : std::chrono::seconds(0));
+  return status.ok() ? dropped : status;
+}
+
+absl::Status MapDatabase::TrimState(const TrimBounds& bounds) {
+  RecordBatch records(*state_);
+  rocksdb::WriteBatch& batch = records.batch();
+  {
+    const absl::MutexLock lock(&mutex_);
+    std::erase_if(progress_.unsaved_sessions,
+                  [&](const auto& unsaved) { return IsIdle(unsaved.second.record, bounds); });
+  }
+  absl::Status status = TrimSessions(*state_, bounds, &batch);
+  if (!status.ok()) return status;
+  // After the idle sessions were looked for: one that is renewed meanwhile is put again.
+  const Progress progress = this->progress();
+  storage::v1::Head head = progress.head;
+  const StoreOptions& options = *surroundings_.options;
+  status = TrimPoses(*state_, options, head, &batch);
+  if (status.ok()) status = TrimChangeLists(*state_, options, head, bounds, &batch);
+  if (status.ok()) status = TrimEvents(*state_, options, head, &batch);
+  if (!status.ok()) return status;
+  const bool knows_all = progress.group == head.saved_group() &&
+                         progress.durable_head.value() == head.durable_map_seq();
+  const bool is_young = bounds.uptime - MapUptime(head.uptime_ns()) < kUptimeStep;
+  if (batch.Count() == 0 && knows_all && is_young) return absl::OkStatus();
+  head.set_uptime_ns(std::max<std::int64_t>(head.uptime_ns(), bounds.uptime.count()));
+  PutProgress(progress, &head, &records);
+  status = state_->Write(&batch);
+  if (status.ok()) ForgetSaved(head);
+  return status;
+}
+
+absl::Status MapDatabase::health() const {
+  if (absl::Status status = state_->health(); !status.ok()) return status;
+  return log_->health();
+}
+
+}  // namespace steadymap

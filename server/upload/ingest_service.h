@@ -1,0 +1,33 @@
+#pragma once
+
+#include "server/upload/upload_stream.h"
+
+#include "steadymap/v1/ingest_service.grpc.pb.h"
+
+namespace steadymap {
+
+/// Takes frames from robots; see proto/steadymap/v1/ingest_service.proto.
+/// It is handed bytes, so that it can bound what a message holds before it is parsed.
+class IngestService final : public v1::IngestService::WithRawCallbackMethod_UploadFrames<
+                                v1::IngestService::WithRawCallbackMethod_UploadFrameBatch<
+                                    v1::IngestService::WithRawCallbackMethod_GetUploadState<
+                                        v1::IngestService::Service>>> {
+ public:
+  explicit IngestService(const UploadStream::Surroundings& surroundings)
+      : surroundings_(surroundings) {}
+
+  UploadStream::GrpcReactor* UploadFrames(grpc::CallbackServerContext* context) override;
+
+  grpc::ServerUnaryReactor* UploadFrameBatch(grpc::CallbackServerContext* context,
+                                             const grpc::ByteBuffer* request,
+                                             grpc::ByteBuffer* response) override;
+
+  grpc::ServerUnaryReactor* GetUploadState(grpc::CallbackServerContext* context,
+                                           const grpc::ByteBuffer* request,
+                                           grpc::ByteBuffer* response) override;
+
+ private:
+  const UploadStream::Surroundings surroundings_;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,384 @@
+#include "server/upload/upload_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+#include <spdlog/spdlog.h>
+
+#include "core/policy/map_updater.h"
+#include "core/types/error.h"
+#include "proto/grpc_status.h"
+#include "server/rpc/request_reader.h"
+#include "server/upload/upload_request.h"
+
+namespace steadymap {
+
+/// What gRPC holds: passes its reports on.
+class UploadStream::Reactor final : public GrpcReactor {
+ public:
+  explicit Reactor(std::shared_ptr<UploadStream> stream) : stream_(std::move(stream)) {}
+
+  void OnReadDone(bool ok) override { stream_->OnRead(ok); }
+
+  void OnWriteDone(bool ok) override { stream_->OnWritten(ok); }
+
+  void OnCancel() override { stream_->OnCancelled(); }
+
+  void OnDone() override {
+    stream_->OnGone();
+    delete this;
+  }
+
+ private:
+  const std::shared_ptr<UploadStream> stream_;
+};
+
+UploadStream::GrpcReactor* UploadStream::Start(const Surroundings& surroundings) {
+  auto stream = std::make_shared<UploadStream>(surroundings);
+  auto* reactor = new Reactor(stream);
+  stream->reactor_ = reactor;
+  stream->Drive();
+  return reactor;
+}
+
+UploadStream::UploadStream(const Surroundings& surroundings)
+    : surroundings_(surroundings),
+      limits_(surroundings.limits->Get()),
+      answers_({limits_.upload_window_frames, limits_.upload_window_bytes}) {}
+
+bool UploadStream::IsAbandoned() const {
+  const absl::MutexLock lock(&mutex_);
+  return end_.has_value();
+}
+
+void UploadStream::OnReceived(ClientSequence through, std::vector<RefusedFrame> refused) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    last_taken_ = through;
+    answers_.NoteReceived(through, std::move(refused));
+  }
+  Drive();
+}
+
+void UploadStream::OnDurable(const BatchProgress& progress) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (progress.through > durable_.through) durable_ = progress;
+    answers_.NoteDurable(progress);
+  }
+  Drive();
+}
+
+void UploadStream::OnIntegrated(const BatchProgress& progress) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    integrated_ = std::max(integrated_, progress.through);
+    answers_.NoteIntegrated(progress);
+  }
+  Drive();
+}
+
+void UploadStream::OnFailed(const absl::Status& status) { End(status); }
+
+void UploadStream::End(const absl::Status& status) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (!end_) end_ = status;
+  }
+  Drive();
+}
+
+void UploadStream::Drain(const absl::Status& status) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (!ending_) ending_ = status;
+    // Not acknowledged at any level: the client sends it again elsewhere.
+    inbox_.clear();
+  }
+  Drive();
+}
+
+void UploadStream::OnRead(bool ok) {
+  if (ok) return AwaitMemory();
+  {
+    const absl::MutexLock lock(&mutex_);
+    reading_ = false;
+    if (!ending_) ending_ = absl::OkStatus();
+  }
+  Drive();
+}
+
+/// Leaves the message as it came until there is memory for what it holds; nothing more is read
+/// meanwhile.
+void UploadStream::AwaitMemory() {
+  const std::size_t bytes = request_.Length();
+  if (map_ == nullptr || bytes > limits_.max_message_bytes) return TakeMessage({});
+  std::optional<FrameBudget::Reservation> memory =
+      FrameBudget::TryReserve(map_->read_account(), bytes);
+  if (memory) return TakeMessage(*std::move(memory));
+  FrameBudget::Reserve(
+      map_->read_account(), bytes, [self = shared_from_this()](FrameBudget::Reservation granted) {
+        auto shared = std::make_shared<FrameBudget::Reservation>(std::move(granted));
+        self->surroundings_.decoders->Submit(
+            [self, shared] { self->TakeMessage(std::move(*shared)); });
+      });
+}
+
+void UploadStream::TakeMessage(FrameBudget::Reservation memory) {
+  const absl::Status status = HandleMessage(std::move(memory));
+  {
+    const absl::MutexLock lock(&mutex_);
+    reading_ = false;
+    if (!status.ok() && !end_) end_ = status;
+  }
+  Drive();
+}
+
+absl::Status UploadStream::HandleMessage(FrameBudget::Reservation memory) {
+  v1::UploadFramesRequest request;
+  absl::Status status = ReadRequest(request_, UploadRequestLimits(limits_), &request);
+  request_.Clear();
+  if (!status.ok()) return status;
+  switch (request.kind_case()) {
+    case v1::UploadFramesRequest::kOpen:
+      if (map_ != nullptr) {
+        return InvalidField(reason::kBadValue, "open", "the stream is open already");
+      }
+      return WithFieldPrefix(HandleOpen(request.open()), "open");
+    case v1::UploadFramesRequest::kBatch:
+      if (map_ == nullptr) {
+        return InvalidField(reason::kBadValue, "batch", "a stream begins with `open`");
+      }
+      return WithFieldPrefix(HandleBatch({std::move(*request.mutable_batch()), std::move(memory)}),
+                             "batch");
+    default:
+      return InvalidField(reason::kBadValue, "kind", "a message must hold `open` or `batch`");
+  }
+}
+
+absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
+  absl::StatusOr<UploadTarget> target = FindUploadTarget(
+      *surroundings_.maps, open.map(), open.robot(), open.sensor(), open.session());
+  if (!target.ok()) return target.status();
+  auto config = std::make_shared<const MapConfig>(target->map->record().config);
+  missing_labels_.SetKeepsObjects(KeepsObjects(config->policy));
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (absl::Status status = answers_.ChooseLevels(open); !status.ok()) return status;
+    entered_ = true;
+    awaiting_map_ = true;
+    map_ = target->map;
+    config_ = std::move(config);
+    session_ = target->session;
+  }
+  absl::Status status = surroundings_.roster->Enter(map_->key(), session_, shared_from_this());
+  if (!status.ok()) {
+    const absl::MutexLock lock(&mutex_);
+    entered_ = false;
+    return status;
+  }
+  const ClientSequence known_durable(open.last_durable_client_seq());
+  map_->WhenOpened(
+      [self = shared_from_this(), known_durable] { self->OnMapOpened(known_durable); });
+  return absl::OkStatus();
+}
+
+void UploadStream::OnMapOpened(ClientSequence known_durable) {
+  const absl::Status status = WithFieldPrefix(map_->CheckReads(), "open");
+  v1::UploadFramesResponse response =
+      MakeOpenedResponse(map_.get(), session_, known_durable, limits_);
+  {
+    const absl::MutexLock lock(&mutex_);
+    awaiting_map_ = false;
+    *response.mutable_opened()->mutable_credit() = answers_.initial_credit();
+    if (status.ok()) {
+      opened_ = std::move(response);
+    } else if (!end_) {
+      end_ = status;
+    }
+  }
+  Drive();
+}
+
+absl::Status UploadStream::HandleBatch(ReadBatch batch) {
+  if (absl::Status status = CheckNumbering(batch.frames); !status.ok()) return status;
+  missing_labels_.Check(batch.frames, map_->name(), session_);
+  const auto frames = static_cast<std::uint64_t>(batch.frames.frames_size());
+  const std::uint64_t bytes = batch.frames.ByteSizeLong();
+  const absl::MutexLock lock(&mutex_);
+  if (batch.frames.first_client_seq() <= last_read_.value()) {
+    return InvalidField(reason::kBadSequence,
+                        "first_client_seq",
+                        absl::StrCat("client sequences rise within a stream: after ",
+                                     last_read_.value(),
+                                     " came ",
+                                     batch.frames.first_client_seq()));
+  }
+  if (absl::Status status = answers_.Spend(frames, bytes); !status.ok()) return status;
+  last_read_ = LastSequenceOf(batch.frames);
+  if (ending_ || end_) return absl::OkStatus();
+  inbox_.push_back(std::move(batch));
+  return absl::OkStatus();
+}
+
+void UploadStream::OnWritten(bool ok) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    if (!ok) broken_ = true;
+  }
+  Drive();
+}
+
+void UploadStream::OnCancelled() {
+  {
+    const absl::MutexLock lock(&mutex_);
+    broken_ = true;
+    if (!end_) end_ = absl::CancelledError("the client has gone");
+  }
+  Drive();
+}
+
+void UploadStream::OnGone() {
+  bool entered = false;
+  absl::Status status;
+  {
+    const absl::MutexLock lock(&mutex_);
+    entered = std::exchange(entered_, false);
+    if (end_) status = *end_;
+  }
+  if (!entered) return;
+  surroundings_.roster->Leave(map_->key(), session_, this);
+  spdlog::debug("map {} sensor {} session {}: upload ended: {}",
+                map_->name().ToString(),
+                session_.sensor.ToString(),
+                session_.session,
+                status.ToString());
+}
+
+void UploadStream::Drive() {
+  // Whoever holds the last reference may let go of it while this goes on.
+  const std::shared_ptr<UploadStream> self = shared_from_this();
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (driving_) return;
+    driving_ = true;
+  }
+  while (true) {
+    Action action = Action::kNone;
+    {
+      const absl::MutexLock lock(&mutex_);
+      action = Decide();
+      if (action == Action::kNone) {
+        driving_ = false;
+        return;
+      }
+    }
+    Perform(action);
+  }
+}
+
+UploadStream::Action UploadStream::Decide() {
+  if (finished_) return Action::kNone;
+  if (!end_ && ending_ && IsSettled() && !opened_ && !answers_.HasNext()) end_ = *ending_;
+  // What is due is said before the end, unless nobody listens.
+  if (!writing_ && !broken_ && (opened_ || answers_.HasNext())) {
+    writing_ = true;
+    response_ = ToByteBuffer(opened_ ? *std::move(opened_) : answers_.TakeNext());
+    opened_.reset();
+    return Action::kWrite;
+  }
+  if (end_) {
+    if (writing_) return Action::kNone;
+    finished_ = true;
+    return Action::kFinish;
+  }
+  if (!taking_in_ && !inbox_.empty()) {
+    taking_in_ = true;
+    return Action::kTakeIn;
+  }
+  if (ending_ && !commit_requested_ && durable_.through >= last_taken_ && !taking_in_) {
+    commit_requested_ = true;
+    return Action::kRequestCommit;
+  }
+  if (!ending_ && !reading_ && !awaiting_map_ && inbox_.empty()) {
+    reading_ = true;
+    return Action::kRead;
+  }
+  return Action::kNone;
+}
+
+void UploadStream::Perform(Action action) {
+  switch (action) {
+    case Action::kRead:
+      reactor_->StartRead(&request_);
+      break;
+    case Action::kWrite:
+      reactor_->StartWrite(&response_);
+      break;
+    case Action::kTakeIn:
+      TakeIn();
+      break;
+    case Action::kRequestCommit:
+      RequestCommit();
+      break;
+    case Action::kFinish: {
+      absl::Status status;
+      {
+        const absl::MutexLock lock(&mutex_);
+        status = *end_;
+      }
+      reactor_->Finish(ToGrpcStatus(status));
+      break;
+    }
+    case Action::kNone:
+      break;
+  }
+}
+
+void UploadStream::TakeIn() {
+  ReadBatch batch;
+  ClientSequence predecessor;
+  {
+    const absl::MutexLock lock(&mutex_);
+    // A drain may have emptied it meanwhile.
+    if (inbox_.empty()) {
+      taking_in_ = false;
+      return;
+    }
+    batch = std::move(inbox_.front());
+    inbox_.pop_front();
+    predecessor = std::exchange(last_in_intake_, LastSequenceOf(batch.frames));
+  }
+  const std::shared_ptr<UploadStream> self = shared_from_this();
+  BatchIntake::Start(surroundings_.decoders,
+                     {map_, config_, session_, /*in_order=*/true, predecessor, self},
+                     std::move(batch),
+                     [self](const absl::Status& status) {
+                       {
+                         const absl::MutexLock lock(&self->mutex_);
+                         self->taking_in_ = false;
+                         if (!status.ok() && !self->end_) self->end_ = status;
+                       }
+                       self->Drive();
+                     });
+}
+
+void UploadStream::RequestCommit() {
+  std::shared_ptr<MapRuntime> map;
+  MapSequence target;
+  {
+    const absl::MutexLock lock(&mutex_);
+    map = map_;
+    target = durable_.map_seq;
+  }
+  if (map != nullptr) map->RequestCommit(target);
+}
+
+/// Whether everything that was taken is integrated.
+bool UploadStream::IsSettled() const {
+  return inbox_.empty() && !taking_in_ && !awaiting_map_ && integrated_ >= last_taken_;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,221 @@
+#include "server/watch/watch_stream.h"
+
+#include <utility>
+
+#include <absl/time/clock.h>
+#include <grpcpp/server_context.h>
+#include <spdlog/spdlog.h>
+
+#include "core/types/error.h"
+#include "proto/grpc_status.h"
+#include "server/rpc/pool_call.h"
+#include "server/rpc/request_reader.h"
+
+namespace steadymap {
+
+/// What gRPC holds: passes its reports on.
+class WatchStream::Reactor final : public GrpcReactor {
+ public:
+  explicit Reactor(std::shared_ptr<WatchStream> stream) : stream_(std::move(stream)) {}
+
+  void OnWriteDone(bool ok) override { stream_->OnWritten(ok); }
+
+  void OnCancel() override {
+    stream_->cancellation_.Cancel();
+    stream_->End(absl::CancelledError("the watcher has gone"));
+  }
+
+  void OnDone() override {
+    stream_->OnGone();
+    delete this;
+  }
+
+ private:
+  const std::shared_ptr<WatchStream> stream_;
+};
+
+WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
+                                             grpc::CallbackServerContext* context,
+                                             const grpc::ByteBuffer& request) {
+  auto stream = std::make_shared<WatchStream>(surroundings, context);
+  auto* reactor = new Reactor(stream);
+  stream->reactor_ = reactor;
+  v1::WatchMapRequest message;
+  stream->request_status_ = steadymap::ReadRequest(request, kPlainRequestLimits, &message);
+  if (stream->request_status_.ok()) {
+    stream->course_.emplace(
+        surroundings.maps, surroundings.hub, std::move(message), stream->cancellation_);
+  }
+  stream->Schedule();
+  return reactor;
+}
+
+WatchStream::WatchStream(const Surroundings& surroundings, grpc::CallbackServerContext* context)
+    : surroundings_(surroundings), peer_(context->peer()), context_(context) {}
+
+void WatchStream::Wake() { Schedule(); }
+
+void WatchStream::Drain() {
+  {
+    const absl::MutexLock lock(&mutex_);
+    draining_ = true;
+  }
+  Schedule();
+}
+
+void WatchStream::End(const absl::Status& status) {
+  bool is_first = false;
+  {
+    const absl::MutexLock lock(&mutex_);
+    is_first = !end_;
+    if (is_first) end_ = status;
+  }
+  if (is_first && ReasonOf(status) == reason::kSlowConsumer) {
+    spdlog::info("map {}: {}", course_->map()->name().ToString(), std::string(status.message()));
+  }
+  Schedule();
+}
+
+void WatchStream::Cancel() {
+  const absl::MutexLock lock(&mutex_);
+  if (context_ != nullptr) context_->TryCancel();
+}
+
+Revision WatchStream::revision() const {
+  const absl::MutexLock lock(&mutex_);
+  return revision_;
+}
+
+std::shared_ptr<WatchMessages> WatchStream::step() const {
+  const absl::MutexLock lock(&mutex_);
+  return shared_step_;
+}
+
+absl::Time WatchStream::sending_since() const {
+  const absl::MutexLock lock(&mutex_);
+  return sending_since_;
+}
+
+void WatchStream::OnWritten(bool ok) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    sending_since_ = absl::InfiniteFuture();
+    if (!ok && !end_) end_ = absl::CancelledError("the watcher has gone");
+    activity_ = Activity::kAdvancing;
+  }
+  Submit();
+}
+
+void WatchStream::OnGone() {
+  bool entered = false;
+  absl::Status status;
+  {
+    const absl::MutexLock lock(&mutex_);
+    context_ = nullptr;
+    entered = std::exchange(entered_, false);
+    if (end_) status = *end_;
+  }
+  if (!entered) return;
+  const std::shared_ptr<MapRuntime>& map = course_->map();
+  if (!absl::IsNotFound(status)) {
+    for (auto& step : course_->StepsInPart()) surroundings_.hub->Hold(std::move(step));
+  }
+  surroundings_.hub->Leave(map->key(), shared_from_this());
+  spdlog::debug("map {}: a watch ended behind revision {}: {}",
+                map->name().ToString(),
+                course_->position().revision.value(),
+                status.ToString());
+}
+
+/// Sees to it that somebody looks at the stream after this call.
+void WatchStream::Schedule() {
+  {
+    const absl::MutexLock lock(&mutex_);
+    woken_ = true;
+    if (activity_ != Activity::kIdle) return;
+    activity_ = Activity::kAdvancing;
+  }
+  Submit();
+}
+
+void WatchStream::Submit() {
+  // Each stream waits once at most. In turn: nobody may fall behind because others are served
+  // again.
+  if (!surroundings_.pool->TrySubmit([self = shared_from_this()] { self->Advance(); })) {
+    Finish(PoolFullError());
+  }
+}
+
+void WatchStream::Advance() {
+  while (true) {
+    bool draining = false;
+    std::optional<absl::Status> end;
+    {
+      const absl::MutexLock lock(&mutex_);
+      woken_ = false;
+      draining = draining_;
+      end = end_;
+    }
+    if (end) return Finish(*end);
+    absl::StatusOr<Message> message = Message();
+    const absl::Status status = RunGuarded([this, draining, &message] {
+      message = NextMessage(draining);
+      return message.status();
+    });
+    const absl::MutexLock lock(&mutex_);
+    if (course_) {
+      revision_ = course_->position().revision;
+      shared_step_ = course_->step();
+    }
+    if (!status.ok()) {
+      if (!end_) end_ = status;
+    } else if (message->has_value()) {
+      outgoing_ = **std::move(message);
+      activity_ = Activity::kWriting;
+      sending_since_ = absl::Now();
+      break;
+    } else if (!woken_ && !end_) {
+      activity_ = Activity::kIdle;
+      return;
+    }
+  }
+  reactor_->StartWrite(&outgoing_);
+}
+
+absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
+  if (begun_) return course_->Next(draining);
+  if (absl::Status status = ReadRequest(); !status.ok()) return status;
+  const std::shared_ptr<MapRuntime>& map = course_->map();
+  if (map->condition() == MapRuntime::Condition::kOpening) return Message();
+  {
+    const absl::MutexLock lock(&mutex_);
+    entered_ = true;
+  }
+  // From here on no commit is missed.
+  absl::Status status = surroundings_.hub->Enter(map->key(), shared_from_this());
+  if (!status.ok()) return status;
+  begun_ = true;
+  return course_->Begin();
+}
+
+/// Once: and sees to it that this stream goes on when the map is open.
+absl::Status WatchStream::ReadRequest() {
+  if (std::exchange(has_read_request_, true)) return absl::OkStatus();
+  absl::Status status = surroundings_.openings->Take(peer_, absl::Now());
+  if (!status.ok()) return status;
+  if (!course_) return request_status_;
+  status = course_->ReadRequest();
+  if (!status.ok()) return status;
+  course_->map()->WhenOpened([self = shared_from_this()] { self->Schedule(); });
+  return absl::OkStatus();
+}
+
+void WatchStream::Finish(const absl::Status& status) {
+  {
+    const absl::MutexLock lock(&mutex_);
+    activity_ = Activity::kFinished;
+  }
+  reactor_->Finish(ToGrpcStatus(status));
+}
+
+}  // namespace steadymap

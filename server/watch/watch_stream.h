@@ -1,0 +1,102 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <absl/base/thread_annotations.h>
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <absl/synchronization/mutex.h>
+#include <absl/time/time.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include "server/mapping/map_directory.h"
+#include "server/process/worker_pool.h"
+#include "server/rpc/peer_limiter.h"
+#include "server/watch/watch_course.h"
+#include "server/watch/watch_hub.h"
+
+#include "steadymap/v1/watch_service.pb.h"
+
+namespace steadymap {
+
+/// One `WatchMap` call: sends the messages of a `WatchCourse`, each when the one before is written,
+/// and sleeps while the map does not change. At any moment either one task of the pool is
+/// at work on it, or one write is on its way, or neither; whoever wakes it meanwhile leaves a note.
+/// The stream outlives the reactor as long as a task or the hub knows it. Thread-safe.
+class WatchStream final : public ActiveWatch, public std::enable_shared_from_this<WatchStream> {
+ public:
+  using GrpcReactor = grpc::ServerWriteReactor<grpc::ByteBuffer>;
+
+  /// What streams need of the server; all of it outlives them.
+  struct Surroundings {
+    MapDirectory* maps = nullptr;
+    WatchHub* hub = nullptr;
+    WorkerPool* pool = nullptr;
+    PeerLimiter* openings = nullptr;
+  };
+
+  /// Starts a stream; `request` is a serialized `v1::WatchMapRequest`. The reactor deletes itself.
+  static GrpcReactor* Start(const Surroundings& surroundings,
+                            grpc::CallbackServerContext* context,
+                            const grpc::ByteBuffer& request);
+
+  /// Use `Start`.
+  WatchStream(const Surroundings& surroundings, grpc::CallbackServerContext* context);
+
+  void Wake() override;
+  void Drain() override ABSL_LOCKS_EXCLUDED(mutex_);
+  void End(const absl::Status& status) override ABSL_LOCKS_EXCLUDED(mutex_);
+  void Cancel() override ABSL_LOCKS_EXCLUDED(mutex_);
+  Revision revision() const override ABSL_LOCKS_EXCLUDED(mutex_);
+  std::shared_ptr<WatchMessages> step() const override ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Time sending_since() const override ABSL_LOCKS_EXCLUDED(mutex_);
+
+ private:
+  class Reactor;
+
+  using Message = WatchCourse::Message;
+
+  enum class Activity { kIdle, kAdvancing, kWriting, kFinished };
+
+  // Reports of gRPC.
+  void OnWritten(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
+  void OnGone() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  void Schedule() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Submit() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Advance() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
+
+  absl::StatusOr<Message> NextMessage(bool draining) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status ReadRequest() ABSL_LOCKS_EXCLUDED(mutex_);
+
+  const Surroundings surroundings_;
+  const std::string peer_;
+  absl::Status request_status_;      ///< Of reading it; set before anything else happens.
+  Reactor* reactor_ = nullptr;       ///< Valid until it has been finished.
+  const Cancellation cancellation_;  ///< Once the watcher has gone.
+
+  // Of whoever advances the stream.
+  std::optional<WatchCourse> course_;  ///< None for a request that is no WatchMapRequest.
+  bool has_read_request_ = false;
+  bool begun_ = false;
+  grpc::ByteBuffer outgoing_;  ///< Of the write on its way.
+
+  mutable absl::Mutex mutex_;
+  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null once the call is over.
+  Activity activity_ ABSL_GUARDED_BY(mutex_) = Activity::kIdle;
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since the last look at the map.
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub knows it.
+  std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
+  Revision revision_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< As the course's.
+  absl::Time sending_since_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
+};
+
+}  // namespace steadymap
