@@ -5,18 +5,18 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/cli/error_line.h"
-#include "client/cli/evaluate_command.h"
-#include "client/cli/events_command.h"
-#include "client/cli/export_command.h"
-#include "client/cli/map_commands.h"
-#include "client/cli/mirror_command.h"
-#include "client/cli/objects_command.h"
-#include "client/cli/query_command.h"
-#include "client/cli/render_command.h"
-#include "client/cli/simulate_command.h"
-#include "client/cli/upload_command.h"
-#include "client/cli/watch_command.h"
+#include "client/cli/bench/evaluate_command.h"
+#include "client/cli/bench/simulate_command.h"
+#include "client/cli/maps/map_commands.h"
+#include "client/cli/query/events_command.h"
+#include "client/cli/query/export_command.h"
+#include "client/cli/query/objects_command.h"
+#include "client/cli/query/query_command.h"
+#include "client/cli/query/render_command.h"
+#include "client/cli/text/error_line.h"
+#include "client/cli/upload/upload_command.h"
+#include "client/cli/watch/mirror_command.h"
+#include "client/cli/watch/watch_command.h"
 
 namespace steadymap {
 namespace {

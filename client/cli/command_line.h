@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/command_context.h"
+#include "client/cli/text/command_context.h"
 
 namespace steadymap {
 

@@ -4,8 +4,8 @@
 
 #include <unistd.h>
 
-#include "client/channel.h"
 #include "client/cli/command_line.h"
+#include "client/transport/channel.h"
 
 int main(int argc, char** argv) {
   steadymap::CommandContext context{.out = std::cout, .err = std::cerr};

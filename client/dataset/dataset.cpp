@@ -8,16 +8,16 @@
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_join.h>
 
-#include "client/dataset/co_fusion_sequence.h"
-#include "client/dataset/folder_listing.h"
-#include "client/dataset/image_file.h"
-#include "client/dataset/panoptic_sequence.h"
+#include "client/dataset/files/folder_listing.h"
+#include "client/dataset/files/image_file.h"
+#include "client/dataset/files/text_file.h"
+#include "client/dataset/layouts/co_fusion_sequence.h"
+#include "client/dataset/layouts/panoptic_sequence.h"
+#include "client/dataset/layouts/recorded_sequence.h"
+#include "client/dataset/layouts/seven_scenes_sequence.h"
+#include "client/dataset/layouts/torwic_sequence.h"
+#include "client/dataset/layouts/tum_sequence.h"
 #include "client/dataset/recorded_frame_source.h"
-#include "client/dataset/recorded_sequence.h"
-#include "client/dataset/seven_scenes_sequence.h"
-#include "client/dataset/text_file.h"
-#include "client/dataset/torwic_sequence.h"
-#include "client/dataset/tum_sequence.h"
 #include "core/types/absl_text.h"
 
 namespace steadymap {

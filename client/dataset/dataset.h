@@ -12,7 +12,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/dataset/recording_check.h"
-#include "client/frame_source.h"
+#include "client/upload/frame_source.h"
 
 namespace steadymap {
 

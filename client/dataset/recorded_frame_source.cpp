@@ -9,10 +9,10 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "client/dataset/depth_file.h"
+#include "client/dataset/files/depth_file.h"
+#include "client/dataset/files/image_file.h"
 #include "client/dataset/frame_message.h"
-#include "client/dataset/image_file.h"
-#include "client/dataset/segment_classes.h"
+#include "client/dataset/layouts/segment_classes.h"
 #include "core/frame/image_codec.h"
 
 namespace steadymap {

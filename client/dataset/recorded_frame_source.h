@@ -7,8 +7,8 @@
 #include <absl/status/statusor.h>
 
 #include "client/dataset/dataset.h"
-#include "client/dataset/label_map.h"
-#include "client/dataset/recorded_sequence.h"
+#include "client/dataset/layouts/label_map.h"
+#include "client/dataset/layouts/recorded_sequence.h"
 
 namespace steadymap {
 

@@ -19,9 +19,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/channel.h"
-#include "client/map_client.h"
-#include "client/simulator/named_routes.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/map/map_client.h"
+#include "client/transport/channel.h"
 #include "tests/benchmark/delta_account.h"
 #include "tests/benchmark/frame_feed.h"
 #include "tests/benchmark/watch_crowd.h"

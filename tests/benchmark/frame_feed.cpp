@@ -6,9 +6,9 @@
 #include <thread>
 #include <utility>
 
-#include "client/channel.h"
-#include "client/simulator/simulated_frame_source.h"
-#include "client/uploader.h"
+#include "client/bench/simulator/simulated_frame_source.h"
+#include "client/transport/channel.h"
+#include "client/upload/uploader.h"
 #include "core/frame/image_codec.h"
 
 namespace steadymap::benchmarks {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/simulator/simulation.h"
+#include "client/bench/simulator/simulation.h"
 #include "core/types/identifiers.h"
 
 #include "steadymap/v1/frame.pb.h"

@@ -7,8 +7,8 @@
 #include <utility>
 #include <variant>
 
-#include "client/simulator/large_hall.h"
-#include "client/simulator/simulation.h"
+#include "client/bench/simulator/routes/large_hall.h"
+#include "client/bench/simulator/simulation.h"
 #include "tests/support/analytic_map.h"
 
 namespace steadymap::benchmarks {

@@ -17,8 +17,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "client/simulator/named_routes.h"
-#include "client/simulator/simulation.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/simulation.h"
 #include "core/mapper.h"
 #include "tests/benchmark/hall_drive.h"
 

@@ -22,10 +22,10 @@
 #include <absl/synchronization/notification.h>
 #include <absl/time/time.h>
 
-#include "client/channel.h"
-#include "client/map_client.h"
-#include "client/map_mirror.h"
-#include "client/uploader.h"
+#include "client/map/map_client.h"
+#include "client/map/map_mirror.h"
+#include "client/transport/channel.h"
+#include "client/upload/uploader.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_frame.h"

@@ -3,9 +3,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "client/simulator/named_routes.h"
-#include "client/simulator/simulated_frame_source.h"
-#include "client/simulator/simulation.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/simulated_frame_source.h"
+#include "client/bench/simulator/simulation.h"
 
 namespace steadymap {
 namespace {

@@ -16,11 +16,11 @@
 #include <absl/strings/str_cat.h>
 #include <benchmark/benchmark.h>
 
-#include "client/channel.h"
-#include "client/map_client.h"
-#include "client/simulator/named_routes.h"
-#include "client/simulator/simulated_frame_source.h"
-#include "client/uploader.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/simulated_frame_source.h"
+#include "client/map/map_client.h"
+#include "client/transport/channel.h"
+#include "client/upload/uploader.h"
 #include "core/frame/image_codec.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_folder.h"

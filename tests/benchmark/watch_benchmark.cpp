@@ -22,10 +22,10 @@
 #include <CLI/CLI.hpp>
 #include <sys/resource.h>
 
-#include "client/channel.h"
-#include "client/map_client.h"
-#include "client/simulator/named_routes.h"
-#include "client/simulator/scene.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/scene/scene.h"
+#include "client/map/map_client.h"
+#include "client/transport/channel.h"
 #include "tests/benchmark/frame_feed.h"
 #include "tests/benchmark/process_usage.h"
 #include "tests/benchmark/watch_crowd.h"

@@ -1,4 +1,4 @@
-#include "client/birds_eye.h"
+#include "client/picture/birds_eye.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "client/birds_eye_objects.h"
-#include "client/height_ramp.h"
-#include "client/picture_style.h"
+#include "client/picture/birds_eye_objects.h"
+#include "client/picture/height_ramp.h"
+#include "client/picture/picture_style.h"
 #include "tests/support/special_numbers.h"
 
 namespace steadymap {

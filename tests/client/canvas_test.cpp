@@ -1,13 +1,13 @@
-#include "client/canvas.h"
+#include "client/picture/canvas.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "client/birds_eye_legend.h"
-#include "client/height_ramp.h"
-#include "client/picture_style.h"
-#include "client/stroke_font.h"
+#include "client/picture/birds_eye_legend.h"
+#include "client/picture/height_ramp.h"
+#include "client/picture/picture_style.h"
+#include "client/picture/stroke_font.h"
 
 namespace steadymap {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "client/cli/argument_text.h"
-#include "client/cli/class_table_file.h"
-#include "client/cli/number_text.h"
-#include "client/cli/output_file.h"
-#include "client/cli/progress_report.h"
+#include "client/cli/maps/class_table_file.h"
+#include "client/cli/text/argument_text.h"
+#include "client/cli/text/number_text.h"
+#include "client/cli/text/output_file.h"
+#include "client/cli/upload/progress_report.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

@@ -1,11 +1,11 @@
-#include "client/simulator/clutter.h"
+#include "client/bench/simulator/routes/clutter.h"
 
 #include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "client/simulator/simulation.h"
+#include "client/bench/simulator/simulation.h"
 
 namespace steadymap {
 namespace {

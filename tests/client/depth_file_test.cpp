@@ -1,4 +1,4 @@
-#include "client/dataset/depth_file.h"
+#include "client/dataset/files/depth_file.h"
 
 #include <cstdint>
 #include <limits>

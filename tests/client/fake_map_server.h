@@ -8,7 +8,7 @@
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 
-#include "client/channel.h"
+#include "client/transport/channel.h"
 #include "core/types/crc32c.h"
 #include "core/types/error.h"
 #include "core/types/identifiers.h"

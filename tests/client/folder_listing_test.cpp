@@ -1,4 +1,4 @@
-#include "client/dataset/folder_listing.h"
+#include "client/dataset/files/folder_listing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

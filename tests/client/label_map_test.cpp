@@ -1,4 +1,4 @@
-#include "client/dataset/label_map.h"
+#include "client/dataset/layouts/label_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/frame_replay.h"
+#include "client/upload/frame_replay.h"
 #include "core/types/error.h"
 #include "proto/convert_status.h"
 #include "tests/client/upload_harness.h"

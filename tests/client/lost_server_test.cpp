@@ -8,9 +8,9 @@
 #include <absl/time/time.h>
 #include <gtest/gtest.h>
 
-#include "client/channel.h"
-#include "client/map_mirror.h"
-#include "client/uploader.h"
+#include "client/map/map_mirror.h"
+#include "client/transport/channel.h"
+#include "client/upload/uploader.h"
 #include "tests/support/tcp_proxy.h"
 
 namespace steadymap {

@@ -1,4 +1,4 @@
-#include "client/map_change.h"
+#include "client/map/map_change.h"
 
 #include <functional>
 #include <string>

@@ -1,4 +1,4 @@
-#include "client/map_client.h"
+#include "client/map/map_client.h"
 
 #include <random>
 #include <string>

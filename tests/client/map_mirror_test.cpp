@@ -1,4 +1,4 @@
-#include "client/map_mirror.h"
+#include "client/map/map_mirror.h"
 
 #include <string>
 #include <vector>

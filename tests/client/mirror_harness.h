@@ -14,7 +14,7 @@
 #include <absl/time/time.h>
 #include <gtest/gtest.h>
 
-#include "client/map_mirror.h"
+#include "client/map/map_mirror.h"
 #include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_map_server.h"

@@ -1,10 +1,10 @@
-#include "client/cli/object_text.h"
+#include "client/cli/query/object_text.h"
 
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "client/cli/enumerator_text.h"
+#include "client/cli/text/enumerator_text.h"
 #include "proto/convert_event.h"
 #include "proto/convert_map.h"
 #include "proto/convert_object.h"

@@ -1,4 +1,4 @@
-#include "client/simulator/renderer.h"
+#include "client/bench/simulator/sensor/renderer.h"
 
 #include <cmath>
 #include <memory>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/simulator/trajectory.h"
+#include "client/bench/simulator/scene/trajectory.h"
 
 namespace steadymap {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/simulator/scene.h"
+#include "client/bench/simulator/scene/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/dataset/segment_classes.h"
+#include "client/dataset/layouts/segment_classes.h"
 
 #include <string>
 

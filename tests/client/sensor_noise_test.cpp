@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "client/simulator/counter_random.h"
-#include "client/simulator/label_noise.h"
-#include "client/simulator/renderer.h"
-#include "client/simulator/trajectory.h"
+#include "client/bench/simulator/scene/counter_random.h"
+#include "client/bench/simulator/scene/trajectory.h"
+#include "client/bench/simulator/sensor/label_noise.h"
+#include "client/bench/simulator/sensor/renderer.h"
 
 namespace steadymap {
 namespace {

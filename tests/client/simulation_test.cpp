@@ -1,13 +1,13 @@
-#include "client/simulator/simulation.h"
+#include "client/bench/simulator/simulation.h"
 
 #include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/simulator/large_hall.h"
-#include "client/simulator/named_routes.h"
-#include "client/simulator/simulated_frame_source.h"
+#include "client/bench/simulator/routes/large_hall.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/simulated_frame_source.h"
 #include "core/frame/image_codec.h"
 #include "core/types/error.h"
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "client/dataset/dataset.h"
-#include "client/dataset/torwic_layout.h"
+#include "client/dataset/layouts/torwic_layout.h"
 #include "core/frame/image_codec.h"
 #include "tests/client/recording_builder.h"
 #include "tests/support/temporary_folder.h"

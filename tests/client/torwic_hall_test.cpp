@@ -1,4 +1,4 @@
-#include "client/simulator/torwic_hall.h"
+#include "client/bench/simulator/routes/torwic_hall.h"
 
 #include <cmath>
 #include <map>

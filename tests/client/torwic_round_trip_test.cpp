@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/torwic_writer.h"
 #include "client/dataset/dataset.h"
-#include "client/simulator/named_routes.h"
-#include "client/simulator/torwic_writer.h"
 #include "core/frame/image_codec.h"
 #include "tests/support/temporary_folder.h"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/uploader.h"
+#include "client/upload/uploader.h"
 #include "core/types/error.h"
 #include "proto/grpc_status.h"
 #include "tests/client/fake_ingest_service.h"

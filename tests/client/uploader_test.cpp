@@ -1,4 +1,4 @@
-#include "client/uploader.h"
+#include "client/upload/uploader.h"
 
 #include <algorithm>
 #include <future>

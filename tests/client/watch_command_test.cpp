@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "client/cli/command_line.h"
-#include "client/cli/resume_token.h"
+#include "client/cli/watch/resume_token.h"
 #include "core/query/vdb_file.h"
 #include "core/types/error.h"
 #include "proto/grpc_status.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/channel.h"
+#include "client/transport/channel.h"
 #include "tests/support/command_outcome.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_folder.h"

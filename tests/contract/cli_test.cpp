@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "client/channel.h"
-#include "client/map_client.h"
-#include "client/simulator/simulated_frame_source.h"
-#include "client/uploader.h"
+#include "client/bench/simulator/simulated_frame_source.h"
+#include "client/map/map_client.h"
+#include "client/transport/channel.h"
+#include "client/upload/uploader.h"
 #include "tests/contract/cli_fixture.h"
 
 namespace steadymap {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/map_client.h"
+#include "client/map/map_client.h"
 #include "tests/contract/cli_fixture.h"
 
 namespace steadymap {

@@ -1,7 +1,7 @@
 // Mirrors of a real daemon's maps: at every revision that can be compared they are what the daemon
 // exports, bit for bit.
 
-#include "client/map_mirror.h"
+#include "client/map/map_mirror.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,9 +16,9 @@
 
 #include <gtest/gtest.h>
 
-#include "client/channel.h"
 #include "client/cli/command_line.h"
-#include "client/map_client.h"
+#include "client/map/map_client.h"
+#include "client/transport/channel.h"
 #include "core/query/map_mesh.h"
 #include "core/query/mesh_file.h"
 #include "core/query/vdb_file.h"

@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "client/channel.h"
-#include "client/frame_replay.h"
-#include "client/map_client.h"
-#include "client/simulator/simulated_frame_source.h"
-#include "client/uploader.h"
+#include "client/bench/simulator/simulated_frame_source.h"
+#include "client/map/map_client.h"
+#include "client/transport/channel.h"
+#include "client/upload/frame_replay.h"
+#include "client/upload/uploader.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_folder.h"
 

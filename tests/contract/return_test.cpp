@@ -12,11 +12,11 @@
 #include <absl/time/time.h>
 #include <gtest/gtest.h>
 
-#include "client/channel.h"
 #include "client/cli/command_line.h"
-#include "client/map_client.h"
-#include "client/map_mirror.h"
-#include "client/uploader.h"
+#include "client/map/map_client.h"
+#include "client/map/map_mirror.h"
+#include "client/transport/channel.h"
+#include "client/upload/uploader.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/wall_frame.h"

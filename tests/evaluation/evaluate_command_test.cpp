@@ -1,4 +1,4 @@
-#include "client/cli/evaluate_command.h"
+#include "client/cli/bench/evaluate_command.h"
 
 #include <filesystem>
 #include <sstream>

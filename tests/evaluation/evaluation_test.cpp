@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "client/evaluation/recording_evaluation.h"
-#include "client/evaluation/route_evaluation.h"
-#include "client/simulator/named_routes.h"
-#include "client/simulator/torwic_writer.h"
+#include "client/bench/evaluation/recording_evaluation.h"
+#include "client/bench/evaluation/route_evaluation.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/torwic_writer.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

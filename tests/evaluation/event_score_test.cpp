@@ -1,4 +1,4 @@
-#include "client/evaluation/event_score.h"
+#include "client/bench/evaluation/score/event_score.h"
 
 #include <cmath>
 

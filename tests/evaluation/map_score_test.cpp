@@ -1,11 +1,11 @@
-#include "client/evaluation/map_score.h"
+#include "client/bench/evaluation/score/map_score.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "client/evaluation/belief_score.h"
+#include "client/bench/evaluation/score/belief_score.h"
 
 namespace steadymap {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/evaluation/observed_space.h"
+#include "client/bench/evaluation/truth/observed_space.h"
 
 #include <limits>
 

@@ -1,13 +1,13 @@
-#include "client/evaluation/route_survey.h"
+#include "client/bench/evaluation/truth/route_survey.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "client/evaluation/event_truth.h"
-#include "client/evaluation/route_reference.h"
-#include "client/simulator/named_routes.h"
+#include "client/bench/evaluation/score/route_reference.h"
+#include "client/bench/evaluation/truth/event_truth.h"
+#include "client/bench/simulator/routes/named_routes.h"
 
 namespace steadymap {
 namespace {

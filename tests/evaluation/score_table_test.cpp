@@ -1,15 +1,15 @@
-#include "client/evaluation/score_table.h"
+#include "client/bench/evaluation/report/score_table.h"
 
 #include <algorithm>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "client/cli/evaluation_json.h"
-#include "client/evaluation/method.h"
-#include "client/evaluation/score_picture.h"
-#include "client/evaluation/stage_clock.h"
-#include "client/evaluation/stage_table.h"
+#include "client/bench/evaluation/method/method.h"
+#include "client/bench/evaluation/method/stage_clock.h"
+#include "client/bench/evaluation/report/score_picture.h"
+#include "client/bench/evaluation/report/stage_table.h"
+#include "client/cli/bench/evaluation_json.h"
 
 namespace steadymap {
 namespace {

@@ -1,10 +1,10 @@
-#include "client/evaluation/surface_points.h"
+#include "client/bench/evaluation/truth/surface_points.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "client/evaluation/point_index.h"
+#include "client/bench/evaluation/truth/point_index.h"
 
 namespace steadymap {
 namespace {

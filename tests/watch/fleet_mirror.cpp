@@ -5,7 +5,7 @@
 
 #include <absl/strings/str_cat.h>
 
-#include "client/channel.h"
+#include "client/transport/channel.h"
 #include "proto/convert_event.h"
 #include "proto/convert_object.h"
 #include "tests/server/store_builder.h"

@@ -9,7 +9,7 @@
 #include <absl/base/thread_annotations.h>
 #include <absl/synchronization/mutex.h>
 
-#include "client/map_mirror.h"
+#include "client/map/map_mirror.h"
 #include "core/map/map_filter.h"
 #include "tests/support/tcp_proxy.h"
 #include "tests/watch/fleet_server.h"

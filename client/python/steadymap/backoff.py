@@ -43,7 +43,7 @@ class BackoffOptions:
 
 class Backoff:
     """Gives the delays; knows no clock: it counts the delays it gave, and what tries are said to
-    have taken. The same rules as client/backoff.h of the C++ client."""
+    have taken. The same rules as client/transport/backoff.h of the C++ client."""
 
     def __init__(self, options: BackoffOptions, seed: Optional[int] = None) -> None:
         """Equal seeds give equal delays; None takes one from the system."""

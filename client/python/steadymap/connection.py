@@ -8,7 +8,7 @@ import grpc
 
 from steadymap.errors import CancelledError, error_from_rpc
 
-# As client/channel.cpp: pings during long uploads, a connection of its own for each channel, 2 s to
+# As client/transport/channel.cpp: pings during long uploads, a connection of its own for each channel, 2 s to
 # connect, no compression by gRPC (the server refuses it), messages as large as the server sends.
 _CHANNEL_OPTIONS = (
     ("grpc.keepalive_time_ms", 30_000),

@@ -37,7 +37,7 @@ def change_map(
 ) -> map_pb2.Map:
     """Reads the map, changes it and returns it as it is then.
 
-    The same rules as client/map_change.h of the C++ client: where somebody else changed the map in
+    The same rules as client/map/map_change.h of the C++ client: where somebody else changed the map in
     between it is read again, unless the change has an etag; a request whose answer is lost is sent
     again with its request id, and counts once. `sleep` replaces the waiting, and the clock.
     """

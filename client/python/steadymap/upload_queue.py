@@ -1,6 +1,6 @@
 """The memory of an upload session: what is under way, and what the service has acknowledged.
 
-Pure state: no threads, clock or network. The same rules as client/upload_queue.h of the C++ client.
+Pure state: no threads, clock or network. The same rules as client/upload/upload_queue.h of the C++ client.
 """
 
 import collections

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "client/bench/simulator/scene/scene.h"
+#include "client/bench/simulator/sensor/facet_raster.h"
+#include "client/bench/simulator/sensor/sensor_model.h"
+#include "core/frame/frame.h"
+#include "core/geometry/geometry.h"
+
+namespace steadymap {
+
+/// What the ray of each pixel meets first, before any noise.
+struct SurfaceImage {
+  /// Depths, and for each pixel the index into `surfaces`.
+  DepthBuffer pixels;
+
+  /// A facet in view.
+  struct Surface {
+    const SceneObject* object = nullptr;  ///< Null for entry 0, which stands for nothing.
+    float plane_distance_m = 0.0F;        ///< Of the camera from the facet's plane, >= 0.
+    float brightness = 0.0F;              ///< Share of the object's colour, by diffuse light.
+  };
+
+  std::vector<Surface> surfaces;  ///< Never empty once rendered.
+};
+
+/// Which images of a frame are wanted besides depth and labels.
+struct RenderOptions {
+  bool include_instances = false;
+  bool include_color = false;
+};
+
+/// One view to be rendered.
+struct View {
+  Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< The true pose.
+  double time_s = 0.0;          ///< Since the start of the sequence; moving objects follow it.
+  std::uint64_t noise_key = 0;  ///< Same key, same noise; give each frame its own.
+};
+
+/// Draws a scene as a depth camera sees it. The same arguments give the same bits, whatever was
+/// rendered before. Holds its buffers, so one renderer draws many frames cheaply; one thread at a
+/// time.
+class Renderer {
+ public:
+  /// `scene` must outlive the renderer and not change. `camera` must be valid.
+  Renderer(const Scene* scene, const PinholeCamera& camera, const SensorModel& sensor);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Casts the ray of every pixel. Valid until the next call.
+  const SurfaceImage& RenderSurfaces(const Eigen::Isometry3d& T_world_camera, double time_s);
+
+  /// A frame with millimetre depth, labels and what `options` asks for, all noise applied except
+  /// drift: `T_world_camera` is the true pose. Robot and capture time are left empty.
+  Frame Render(const View& view, const RenderOptions& options);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,244 @@
+#include "client/cli/bench/evaluate_command.h"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "client/bench/evaluation/recording_evaluation.h"
+#include "client/bench/evaluation/report/score_picture.h"
+#include "client/bench/evaluation/report/score_table.h"
+#include "client/bench/evaluation/report/stage_table.h"
+#include "client/bench/evaluation/route_evaluation.h"
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/cli/bench/evaluation_json.h"
+#include "client/cli/text/number_text.h"
+#include "client/cli/text/output_file.h"
+#include "client/cli/upload/progress_report.h"
+#include "core/frame/image_codec.h"
+
+namespace steadymap {
+namespace {
+
+// Where their descriptions start in the list of switches.
+constexpr std::size_t kSwitchColumn = 14;
+
+/// What is wrong with the name of a route; empty if nothing is.
+std::string FindRouteFault(const std::string& name) {
+  return std::string(MakeRoute(name).status().message());
+}
+
+std::string EvaluateFooter() {
+  std::string footer =
+      "Frames of a simulated route, or of recorded sequences, are built into maps in this "
+      "process,\n"
+      "one by each policy, and the maps' surface is compared voxel by voxel with what truly was\n"
+      "there at the end: precision, recall and false positive rate of the same voxel, and near:\n"
+      "within half a voxel. Ghosts: share of what has vanished that the map still shows. Kept:\n"
+      "share of what only earlier sequences saw that the map still has. Two yardsticks stand\n"
+      "beside every policy: static fuses everything, fresh the last sequence only. The truth of a\n"
+      "recording is the map of its last sequence.\n\nRoutes:";
+  for (const std::string& route : RouteNames()) footer += " " + route;
+  footer += " clutter-SEED\nPolicies:";
+  for (const std::string& method : MethodNames()) footer += " " + method;
+  footer += "\nSwitches of pocd, and what it is like without:";
+  for (const EngineSwitch& row : AllEngineSwitches()) {
+    std::string name(row.name);
+    name.resize(kSwitchColumn, ' ');
+    footer.append("\n  ").append(name).append(row.off);
+  }
+  return footer;
+}
+
+absl::Status WritePicture(const std::filesystem::path& path, const Image<Rgb>& picture) {
+  absl::StatusOr<OutputFile> file = OutputFile::Create(path);
+  if (!file.ok()) return file.status();
+  const absl::Status status = file->Write(EncodeColorPng(picture));
+  return status.ok() ? file->Commit() : status;
+}
+
+}  // namespace
+
+EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : context_(context) {
+  CLI::App* const command =
+      app->add_subcommand("evaluate", "Build maps by several policies and score them");
+  command->footer(EvaluateFooter());
+  AddSources(command);
+  command->add_option("--policy", policies_, "Policies to compare; without it, all of them")
+      ->check(CLI::IsMember(MethodNames()));
+  command
+      ->add_option("--switch-off",
+                   switched_off_,
+                   "Show pocd without these, too, each by itself; all: all of them")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(SwitchNames()));
+  command->add_option("--stride", stride_, "Keep every N-th frame")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--voxel",
+                   voxel_size_m_,
+                   "Edge of the voxels that are compared; 0.06 m on a table, else 0.2")
+      ->type_name("METRES")
+      ->check(CLI::Range(0.02, 1.0));
+  command->add_flag("--ground", with_ground_, "Score the ground, too");
+  command->add_flag("--stages", with_stages_, "Show where the time of a frame goes");
+  command->add_option("--pictures", pictures_folder_, "Draw each map's verdicts into this folder")
+      ->type_name("DIR");
+  command->add_flag("--json", as_json_, "Print the tables as JSON");
+  command->callback([this] { context_->action = [this] { return Run(); }; });
+}
+
+void EvaluateCommand::AddSources(CLI::App* command) {
+  CLI::Option* const route = command->add_option("--route", routes_, "Simulated routes")
+                                 ->type_name("ROUTE")
+                                 ->check(CLI::Validator(FindRouteFault, ""));
+  command->add_option("--seed", seeds_, "Seeds of all noise; scores are of all of them together")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--ideal", is_ideal_, "A sensor without noise, holes or drift");
+  command
+      ->add_option(
+          "--wrong-labels",
+          wrong_labels_,
+          "Share of the things in view that each frame of a route takes for another class; "
+          "0.01 unless told")
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0))
+      ->needs(route);
+  command
+      ->add_option("--lost",
+                   lost_,
+                   "Frames of a route in which the robot takes itself to be 1.5 m and 40 degrees "
+                   "elsewhere: the first, and how many")
+      ->type_name("FRAME COUNT")
+      ->expected(2)
+      ->needs(route);
+  CLI::Option* const format =
+      command->add_option("--format", format_, "How recorded sequences are laid out")
+          ->type_name("FORMAT")
+          ->check(CLI::IsMember(DatasetFormats()));
+  command->add_option("--sequence", sequences_, "Recorded sequences, in the order of the drives")
+      ->type_name("PATH")
+      ->needs(format)
+      ->excludes(route);
+  command->add_option("--label-map", label_map_file_, "Turn class ids into the map's")
+      ->type_name("FILE");
+  command->add_option("--T-world-dataset", T_world_dataset_file_, "Place recordings in the map")
+      ->type_name("FILE");
+}
+
+absl::Status EvaluateCommand::Run() const {
+  if (routes_.empty() && sequences_.empty()) {
+    return absl::InvalidArgumentError("expected a --route, or a --format and its --sequence");
+  }
+  if (!pictures_folder_.empty()) {
+    if (absl::Status status = MakeFolder(pictures_folder_); !status.ok()) return status;
+  }
+  const absl::StatusOr<std::vector<Evaluation>> evaluations = EvaluateAll();
+  if (!evaluations.ok()) return evaluations.status();
+  if (as_json_) context_->out << EvaluationJson(*evaluations);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<Evaluation>> EvaluateCommand::EvaluateAll() const {
+  std::vector<Evaluation> evaluations;
+  const auto take = [&](absl::StatusOr<Evaluation> evaluation) {
+    if (!evaluation.ok()) return evaluation.status();
+    if (!as_json_) {
+      context_->out << (evaluations.empty() ? "" : "\n") << ScoreTable(*evaluation);
+      if (with_stages_) context_->out << StageTable(*evaluation);
+      context_->out << std::flush;
+    }
+    evaluations.push_back(*std::move(evaluation));
+    return absl::OkStatus();
+  };
+  for (const std::string& name : routes_) {
+    const absl::Status status = take(EvaluateNamedRoute(name));
+    if (!status.ok()) return status;
+  }
+  if (!sequences_.empty()) {
+    const absl::Status status = take(EvaluateSequences());
+    if (!status.ok()) return status;
+  }
+  return evaluations;
+}
+
+absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string& name) const {
+  absl::StatusOr<Route> route = MakeRoute(name);
+  if (!route.ok()) return route.status();
+  absl::StatusOr<std::vector<Method>> methods =
+      SelectMethods(policies_, MapConfigFor(name), switched_off_);
+  if (!methods.ok()) return methods.status();
+  absl::Status picture_status;
+  RouteEvaluationOptions options;
+  options.simulation.sensor = is_ideal_ ? SensorModel::Ideal() : SensorModel::Full();
+  if (wrong_labels_.has_value()) {
+    options.simulation.sensor.label_flips = true;
+    options.simulation.sensor.label_flip_share = *wrong_labels_;
+  }
+  options.simulation.stride = stride_;
+  if (lost_.size() == 2) {
+    options.simulation.lost.first_frame = lost_[0];
+    options.simulation.lost.frame_count = lost_[1];
+  }
+  options.seeds = seeds_;
+  options.voxel_size_m = voxel_size_m_ > 0.0 ? voxel_size_m_ : EvaluationVoxelFor(name);
+  options.with_ground = with_ground_;
+  options.methods = *std::move(methods);
+  options.visit_map = PictureWriter(name, &picture_status);
+  const std::size_t frame_total =
+      Simulation(*route, options.simulation).frame_count() * seeds_.size();
+  ProgressReport report(
+      &context_->err, context_->err_is_terminal, "mapped", frame_total, SteadySeconds);
+  std::size_t done = 0;
+  options.on_frame = [&report, &done] {
+    ++done;
+    report.Update(done, done);
+  };
+  absl::StatusOr<Evaluation> evaluation = EvaluateRoute(*route, options);
+  report.End();
+  if (!picture_status.ok()) return picture_status;
+  return evaluation;
+}
+
+absl::StatusOr<Evaluation> EvaluateCommand::EvaluateSequences() const {
+  absl::StatusOr<std::vector<Method>> methods =
+      SelectMethods(policies_, MapConfig(), switched_off_);
+  if (!methods.ok()) return methods.status();
+  absl::Status picture_status;
+  RecordingEvaluationOptions options;
+  options.format = format_;
+  options.sequences.assign(sequences_.begin(), sequences_.end());
+  options.dataset.stride = stride_;
+  options.dataset.label_map_file = label_map_file_;
+  options.dataset.T_world_dataset_file = T_world_dataset_file_;
+  options.dataset.include_color = false;
+  if (voxel_size_m_ > 0.0) options.voxel_size_m = voxel_size_m_;
+  options.methods = *std::move(methods);
+  options.visit_map = PictureWriter(format_, &picture_status);
+  absl::StatusOr<Evaluation> evaluation = EvaluateRecording(options);
+  if (!picture_status.ok()) return picture_status;
+  return evaluation;
+}
+
+MapVisitor EvaluateCommand::PictureWriter(const std::string& title, absl::Status* status) const {
+  if (pictures_folder_.empty()) return {};
+  return [this, title, status](const std::string& method,
+                               const MapScorer& scorer,
+                               const std::vector<SurfacePoint>& surface) {
+    if (!status->ok()) return;
+    const ScorePictureText text = {
+        title + ", " + method,
+        "verdicts within half a voxel of " + LengthText(scorer.voxel_size_m()) + ", from above"};
+    std::string name = title + "-" + method + ".png";
+    std::erase(name, ' ');
+    const std::filesystem::path path = std::filesystem::path(pictures_folder_) / name;
+    *status =
+        WritePicture(path, DrawScorePicture(scorer.Judge(surface), scorer.voxel_size_m(), text));
+  };
+}
+
+}  // namespace steadymap

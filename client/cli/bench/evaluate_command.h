@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "client/bench/evaluation/report/evaluation.h"
+#include "client/cli/text/command_context.h"
+#include "client/dataset/dataset.h"
+
+namespace steadymap {
+
+/// `steadymap evaluate`. Lives as long as the parsed command line.
+class EvaluateCommand {
+ public:
+  EvaluateCommand(CLI::App* app, CommandContext* context);
+
+ private:
+  void AddSources(CLI::App* command);
+
+  absl::Status Run() const;
+  absl::StatusOr<std::vector<Evaluation>> EvaluateAll() const;
+  absl::StatusOr<Evaluation> EvaluateNamedRoute(const std::string& name) const;
+  absl::StatusOr<Evaluation> EvaluateSequences() const;
+
+  /// Draws maps into the pictures' folder; empty without one. The first error lands in `status`.
+  MapVisitor PictureWriter(const std::string& title, absl::Status* status) const;
+
+  CommandContext* context_;
+  std::vector<std::string> routes_;
+  std::vector<std::string> sequences_;
+  std::string format_;
+  std::string label_map_file_;
+  std::string T_world_dataset_file_;
+  std::vector<std::string> policies_;
+  std::vector<std::string> switched_off_;  ///< Of pocd.
+  std::vector<std::uint64_t> seeds_ = {1};
+  std::size_t stride_ = 1;
+  std::optional<double> wrong_labels_;
+  std::vector<std::size_t> lost_;  ///< First frame and how many; empty: none.
+  double voxel_size_m_ = 0.0;      ///< 0: as the route says.
+  std::string pictures_folder_;
+  bool is_ideal_ = false;
+  bool with_ground_ = false;
+  bool with_stages_ = false;
+  bool as_json_ = false;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,84 @@
+#include "client/cli/bench/simulate_command.h"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "client/bench/simulator/routes/named_routes.h"
+#include "client/bench/simulator/simulated_frame_source.h"
+#include "client/bench/simulator/torwic_writer.h"
+#include "client/cli/upload/progress_report.h"
+
+namespace steadymap {
+namespace {
+
+std::string SimulateFooter() {
+  std::string footer =
+      "A simulated robot drives a route through a small warehouse whose boxes and fences have\n"
+      "moved from one sequence to the next, and what its depth camera sees is uploaded, or "
+      "written\n"
+      "to a folder in the TorWIC layout. The same route and seed give the same frames.\n\nRoutes:";
+  for (const std::string& route : RouteNames()) footer += " " + route;
+  return footer +
+         " clutter-SEED\n\nA map that does not exist is created if --policy says how; the options "
+         "from --policy to\n--classes are those of `steadymap map create`, whose --help tells more "
+         "of them.";
+}
+
+}  // namespace
+
+SimulateCommand::SimulateCommand(CLI::App* app, CommandContext* context) : context_(context) {
+  options_.source = simulation_.source;
+  CLI::App* const command =
+      app->add_subcommand("simulate", "Upload or write the frames of a simulated robot");
+  command->footer(SimulateFooter());
+  CLI::Option* const name = command->add_option("NAME", options_.map, "The map to upload to");
+  command->add_option("--write", directory_, "Write a recording to this folder instead")
+      ->type_name("DIR")
+      ->excludes(name);
+  command->add_option("--route", route_, "What the robot drives through")->required();
+  command->add_option("--seed", simulation_.seed, "Seed of all noise")->capture_default_str();
+  command->add_flag("--ideal", is_ideal_, "A sensor without noise, holes or drift");
+  command->add_option("--stride", simulation_.stride, "Keep every N-th frame")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--color", simulation_.include_color, "Take colour images too");
+  AddUploadRunOptions(command, &options_);
+  command->callback([this] { context_->action = [this] { return Run(); }; });
+}
+
+absl::Status SimulateCommand::Run() const {
+  SimulationOptions simulation = simulation_;
+  simulation.source = options_.source;
+  if (is_ideal_) simulation.sensor = SensorModel::Ideal();
+  if (!directory_.empty()) return Write(simulation);
+  if (options_.map.empty()) {
+    return absl::InvalidArgumentError("expected a map to upload to, or --write DIR");
+  }
+  return Upload(simulation);
+}
+
+absl::Status SimulateCommand::Upload(const SimulationOptions& simulation) const {
+  const absl::StatusOr<std::unique_ptr<SimulatedFrameSource>> source =
+      SimulatedFrameSource::Open(route_, simulation);
+  if (!source.ok()) return source.status();
+  return RunUpload(options_, source->get(), context_);
+}
+
+absl::Status SimulateCommand::Write(const SimulationOptions& simulation) const {
+  const absl::StatusOr<Route> route = MakeRoute(route_);
+  if (!route.ok()) return route.status();
+  const std::size_t frame_total = Simulation(*route, simulation).frame_count();
+  ProgressReport report(
+      &context_->err, context_->err_is_terminal, "written", frame_total, SteadySeconds);
+  absl::Status status = WriteTorwicFolder(*route, directory_, simulation, [&](std::size_t written) {
+    report.Update(written, written);
+  });
+  report.End();
+  if (!status.ok()) return status;
+  context_->out << frame_total << " frames written to " << directory_ << '\n';
+  return absl::OkStatus();
+}
+
+}  // namespace steadymap

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include <absl/status/status.h>
+
+#include "client/bench/simulator/simulation.h"
+#include "client/cli/text/command_context.h"
+#include "client/cli/upload/upload_run.h"
+
+namespace steadymap {
+
+/// `steadymap simulate`. Lives as long as the parsed command line.
+class SimulateCommand {
+ public:
+  SimulateCommand(CLI::App* app, CommandContext* context);
+
+ private:
+  absl::Status Run() const;
+  absl::Status Upload(const SimulationOptions& simulation) const;
+  absl::Status Write(const SimulationOptions& simulation) const;
+
+  CommandContext* context_;
+  UploadRunOptions options_;
+  std::string directory_;
+  std::string route_;
+  SimulationOptions simulation_;
+  bool is_ideal_ = false;
+};
+
+}  // namespace steadymap

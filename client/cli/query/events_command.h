@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include "client/cli/text/command_context.h"
+#include "client/map/map_client.h"
+
+namespace steadymap {
+
+/// `steadymap events`. Lives as long as the parsed command line.
+class EventsCommand {
+ public:
+  EventsCommand(CLI::App* app, CommandContext* context);
+
+ private:
+  absl::Status Run() const;
+  absl::StatusOr<EventQuery> ReadQuery() const;
+
+  CommandContext* context_;
+  std::string map_;
+  std::vector<std::string> types_;
+  std::vector<std::string> classes_;
+  std::vector<std::uint64_t> objects_;
+  std::uint64_t changed_since_ = 0;
+  std::optional<std::string> since_;  ///< As `ParseMoment` reads it.
+  std::optional<std::string> until_;  ///< Likewise.
+  bool as_json_ = false;
+};
+
+}  // namespace steadymap

@@ -1,0 +1,110 @@
+#include "client/cli/query/query_command.h"
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Core>
+
+#include "client/cli/text/argument_text.h"
+#include "client/cli/text/json_writer.h"
+#include "client/cli/text/number_text.h"
+#include "client/map/map_client.h"
+
+namespace steadymap {
+namespace {
+
+constexpr char kQueryFooter[] =
+    "For each point (world frame, metres) its state: `surface` at a surface or right behind it,\n"
+    "`free` in front of all surfaces or where a camera has looked through, `unknown` elsewhere. "
+    "Within\n"
+    "the truncation of a surface also the signed distance to the nearest: positive in front of "
+    "it,\n"
+    "negative behind, together with the direction away from the surface, the object (0 is the\n"
+    "background), its class, and the weight of the evidence (1 is one look from 1 m).";
+
+const char* StateText(v1::PointState state) {
+  switch (state) {
+    case v1::POINT_STATE_FREE:
+      return "free";
+    case v1::POINT_STATE_SURFACE:
+      return "surface";
+    default:
+      return "unknown";
+  }
+}
+
+std::string VectorText(double x, double y, double z, int decimals) {
+  return "(" + FixedText(x, decimals) + ", " + FixedText(y, decimals) + ", " +
+         FixedText(z, decimals) + ")";
+}
+
+void WriteSampleText(const Eigen::Vector3d& point,
+                     const v1::DistanceSample& sample,
+                     std::ostream* out) {
+  *out << VectorText(point.x(), point.y(), point.z(), 3) << "  ";
+  *out << StateText(sample.state());
+  if (!sample.has_distance_m()) {
+    *out << '\n';
+    return;
+  }
+  const v1::Vector3& gradient = sample.gradient();
+  *out << "  " << FixedText(sample.distance_m(), 4) << " m  gradient "
+       << VectorText(gradient.x(), gradient.y(), gradient.z(), 2) << "  object "
+       << sample.object_id() << "  class " << sample.class_id() << "  weight "
+       << FixedText(sample.weight(), 2) << '\n';
+}
+
+void WriteSampleJson(const Eigen::Vector3d& point,
+                     const v1::DistanceSample& sample,
+                     JsonWriter* json) {
+  json->BeginObject();
+  json->Key("point_m").Vector(point.x(), point.y(), point.z());
+  json->Key("state").Text(StateText(sample.state()));
+  if (sample.has_distance_m()) {
+    json->Key("distance_m").Number(sample.distance_m());
+    const v1::Vector3& gradient = sample.gradient();
+    json->Key("gradient").Vector(gradient.x(), gradient.y(), gradient.z());
+    json->Key("object_id").Integer(sample.object_id());
+    json->Key("class_id").Integer(sample.class_id());
+    json->Key("weight").Number(sample.weight());
+  }
+  json->EndObject();
+}
+
+}  // namespace
+
+QueryCommand::QueryCommand(CLI::App* app, CommandContext* context) : context_(context) {
+  CLI::App* const command =
+      app->add_subcommand("query", "Ask how far points are from the nearest surface");
+  command->footer(kQueryFooter);
+  command->add_option("NAME", map_, "The map")->required();
+  command->add_option("--point", points_, "Point to ask for; may be given several times")
+      ->required()
+      ->type_name("x,y,z");
+  command->add_flag("--json", as_json_, "Print JSON");
+  command->callback([this] { context_->action = [this] { return Run(); }; });
+}
+
+absl::Status QueryCommand::Run() const {
+  const absl::StatusOr<MapName> name = ParseMapArgument(map_);
+  if (!name.ok()) return name.status();
+  std::vector<Eigen::Vector3d> points;
+  for (const std::string& text : points_) {
+    const absl::StatusOr<Eigen::Vector3d> point = ParsePoint(text);
+    if (!point.ok()) return point.status();
+    points.push_back(*point);
+  }
+  const absl::StatusOr<v1::SampleDistanceResponse> answer =
+      MapClient(context_->Channel()).SampleDistance(*name, points);
+  if (!answer.ok()) return answer.status();
+  JsonWriter json;
+  json.BeginObject().Key("revision").Integer(answer->revision()).Key("samples").BeginArray();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const v1::DistanceSample& sample = answer->samples(static_cast<int>(i));
+    WriteSampleJson(points[i], sample, &json);
+    if (!as_json_) WriteSampleText(points[i], sample, &context_->out);
+  }
+  json.EndArray().EndObject();
+  if (as_json_) context_->out << json.Finish();
+  return absl::OkStatus();
+}
+
+}  // namespace steadymap

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "client/cli/text/command_context.h"
+#include "client/cli/upload/upload_run.h"
+#include "client/dataset/dataset.h"
+
+namespace steadymap {
+
+/// `steadymap upload`. Lives as long as the parsed command line.
+class UploadCommand {
+ public:
+  UploadCommand(CLI::App* app, CommandContext* context);
+
+ private:
+  absl::Status Run() const;
+
+  CommandContext* context_;
+  UploadRunOptions options_;
+  std::string format_;
+  std::vector<std::string> paths_;
+  std::string label_map_file_;
+  std::string T_world_dataset_file_;
+  std::string intrinsics_;  ///< As on the command line.
+  DatasetOptions dataset_;
+};
+
+}  // namespace steadymap

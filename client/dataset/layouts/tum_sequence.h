@@ -1,0 +1,10 @@
+#pragma once
+
+#include "client/dataset/layouts/recorded_sequence.h"
+
+namespace steadymap {
+
+/// TUM RGB-D: lists of images and poses, which are matched by their times.
+DatasetFormat TumFormat();
+
+}  // namespace steadymap

@@ -1,0 +1,21 @@
+#include "client/transport/server_answer.h"
+
+#include "core/types/error.h"
+
+namespace steadymap {
+
+bool IsServerAnswer(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kDeadlineExceeded:
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnknown:
+      // The service always gives a reason.
+      return !ReasonOf(status).empty();
+    default:
+      return true;
+  }
+}
+
+}  // namespace steadymap

@@ -1,0 +1,30 @@
+#include "client/upload/upload_retry.h"
+
+#include "core/types/error.h"
+
+namespace steadymap {
+
+bool IsWorthRetrying(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kDeadlineExceeded:
+      return true;
+    case absl::StatusCode::kAborted:
+      return ReasonOf(status) != reason::kUploadSuperseded;
+    case absl::StatusCode::kResourceExhausted:
+      return ReasonOf(status) != reason::kMessageTooLarge;
+    case absl::StatusCode::kDataLoss:
+      // A batch that was damaged on its way; not a map that was damaged on disk.
+      return ReasonOf(status) == reason::kChecksum;
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kCancelled:
+      // gRPC reports connections that break in mid-message so; the service itself always gives a
+      // reason.
+      return ReasonOf(status).empty();
+    default:
+      return false;
+  }
+}
+
+}  // namespace steadymap
