@@ -1,5 +1,5 @@
 // Clients whose daemon is killed and comes back: the first try behind its return is the one that
-// succeeds. How long they wait between tries is for tests/client/backoff_test.cpp.
+// succeeds. How long they wait between tries is for tests/client/transport/backoff_test.cpp.
 
 #include <atomic>
 #include <chrono>

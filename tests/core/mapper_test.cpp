@@ -14,7 +14,7 @@
 #include "core/query/vdb_file.h"
 #include "core/volume/leaf_patch.h"
 #include "core/volume/tsdf_mesh.h"
-#include "tests/core/room_drive.h"
+#include "tests/core/policy/room_drive.h"
 #include "tests/support/all_policies.h"
 #include "tests/support/analytic_depth.h"
 

@@ -16,7 +16,7 @@
 
 #include "core/types/error.h"
 #include "server/store/repair/store_check.h"
-#include "tests/server/store_builder.h"
+#include "tests/server/store/store_builder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

@@ -17,7 +17,7 @@
 #include "server/store/disk/posix_file.h"
 #include "server/store/rocks_store.h"
 #include "tests/recovery/faulty_file_system.h"
-#include "tests/server/store_builder.h"
+#include "tests/server/store/store_builder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

@@ -15,7 +15,7 @@
 #include "core/types/error.h"
 #include "server/store/database/store_keys.h"
 #include "server/store/rocks_store.h"
-#include "tests/server/store_builder.h"
+#include "tests/server/store/store_builder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace steadymap {

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "server/store/model/store.h"
-#include "tests/server/store_builder.h"
+#include "tests/server/store/store_builder.h"
 
 namespace steadymap {
 namespace {

@@ -8,7 +8,7 @@
 #include "client/transport/channel.h"
 #include "proto/convert_event.h"
 #include "proto/convert_object.h"
-#include "tests/server/store_builder.h"
+#include "tests/server/store/store_builder.h"
 
 namespace steadymap {
 namespace {

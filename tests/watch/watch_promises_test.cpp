@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "server/watch/watch_hub.h"
-#include "tests/server/noting_watch.h"
-#include "tests/server/store_builder.h"
+#include "tests/server/store/store_builder.h"
+#include "tests/server/watch/noting_watch.h"
 #include "tests/support/memory_store.h"
 
 namespace steadymap {

@@ -1,0 +1,289 @@
+#include "client/cli/command_line.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/types/error.h"
+#include "tests/client/cli/command_line_fixture.h"
+
+namespace steadymap {
+namespace {
+
+TEST_F(CommandLineTest, HelpAndVersionSucceedAndGoToStandardOutput) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"--help"},
+                                             {"--version"},
+                                             {"map", "create", "--help"},
+                                             {"upload", "--help"},
+                                             {"simulate", "--help"},
+                                             {"export", "--help"},
+                                             {"query", "--help"},
+                                             {"render", "--help"}}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.out, "");
+    EXPECT_EQ(outcome.err, "");
+  }
+}
+
+TEST_F(CommandLineTest, MisuseIsOneLineAndExitCodeTwo) {
+  ExpectFailure({}, 2, "steadymap --help");
+  ExpectFailure({"frobnicate"}, 2, "\"frobnicate\"");
+  ExpectFailure({"map", "frobnicate"}, 2, "\"frobnicate\"");
+  ExpectFailure({"map", "get"}, 2, "NAME");
+  ExpectFailure({"map", "get", "a", "b"}, 2, "b");
+  ExpectFailure({"upload", "k", "--format", "kitti", "p"}, 2, "torwic,seven-scenes,tum");
+  ExpectFailure({"upload", "k", "p"}, 2, "--format");
+  ExpectFailure({"upload", "k", "--format", "tum"}, 2, "PATH");
+  ExpectFailure({"upload", "k", "--format", "tum", "p", "--stride", "0"}, 2, "--stride");
+  ExpectFailure({"export", "k", "--format", "obj", "--output", "x"}, 2, "ply,vdb,glb");
+  ExpectFailure({"query", "k"}, 2, "--point");
+  ExpectFailure({"--server", "here", "map", "list"}, 2, "HOST:PORT");
+  ExpectFailure({"map", "create", "k", "--voxel-size", "tiny"}, 2, "--voxel-size");
+  ExpectFailure({"simulate", "k", "--write", "d", "--route", "twin"}, 2, "--write");
+}
+
+TEST_F(CommandLineTest, ServerIsTakenBeforeAndAfterTheCommand) {
+  Run({"map", "list"});
+  EXPECT_EQ(server_asked_, "localhost:7443");
+  Run({"--server", "hall:1", "map", "list"});
+  EXPECT_EQ(server_asked_, "hall:1");
+  Run({"map", "list", "--server", "hall:2"});
+  EXPECT_EQ(server_asked_, "hall:2");
+}
+
+TEST_F(CommandLineTest, MapCreateSendsTheContractsDefaults) {
+  const Outcome outcome = Run({"map", "create", "kitchen"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const v1::MapConfig& config = maps_.maps.at("tenants/default/maps/kitchen").config();
+  EXPECT_EQ(config.voxel_size_m(), 0.05);
+  EXPECT_EQ(config.truncation_m(), 0.15);
+  EXPECT_EQ(config.max_depth_m(), 3.0);
+  EXPECT_EQ(config.policy(), v1::UPDATE_POLICY_STATIC);
+  EXPECT_EQ(config.classes_size(), 16);
+}
+
+TEST_F(CommandLineTest, MapCreateSendsWhatIsAskedFor) {
+  std::ofstream(PathOf("classes.txt")) << "0 floor\n1 person dynamic\n";
+  const Outcome outcome = Run({"map",
+                               "create",
+                               "tenants/acme/maps/hall",
+                               "--voxel-size",
+                               "0.02",
+                               "--truncation",
+                               "0.08",
+                               "--policy",
+                               "pocd",
+                               "--classes",
+                               PathOf("classes.txt"),
+                               "--max-depth",
+                               "5"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const v1::MapConfig& config = maps_.maps.at("tenants/acme/maps/hall").config();
+  EXPECT_EQ(config.voxel_size_m(), 0.02);
+  EXPECT_EQ(config.truncation_m(), 0.08);
+  EXPECT_EQ(config.max_depth_m(), 5.0);
+  EXPECT_EQ(config.policy(), v1::UPDATE_POLICY_POCD);
+  ASSERT_EQ(config.classes_size(), 2);
+  EXPECT_EQ(config.classes(1).motion(), v1::CLASS_MOTION_DYNAMIC);
+}
+
+TEST_F(CommandLineTest, TheDefaultTruncationFollowsVoxelsThatItDoesNotFit) {
+  EXPECT_EQ(Run({"map", "create", "coarse", "--voxel-size", "0.2"}).exit_code, 0);
+  EXPECT_DOUBLE_EQ(maps_.maps.at("tenants/default/maps/coarse").config().truncation_m(), 0.6);
+  EXPECT_EQ(Run({"map", "create", "fine", "--voxel-size", "0.01"}).exit_code, 0);
+  EXPECT_EQ(maps_.maps.at("tenants/default/maps/fine").config().truncation_m(), 0.15);
+}
+
+TEST_F(CommandLineTest, MapCreateRefusesWhatNoMapCanHave) {
+  ExpectFailure({"map", "create", "k", "--voxel-size", "0"}, 1, "voxel_size_m");
+  ExpectFailure({"map", "create", "k", "--voxel-size", "-0.02"}, 1, "[0.001, 1]");
+  ExpectFailure({"map", "create", "k", "--voxel-size", "nan"}, 1, "voxel_size_m");
+  ExpectFailure({"map", "create", "k", "--truncation", "0"}, 1, "truncation_m");
+  ExpectFailure({"map", "create", "k", "--max-depth", "0"}, 1, "max_depth_m");
+  ExpectFailure({"map", "create", "k", "--policy", "magic"}, 1, "\"magic\"");
+  ExpectFailure({"map", "create", "k", "--classes", PathOf("missing")}, 1, "missing");
+  ExpectFailure({"map", "create", "Kitchen"}, 1, "\"Kitchen\"");
+  EXPECT_TRUE(maps_.maps.empty());
+}
+
+TEST_F(CommandLineTest, ObjectsAndEventsSendTheirFilters) {
+  ASSERT_EQ(Run({"map", "create", "kitchen"}).exit_code, 0);
+  Outcome outcome = Run({"objects",
+                         "kitchen",
+                         "--class",
+                         "goods materials",
+                         "--class",
+                         "9",
+                         "--box",
+                         "0,0,0,1,2,3",
+                         "--min-stationarity",
+                         "0.5",
+                         "--changed-since",
+                         "4",
+                         "--all",
+                         "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "{\n  \"revision\": 12,\n  \"objects\": []\n}\n");
+  const v1::ListObjectsRequest& objects = queries_.objects_request;
+  ASSERT_EQ(objects.class_ids_size(), 2);
+  EXPECT_EQ(objects.class_ids(0), 7U);
+  EXPECT_EQ(objects.class_ids(1), 9U);
+  EXPECT_EQ(objects.box().max_m().z(), 3.0);
+  EXPECT_EQ(objects.min_stationarity(), 0.5);
+  EXPECT_EQ(objects.changed_since(), 4U);
+  EXPECT_TRUE(objects.include_archived());
+
+  outcome = Run({"events",
+                 "kitchen",
+                 "--type",
+                 "moved",
+                 "--object",
+                 "3",
+                 "--since",
+                 "1714564800.5",
+                 "--until",
+                 "2024-05-01T12:00:01Z",
+                 "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "{\n  \"revision\": 12,\n  \"events\": []\n}\n");
+  EXPECT_EQ(queries_.events_request.types(0), v1::EVENT_TYPE_MOVED);
+  EXPECT_EQ(queries_.events_request.start_time().seconds(), 1'714'564'800);
+  EXPECT_EQ(queries_.events_request.start_time().nanos(), 500'000'000);
+  EXPECT_EQ(queries_.events_request.end_time().seconds(), 1'714'564'801);
+  ExpectFailure({"events", "kitchen", "--since", "yesterday"}, 1, "\"yesterday\"");
+  ExpectFailure({"events", "kitchen", "--until", ""}, 1, "\"\"");
+  EXPECT_EQ(queries_.events_request.object_ids(0), 3U);
+}
+
+TEST_F(CommandLineTest, FiltersThatMakeNoSenseAreErrorsOfOneLine) {
+  ASSERT_EQ(Run({"map", "create", "kitchen"}).exit_code, 0);
+  ExpectFailure({"objects", "kitchen", "--class", "dragon"}, 1, "\"dragon\"");
+  ExpectFailure({"objects", "kitchen", "--box", "1,2,3"}, 1, "a box");
+  ExpectFailure({"objects", "kitchen", "--min-stationarity", "2"}, 2, "--min-stationarity");
+  ExpectFailure({"objects", "kitchen", "--changed-since", "-1"}, 2, "--changed-since");
+  ExpectFailure({"events", "kitchen", "--type", "exploded"}, 1, "created, updated");
+  ExpectFailure({"events", "kitchen", "--object", "x"}, 2, "--object");
+  ExpectFailure({"objects", "nowhere"}, 1, "NOT_FOUND");
+}
+
+TEST_F(CommandLineTest, AnExistingMapAndAnUnknownOneAreErrorsOfOneLine) {
+  ASSERT_EQ(Run({"map", "create", "kitchen"}).exit_code, 0);
+  ExpectFailure({"map", "create", "kitchen"}, 1, "ALREADY_EXISTS");
+  ExpectFailure({"map", "get", "hall"}, 1, "there is no map tenants/default/maps/hall");
+  ExpectFailure({"map", "delete", "hall"}, 1, "NOT_FOUND");
+}
+
+TEST_F(CommandLineTest, ListingsComeAsTextAndAsJson) {
+  for (const char* name : {"attic", "hall", "kitchen"}) Run({"map", "create", name});
+  const Outcome text = Run({"map", "list"});
+  EXPECT_EQ(std::count(text.out.begin(), text.out.end(), '\n'), 4) << text.out;
+  const Outcome json = Run({"map", "list", "--json"});
+  EXPECT_TRUE(json.out.starts_with("{\n  \"maps\": [\n")) << json.out;
+  EXPECT_NE(json.out.find("\"name\": \"tenants/default/maps/kitchen\""), std::string::npos);
+  EXPECT_NE(json.out.find("\"voxel_size_m\": 0.05"), std::string::npos);
+  EXPECT_EQ(Run({"map", "list", "--tenant", "acme", "--json"}).out, "{\n  \"maps\": []\n}\n");
+  const Outcome one = Run({"map", "get", "hall", "--json"});
+  EXPECT_TRUE(one.out.starts_with("{\n  \"name\": \"tenants/default/maps/hall\"")) << one.out;
+  EXPECT_NE(Run({"map", "get", "hall"}).out.find("voxel size    5 cm"), std::string::npos);
+  EXPECT_EQ(Run({"map", "delete", "hall"}).exit_code, 0);
+  EXPECT_EQ(maps_.maps.size(), 2U);
+}
+
+TEST_F(CommandLineTest, QueryPrintsStatesAndDistances) {
+  v1::DistanceSample& known = *queries_.samples.add_samples();
+  known.set_state(v1::POINT_STATE_FREE);
+  known.set_distance_m(0.0312);
+  known.mutable_gradient()->set_x(-1.0);
+  known.set_weight(12.5);
+  queries_.samples.add_samples()->set_state(v1::POINT_STATE_UNKNOWN);
+  queries_.samples.add_samples()->set_state(v1::POINT_STATE_FREE);
+  queries_.samples.set_revision(9);
+  const std::vector<std::string> arguments = {
+      "query", "kitchen", "--point", "1,2,3", "--point", "-1,0,0.5", "--point", "0,0,1"};
+  const Outcome text = Run(arguments);
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_EQ(
+      text.out,
+      "(1.000, 2.000, 3.000)  free  0.0312 m  gradient (-1.00, 0.00, 0.00)  object 0  class 0  "
+      "weight 12.50\n(-1.000, 0.000, 0.500)  unknown\n(0.000, 0.000, 1.000)  free\n");
+  EXPECT_EQ(queries_.sample_request.points_m(1).x(), -1.0);
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  const Outcome json = Run(with_json);
+  EXPECT_NE(json.out.find("\"revision\": 9"), std::string::npos);
+  EXPECT_NE(json.out.find("\"state\": \"unknown\""), std::string::npos);
+  ExpectFailure({"query", "kitchen", "--point", "1,2"}, 1, "x,y,z");
+}
+
+TEST_F(CommandLineTest, ExportWritesTheWholeFileOrNone) {
+  queries_.SetFile({"ply\n", "rest"}, "ply\nrest");
+  const std::string path = PathOf("map.ply");
+  const Outcome outcome =
+      Run({"export", "kitchen", "--format", "ply", "--output", path, "--box", "-1,-2,0,1,2,3"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(std::filesystem::file_size(path), 8U);
+  EXPECT_EQ(queries_.export_request.box().min_m().y(), -2.0);
+
+  queries_.SetFile({"ply\n"}, "ply\nrest");
+  ExpectFailure(
+      {"export", "kitchen", "--format", "ply", "--output", PathOf("cut.ply")}, 1, "8 bytes");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+
+  ExpectFailure({"export", "kitchen", "--format", "ply", "--output", PathOf("no/map.ply")},
+                1,
+                "No such file");
+  ExpectFailure({"export", "kitchen", "--format", "ply", "--output", path, "--box", "1,1,1,0,0,0"},
+                1,
+                "lowest");
+}
+
+TEST_F(CommandLineTest, FilesOfAnotherEndingAreRefusedBeforeTheServerIsAsked) {
+  for (const char* name : {"map.jpg", "map", "map.png.gz", ".png"}) {
+    ExpectFailure({"render", "kitchen", "--output", PathOf(name)}, 1, "ends in .png");
+  }
+  ExpectFailure(
+      {"export", "kitchen", "--format", "vdb", "--output", PathOf("map.ply")}, 1, "ends in .vdb");
+  ExpectFailure({"export", "kitchen", "--format", "glb", "--output", PathOf("map")}, 1, ".glb");
+  std::ofstream(PathOf("file")) << "in the way";
+  ExpectFailure({"mirror", "kitchen", "--output", PathOf("file")}, 1, "cannot make the folder");
+  ExpectFailure({"evaluate", "--route", "twin", "--pictures", PathOf("file/pictures")},
+                1,
+                "cannot make the folder");
+  EXPECT_EQ(server_asked_, "");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
+
+  queries_.SetFile({"ply\n"}, "ply\n");
+  const Outcome outcome =
+      Run({"export", "kitchen", "--format", "ply", "--output", PathOf("MAP.PLY")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST_F(CommandLineTest, RenderOfAnEmptyMapIsAPicture) {
+  v1::GetMapSectionResponse& response = queries_.section.emplace_back();
+  response.mutable_header()->set_voxel_size_m(0.05);
+  response.mutable_header()->set_truncation_m(0.15);
+  const Outcome outcome =
+      Run({"render", "kitchen", "--output", PathOf("map.png"), "--size", "600"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::string magic(4, '\0');
+  std::ifstream(PathOf("map.png")).read(magic.data(), 4);
+  EXPECT_EQ(magic, "\x89PNG");
+}
+
+TEST(ErrorLine, NamesTheServerThatCannotBeReached) {
+  EXPECT_EQ(ErrorLine(absl::UnavailableError("failed to connect to all addresses; last error: no"),
+                      "hall:7443"),
+            "cannot reach a server at hall:7443 (no)");
+  EXPECT_EQ(ErrorLine(MakeError(absl::StatusCode::kUnavailable, reason::kDraining, "going down"),
+                      "hall:7443"),
+            "going down [DRAINING]");
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,63 @@
+// Small scenes with a known answer, run through POCD as its paper has it, failures included.
+
+#include "core/policy/paper_mapper.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/policy/map_story.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::ConfigOf;
+using ::steadymap::testing::FarWall;
+using ::steadymap::testing::Goods;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kWallClass;
+using ::steadymap::testing::MapStory;
+
+constexpr std::uint16_t kCartClass = 9;
+
+MapStory PaperStory() { return MapStory(ConfigOf(UpdatePolicy::kPocdPaper)); }
+
+TEST(PaperMapper, BelievesANewObjectAtOnce) {
+  MapStory story = PaperStory();
+  story.Look({FarWall(), Goods(0.0)}, 1);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  EXPECT_NEAR(story.Present(kGoodsClass)[0]->belief.stationarity(), 0.67, 1e-9);
+}
+
+TEST(PaperMapper, GrowsSureOfABoxThatStays) {
+  MapStory story = PaperStory();
+  story.Look({FarWall(), Goods(0.0)}, 20);
+  ASSERT_FALSE(story.Present(kGoodsClass).empty());
+  const MapObject& box = *story.Present(kGoodsClass).front();
+  EXPECT_GT(box.views, 10U);
+  EXPECT_GT(box.belief.stationarity(), 0.8);
+  EXPECT_GT(box.belief.alpha + box.belief.beta, 12.0) << "nothing caps what a belief gathers";
+}
+
+TEST(PaperMapper, RemovesABoxThatDisappeared) {
+  MapStory story = PaperStory();
+  story.Look({FarWall(), Goods(0.0)}, 20);
+  story.Look({FarWall()}, 30);
+  EXPECT_FALSE(story.EventsOf(EventType::kRemoved, kGoodsClass, Revision(20)).empty());
+  EXPECT_TRUE(story.Present(kGoodsClass).empty());
+}
+
+// The failure that judging by depth instead of by frustum removes.
+TEST(PaperMapper, DoubtsABoxThatIsOnlyHidden) {
+  MapStory story = PaperStory();
+  story.Look({FarWall(), Goods(0.0)}, 20);
+  ASSERT_FALSE(story.Present(kGoodsClass).empty());
+  const double before = story.Present(kGoodsClass).front()->belief.stationarity();
+  story.Look({FarWall(), Goods(0.0), Body(kCartClass, {0.8, -0.8, -0.7}, {1.0, 0.8, 0.7})}, 3);
+  for (const auto& box : story.Present(kGoodsClass)) {
+    EXPECT_LT(box->belief.stationarity(), before);
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
