@@ -76,6 +76,7 @@ status=0
 
 echo "== lint.sh: layers"
 cmake -D "ROOT=$PWD" -P tests/layering/check_layers.cmake || status=1
+cmake -D "ROOT=$PWD" -P tests/layering/check_rooms.cmake || status=1
 
 echo "== lint.sh: shellcheck"
 mapfile -t scripts < <(git ls-files --cached --others --exclude-standard -- '*.sh' .ci/run)
