@@ -6,7 +6,7 @@ namespace steadymap {
 namespace {
 
 /// The other policies have no switches.
-bool DropsDynamicClasses(const MapConfig& config, const EngineSwitches& switches) {
+bool DropsDynamicClasses(const MapConfig& config, const Ablation& switches) {
   return config.policy != UpdatePolicy::kPocd || switches.dynamic_mask;
 }
 

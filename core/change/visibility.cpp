@@ -164,7 +164,7 @@ ObjectVerdict VisibilityTest::JudgeByFrustum(const TrackedObject& object) const 
 /// Whether the frame looks through a place where surface of an object should be, or past it.
 bool VisibilityTest::IsSeenThrough(const TrackedObject& object, Place place, float depth_m) const {
   if (!parameters_.is_by_depth) return false;
-  const DepthTiles& tiles = frame_.tiles;
+  const MinDepthGrid& tiles = frame_.tiles;
   if (tiles.NearestAround(place.column, place.row) > depth_m + SeenThroughMargin(depth_m)) {
     return true;
   }

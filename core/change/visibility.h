@@ -7,9 +7,9 @@
 #include "core/association/association.h"
 #include "core/association/sample_grid.h"
 #include "core/change/change_estimate.h"
-#include "core/change/depth_tiles.h"
-#include "core/change/far_tiles.h"
-#include "core/change/turn.h"
+#include "core/change/min_depth_grid.h"
+#include "core/change/no_return_labels.h"
+#include "core/change/yaw_change.h"
 #include "core/integration/semantic_cloud.h"
 #include "core/working/tracked_object.h"
 
@@ -73,7 +73,7 @@ struct VisibilityParameters {
   /// newer thing was seen to end before it; 0: never.
   double replaced_within_m = 0.45;
   /// An object of which what was found present is turned stands otherwise than known.
-  TurnParameters turn;
+  YawChangeParameters turn;
   /// How the change of the surface found present is measured.
   ChangeParameters change;
 };
@@ -83,15 +83,15 @@ struct PresentSums {
   explicit PresentSums(const ChangeParameters& parameters) : change(parameters) {}
 
   ChangeSum change;
-  TurnSum turn;
+  YawChangeSum turn;
 };
 
 /// One frame as what objects are judged against. All of them of that frame.
 struct JudgedFrame {
   const SemanticCloud& cloud;
   const SampleGrid& samples;
-  const DepthTiles& tiles;
-  const FarTiles& far_tiles;
+  const MinDepthGrid& tiles;
+  const NoReturnLabels& far_tiles;
 };
 
 /// Judges the surface of each object in view against a frame (pocd.md section 2, step 4: by depth,

@@ -35,8 +35,8 @@ struct MovingCell {
   friend bool operator==(const MovingCell&, const MovingCell&) = default;
 };
 
-/// What a map remembers of a robot: to notice when it is lost (`robot_guard.h`), and what moves
-/// before its camera (`moving_surface.h`).
+/// What a map remembers of a robot: to notice when it is lost (`localization_monitor.h`), and what
+/// moves before its camera (`dynamic_mask.h`).
 struct RobotState {
   Trust trust = Trust::kTrusted;
   /// Frames in a row against the trust as it is: that disagree while it is doubted, that agree

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/association/contact.h"
-#include "core/working/object_parts.h"
+#include "core/association/surface_adjacency.h"
+#include "core/working/object_split.h"
 
 namespace steadymap {
 namespace {
@@ -43,7 +43,7 @@ void MergeConnected(const SampleGrid& samples,
                     const MergeParameters& parameters,
                     WorkingMap* map) {
   if (parameters.contacts == 0) return;
-  for (const Contact& contact : FindContacts(samples, association)) {
+  for (const Contact& contact : FindSurfaceAdjacencies(samples, association)) {
     if (contact.samples < parameters.contacts) continue;
     TrackedObject* a = in_view[contact.first - 1].object;
     TrackedObject* b = in_view[contact.second - 1].object;

@@ -7,7 +7,7 @@
 namespace steadymap {
 namespace {
 
-void FollowPaperInAssociation(const EngineSwitches& switches,
+void FollowPaperInAssociation(const Ablation& switches,
                               const PaperParameters& paper,
                               ClusterParameters* clusters) {
   if (!switches.cuboid_gate) clusters->center_distance_m = paper.association_distance_m;
@@ -17,7 +17,7 @@ void FollowPaperInAssociation(const EngineSwitches& switches,
   }
 }
 
-void FollowPaperInVisibility(const EngineSwitches& switches,
+void FollowPaperInVisibility(const Ablation& switches,
                              const PaperParameters& paper,
                              const MapConfig& config,
                              VisibilityParameters* visibility) {
@@ -35,9 +35,9 @@ void FollowPaperInVisibility(const EngineSwitches& switches,
   }
 }
 
-void FollowPaperInJudgement(const EngineSwitches& switches,
+void FollowPaperInJudgement(const Ablation& switches,
                             const PaperParameters& paper,
-                            JudgementParameters* judgement) {
+                            BeliefUpdateParameters* judgement) {
   if (!switches.gathering) judgement->cells_per_update = 1.0;
   if (!switches.evidence_cap) {
     judgement->stationarity.max_evidence = paper.stationarity.max_evidence;
@@ -45,8 +45,7 @@ void FollowPaperInJudgement(const EngineSwitches& switches,
   }
 }
 
-void FollowPaperInConfirmation(const EngineSwitches& switches,
-                               ConfirmationParameters* confirmation) {
+void FollowPaperInConfirmation(const Ablation& switches, ObjectLifecycleParameters* confirmation) {
   if (!switches.turning) confirmation->recognition.turn.turned_rad = 0.0;
   if (!switches.tentative) confirmation->views = 1;
   confirmation->recognises_returned = switches.returning;
@@ -63,7 +62,7 @@ PieceParameters Shrink(PieceParameters piece, double factor) {
 
 }  // namespace
 
-ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitches& switches) {
+ObjectMapperParameters ParametersFor(const MapConfig& config, const Ablation& switches) {
   const PaperParameters paper;
   ObjectMapperParameters parameters;
   // The smallest things are those of a warehouse; a finer map is of smaller ones.
@@ -71,7 +70,7 @@ ObjectMapperParameters ParametersFor(const MapConfig& config, const EngineSwitch
   parameters.confirmation.min_area_m2 *= finer * finer;
   parameters.min_seen_area_m2 *= finer * finer;
   parameters.max_mislabelled_area_m2 *= finer * finer;
-  RecognitionParameters& recognition = parameters.confirmation.recognition;
+  ReidentificationParameters& recognition = parameters.confirmation.recognition;
   recognition.fixture = Shrink(recognition.fixture, finer);
   recognition.thing = Shrink(recognition.thing, finer);
   parameters.visibility.truncation_m = config.truncation_m;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/policy/engine_switches.h"
+#include "core/policy/ablation.h"
 #include "core/policy/stage_observer.h"
 
 namespace steadymap {
@@ -8,7 +8,7 @@ namespace steadymap {
 /// How a mapper differs from the one that a map's configuration asks for: to compare and to
 /// measure. A service has none of this.
 struct MapperOptions {
-  EngineSwitches switches{};        ///< Of the policy `pocd`; the others have none.
+  Ablation switches{};              ///< Of the policy `pocd`; the others have none.
   StageObserver* stages = nullptr;  ///< Outlives the mapper; null: nobody watches.
 };
 

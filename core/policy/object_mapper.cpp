@@ -8,9 +8,9 @@
 #include "core/association/class_votes.h"
 #include "core/association/ground.h"
 #include "core/association/new_object.h"
-#include "core/change/free_rays.h"
+#include "core/change/free_space_carving.h"
 #include "core/types/parallel.h"
-#include "core/working/object_parts.h"
+#include "core/working/object_split.h"
 
 namespace steadymap {
 namespace {
@@ -47,12 +47,12 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   map_ = map;
   cloud_ = cloud;
   stages_.Enter(MapperStage::kGuard);
-  moving_.Hide(frame.source, *map, cloud);
+  moving_.Apply(frame.source, *map, cloud);
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
   far_tiles_.Compute(frame);
-  if (!guard_.Admit(frame, {*cloud, samples_, tiles_}, map)) return;
-  moving_.Remember(frame.source, *cloud, map);
+  if (!guard_.Accept(frame, {*cloud, samples_, tiles_}, map)) return;
+  moving_.Record(frame.source, *cloud, map);
   FindOwners();
   JudgeObjects();
   stages_.Enter(MapperStage::kObservations);
@@ -66,11 +66,11 @@ void ObjectMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   MergeConnected(samples_, association_, in_view_, parameters_.merging, map_);
   confirmation_.Run(in_view_, map_);
   if (parameters_.finds_moves) {
-    FindMoves(in_view_, parameters_.confirmation.recent_s, parameters_.moves, map_);
+    FindRelocations(in_view_, parameters_.confirmation.recent_s, parameters_.moves, map_);
   }
   stages_.Enter(MapperStage::kFreeSpace);
   if (parameters_.remembers_free_space) {
-    MarkFreeRays(samples_, cloud_->T_world_camera().translation(), map_);
+    CarveFreeSpace(samples_, cloud_->T_world_camera().translation(), map_);
   }
 }
 

@@ -7,18 +7,18 @@
 #include "core/association/frame_clusters.h"
 #include "core/association/observation.h"
 #include "core/association/sample_grid.h"
-#include "core/change/judgement.h"
+#include "core/change/belief_update.h"
 #include "core/change/visibility.h"
 #include "core/frame/frame.h"
 #include "core/integration/semantic_cloud.h"
 #include "core/integration/tsdf_integrator.h"
-#include "core/objects/confirmation.h"
+#include "core/objects/object_lifecycle.h"
 #include "core/objects/object_merge.h"
-#include "core/objects/object_moves.h"
+#include "core/objects/relocation.h"
 #include "core/policy/map_updater.h"
 #include "core/policy/stage_observer.h"
-#include "core/robot/moving_surface.h"
-#include "core/robot/robot_guard.h"
+#include "core/robot/dynamic_mask.h"
+#include "core/robot/localization_monitor.h"
 #include "core/types/map_config.h"
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
@@ -28,14 +28,14 @@ namespace steadymap {
 /// How objects come, are judged and go. Defaults: TorWIC (pocd.md section 5), and what evidence.md
 /// found.
 struct ObjectMapperParameters {
-  RobotGuardParameters guard;
-  MovingSurfaceParameters moving;
+  LocalizationMonitorParameters guard;
+  DynamicMaskParameters moving;
   ClusterParameters clusters;
-  JudgementParameters judgement;
+  BeliefUpdateParameters judgement;
   VisibilityParameters visibility;
   MergeParameters merging;
-  ConfirmationParameters confirmation;
-  MoveParameters moves;
+  ObjectLifecycleParameters confirmation;
+  RelocationParameters moves;
   /// Objects below this E[v] leave the map (theta_stat).
   double min_stationarity = 0.40;
   /// Smallest surface that a frame must show of a new object, square metres. Thin things show
@@ -99,18 +99,18 @@ class ObjectMapper final : public MapUpdater {
   MapConfig config_;
   ObjectMapperParameters parameters_;
   StageTeller stages_;
-  RobotGuard guard_;
-  MovingSurface moving_;
+  LocalizationMonitor guard_;
+  DynamicMask moving_;
   FrameClusters clusters_;
-  Confirmation confirmation_;
+  ObjectLifecycle confirmation_;
   TsdfIntegrator integrator_;
 
   // The frame at hand.
   WorkingMap* map_ = nullptr;
   SemanticCloud* cloud_ = nullptr;
   SampleGrid samples_;
-  DepthTiles tiles_;
-  FarTiles far_tiles_;
+  MinDepthGrid tiles_;
+  NoReturnLabels far_tiles_;
   Association association_;
   std::vector<ObjectInView> in_view_;
   std::vector<Observation> observations_;

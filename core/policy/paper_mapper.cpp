@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/association/class_votes.h"
-#include "core/change/judgement.h"
+#include "core/change/belief_update.h"
 #include "core/geometry/assignment.h"
 
 namespace steadymap {

@@ -7,7 +7,7 @@
 #include "core/association/class_votes.h"
 #include "core/change/visibility.h"
 #include "core/volume/tsdf_sample.h"
-#include "core/working/object_parts.h"
+#include "core/working/object_split.h"
 
 namespace steadymap {
 namespace {
@@ -42,7 +42,7 @@ void SubmapMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap*
   KeepOrMerge();
   if (map->revision().value() % parameters_.frames_per_test != 0) return;
   tiles_.Compute(frame.depth);
-  TestInactive(FreeView(*cloud, tiles_, parameters_.max_depth_m));
+  TestInactive(ViewFreeSpace(*cloud, tiles_, parameters_.max_depth_m));
 }
 
 /// Counts the frame for the submaps that it detects, and against the other active ones.
@@ -119,7 +119,7 @@ void SubmapMapper::Reactivate(TrackedObject* twin, TrackedObject* fresh) {
 }
 
 /// Tests inactive submaps near the camera against the active ones and against free space.
-void SubmapMapper::TestInactive(const FreeView& view) {
+void SubmapMapper::TestInactive(const ViewFreeSpace& view) {
   const double truncation_m = map_->scale().truncation_m;
   const Eigen::Vector3d camera_world = view.camera_world().cast<double>();
   const Box near_camera =
@@ -199,7 +199,8 @@ SubmapMapper::Tally SubmapMapper::Compare(const TrackedObject& object,
   return tally;
 }
 
-double SubmapMapper::CountLookedThrough(const TrackedObject& object, const FreeView& view) const {
+double SubmapMapper::CountLookedThrough(const TrackedObject& object,
+                                        const ViewFreeSpace& view) const {
   const Eigen::Isometry3f T_world_object = object.state().T_world_object.ToIsometry().cast<float>();
   double count = 0.0;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {

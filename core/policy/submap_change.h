@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/change/free_view.h"
+#include "core/change/view_free_space.h"
 #include "core/frame/frame.h"
 #include "core/policy/map_updater.h"
 #include "core/policy/segment_fusion.h"
@@ -67,15 +67,15 @@ class SubmapMapper final : public MapUpdater {
   void KeepOrMerge();
   TrackedObject* FindInactiveTwin(const TrackedObject& fresh);
   void Reactivate(TrackedObject* twin, TrackedObject* fresh);
-  void TestInactive(const FreeView& view);
+  void TestInactive(const ViewFreeSpace& view);
   void Decide(const Tally& tally, TrackedObject* object);
   bool IsMatch(const Tally& tally) const;
   Tally Compare(const TrackedObject& object, const TrackedObject& other) const;
-  double CountLookedThrough(const TrackedObject& object, const FreeView& view) const;
+  double CountLookedThrough(const TrackedObject& object, const ViewFreeSpace& view) const;
 
   SubmapChangeParameters parameters_;
   SegmentFusion segments_;
-  DepthTiles tiles_;
+  MinDepthGrid tiles_;
   WorkingMap* map_ = nullptr;  ///< Of the frame at hand.
 };
 

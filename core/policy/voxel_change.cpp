@@ -62,7 +62,7 @@ VoxelChangeMapper::VoxelChangeMapper(const MapConfig& config,
 
 void VoxelChangeMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
-  FreshLayer fresh(map);
+  SessionVolume fresh(map);
   if (!fresh.empty() &&
       map->now().seconds() - fresh.last_fused().seconds() > parameters_.visit_gap_s) {
     std::vector<LeafOrigin> all;
@@ -75,14 +75,14 @@ void VoxelChangeMapper::Process(const Frame& frame, SemanticCloud* cloud, Workin
   fresh.Fuse(&integrator_);
   if (map->revision().value() % parameters_.frames_per_comparison != 0) return;
   tiles_.Compute(frame.depth);
-  const FreeView view(*cloud, tiles_, parameters_.max_depth_m);
+  const ViewFreeSpace view(*cloud, tiles_, parameters_.max_depth_m);
   const std::vector<LeafOrigin>& in_view = LeavesInView(view);
   for (const LeafOrigin& origin : in_view) ClearLeaf(view, origin, &fresh);
   TakeOver(in_view, fresh);
 }
 
 /// The leaves that the frame looks through, and those of the surface it sees.
-const std::vector<LeafOrigin>& VoxelChangeMapper::LeavesInView(const FreeView& view) {
+const std::vector<LeafOrigin>& VoxelChangeMapper::LeavesInView(const ViewFreeSpace& view) {
   const VoxelScale& scale = map_->scale();
   const auto leaf_size_m = static_cast<float>(scale.leaf_size_m());
   // A leaf reaches half a voxel below the centre of its lowest voxel.
@@ -107,7 +107,9 @@ const std::vector<LeafOrigin>& VoxelChangeMapper::LeavesInView(const FreeView& v
 
 /// Fuses free space into the fresh layer where the map knows something; elsewhere it would say
 /// nothing.
-void VoxelChangeMapper::ClearLeaf(const FreeView& view, LeafOrigin origin, FreshLayer* fresh) {
+void VoxelChangeMapper::ClearLeaf(const ViewFreeSpace& view,
+                                  LeafOrigin origin,
+                                  SessionVolume* fresh) {
   const LeafView known = map_->background().FindLeaf(origin);
   if (!known) return;
   const VoxelScale& scale = map_->scale();
@@ -135,7 +137,8 @@ void VoxelChangeMapper::ClearLeaf(const FreeView& view, LeafOrigin origin, Fresh
 
 /// Brings over from the fresh layer what the map does not know, what it knows less well, and what
 /// has changed.
-void VoxelChangeMapper::TakeOver(const std::vector<LeafOrigin>& origins, const FreshLayer& fresh) {
+void VoxelChangeMapper::TakeOver(const std::vector<LeafOrigin>& origins,
+                                 const SessionVolume& fresh) {
   std::map<LeafOrigin, LeafMask> changed;
   for (const VoxelChange& change :
        FindChanges(map_->background(), fresh, origins, map_->scale(), parameters_.change)) {

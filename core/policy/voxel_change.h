@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "core/change/changed_voxels.h"
-#include "core/change/free_view.h"
+#include "core/change/view_free_space.h"
 #include "core/frame/frame.h"
 #include "core/integration/tsdf_integrator.h"
-#include "core/policy/fresh_layer.h"
 #include "core/policy/map_updater.h"
+#include "core/policy/session_volume.h"
 #include "core/types/map_config.h"
 #include "core/volume/leaf_set.h"
 
@@ -38,16 +38,16 @@ class VoxelChangeMapper final : public MapUpdater {
   void Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) override;
 
  private:
-  const std::vector<LeafOrigin>& LeavesInView(const FreeView& view);
-  void ClearLeaf(const FreeView& view, LeafOrigin origin, FreshLayer* fresh);
-  void TakeOver(const std::vector<LeafOrigin>& origins, const FreshLayer& fresh);
+  const std::vector<LeafOrigin>& LeavesInView(const ViewFreeSpace& view);
+  void ClearLeaf(const ViewFreeSpace& view, LeafOrigin origin, SessionVolume* fresh);
+  void TakeOver(const std::vector<LeafOrigin>& origins, const SessionVolume& fresh);
   bool IsKnownBetter(const LeafView& known, const LeafView& fresh, std::size_t offset) const;
   void TakeOverLeaf(LeafOrigin origin, const LeafView& fresh, const LeafMask& changed);
   void Report(const VoxelChange& change);
 
   VoxelChangeParameters parameters_;
   TsdfIntegrator integrator_;
-  DepthTiles tiles_;
+  MinDepthGrid tiles_;
   LeafSet leaves_in_view_;
   WorkingMap* map_ = nullptr;  ///< Of the frame at hand.
 };

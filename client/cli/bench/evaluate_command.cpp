@@ -43,7 +43,7 @@ std::string EvaluateFooter() {
   footer += " clutter-SEED\nPolicies:";
   for (const std::string& method : MethodNames()) footer += " " + method;
   footer += "\nSwitches of pocd, and what it is like without:";
-  for (const EngineSwitch& row : AllEngineSwitches()) {
+  for (const AblationSwitch& row : AllAblationSwitches()) {
     std::string name(row.name);
     name.resize(kSwitchColumn, ' ');
     footer.append("\n  ").append(name).append(row.off);

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "core/association/frame_clusters.h"
-#include "core/change/judgement.h"
+#include "core/change/belief_update.h"
 #include "core/types/map_config.h"
 #include "core/volume/background.h"
 #include "tests/support/analytic_map.h"
@@ -59,9 +59,9 @@ ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects,
   cloud.Compute(frame);
   SampleGrid samples;
   samples.Compute(cloud);
-  DepthTiles tiles;
+  MinDepthGrid tiles;
   tiles.Compute(frame.depth);
-  FarTiles far_tiles{MapConfig()};
+  NoReturnLabels far_tiles{MapConfig()};
   far_tiles.Compute(frame);
   const std::vector<ObjectInView> in_view =
       FindObjectsInView(objects, cloud, samples, parameters.max_depth_m);
@@ -308,9 +308,9 @@ double SettledChange(double seen_depth_m) {
     AddEvidence(verdict,
                 wall->surface(),
                 frame.capture_time,
-                JudgementParameters().visit_gap_s,
+                BeliefUpdateParameters().visit_gap_s,
                 &object.evidence);
-    UpdateBelief(StationarityPrior::kStays, frame.capture_time, JudgementParameters(), &object);
+    UpdateBelief(StationarityPrior::kStays, frame.capture_time, BeliefUpdateParameters(), &object);
   }
   EXPECT_GT(object.belief.stationarity(), 0.9);
   return object.belief.change_mean_m;

@@ -48,7 +48,7 @@ absl::StatusOr<std::vector<std::string>> ListSwitches(const std::vector<std::str
   };
   for (const std::string& name : names) {
     if (name == kAllSwitches) {
-      for (const EngineSwitch& row : AllEngineSwitches()) list(row.name);
+      for (const AblationSwitch& row : AllAblationSwitches()) list(row.name);
       continue;
     }
     if (const absl::Status known = AllOnBut(name).status(); !known.ok()) return known;
@@ -72,7 +72,7 @@ void AppendWithout(const std::vector<std::string>& switches,
 
 std::vector<std::string> SwitchNames() {
   std::vector<std::string> names;
-  for (const EngineSwitch& row : AllEngineSwitches()) names.emplace_back(row.name);
+  for (const AblationSwitch& row : AllAblationSwitches()) names.emplace_back(row.name);
   names.emplace_back(kAllSwitches);
   return names;
 }

@@ -5,7 +5,7 @@
 
 #include <absl/status/statusor.h>
 
-#include "core/policy/engine_switches.h"
+#include "core/policy/ablation.h"
 #include "core/types/map_config.h"
 
 namespace steadymap {
@@ -14,7 +14,7 @@ namespace steadymap {
 struct Method {
   std::string name;
   MapConfig config;
-  EngineSwitches switches;          ///< Of the policy `pocd`.
+  Ablation switches;                ///< Of the policy `pocd`.
   bool last_sequence_only = false;  ///< Whether it is shown the last sequence alone.
 };
 

@@ -88,7 +88,7 @@ TEST(EvaluateCommand, ShowsPocdWithoutASwitchAndItsStages) {
 TEST(EvaluateCommand, HelpListsTheSwitches) {
   const Outcome outcome = Evaluate({"--help"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const EngineSwitch& row : AllEngineSwitches()) {
+  for (const AblationSwitch& row : AllAblationSwitches()) {
     EXPECT_NE(outcome.out.find("\n  " + std::string(row.name) + " "), std::string::npos)
         << row.name;
     EXPECT_NE(outcome.out.find(row.off), std::string::npos) << row.name;

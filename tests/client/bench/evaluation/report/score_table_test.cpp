@@ -99,14 +99,14 @@ TEST(SelectMethods, SwitchesMakeRowsBesidePocd) {
   ASSERT_TRUE(methods.ok()) << methods.status();
   ASSERT_EQ(methods->size(), 5U);
   EXPECT_EQ((*methods)[2].name, "pocd");
-  EXPECT_TRUE((*methods)[2].switches == EngineSwitches());
+  EXPECT_TRUE((*methods)[2].switches == Ablation());
   EXPECT_EQ((*methods)[3].name, "pocd -merging");
   EXPECT_EQ((*methods)[3].config.policy, UpdatePolicy::kPocd);
   EXPECT_TRUE((*methods)[3].switches == AllOnBut("merging").value());
   EXPECT_EQ((*methods)[4].name, "pocd -moves");
   EXPECT_EQ(SelectMethods({"pocd"}, MapConfig(), {"all", "moves"})->size(),
-            3U + AllEngineSwitches().size());
-  EXPECT_EQ(SwitchNames().size(), AllEngineSwitches().size() + 1);
+            3U + AllAblationSwitches().size());
+  EXPECT_EQ(SwitchNames().size(), AllAblationSwitches().size() + 1);
 }
 
 TEST(SelectMethods, SwitchesAreOfPocdAndHaveNames) {

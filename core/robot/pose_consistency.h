@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+
+#include <Eigen/Geometry>
+
+#include "core/association/sample_grid.h"
+#include "core/change/min_depth_grid.h"
+#include "core/integration/semantic_cloud.h"
+#include "core/working/working_map.h"
+
+namespace steadymap {
+
+/// How a frame fits a map at one pose, counted in patches of 16 x 16 pixels.
+///
+/// Level surface that fits counts for nothing: a floor fits wherever a robot may stand. It counts
+/// against the pose where it does not fit.
+struct PoseConsistency {
+  /// Patches of steep surface where the map has one that faces alike.
+  std::size_t fitting = 0;
+  /// Patches of surface where the map knows that nothing was, or of a view through what it has.
+  std::size_t contradicting = 0;
+  /// Patches of steep surface where the map knows nothing.
+  std::size_t unknown = 0;
+  /// Patches of the picture, whatever they show.
+  std::size_t patches = 0;
+
+  /// Patches that the map can say anything about.
+  std::size_t comparable() const { return fitting + contradicting; }
+
+  /// Share of the comparable patches that fit; 0 where none is comparable.
+  double share() const {
+    return fitting == 0 ? 0.0 : static_cast<double>(fitting) / static_cast<double>(comparable());
+  }
+};
+
+/// One frame as what a guard compares. All of them of one frame.
+struct FrameSurface {
+  const SemanticCloud& cloud;
+  const SampleGrid& samples;
+  const MinDepthGrid& tiles;
+};
+
+/// Compares a frame with the map as if its camera stood at `T_world_camera`, wherever the frame has
+/// it. Background and objects that are not archived are asked. A pose that is off by 0.1 m or 2
+/// degrees still fits. Cells of dynamic classes have no surface, so they say nothing.
+///
+/// Cost: about 0.3 ms.
+PoseConsistency CompareFrame(const FrameSurface& frame,
+                             const Eigen::Isometry3d& T_world_camera,
+                             const WorkingMap& map);
+
+}  // namespace steadymap

@@ -1,0 +1,286 @@
+#include "core/working/object_split.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "core/volume/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+LeafOrigin Shift(LeafOrigin origin, const Eigen::Vector3i& voxels) {
+  return {origin.x + voxels.x(), origin.y + voxels.y(), origin.z + voxels.z()};
+}
+
+void TakeBetterVoxels(const LeafView& leaf, LeafVoxels* voxels) {
+  for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+    if (!IsSet(leaf.observed, offset) || leaf.weight[offset] <= voxels->weight[offset]) continue;
+    voxels->distance_m[offset] = leaf.distance_m[offset];
+    voxels->weight[offset] = leaf.weight[offset];
+    voxels->observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    if (leaf.color == nullptr) continue;
+    voxels->color[offset] = leaf.color[offset];
+    voxels->has_color = true;
+  }
+}
+
+/// Index of a voxel in its volume.
+Eigen::Vector3d VoxelCenter(LeafOrigin origin, std::size_t offset) {
+  return {static_cast<double>(origin.x + static_cast<int>(offset >> 6)),
+          static_cast<double>(origin.y + static_cast<int>(offset >> 3 & 7)),
+          static_cast<double>(origin.z + static_cast<int>(offset & 7))};
+}
+
+/// The leaves of another frame that the leaves of a volume may reach into.
+std::set<LeafOrigin> LeavesUnder(const TsdfGrid& volume,
+                                 const Eigen::Isometry3d& T_target_volume,
+                                 const VoxelScale& scale) {
+  std::set<LeafOrigin> leaves;
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
+    Eigen::AlignedBox3d bounds;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d index =
+          VoxelCenter(origin, 0) +
+          Eigen::Vector3d(corner & 1, corner >> 1 & 1, corner >> 2) * kLeafSide;
+      bounds.extend(T_target_volume * (index * scale.voxel_size_m) / scale.voxel_size_m);
+    }
+    const Eigen::Vector3i low = bounds.min().array().floor().cast<int>();
+    const Eigen::Vector3i high = bounds.max().array().ceil().cast<int>();
+    const LeafOrigin first = LeafOf(low.x(), low.y(), low.z());
+    for (std::int32_t x = first.x; x <= high.x(); x += kLeafSide) {
+      for (std::int32_t y = first.y; y <= high.y(); y += kLeafSide) {
+        for (std::int32_t z = first.z; z <= high.z(); z += kLeafSide) leaves.insert({x, y, z});
+      }
+    }
+  });
+  return leaves;
+}
+
+/// Stores a sample as one look that is worth at most `max_weight`, rounded as voxels are.
+void StoreCanonical(const DistanceSample& sample,
+                    double max_weight,
+                    const VoxelScale& scale,
+                    std::size_t offset,
+                    LeafVoxels* voxels) {
+  const double steps = std::round(sample.distance_m / static_cast<double>(scale.distance_step_m()));
+  voxels->distance_m[offset] = static_cast<float>(steps) * scale.distance_step_m();
+  const double units =
+      std::round(std::min(sample.weight, max_weight) / static_cast<double>(kWeightUnit));
+  voxels->weight[offset] = static_cast<float>(std::max(units, 1.0)) * kWeightUnit;
+  voxels->observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+}
+
+void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
+  target->confirmed = std::max(target->confirmed, evidence.confirmed);
+  for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+    target->score[cell] = std::max(target->score[cell], evidence.score[cell]);
+  }
+}
+
+/// The cells of a leaf that hold surface, one bit a cell.
+std::uint64_t OccupiedCells(const SurfaceLeaf& leaf) {
+  std::uint64_t occupied = 0;
+  for (const SurfaceVoxel& point : leaf.points) occupied |= std::uint64_t{1} << point.cell;
+  return occupied;
+}
+
+/// A cell's place among all cells of its object.
+using CellPlace = std::array<int, 3>;
+
+CellPlace PlaceOf(LeafOrigin origin, std::uint8_t cell) {
+  return {origin.x / kEvidenceSide + (cell >> 4),
+          origin.y / kEvidenceSide + (cell >> 2 & 3),
+          origin.z / kEvidenceSide + (cell & 3)};
+}
+
+/// Moves the 26 cells around one that are in `cells` to the end of `group`.
+void TakeNeighbours(const CellPlace& cell,
+                    std::set<CellPlace>* cells,
+                    std::vector<CellPlace>* group) {
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const CellPlace neighbour = {cell[0] + x, cell[1] + y, cell[2] + z};
+        if (cells->erase(neighbour) > 0) group->push_back(neighbour);
+      }
+    }
+  }
+}
+
+/// The cells of an object that are gone.
+std::set<CellPlace> FindGoneCells(const TrackedObject& object, const GoneScores& scores) {
+  std::vector<CellPlace> gone;
+  std::set<CellPlace> doubted;
+  for (const LeafEvidence& leaf : object.state().evidence.leaves) {
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      const CellPlace place = PlaceOf(leaf.origin, static_cast<std::uint8_t>(cell));
+      if (leaf.score[cell] <= scores.gone) {
+        gone.push_back(place);
+      } else if (leaf.score[cell] <= scores.beside_gone) {
+        doubted.insert(place);
+      }
+    }
+  }
+  for (std::size_t next = 0; next < gone.size(); ++next) {
+    TakeNeighbours(CellPlace(gone[next]), &doubted, &gone);
+  }
+  return {gone.begin(), gone.end()};
+}
+
+}  // namespace
+
+bool ShareLattice(const ObjectState& a, const ObjectState& b) {
+  return a.T_world_object.yaw_rad == 0.0 && b.T_world_object.yaw_rad == 0.0;
+}
+
+MovedLeaves CopyVoxels(const TrackedObject& from, const VoxelScale& scale, TrackedObject* into) {
+  assert(ShareLattice(from.state(), into->state()));
+  const Eigen::Vector3d offset_voxels =
+      (from.state().T_world_object.position_world - into->state().T_world_object.position_world) /
+      scale.voxel_size_m;
+  const Eigen::Vector3i shift = offset_voxels.array().round().cast<int>();
+  TsdfGrid& volume = into->MutableVolume();
+  MovedLeaves moved;
+  LeafVoxels voxels;
+  from.volume().ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    const LeafOrigin target = Shift(origin, shift);
+    volume.LoadLeaf(target, &voxels);
+    TakeBetterVoxels(leaf, &voxels);
+    volume.StoreLeaf(target, voxels);
+    moved.from.push_back(origin);
+    moved.into.push_back(target);
+  });
+  for (const LeafEvidence& evidence : from.state().evidence.leaves) {
+    TakeBetterEvidence(evidence,
+                       &into->state().evidence.MutableLeaf(Shift(evidence.origin, shift)));
+  }
+  into->UpdateSurface(moved.into);
+  return moved;
+}
+
+std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
+                                       const Eigen::Isometry3d& T_world_from,
+                                       double max_weight,
+                                       const VoxelScale& scale,
+                                       TrackedObject* into) {
+  const Eigen::Isometry3d T_from_into =
+      T_world_from.inverse() * into->state().T_world_object.ToIsometry();
+  const std::set<LeafOrigin> targets = LeavesUnder(from.volume(), T_from_into.inverse(), scale);
+  TsdfSampler sampler(from.volume(), scale);
+  TsdfGrid& volume = into->MutableVolume();
+  std::vector<LeafOrigin> changed;
+  LeafVoxels voxels;
+  for (const LeafOrigin& origin : targets) {
+    volume.LoadLeaf(origin, &voxels);
+    bool has_changed = false;
+    for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+      if (IsSet(voxels.observed, offset)) continue;
+      const Eigen::Vector3d center_into = VoxelCenter(origin, offset) * scale.voxel_size_m;
+      const DistanceSample sample = sampler.Sample(T_from_into * center_into);
+      if (!sample.known) continue;
+      StoreCanonical(sample, max_weight, scale, offset, &voxels);
+      has_changed = true;
+    }
+    if (!has_changed) continue;
+    volume.StoreLeaf(origin, voxels);
+    changed.push_back(origin);
+  }
+  into->UpdateSurface(changed);
+  return changed;
+}
+
+DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
+  DoubtedCells cells;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const std::uint64_t occupied = OccupiedCells(leaf);
+    cells.all += static_cast<std::size_t>(std::popcount(occupied));
+    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr) continue;
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if ((occupied >> cell & 1) == 0) continue;
+      cells.gone += evidence->score[cell] <= max_score ? 1U : 0U;
+      cells.doubted += evidence->score[cell] < 0 ? 1U : 0U;
+    }
+  }
+  return cells;
+}
+
+std::size_t CountFoundCells(const TrackedObject& object, Timestamp since) {
+  std::size_t found = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr || evidence->confirmed < since) continue;
+    const std::uint64_t occupied = OccupiedCells(leaf);
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if ((occupied >> cell & 1) != 0 && evidence->score[cell] > 0) ++found;
+    }
+  }
+  return found;
+}
+
+std::size_t CountConnectedCells(const TrackedObject& object) {
+  std::set<CellPlace> unvisited;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      unvisited.insert(PlaceOf(leaf.origin, point.cell));
+    }
+  }
+  std::size_t most = 0;
+  while (!unvisited.empty()) {
+    std::vector<CellPlace> group = {unvisited.extract(unvisited.begin()).value()};
+    for (std::size_t next = 0; next < group.size(); ++next) {
+      TakeNeighbours(CellPlace(group[next]), &unvisited, &group);
+    }
+    most = std::max(most, group.size());
+  }
+  return most;
+}
+
+std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
+                                       TrackedObject* object,
+                                       TrackedObject* part) {
+  const std::set<CellPlace> gone_cells = FindGoneCells(*object, scores);
+  TsdfGrid& volume = object->MutableVolume();
+  TsdfGrid& part_volume = part->MutableVolume();
+  std::vector<LeafOrigin> changed;
+  LeafVoxels voxels;
+  for (LeafEvidence& leaf : object->state().evidence.leaves) {
+    std::array<bool, kEvidenceCells> is_gone{};
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      is_gone[cell] = gone_cells.contains(PlaceOf(leaf.origin, static_cast<std::uint8_t>(cell)));
+    }
+    LeafVoxels gone{};
+    volume.LoadLeaf(leaf.origin, &voxels);
+    gone.has_color = voxels.has_color;
+    for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+      if (!is_gone[EvidenceCellOf(offset)] || !IsSet(voxels.observed, offset)) continue;
+      const std::uint64_t bit = std::uint64_t{1} << (offset & 63);
+      gone.distance_m[offset] = std::exchange(voxels.distance_m[offset], 0.0F);
+      gone.weight[offset] = std::exchange(voxels.weight[offset], 0.0F);
+      gone.color[offset] = std::exchange(voxels.color[offset], 0U);
+      gone.observed[offset >> 6] |= bit;
+      voxels.observed[offset >> 6] &= ~bit;
+    }
+    // Cells without voxels forget their scores, too: what comes to stand there is something else.
+    std::array<std::int8_t, kEvidenceCells> gone_score{};
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if (!is_gone[cell]) continue;
+      gone_score[cell] = std::exchange(leaf.score[cell], std::int8_t{0});
+    }
+    if (gone.observed == LeafMask{}) continue;
+    part->state().evidence.MutableLeaf(leaf.origin).score = gone_score;
+    volume.StoreLeaf(leaf.origin, voxels);
+    part_volume.StoreLeaf(leaf.origin, gone);
+    changed.push_back(leaf.origin);
+  }
+  object->UpdateSurface(changed);
+  part->UpdateSurface(changed);
+  return changed;
+}
+
+}  // namespace steadymap

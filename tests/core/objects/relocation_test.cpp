@@ -1,0 +1,201 @@
+// Piles, all alike but where a test says otherwise, stand in a row along y; one stands where none
+// stood before.
+
+#include "core/objects/relocation.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/types/map_config.h"
+#include "tests/support/analytic_map.h"
+#include "tests/support/analytic_solid.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::Solid;
+using ::steadymap::testing::WallVolume;
+
+constexpr double kRecentS = 20.0;
+
+/// The middle of its front stands at `y_m`.
+Solid PileAt(double y_m, double height_m = 0.0) {
+  return {Box(Eigen::Vector3d(2.0, y_m - 0.25, height_m),
+              Eigen::Vector3d(2.5, y_m + 0.25, height_m + 0.8))};
+}
+
+class FindMovesTest : public ::testing::Test {
+ protected:
+  FindMovesTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
+
+  /// A pile that was seen first and last at these times.
+  TrackedObject* Put(double y_m, double came_s, double last_seen_s) {
+    return Put(PileAt(y_m), came_s, last_seen_s);
+  }
+
+  /// The same of a thing of any shape.
+  TrackedObject* Put(const Solid& solid_world, double came_s, double last_seen_s) {
+    TrackedObject& pile = map_.AddObject(solid_world.front().min());
+    const Eigen::Vector3d origin_world = pile.state().T_world_object.position_world;
+    Solid solid = solid_world;
+    for (Box& box : solid) box.translate(-origin_world);
+    pile.MutableVolume() = MakeVolume(solid, map_.scale());
+    pile.RebuildSurface();
+    ObjectState& state = pile.state();
+    state.standing = ObjectStanding::kPresent;
+    state.first_seen = Timestamp::FromSeconds(came_s);
+    state.standing_since = state.first_seen;
+    state.last_seen = Timestamp::FromSeconds(last_seen_s);
+    state.views = 20;
+    map_.MarkChanged(&pile);
+    in_view_.push_back({&pile, 0, 10, 0, 10});
+    return &pile;
+  }
+
+  /// A thing that was there long ago, and is not found any more.
+  TrackedObject* PutMissed(double y_m) { return PutMissed(PileAt(y_m)); }
+
+  /// The same of one that was given up at a time.
+  void PutGivenUp(double y_m, double given_up_s) {
+    TrackedObject* pile = PutMissed(y_m);
+    pile->state().standing = ObjectStanding::kArchived;
+    pile->state().standing_since = Timestamp::FromSeconds(given_up_s);
+    map_.MarkChanged(pile);
+  }
+
+  TrackedObject* PutMissed(const Solid& solid_world) {
+    TrackedObject* pile = Put(solid_world, 10.0, 30.0);
+    pile->state().evidence.absent_streak_cells = 12.0;
+    return pile;
+  }
+
+  /// Every cell of its surface was found at that time.
+  static void FindAllOf(TrackedObject* pile, double found_s) {
+    for (const SurfaceLeaf& leaf : pile->surface().leaves()) {
+      LeafEvidence& evidence = pile->state().evidence.MutableLeaf(leaf.origin);
+      evidence.confirmed = Timestamp::FromSeconds(found_s);
+      evidence.score.fill(1);
+    }
+  }
+
+  std::vector<ObjectEvent> Find() {
+    FindRelocations(in_view_, kRecentS, RelocationParameters(), &map_);
+    map_.EndFrame();
+    return map_.Commit().delta.events;
+  }
+
+  WorkingMap map_{MapConfig()};
+  std::vector<ObjectInView> in_view_;
+};
+
+TEST_F(FindMovesTest, TellsAPileThatWasPushedAside) {
+  const ObjectId missed = PutMissed(0.0)->id();
+  const ObjectId found = Put(0.7, 95.0, 100.0)->id();
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, missed);
+  EXPECT_EQ(events[0].related, found);
+  EXPECT_NEAR(events[0].old_center_world.value().y(), 0.0, 0.05);
+  EXPECT_NEAR(events[0].center_world.y(), 0.7, 0.05);
+}
+
+TEST_F(FindMovesTest, TellsAMoveOfWhatHadShownItsFrontAlone) {
+  const Eigen::Vector3d middle(2.0, 0.0, 0.5);
+  TrackedObject* front = PutMissed({Box(middle, middle)});
+  front->MutableVolume() = WallVolume(0.0, map_.scale());
+  front->RebuildSurface();
+  ASSERT_LT(front->cuboid().size_m.y(), 0.05);
+  map_.MarkChanged(front);
+  const ObjectId missed = front->id();
+  // Its sides lie where the front knows nothing.
+  Put({Box(Eigen::Vector3d(1.4, -0.56, -0.06), Eigen::Vector3d(1.58, 0.56, 1.06))}, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, missed);
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOntoAnotherBoard) {
+  PutMissed(0.0);
+  Put(PileAt(0.3, 0.5), 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOfASmallThingThatBecameAThirdLonger) {
+  PutMissed({Box(Eigen::Vector3d(2.0, 0.0, 0.0), Eigen::Vector3d(2.3, 0.3, 0.3))});
+  Put({Box(Eigen::Vector3d(2.0, 0.6, 0.0), Eigen::Vector3d(2.3, 1.05, 0.3))}, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOfWhatHasAnotherShape) {
+  PutMissed(0.0);
+  const Solid step = {Box(Eigen::Vector3d(2.0, 0.45, 0.0), Eigen::Vector3d(2.5, 0.95, 0.35)),
+                      Box(Eigen::Vector3d(2.0, 0.45, 0.0), Eigen::Vector3d(2.2, 0.95, 0.8))};
+  Put(step, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, TellsNoMoveOfWhatWasFoundAMomentAgo) {
+  FindAllOf(PutMissed(0.0), 90.0);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty()) << "an edge alone is missed";
+}
+
+TEST_F(FindMovesTest, TellsAMoveOfWhatWasFoundLongAgo) {
+  FindAllOf(PutMissed(0.0), 70.0);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_EQ(Find().size(), 1U);
+}
+
+TEST_F(FindMovesTest, TellsAMoveToAPlaceThatOverlapsTheOldOne) {
+  FindAllOf(PutMissed(0.0), 90.0);
+  Put(0.3, 95.0, 100.0);
+  EXPECT_EQ(Find().size(), 1U) << "it is the new surface that was found";
+}
+
+TEST_F(FindMovesTest, NeverGuessesWhichOfTwoMissedPilesWasPushed) {
+  PutMissed(0.0);
+  PutMissed(1.4);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, NeverGuessesWhetherAPileWasPushedOrOneThatWasGivenUpBefore) {
+  PutMissed(0.0);
+  PutGivenUp(1.4, 93.0);
+  Put(0.7, 95.0, 100.0);
+  EXPECT_TRUE(Find().empty());
+}
+
+TEST_F(FindMovesTest, LeavesOutANeighbourThatWentLongBefore) {
+  const ObjectId missed = PutMissed(0.0)->id();
+  PutGivenUp(1.4, 40.0);
+  Put(0.7, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].object, missed);
+}
+
+TEST_F(FindMovesTest, LeavesOutANeighbourThatStillStands) {
+  const ObjectId missed = PutMissed(0.0)->id();
+  Put(1.4, 10.0, 100.0);
+  Put(0.7, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].object, missed);
+}
+
+TEST_F(FindMovesTest, TakesTheOneThatIsClearlyNearer) {
+  PutMissed(1.6);
+  const ObjectId missed = PutMissed(0.4)->id();
+  Put(0.7, 95.0, 100.0);
+  const std::vector<ObjectEvent> events = Find();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].object, missed);
+}
+
+}  // namespace
+}  // namespace steadymap

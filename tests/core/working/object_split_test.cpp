@@ -1,0 +1,254 @@
+#include "core/working/object_split.h"
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::kScale;
+
+/// Multiples of the canonical steps, so that every voxel of a test volume is exact.
+LeafVoxels LeafWith(float weight, int distance_steps) {
+  LeafVoxels voxels;
+  voxels.distance_m.fill(static_cast<float>(distance_steps) * kScale.distance_step_m());
+  voxels.weight.fill(weight);
+  voxels.observed.fill(~std::uint64_t{0});
+  return voxels;
+}
+
+/// A wall that faces -x in the object's frame, one leaf wide along y and z each.
+TrackedObject Wall(ObjectId id, const Eigen::Vector3d& position_world) {
+  TrackedObject object(id, position_world, kScale);
+  object.MutableVolume() =
+      testing::MakeVolume([](const Eigen::Vector3d& point) { return 0.1 - point.x(); },
+                          Box(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.2, 0.39, 0.39)),
+                          kScale,
+                          [](const Eigen::Vector3d&) { return true; });
+  object.RebuildSurface();
+  return object;
+}
+
+/// All observed voxels of a volume, by leaf and offset.
+std::map<std::pair<LeafOrigin, std::size_t>, std::pair<float, float>> VoxelsOf(
+    const TsdfGrid& volume) {
+  std::map<std::pair<LeafOrigin, std::size_t>, std::pair<float, float>> voxels;
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+      if (!IsSet(leaf.observed, offset)) continue;
+      voxels[{origin, offset}] = {leaf.distance_m[offset], leaf.weight[offset]};
+    }
+  });
+  return voxels;
+}
+
+TEST(ShareLattice, HoldsOnlyForObjectsThatWereNotTurned) {
+  MapObject a;
+  MapObject b;
+  EXPECT_TRUE(ShareLattice(a, b));
+  b.T_world_object.yaw_rad = 0.1;
+  EXPECT_FALSE(ShareLattice(a, b));
+}
+
+TEST(CopyVoxels, PutsVoxelsWhereTheyAreInTheWorld) {
+  const TrackedObject from = Wall(ObjectId(2), {1.2, -0.8, 0.4});
+  TrackedObject into(ObjectId(1), {0.4, 0.4, 0.0}, kScale);
+  const MovedLeaves moved = CopyVoxels(from, kScale, &into);
+  EXPECT_EQ(moved.from, (std::vector<LeafOrigin>{{0, 0, 0}}));
+  EXPECT_EQ(moved.into, (std::vector<LeafOrigin>{{16, -24, 8}}));
+  EXPECT_EQ(into.volume().CountObservedVoxels(), from.volume().CountObservedVoxels());
+  EXPECT_GT(into.surface().point_count(), 0U);
+  const Cuboid& a = from.cuboid();
+  const Cuboid& b = into.cuboid();
+  EXPECT_LT((a.center_world - b.center_world).norm(), 1e-5);
+  EXPECT_LT((a.size_m - b.size_m).norm(), 1e-5);
+}
+
+TEST(CopyVoxels, KeepsOfTwoVoxelsTheOneThatWasSeenBetter) {
+  const LeafOrigin in_from{0, 0, 0};
+  const LeafOrigin in_into{8, 0, 0};
+  TrackedObject from(ObjectId(2), {0.4, 0.0, 0.0}, kScale);
+  TrackedObject into(ObjectId(1), {0.0, 0.0, 0.0}, kScale);
+  LeafVoxels better = LeafWith(2.0F, 100);
+  better.weight[5] = 0.25F;
+  better.observed[0] &= ~(std::uint64_t{1} << 6);
+  better.distance_m[6] = 0.0F;
+  better.weight[6] = 0.0F;
+  from.MutableVolume().StoreLeaf(in_from, better);
+  into.MutableVolume().StoreLeaf(in_into, LeafWith(1.0F, 200));
+  CopyVoxels(from, kScale, &into);
+  LeafVoxels both;
+  into.volume().LoadLeaf(in_into, &both);
+  for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+    const bool is_better = offset != 5 && offset != 6;
+    EXPECT_EQ(both.weight[offset], is_better ? 2.0F : 1.0F) << offset;
+    EXPECT_EQ(both.distance_m[offset],
+              static_cast<float>(is_better ? 100 : 200) * kScale.distance_step_m());
+    EXPECT_TRUE(IsSet(both.observed, offset));
+  }
+}
+
+TEST(CopyVoxels, KeepsColoursOfBothObjects) {
+  TrackedObject from(ObjectId(2), {0.0, 0.0, 0.0}, kScale);
+  TrackedObject into(ObjectId(1), {0.0, 0.0, 0.0}, kScale);
+  LeafVoxels colored = LeafWith(2.0F, 100);
+  colored.color.fill(0x01102030U);
+  colored.has_color = true;
+  from.MutableVolume().StoreLeaf({0, 0, 0}, colored);
+  into.MutableVolume().StoreLeaf({0, 0, 0}, LeafWith(1.0F, 200));
+  CopyVoxels(from, kScale, &into);
+  LeafVoxels both;
+  into.volume().LoadLeaf({0, 0, 0}, &both);
+  EXPECT_EQ(both, colored);
+}
+
+TEST(CopyVoxels, KeepsTheBetterEvidence) {
+  TrackedObject from = Wall(ObjectId(2), {0.4, 0.0, 0.0});
+  TrackedObject into = Wall(ObjectId(1), {0.0, 0.0, 0.0});
+  LeafEvidence& theirs = from.state().evidence.MutableLeaf({0, 0, 0});
+  theirs.score[3] = 2;
+  theirs.score[4] = -7;
+  theirs.confirmed = Timestamp::FromSeconds(50.0);
+  LeafEvidence& ours = into.state().evidence.MutableLeaf({8, 0, 0});
+  ours.score[3] = -3;
+  ours.score[4] = -5;
+  ours.confirmed = Timestamp::FromSeconds(40.0);
+  CopyVoxels(from, kScale, &into);
+  const LeafEvidence* both = into.state().evidence.FindLeaf({8, 0, 0});
+  ASSERT_NE(both, nullptr);
+  EXPECT_EQ(both->score[3], 2);
+  EXPECT_EQ(both->score[4], -5);
+  EXPECT_EQ(both->confirmed, Timestamp::FromSeconds(50.0));
+  EXPECT_EQ(into.state().evidence.leaves.size(), 1U);
+}
+
+TEST(MoveGoneVoxels, MovesExactlyTheGoneCells) {
+  TrackedObject object = Wall(ObjectId(1), {0.4, 0.0, 0.0});
+  const auto before = VoxelsOf(object.volume());
+  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+    evidence.score[cell] = static_cast<std::int8_t>(cell % 4 < 2 ? -5 : -4);
+  }
+  TrackedObject part(ObjectId(2), {0.4, 0.0, 0.0}, kScale);
+  const std::size_t points_before = object.surface().point_count();
+  EXPECT_EQ(MoveGoneVoxels({-5, -5}, &object, &part), (std::vector<LeafOrigin>{{0, 0, 0}}));
+
+  auto after = VoxelsOf(object.volume());
+  const auto moved = VoxelsOf(part.volume());
+  for (const auto& [place, voxel] : after) EXPECT_GE(EvidenceCellOf(place.second) % 4, 2);
+  for (const auto& [place, voxel] : moved) EXPECT_LT(EvidenceCellOf(place.second) % 4, 2);
+  EXPECT_EQ(after.size() + moved.size(), before.size()) << "nothing lost or doubled";
+  after.insert(moved.begin(), moved.end());
+  EXPECT_EQ(after, before);
+  EXPECT_EQ(object.surface().point_count() + part.surface().point_count(), points_before);
+  const LeafEvidence* left = object.state().evidence.FindLeaf({0, 0, 0});
+  const LeafEvidence* taken = part.state().evidence.FindLeaf({0, 0, 0});
+  ASSERT_NE(taken, nullptr);
+  for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+    EXPECT_EQ(left->score[cell], cell % 4 < 2 ? 0 : -4);
+    EXPECT_EQ(taken->score[cell], cell % 4 < 2 ? -5 : 0);
+  }
+}
+
+TEST(MoveGoneVoxels, TakesDoubtedCellsThatGoneOnesAreConnectedTo) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  // Along z, one is gone, one missed, one found, and behind that one missed.
+  const std::array<std::int8_t, 4> scores = {-5, -3, 2, -3};
+  for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) evidence.score[cell] = scores[cell % 4];
+  TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  MoveGoneVoxels({-5, -3}, &object, &part);
+  for (const auto& [place, voxel] : VoxelsOf(part.volume())) {
+    EXPECT_LT(EvidenceCellOf(place.second) % 4, 2);
+  }
+  for (const auto& [place, voxel] : VoxelsOf(object.volume())) {
+    EXPECT_GE(EvidenceCellOf(place.second) % 4, 2);
+  }
+  const LeafEvidence* taken = part.state().evidence.FindLeaf({0, 0, 0});
+  ASSERT_NE(taken, nullptr);
+  EXPECT_EQ(taken->score[1], -3);
+}
+
+TEST(CountDoubtedCells, CountsCellsWithSurfaceAlone) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  DoubtedCells cells = CountDoubtedCells(object, -5);
+  EXPECT_EQ(cells.all, 16U) << "four by four, where the wall passes";
+  EXPECT_EQ(cells.doubted, 0U);
+  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-3);
+  cells = CountDoubtedCells(object, -5);
+  EXPECT_EQ(cells.doubted, 16U);
+  EXPECT_EQ(cells.gone, 0U);
+  EXPECT_EQ(CountDoubtedCells(object, -3).gone, 16U);
+}
+
+TEST(CountFoundCells, CountsCellsWithSurfaceInLeavesFoundLately) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  EXPECT_EQ(CountFoundCells(object, Timestamp()), 0U) << "no evidence";
+  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  evidence.confirmed = Timestamp::FromSeconds(50.0);
+  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.0)), 0U);
+  evidence.score.fill(2);
+  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.0)), 16U);
+  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.1)), 0U);
+}
+
+TEST(CountConnectedCells, CountsTheLargestGroup) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  EXPECT_EQ(CountConnectedCells(object), 16U);
+  // A second leaf beside it, and one that nothing joins.
+  for (const double y_m : {0.4, 1.2}) {
+    CopyVoxels(Wall(ObjectId(2), {0.0, y_m, 0.0}), kScale, &object);
+  }
+  EXPECT_EQ(CountConnectedCells(object), 32U);
+  EXPECT_EQ(CountConnectedCells(TrackedObject(ObjectId(3), Eigen::Vector3d::Zero(), kScale)), 0U);
+}
+
+TEST(MoveGoneVoxels, TakesAWholeLeafAway) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  const auto before = VoxelsOf(object.volume());
+  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
+  TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  MoveGoneVoxels({-5, -5}, &object, &part);
+  EXPECT_EQ(object.volume().leaf_count(), 0U);
+  EXPECT_EQ(object.surface().point_count(), 0U);
+  EXPECT_TRUE(object.bounds_object().isEmpty());
+  EXPECT_EQ(VoxelsOf(part.volume()), before);
+}
+
+TEST(MoveGoneVoxels, ChangesNothingWhereNothingIsGone) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  const auto before = VoxelsOf(object.volume());
+  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-4);
+  TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  EXPECT_TRUE(MoveGoneVoxels({-5, -5}, &object, &part).empty());
+  EXPECT_EQ(VoxelsOf(object.volume()), before);
+  EXPECT_EQ(part.volume().leaf_count(), 0U);
+}
+
+TEST(MoveGoneVoxels, ForgetsTheScoresOfCellsWithoutVoxels) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  object.state().evidence.MutableLeaf({80, 0, 0}).score.fill(-9);
+  TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  EXPECT_TRUE(MoveGoneVoxels({-5, -5}, &object, &part).empty());
+  EXPECT_EQ(object.state().evidence.FindLeaf({80, 0, 0})->score[0], 0);
+  EXPECT_EQ(part.state().evidence.FindLeaf({80, 0, 0}), nullptr);
+}
+
+TEST(MoveGoneVoxels, LeavesAPublishedVolumeAlone) {
+  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  const std::shared_ptr<const MapObject> published = object.Publish();
+  const auto before = VoxelsOf(*published->volume);
+  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
+  TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  MoveGoneVoxels({-5, -5}, &object, &part);
+  EXPECT_EQ(VoxelsOf(*published->volume), before);
+}
+
+}  // namespace
+}  // namespace steadymap
