@@ -68,7 +68,7 @@ class Mapper {
   const std::vector<SemanticClass> created_classes_;  ///< Of the configuration.
   MapConfig config_;                                  ///< With the classes that were added.
   const MapperOptions options_;
-  StageTeller stages_;
+  StageTimer stages_;
   std::unique_ptr<SemanticCloud> cloud_;  ///< Of the frame at hand; null while the mapper rests.
   std::unique_ptr<MapUpdater> updater_;   ///< Likewise.
   WorkingMap map_;                        ///< Ahead of the last commit.

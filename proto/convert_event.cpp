@@ -167,8 +167,8 @@ absl::StatusOr<ObjectEvent> FromProto(const v1::ObjectEvent& message) {
   event.object = ObjectId(message.object_id());
   event.related = ObjectId(message.related_object_id());
   event.revision = Revision(message.revision());
-  event.views = message.views();
-  event.absences = message.absences();
+  event.supporting_frames = message.views();
+  event.contradicted_updates = message.absences();
   event.source = {message.robot(), message.sensor()};
   return event;
 }
@@ -194,8 +194,8 @@ v1::ObjectEvent ToProto(EventNumber number, const ObjectEvent& event) {
     *message.mutable_after() = ToProto(event.after);
   }
   message.set_related_object_id(event.related.value());
-  message.set_views(event.views);
-  message.set_absences(event.absences);
+  message.set_views(event.supporting_frames);
+  message.set_absences(event.contradicted_updates);
   message.set_robot(event.source.robot);
   message.set_sensor(event.source.sensor);
   return message;

@@ -69,14 +69,14 @@ absl::StatusOr<ClassId> ReadClass(std::uint32_t class_id) {
                       absl::StrCat("a class id must be below 65536, got ", class_id));
 }
 
-absl::StatusOr<ObjectStanding> ReadStanding(v1::ObjectStanding standing) {
+absl::StatusOr<ObjectStatus> ReadStanding(v1::ObjectStanding standing) {
   switch (standing) {
     case v1::OBJECT_STANDING_TENTATIVE:
-      return ObjectStanding::kTentative;
+      return ObjectStatus::kTentative;
     case v1::OBJECT_STANDING_PRESENT:
-      return ObjectStanding::kPresent;
+      return ObjectStatus::kPresent;
     case v1::OBJECT_STANDING_ARCHIVED:
-      return ObjectStanding::kArchived;
+      return ObjectStatus::kArchived;
     default:
       return InvalidField(
           reason::kBadValue,
@@ -85,13 +85,13 @@ absl::StatusOr<ObjectStanding> ReadStanding(v1::ObjectStanding standing) {
   }
 }
 
-v1::ObjectStanding StandingToProto(ObjectStanding standing) {
+v1::ObjectStanding StandingToProto(ObjectStatus standing) {
   switch (standing) {
-    case ObjectStanding::kTentative:
+    case ObjectStatus::kTentative:
       return v1::OBJECT_STANDING_TENTATIVE;
-    case ObjectStanding::kPresent:
+    case ObjectStatus::kPresent:
       return v1::OBJECT_STANDING_PRESENT;
-    case ObjectStanding::kArchived:
+    case ObjectStatus::kArchived:
       return v1::OBJECT_STANDING_ARCHIVED;
   }
   return v1::OBJECT_STANDING_UNSPECIFIED;
@@ -217,9 +217,9 @@ absl::StatusOr<ObjectState> FromProto(const v1::Object& message) {
   if (object.id == kBackgroundId) {
     return InvalidField(reason::kBadValue, "id", "an object's id must be above 0");
   }
-  const absl::StatusOr<ObjectStanding> standing = ReadStanding(message.standing());
+  const absl::StatusOr<ObjectStatus> standing = ReadStanding(message.standing());
   if (!standing.ok()) return standing.status();
-  object.standing = *standing;
+  object.status = *standing;
   const absl::StatusOr<ClassId> class_id = ReadClass(message.class_id());
   if (!class_id.ok()) return class_id.status();
   object.class_id = *class_id;
@@ -235,8 +235,8 @@ absl::StatusOr<ObjectState> FromProto(const v1::Object& message) {
   object.evidence.present_cells = message.present_cells();
   object.evidence.absent_cells = message.absent_cells();
   object.evidence.absent_streak_cells = message.absent_streak_cells();
-  object.views = message.views();
-  object.absences = message.absences();
+  object.supporting_frames = message.views();
+  object.contradicted_updates = message.absences();
   object.revision = Revision(message.revision());
   return object;
 }
@@ -244,7 +244,7 @@ absl::StatusOr<ObjectState> FromProto(const v1::Object& message) {
 v1::Object ToProto(const MapObject& object) {
   v1::Object message;
   message.set_id(object.id.value());
-  message.set_standing(StandingToProto(object.standing));
+  message.set_standing(StandingToProto(object.status));
   message.set_class_id(object.class_id.value());
   message.set_class_confidence(ClassConfidence(object));
   for (const ClassVote& vote : object.votes) {
@@ -258,8 +258,8 @@ v1::Object ToProto(const MapObject& object) {
   message.set_stationarity(object.belief.stationarity());
   *message.mutable_first_seen() = ToProto(object.first_seen);
   *message.mutable_last_seen() = ToProto(object.last_seen);
-  message.set_views(object.views);
-  message.set_absences(object.absences);
+  message.set_views(object.supporting_frames);
+  message.set_absences(object.contradicted_updates);
   message.set_present_cells(object.evidence.present_cells);
   message.set_absent_cells(object.evidence.absent_cells);
   message.set_absent_streak_cells(object.evidence.absent_streak_cells);

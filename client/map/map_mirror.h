@@ -46,7 +46,7 @@ struct MirrorCallbacks {
 ///
 /// A mirror that starts with `kNow`, or behind a token of another one, holds what has changed
 /// since. Of an object it has what the wire has: no evidence of single leaves, and no
-/// `standing_since`.
+/// `in_place_since`.
 ///
 /// Runs one thread. All functions are thread-safe. A step costs what it changes.
 class MapMirror {

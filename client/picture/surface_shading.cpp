@@ -12,7 +12,7 @@ namespace {
 // The surface is drawn this much larger and averaged down.
 constexpr int kOversampling = 2;
 
-// How much a pixel darkens for every metre that its surroundings stand above it, averaged over the
+// How much a pixel darkens for every metre that its dependencies stand above it, averaged over the
 // neighbours at this distance; a neighbour counts at most kMaxStepM.
 constexpr int kNeighbourPx = 3;
 constexpr double kDarkeningPerM = 1.6;

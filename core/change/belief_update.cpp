@@ -70,7 +70,7 @@ bool UpdateBelief(StationarityPrior prior,
   evidence.absent_cells = 0.0;
   evidence.change_sum_m = 0.0;
   if (absent_share >= parameters.absent_share) {
-    ++object->absences;
+    ++object->contradicted_updates;
     const double change_m = stationarity.max_change_m;
     object->belief = UpdateStationarity(object->belief, change_m, prior, stationarity).belief;
   } else if (absent_share < parameters.present_share) {

@@ -92,7 +92,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
   const std::uint32_t owner = association_.owner[sample_index];
   if (!Association::IsObject(owner)) return false;
   const ObjectState& newer = objects_[owner - 1].object->state();
-  if (newer.id == object.id() || newer.standing != ObjectStanding::kPresent ||
+  if (newer.id == object.id() || newer.status != ObjectStatus::kPresent ||
       newer.class_id != object.state().class_id) {
     return false;
   }
@@ -104,7 +104,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
   }
   if (LeavesRoom(objects_[owner - 1].object->cuboid(), point_world.cast<double>())) return false;
   const Timestamp confirmed = object.state().evidence.ConfirmedAt(leaf);
-  return newer.standing_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
+  return newer.in_place_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
 }
 
 /// Where the grid of samples shows a point in front of the camera; none if it does not.

@@ -25,10 +25,10 @@ MapCounts MapCounter::Count(const MapSnapshot& snapshot) {
     CountedVolume& counted = objects[id] = std::move(objects_[id]);
     Update(object->volume, &counted);
     counts.memory_bytes += object->evidence.leaves.capacity() * sizeof(LeafEvidence);
-    const bool is_present = object->standing == ObjectStanding::kPresent;
+    const bool is_present = object->status == ObjectStatus::kPresent;
     add(counted, is_present);
     counts.present_objects += is_present ? 1 : 0;
-    counts.archived_objects += object->standing == ObjectStanding::kArchived ? 1 : 0;
+    counts.archived_objects += object->status == ObjectStatus::kArchived ? 1 : 0;
   }
   objects_ = std::move(objects);
   counts.memory_bytes += snapshot.free_space.memory_bytes();

@@ -20,8 +20,8 @@ bool Touches(const Box& box_world, const Cuboid& cuboid) {
 }  // namespace
 
 bool MapFilter::Shows(const ObjectState& object) const {
-  if (object.standing == ObjectStanding::kTentative) return false;
-  if (object.standing == ObjectStanding::kArchived && !archived) return false;
+  if (object.status == ObjectStatus::kTentative) return false;
+  if (object.status == ObjectStatus::kArchived && !archived) return false;
   if (!IsWanted(objects, object.id) || !IsWanted(classes, object.class_id)) return false;
   return boxes_world.empty() ||
          std::any_of(boxes_world.begin(), boxes_world.end(), [&](const Box& box_world) {

@@ -31,7 +31,7 @@ struct UprightPose {
 };
 
 /// What an object is to its map.
-enum class ObjectStanding {
+enum class ObjectStatus {
   kTentative,  ///< Seen too seldom to be believed; no part of the map yet.
   kPresent,    ///< Part of the map.
   kArchived,   ///< Gone from its place, kept for history and re-identification.
@@ -49,7 +49,7 @@ struct ClassVote {
 /// the object frame.
 struct ObjectState {
   ObjectId id;
-  ObjectStanding standing = ObjectStanding::kTentative;
+  ObjectStatus status = ObjectStatus::kTentative;
   Revision revision;             ///< Of the last frame that changed the object.
   ClassId class_id;              ///< The winner of the votes.
   std::vector<ClassVote> votes;  ///< By rising class, no class twice.
@@ -60,10 +60,10 @@ struct ObjectState {
   Timestamp first_seen;  ///< Capture time of the first frame that saw it.
   /// When it came to stand where it stands, later than `first_seen` if it was gone or elsewhere
   /// before; of an archived one, when it was found gone.
-  Timestamp standing_since;
-  Timestamp last_seen;         ///< Capture time of the last frame that agreed with it.
-  std::uint64_t views = 0;     ///< Frames that agreed with it.
-  std::uint64_t absences = 0;  ///< Times that the evidence spoke against it.
+  Timestamp in_place_since;
+  Timestamp last_seen;                     ///< Capture time of the last frame that agreed with it.
+  std::uint64_t supporting_frames = 0;     ///< Frames that agreed with it.
+  std::uint64_t contradicted_updates = 0;  ///< Times that the evidence spoke against it.
 
   friend bool operator==(const ObjectState&, const ObjectState&) = default;
 };

@@ -64,10 +64,10 @@ struct ObjectEvent {
   std::optional<double> confidence;                        ///< For moves, in [0, 1].
   Belief before;
   Belief after;
-  std::uint64_t views = 0;     ///< Frames that had agreed with it.
-  std::uint64_t absences = 0;  ///< Times that the evidence had spoken against it.
-  ObjectId related;            ///< The other object of a move, merge or split; else 0.
-  SensorName source;           ///< For events of robots: whom they are about; else empty.
+  std::uint64_t supporting_frames = 0;     ///< Frames that had agreed with it.
+  std::uint64_t contradicted_updates = 0;  ///< Times that the evidence had spoken against it.
+  ObjectId related;                        ///< The other object of a move, merge or split; else 0.
+  SensorName source;  ///< For events of robots: whom they are about; else empty.
 
   /// Whether it is about a robot, not about an object.
   bool IsOfRobot() const { return !source.robot.empty(); }

@@ -21,7 +21,7 @@ PlacedVolume VolumeOf(const MapObject& object) {
 std::vector<PlacedVolume> ShownVolumes(const MapSnapshot& snapshot) {
   std::vector<PlacedVolume> volumes = {BackgroundOf(snapshot)};
   for (const auto& [id, object] : snapshot.objects) {
-    if (object->standing == ObjectStanding::kPresent) volumes.push_back(VolumeOf(*object));
+    if (object->status == ObjectStatus::kPresent) volumes.push_back(VolumeOf(*object));
   }
   return volumes;
 }

@@ -24,7 +24,7 @@ void ObjectLifecycle::Run(const std::vector<ObjectInView>& in_view, WorkingMap* 
   map_ = map;
   for (TrackedObject* object : map_->TentativeObjects()) {
     const ObjectState& state = object->state();
-    if (state.views >= parameters_.views && Confirm(object)) continue;
+    if (state.supporting_frames >= parameters_.views && Confirm(object)) continue;
     if (map_->now().seconds() - state.last_seen.seconds() > parameters_.max_unseen_s) {
       map_->Forget(object);
     }
@@ -38,10 +38,11 @@ void ObjectLifecycle::Run(const std::vector<ObjectInView>& in_view, WorkingMap* 
 bool ObjectLifecycle::Confirm(TrackedObject* object) {
   if (TakePlace(object)) return true;
   const double seen_m2 =
-      static_cast<double>(object->state().views) * SurfaceArea(*object, map_->scale());
+      static_cast<double>(object->state().supporting_frames) * SurfaceArea(*object, map_->scale());
   if (seen_m2 < static_cast<double>(parameters_.views) * parameters_.min_area_m2) return false;
   const bool is_in_view = object->state().last_seen == map_->now();
-  if (is_in_view && object->state().views < parameters_.views_beside && IsBesideRecent(*object)) {
+  if (is_in_view && object->state().supporting_frames < parameters_.views_beside &&
+      IsBesideRecent(*object)) {
     return false;
   }
   Enter(EventType::kCreated, EventReason::kNewSurface, ObjectId(), object);
@@ -87,10 +88,10 @@ void ObjectLifecycle::Enter(EventType type,
                             EventReason reason,
                             ObjectId related,
                             TrackedObject* object) {
-  object->state().standing = ObjectStanding::kPresent;
+  object->state().status = ObjectStatus::kPresent;
   ObjectEvent event = map_->MakeEvent(type, reason, *object);
   event.related = related;
-  map_->Tell(event);
+  map_->RecordEvent(event);
   map_->MarkChanged(object);
 }
 
@@ -147,10 +148,10 @@ void ObjectLifecycle::TakeBack(TrackedObject* known, TrackedObject* object) {
   if (Stays(*known)) {
     others = FindGoneWith(*known, parameters_.recognition, map_->ArchivedObjects());
   }
-  known->state().views += object->state().views;
+  known->state().supporting_frames += object->state().supporting_frames;
   map_->MarkLeaves(known, CopyVoxels(*object, map_->scale(), known).into);
   Return(known, EventReason::kShapeMatched, object->state().belief);
-  if (object->state().standing == ObjectStanding::kPresent) {
+  if (object->state().status == ObjectStatus::kPresent) {
     TellMerged(*object, EventReason::kShapeMatched, known->id(), map_);
   }
   map_->Forget(object);
@@ -162,14 +163,14 @@ void ObjectLifecycle::TakeBack(TrackedObject* known, TrackedObject* object) {
 void ObjectLifecycle::Return(TrackedObject* object, EventReason reason, const Belief& belief) {
   ObjectState& state = object->state();
   const Belief before = state.belief;
-  state.standing = ObjectStanding::kPresent;
+  state.status = ObjectStatus::kPresent;
   state.belief = belief;
   state.evidence = {};
-  state.standing_since = map_->now();
+  state.in_place_since = map_->now();
   state.last_seen = map_->now();
   ObjectEvent event = map_->MakeEvent(EventType::kReturned, reason, *object);
   event.before = before;
-  map_->Tell(event);
+  map_->RecordEvent(event);
   map_->MarkChanged(object);
 }
 
@@ -178,14 +179,14 @@ void ObjectLifecycle::Return(TrackedObject* object, EventReason reason, const Be
 void ObjectLifecycle::TakeBackParts(const std::vector<ObjectInView>& in_view) {
   for (const ObjectInView& view : in_view) {
     const ObjectState& state = view.object->state();
-    const double age_s = map_->now().seconds() - state.standing_since.seconds();
-    if (state.standing != ObjectStanding::kPresent || age_s >= parameters_.recent_s ||
+    const double age_s = map_->now().seconds() - state.in_place_since.seconds();
+    if (state.status != ObjectStatus::kPresent || age_s >= parameters_.recent_s ||
         !Stays(*view.object)) {
       continue;
     }
     // What was too little to be known when it came may be enough now. What came back before has a
     // history of its own.
-    const bool is_new = state.first_seen == state.standing_since;
+    const bool is_new = state.first_seen == state.in_place_since;
     if (TrackedObject* known = is_new ? FindKnown(*view.object) : nullptr; known != nullptr) {
       TakeBack(known, view.object);
       continue;

@@ -10,7 +10,7 @@ namespace steadymap {
 namespace {
 
 bool IsPresent(const TrackedObject& object) {
-  return object.state().standing == ObjectStanding::kPresent;
+  return object.state().status == ObjectStatus::kPresent;
 }
 
 }  // namespace
@@ -21,10 +21,10 @@ void MergeObjects(TrackedObject* into, TrackedObject* from, WorkingMap* map) {
   const MovedLeaves moved = CopyVoxels(*from, map->scale(), into);
   map->MarkLeaves(into, moved.into);
   state.first_seen = std::min(state.first_seen, other.first_seen);
-  state.standing_since = std::min(state.standing_since, other.standing_since);
+  state.in_place_since = std::min(state.in_place_since, other.in_place_since);
   state.last_seen = std::max(state.last_seen, other.last_seen);
-  state.views = std::max(state.views, other.views);
-  if (other.standing == ObjectStanding::kPresent) {
+  state.supporting_frames = std::max(state.supporting_frames, other.supporting_frames);
+  if (other.status == ObjectStatus::kPresent) {
     TellMerged(*from, EventReason::kConnected, state.id, map);
   }
   map->MarkChanged(into);
@@ -34,7 +34,7 @@ void MergeObjects(TrackedObject* into, TrackedObject* from, WorkingMap* map) {
 void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into, WorkingMap* map) {
   ObjectEvent event = map->MakeEvent(EventType::kMerged, reason, from);
   event.related = into;
-  map->Tell(event);
+  map->RecordEvent(event);
 }
 
 void MergeConnected(const SampleGrid& samples,
@@ -48,7 +48,7 @@ void MergeConnected(const SampleGrid& samples,
     TrackedObject* a = in_view[contact.first - 1].object;
     TrackedObject* b = in_view[contact.second - 1].object;
     const double apart_s =
-        a->state().standing_since.seconds() - b->state().standing_since.seconds();
+        a->state().in_place_since.seconds() - b->state().in_place_since.seconds();
     if (a->is_archived() || b->is_archived() || a->state().class_id != b->state().class_id ||
         std::abs(apart_s) > parameters.recent_s || !ShareLattice(a->state(), b->state())) {
       continue;

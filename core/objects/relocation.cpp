@@ -106,9 +106,9 @@ class MoveSearch {
     double nearest_m = parameters_.pushed_distance_m;
     for (const ObjectInView& view : in_view) {
       const ObjectState& old = view.object->state();
-      if (old.standing != ObjectStanding::kPresent || old.class_id != after.state().class_id ||
+      if (old.status != ObjectStatus::kPresent || old.class_id != after.state().class_id ||
           old.evidence.absent_streak_cells < parameters_.pushed_absent_cells ||
-          old.standing_since >= after.state().standing_since ||
+          old.in_place_since >= after.state().in_place_since ||
           !IsAlike(view.object->cuboid(), after.cuboid(), parameters_) ||
           HeightBetween(*view.object, after) > parameters_.pushed_height_m ||
           Stands(*view.object, after)) {
@@ -133,7 +133,7 @@ class MoveSearch {
     }
     if (found == nullptr || !IsAlike(found->cuboid(), after.cuboid(), parameters_)) return nullptr;
     for (const auto& [id, other] : map_->objects()) {
-      if (other.state().standing == ObjectStanding::kPresent && IsLookalike(other, after)) {
+      if (other.state().status == ObjectStatus::kPresent && IsLookalike(other, after)) {
         return nullptr;
       }
     }
@@ -160,14 +160,14 @@ class MoveSearch {
     const double reach_m = parameters_.rival_distance * distance_m;
     const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(reach_m);
     const Eigen::Vector3d center_world = after.cuboid().center_world;
-    const Timestamp came = after.state().standing_since;
+    const Timestamp came = after.state().in_place_since;
     for (const TrackedObject* other :
          map_->ObjectsNear({center_world - margin_m, center_world + margin_m})) {
       const ObjectState& state = other->state();
       const bool is_unaccounted = other->is_history()
-                                      ? state.standing_since.seconds() > came.seconds() - recent_s_
-                                      : state.standing == ObjectStanding::kPresent &&
-                                            state.standing_since < came && state.last_seen < came;
+                                      ? state.in_place_since.seconds() > came.seconds() - recent_s_
+                                      : state.status == ObjectStatus::kPresent &&
+                                            state.in_place_since < came && state.last_seen < came;
       if (other != &before && is_unaccounted && IsLookalike(*other, after) &&
           DistanceOfCenters(*other, after) <= reach_m) {
         return true;
@@ -201,12 +201,12 @@ class MoveSearch {
     ObjectState& state = before->state();
     const Belief belief_before = state.belief;
     map_->TakeVolume(before, *after);
-    state.standing = ObjectStanding::kPresent;
+    state.status = ObjectStatus::kPresent;
     state.belief = after->state().belief;
     state.evidence = after->state().evidence;
-    state.standing_since = after->state().standing_since;
+    state.in_place_since = after->state().in_place_since;
     state.last_seen = after->state().last_seen;
-    state.views += after->state().views;
+    state.supporting_frames += after->state().supporting_frames;
     map_->MarkChanged(before);
     ObjectEvent event = map_->MakeEvent(EventType::kMoved, reason, *before);
     event.before = belief_before;
@@ -216,7 +216,7 @@ class MoveSearch {
     }
     event.confidence = match.has_value() ? match->confidence() : kConfidenceWithoutShape;
     event.related = after->id();
-    map_->Tell(event);
+    map_->RecordEvent(event);
     map_->Forget(after);
   }
 
@@ -240,10 +240,10 @@ void FindRelocations(const std::vector<ObjectInView>& in_view,
   for (const ObjectInView& view : in_view) {
     TrackedObject* after = view.object;
     const ObjectState& state = after->state();
-    const double age_s = map->now().seconds() - state.standing_since.seconds();
+    const double age_s = map->now().seconds() - state.in_place_since.seconds();
     // What came back or was moved before has a history of its own.
-    if (state.standing != ObjectStanding::kPresent || state.views < parameters.views ||
-        age_s >= recent_s || state.first_seen != state.standing_since) {
+    if (state.status != ObjectStatus::kPresent || state.supporting_frames < parameters.views ||
+        age_s >= recent_s || state.first_seen != state.in_place_since) {
       continue;
     }
     if (TrackedObject* before = search.FindPushed(*after, in_view); before != nullptr) {

@@ -127,18 +127,18 @@ void ObjectMapper::DecideOn(const ObjectVerdict& verdict, TrackedObject* object)
 }
 
 void ObjectMapper::Archive(TrackedObject* object, EventReason reason, const Belief& before) {
-  if (object->state().standing == ObjectStanding::kPresent) {
+  if (object->state().status == ObjectStatus::kPresent) {
     ObjectEvent event = map_->MakeEvent(EventType::kRemoved, reason, *object);
     event.before = before;
-    map_->Tell(event);
+    map_->RecordEvent(event);
   }
   BecomeHistory(object);
 }
 
 /// Takes an object out of the map.
 void ObjectMapper::BecomeHistory(TrackedObject* object) {
-  object->state().standing = ObjectStanding::kArchived;
-  object->state().standing_since = map_->now();
+  object->state().status = ObjectStatus::kArchived;
+  object->state().in_place_since = map_->now();
   map_->MarkChanged(object);
   if (!parameters_.keeps_removed) map_->Forget(object);
 }
@@ -167,7 +167,7 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
       MoveGoneVoxels({*score, -parameters_.beside_gone_score}, object, &part);
   map_->MarkLeaves(object, moved);
   map_->MarkLeaves(&part, moved);
-  if (object->state().standing != ObjectStanding::kPresent ||
+  if (object->state().status != ObjectStatus::kPresent ||
       CountConnectedCells(part) < parameters_.min_part_cells) {
     map_->Forget(&part);
     return;
@@ -175,8 +175,8 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   BecomeHistory(&part);
   ObjectEvent split = map_->MakeEvent(EventType::kSplit, EventReason::kDisconnected, part);
   split.related = object->id();
-  map_->Tell(split);
-  map_->Tell(map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, part));
+  map_->RecordEvent(split);
+  map_->RecordEvent(map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, part));
 }
 
 void ObjectMapper::PlaceObservations() {
@@ -188,7 +188,7 @@ void ObjectMapper::PlaceObservations() {
 }
 
 bool ObjectMapper::IsRecent(const ObjectState& state) const {
-  return map_->now().seconds() - state.standing_since.seconds() < parameters_.confirmation.recent_s;
+  return map_->now().seconds() - state.in_place_since.seconds() < parameters_.confirmation.recent_s;
 }
 
 bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
@@ -224,7 +224,7 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
   for (const BorderContact& contact : observation.contacts) {
     if (contact.owner == kBackgroundOwner) continue;
     const ObjectState& state = in_view_[contact.owner - 1].object->state();
-    if (state.standing == ObjectStanding::kArchived) continue;
+    if (state.status == ObjectStatus::kArchived) continue;
     const bool is_of_its_class = state.class_id.value() == observation.label;
     if (is_of_its_class && same_class == Association::kNone) same_class = contact.owner;
     if (is_free && !IsRecent(state)) continue;
@@ -257,8 +257,8 @@ void ObjectMapper::CountViews() {
     if (fitting_samples_[i] < kMinFittingSamples) continue;
     TrackedObject* object = in_view_[i].object;
     ObjectState& state = object->state();
-    ++state.views;
-    if (state.standing == ObjectStanding::kTentative) state.last_seen = map_->now();
+    ++state.supporting_frames;
+    if (state.status == ObjectStatus::kTentative) state.last_seen = map_->now();
     AddVotes(samples_by_class[i], &state);
     map_->MarkChanged(object);
   }

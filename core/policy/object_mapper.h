@@ -42,7 +42,7 @@ struct ObjectMapperParameters {
   /// little at a time.
   double min_seen_area_m2 = 0.02;
   /// Surface with a label of the background that borders on things alone is of a thing, unless it
-  /// is larger than this, square metres: a wall whose surroundings were not mapped yet.
+  /// is larger than this, square metres: a wall whose dependencies were not mapped yet.
   double max_mislabelled_area_m2 = 0.5;
   ContradictionParameters contradiction;
   /// A part of an object is cut off when its cells were found gone in so many more frames than not.
@@ -98,7 +98,7 @@ class ObjectMapper final : public MapUpdater {
 
   MapConfig config_;
   ObjectMapperParameters parameters_;
-  StageTeller stages_;
+  StageTimer stages_;
   LocalizationMonitor guard_;
   DynamicMask moving_;
   FrameClusters clusters_;

@@ -55,7 +55,7 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
     TrackedObject* object = segments_.in_view()[place].object;
     const std::size_t samples = segments_.CountSamples(place);
     if (samples > 0) {
-      ++object->state().views;
+      ++object->state().supporting_frames;
       object->state().last_seen = map->now();
       AddVotes({{object->state().class_id, samples}}, &object->state());
       map->MarkChanged(object);
@@ -64,7 +64,7 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
       Update(object, *change_m);
       if (std::abs(*change_m) > largest_fused_m || object->is_forgotten()) segments_.Release(place);
     } else if (IsExpectedInView(*object, *cloud)) {
-      ++object->state().absences;
+      ++object->state().contradicted_updates;
       Update(object, parameters_.stationarity.max_change_m);
     }
   }
@@ -144,7 +144,7 @@ void PaperMapper::Update(TrackedObject* object, double change_m) {
   if (state.belief.stationarity() >= parameters_.min_stationarity) return;
   ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object);
   event.before = before;
-  map_->Tell(event);
+  map_->RecordEvent(event);
   map_->Forget(object);
 }
 
@@ -154,9 +154,9 @@ void PaperMapper::AddObjects() {
   for (std::size_t place = known; place < segments_.in_view().size(); ++place) {
     TrackedObject* object = segments_.in_view()[place].object;
     object->state().belief = InitialBelief(parameters_.initial_stationarity);
-    object->state().standing = ObjectStanding::kPresent;
-    object->state().views = 1;
-    map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+    object->state().status = ObjectStatus::kPresent;
+    object->state().supporting_frames = 1;
+    map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
     map_->MarkChanged(object);
   }
 }

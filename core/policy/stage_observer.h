@@ -54,10 +54,10 @@ class StageObserver {
 };
 
 /// Tells an observer, if there is one.
-class StageTeller {
+class StageTimer {
  public:
   /// `observer` outlives this; null: nobody listens.
-  explicit StageTeller(StageObserver* observer) : observer_(observer) {}
+  explicit StageTimer(StageObserver* observer) : observer_(observer) {}
 
   void Enter(MapperStage stage) const {
     if (observer_ != nullptr) observer_->Enter(stage);

@@ -52,8 +52,8 @@ void SubmapMapper::CountDetections() {
     const std::size_t samples = segments_.CountSamples(place);
     if (samples == 0) continue;
     ObjectState& state = segments_.in_view()[place].object->state();
-    ++state.views;
-    state.absences = 0;
+    ++state.supporting_frames;
+    state.contradicted_updates = 0;
     state.last_seen = map_->now();
     AddVotes({{state.class_id, samples}}, &state);
     map_->MarkChanged(segments_.in_view()[place].object);
@@ -62,7 +62,7 @@ void SubmapMapper::CountDetections() {
   for (auto& [id, object] : map_->mutable_objects()) {
     ObjectState& state = object.state();
     if (!IsActive(state) || detected.contains(id)) continue;
-    ++state.absences;
+    ++state.contradicted_updates;
     map_->MarkChanged(&object);
   }
 }
@@ -74,13 +74,13 @@ void SubmapMapper::KeepOrMerge() {
     ObjectState& state = object->state();
     if (!IsActive(state)) {
       map_->Forget(object);
-    } else if (state.views >= parameters_.keeping_views) {
+    } else if (state.supporting_frames >= parameters_.keeping_views) {
       TrackedObject* twin = FindInactiveTwin(*object);
       if (twin != nullptr) {
         Reactivate(twin, object);
       } else {
-        state.standing = ObjectStanding::kPresent;
-        map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+        state.status = ObjectStatus::kPresent;
+        map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
         map_->MarkChanged(object);
       }
     }
@@ -107,12 +107,12 @@ void SubmapMapper::Reactivate(TrackedObject* twin, TrackedObject* fresh) {
   ObjectState& state = twin->state();
   const MovedLeaves moved = CopyVoxels(*fresh, map_->scale(), twin);
   map_->MarkLeaves(twin, moved.into);
-  state.views += fresh->state().views;
-  state.absences = 0;
+  state.supporting_frames += fresh->state().supporting_frames;
+  state.contradicted_updates = 0;
   state.last_seen = fresh->state().last_seen;
-  if (state.standing == ObjectStanding::kArchived) {
-    state.standing = ObjectStanding::kPresent;
-    map_->Tell(map_->MakeEvent(EventType::kReturned, EventReason::kShapeMatched, *twin));
+  if (state.status == ObjectStatus::kArchived) {
+    state.status = ObjectStatus::kPresent;
+    map_->RecordEvent(map_->MakeEvent(EventType::kReturned, EventReason::kShapeMatched, *twin));
   }
   map_->MarkChanged(twin);
   map_->Forget(fresh);
@@ -131,7 +131,7 @@ void SubmapMapper::TestInactive(const ViewFreeSpace& view) {
     Tally tally;
     tally.contradicted = CountLookedThrough(*object, view);
     for (const TrackedObject* other : map_->ObjectsNear(Grow(reach, truncation_m))) {
-      if (other->state().standing != ObjectStanding::kPresent || !IsActive(other->state()) ||
+      if (other->state().status != ObjectStatus::kPresent || !IsActive(other->state()) ||
           !reach.intersects(ReachOf(*other, truncation_m))) {
         continue;
       }
@@ -149,16 +149,16 @@ void SubmapMapper::Decide(const Tally& tally, TrackedObject* object) {
       parameters_.max_conflict_points,
       parameters_.max_conflict_share * static_cast<double>(object->surface().point_count()));
   ObjectState& state = object->state();
-  const bool is_present = state.standing == ObjectStanding::kPresent;
+  const bool is_present = state.status == ObjectStatus::kPresent;
   if (tally.contradicted > least_conflict) {
     if (!is_present) return;
-    map_->Tell(map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object));
-    state.standing = ObjectStanding::kArchived;
+    map_->RecordEvent(map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object));
+    state.status = ObjectStatus::kArchived;
     map_->MarkChanged(object);
   } else if (IsMatch(tally)) {
     if (is_present) return;
-    map_->Tell(map_->MakeEvent(EventType::kReturned, EventReason::kShapeMatched, *object));
-    state.standing = ObjectStanding::kPresent;
+    map_->RecordEvent(map_->MakeEvent(EventType::kReturned, EventReason::kShapeMatched, *object));
+    state.status = ObjectStatus::kPresent;
     map_->MarkChanged(object);
   }
 }

@@ -56,11 +56,13 @@ class SubmapMapper final : public MapUpdater {
     double contradicted = 0.0;
   };
 
-  bool IsActive(const ObjectState& state) const { return state.absences < parameters_.misses; }
+  bool IsActive(const ObjectState& state) const {
+    return state.contradicted_updates < parameters_.misses;
+  }
 
   /// Whether a submap was kept and is inactive: one that was forgotten in this frame is not.
   bool IsDormant(const ObjectState& state) const {
-    return !IsActive(state) && state.views >= parameters_.keeping_views;
+    return !IsActive(state) && state.supporting_frames >= parameters_.keeping_views;
   }
 
   void CountDetections();

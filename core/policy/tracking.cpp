@@ -96,18 +96,18 @@ void TrackingMapper::Move(const Registration& registration, TrackedObject* objec
   state.T_world_object.yaw_rad -= registration.yaw_rad;
   moved_m += step_m;
   map_->MarkChanged(object);
-  if (moved_m < parameters_.reported_move_m || state.standing != ObjectStanding::kPresent) return;
+  if (moved_m < parameters_.reported_move_m || state.status != ObjectStatus::kPresent) return;
   ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kDisplaced, *object);
   event.old_center_world = event.center_world + registration.shift_world * (moved_m / step_m);
-  map_->Tell(event);
+  map_->RecordEvent(event);
   moved_m = 0.0;
 }
 
 void TrackingMapper::Drop(TrackedObject* object) {
-  if (object->state().standing == ObjectStanding::kPresent) {
-    map_->Tell(map_->MakeEvent(EventType::kRemoved, EventReason::kDisplaced, *object));
+  if (object->state().status == ObjectStatus::kPresent) {
+    map_->RecordEvent(map_->MakeEvent(EventType::kRemoved, EventReason::kDisplaced, *object));
   }
-  object->state().standing = ObjectStanding::kArchived;
+  object->state().status = ObjectStatus::kArchived;
   map_->MarkChanged(object);
 }
 
@@ -117,7 +117,7 @@ void TrackingMapper::CountViews() {
     if (samples == 0) continue;
     TrackedObject* object = segments_.in_view()[place].object;
     ObjectState& state = object->state();
-    ++state.views;
+    ++state.supporting_frames;
     state.last_seen = map_->now();
     AddVotes({{state.class_id, samples}}, &state);
     map_->MarkChanged(object);
@@ -127,9 +127,9 @@ void TrackingMapper::CountViews() {
 void TrackingMapper::ConfirmAndForget() {
   for (TrackedObject* object : map_->TentativeObjects()) {
     ObjectState& state = object->state();
-    if (state.views >= parameters_.confirming_views) {
-      state.standing = ObjectStanding::kPresent;
-      map_->Tell(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+    if (state.supporting_frames >= parameters_.confirming_views) {
+      state.status = ObjectStatus::kPresent;
+      map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
       map_->MarkChanged(object);
     } else if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
       map_->Forget(object);

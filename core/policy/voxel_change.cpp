@@ -205,7 +205,7 @@ void VoxelChangeMapper::Report(const VoxelChange& change) {
   event.time = map_->now();
   event.revision = map_->revision();
   event.center_world = change.mean_voxel * map_->scale().voxel_size_m;
-  map_->Tell(event);
+  map_->RecordEvent(event);
 }
 
 }  // namespace steadymap

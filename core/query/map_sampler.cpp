@@ -114,7 +114,7 @@ const BoxTree& MapSampler::Occupied() {
   if (occupied_) return *occupied_;
   std::vector<Box> boxes;
   for (const auto& [id, object] : snapshot_.objects) {
-    if (object->standing == ObjectStanding::kArchived) continue;
+    if (object->status == ObjectStatus::kArchived) continue;
     cuboids_.push_back(object->cuboid);
     boxes.push_back(BoundsOf(VolumeOf(*object), 0.0));
   }

@@ -18,13 +18,13 @@ openvdb::math::Transform::Ptr MakeTransform(const Eigen::Isometry3d& T_world_vol
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-const char* StandingText(ObjectStanding standing) {
+const char* StandingText(ObjectStatus standing) {
   switch (standing) {
-    case ObjectStanding::kTentative:
+    case ObjectStatus::kTentative:
       return "tentative";
-    case ObjectStanding::kPresent:
+    case ObjectStatus::kPresent:
       return "present";
-    case ObjectStanding::kArchived:
+    case ObjectStatus::kArchived:
       return "archived";
   }
   return "unknown";
@@ -35,7 +35,7 @@ openvdb::Int64Metadata Count(std::uint64_t value) {
 }
 
 void DescribeObject(const MapObject& object, openvdb::GridBase* grid) {
-  grid->insertMeta("standing", openvdb::StringMetadata(StandingText(object.standing)));
+  grid->insertMeta("standing", openvdb::StringMetadata(StandingText(object.status)));
   const Belief& belief = object.belief;
   grid->insertMeta("stationarity", openvdb::DoubleMetadata(belief.stationarity()));
   grid->insertMeta("alpha", openvdb::DoubleMetadata(belief.alpha));
@@ -44,8 +44,8 @@ void DescribeObject(const MapObject& object, openvdb::GridBase* grid) {
   grid->insertMeta("change_std_m", openvdb::DoubleMetadata(belief.change_std_m));
   grid->insertMeta("first_seen_s", openvdb::DoubleMetadata(object.first_seen.seconds()));
   grid->insertMeta("last_seen_s", openvdb::DoubleMetadata(object.last_seen.seconds()));
-  grid->insertMeta("views", Count(object.views));
-  grid->insertMeta("absences", Count(object.absences));
+  grid->insertMeta("views", Count(object.supporting_frames));
+  grid->insertMeta("absences", Count(object.contradicted_updates));
 }
 
 }  // namespace

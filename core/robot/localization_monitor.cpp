@@ -135,11 +135,11 @@ bool LocalizationMonitor::UpdateTrust(Verdict verdict,
     if (robot->streak < parameters_.losing_frames) return false;
     robot->trust = Trust::kLost;
     robot->streak = 0;
-    map->Tell(map->MakeRobotEvent(EventType::kRobotLost, EventReason::kDisagreement, name));
+    map->RecordEvent(map->MakeRobotEvent(EventType::kRobotLost, EventReason::kDisagreement, name));
     return false;
   }
   if (was_lost) {
-    map->Tell(map->MakeRobotEvent(EventType::kRobotFound, EventReason::kAgreement, name));
+    map->RecordEvent(map->MakeRobotEvent(EventType::kRobotFound, EventReason::kAgreement, name));
   }
   // From here on its motion is that of the pose it was believed in.
   robot->trust = Trust::kTrusted;

@@ -27,7 +27,7 @@ class TrackedObject {
 
   ObjectId id() const { return state_.id; }
 
-  bool is_archived() const { return state_.standing == ObjectStanding::kArchived; }
+  bool is_archived() const { return state_.status == ObjectStatus::kArchived; }
 
   /// Whether it leaves the map for good when the frame ends; it is archived until then.
   bool is_forgotten() const { return is_forgotten_; }
@@ -36,7 +36,7 @@ class TrackedObject {
   bool is_history() const { return is_archived() && !is_forgotten_; }
 
   void MarkForgotten() {
-    state_.standing = ObjectStanding::kArchived;
+    state_.status = ObjectStatus::kArchived;
     is_forgotten_ = true;
   }
 

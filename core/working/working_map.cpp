@@ -100,21 +100,21 @@ std::vector<TrackedObject*> WorkingMap::FindAll(const std::set<ObjectId>& ids) {
 
 /// Notes where an object stands, and as what.
 void WorkingMap::Register(const TrackedObject& object) {
-  const ObjectStanding standing = object.state().standing;
+  const ObjectStatus standing = object.state().status;
   places_.Update(object.id(), object.BoundsInWorld());
-  Keep(object.id(), standing == ObjectStanding::kTentative, &tentative_);
-  Keep(object.id(), standing == ObjectStanding::kArchived, &archived_);
+  Keep(object.id(), standing == ObjectStatus::kTentative, &tentative_);
+  Keep(object.id(), standing == ObjectStatus::kArchived, &archived_);
 }
 
 /// Whether all changes to objects were marked, as far as place and standing show it.
 bool WorkingMap::IsRegistered() const {
   const auto is_registered = [this](const auto& entry) {
     const auto& [id, object] = entry;
-    const ObjectStanding standing = object.state().standing;
+    const ObjectStatus standing = object.state().status;
     const Box bounds_world = object.BoundsInWorld();
     const Box place = places_.BoundsOf(id);
-    return tentative_.contains(id) == (standing == ObjectStanding::kTentative) &&
-           archived_.contains(id) == (standing == ObjectStanding::kArchived) &&
+    return tentative_.contains(id) == (standing == ObjectStatus::kTentative) &&
+           archived_.contains(id) == (standing == ObjectStatus::kArchived) &&
            (bounds_world.isEmpty() ? place.isEmpty() : place.isApprox(bounds_world, 0.0));
   };
   return std::all_of(objects_.begin(), objects_.end(), is_registered);
@@ -131,7 +131,7 @@ TrackedObject& WorkingMap::AddObject(const Eigen::Vector3d& position_world) {
   const Eigen::Vector3d nearest_leaf = (position_world.array() / leaf_size_m).round();
   TrackedObject& object = Insert(nearest_leaf * leaf_size_m);
   object.state().first_seen = now();
-  object.state().standing_since = now();
+  object.state().in_place_since = now();
   object.state().last_seen = now();
   MarkChanged(&object);
   return object;
@@ -251,8 +251,8 @@ ObjectEvent WorkingMap::MakeEvent(EventType type,
   event.center_world = object.cuboid().center_world;
   event.before = state.belief;
   event.after = state.belief;
-  event.views = state.views;
-  event.absences = state.absences;
+  event.supporting_frames = state.supporting_frames;
+  event.contradicted_updates = state.contradicted_updates;
   return event;
 }
 

@@ -125,13 +125,13 @@ class WorkingMap {
   /// Remembers a robot, and forgets the one seen longest ago where that makes too many.
   void StoreRobot(const SensorName& sensor, const RobotState& state);
 
-  /// An event about an object as it stands now; add what it lacks and `Tell` it.
+  /// An event about an object as it stands now; add what it lacks and `RecordEvent` it.
   ObjectEvent MakeEvent(EventType type, EventReason reason, const TrackedObject& object) const;
 
   /// An event about a robot.
   ObjectEvent MakeRobotEvent(EventType type, EventReason reason, const SensorName& sensor) const;
 
-  void Tell(const ObjectEvent& event) { events_.push_back(event); }
+  void RecordEvent(const ObjectEvent& event) { events_.push_back(event); }
 
   /// Closes the work since the last commit. With nothing since then: an empty delta.
   MapCommit Commit();

@@ -50,7 +50,7 @@ grpc::ServerUnaryReactor* MapService::CreateMap(grpc::CallbackServerContext* /*c
                                                 grpc::ByteBuffer* response) {
   return StartMessageCall<v1::CreateMapRequest, v1::Map>(
       *request, response, kPlainRequestLimits, [this](const auto& call) {
-        return AnswerLaterOnPool(surroundings_.pool, [this, call](const FinishCall& finish) {
+        return AnswerLaterOnPool(dependencies_.pool, [this, call](const FinishCall& finish) {
           Create(call.request(), call.response(), [call, finish](const absl::Status& status) {
             finish(call.Answer(status));
           });
@@ -63,13 +63,13 @@ grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* /*cont
                                              grpc::ByteBuffer* response) {
   return StartMessageCall<v1::GetMapRequest, v1::Map>(
       *request, response, kPlainRequestLimits, [this](const auto& call) {
-        const auto map = surroundings_.maps->Find(call.request().name(), "name");
+        const auto map = dependencies_.maps->Find(call.request().name(), "name");
         return AnswerOnPoolAfter(
             [&map](std::function<void()> go_on) {
               if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
               go_on();
             },
-            surroundings_.pool,
+            dependencies_.pool,
             [map, call](const Cancellation&) {
               if (!map.ok()) return map.status();
               *call.response() = MakeMapResource(**map);
@@ -83,7 +83,7 @@ grpc::ServerUnaryReactor* MapService::ListMaps(grpc::CallbackServerContext* /*co
                                                grpc::ByteBuffer* response) {
   return StartMessageCall<v1::ListMapsRequest, v1::ListMapsResponse>(
       *request, response, kPlainRequestLimits, [this](const auto& call) {
-        return AnswerOnPool(surroundings_.pool, [this, call](const Cancellation&) {
+        return AnswerOnPool(dependencies_.pool, [this, call](const Cancellation&) {
           return call.Answer(List(call.request(), call.response()));
         });
       });
@@ -94,7 +94,7 @@ grpc::ServerUnaryReactor* MapService::UpdateMap(grpc::CallbackServerContext* /*c
                                                 grpc::ByteBuffer* response) {
   return StartMessageCall<v1::UpdateMapRequest, v1::Map>(
       *request, response, kPlainRequestLimits, [this](const auto& call) {
-        return AnswerOnPool(surroundings_.pool, [this, call](const Cancellation&) {
+        return AnswerOnPool(dependencies_.pool, [this, call](const Cancellation&) {
           return call.Answer(Update(call.request(), call.response()));
         });
       });
@@ -105,7 +105,7 @@ grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* /*c
                                                 grpc::ByteBuffer* response) {
   return StartMessageCall<v1::DeleteMapRequest, google::protobuf::Empty>(
       *request, response, kPlainRequestLimits, [this](const auto& call) {
-        return AnswerOnPool(surroundings_.pool, [this, call](const Cancellation&) {
+        return AnswerOnPool(dependencies_.pool, [this, call](const Cancellation&) {
           return call.Answer(Delete(call.request()));
         });
       });
@@ -115,12 +115,12 @@ grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* /*c
 void MapService::Create(const v1::CreateMapRequest& request,
                         v1::Map* response,
                         const FinishCall& finish) {
-  const absl::StatusOr<MapRecord> record = ReadNewMap(request, surroundings_.retention);
+  const absl::StatusOr<MapRecord> record = ReadNewMap(request, dependencies_.retention);
   if (!record.ok()) return finish(record.status());
   absl::StatusOr<std::shared_ptr<MapRuntime>> map = absl::NotFoundError("");
   {
     const WriteTurn::Held turn(&changes_);
-    map = surroundings_.maps->Get(record->name, "map_id");
+    map = dependencies_.maps->Get(record->name, "map_id");
     if (map.ok()) {
       const MapRecord existing = (*map)->record();
       const bool same = !record->request_id.empty() && existing.condition.ok() &&
@@ -134,10 +134,10 @@ void MapService::Create(const v1::CreateMapRequest& request,
                       "map_id"));
       }
     } else {
-      if (absl::Status room = CheckRoom(surroundings_.maps->All().size()); !room.ok()) {
+      if (absl::Status room = CheckRoom(dependencies_.maps->All().size()); !room.ok()) {
         return finish(room);
       }
-      map = surroundings_.maps->Create(*record);
+      map = dependencies_.maps->Create(*record);
       if (!map.ok()) return finish(map.status());
       spdlog::info("map {}: created, voxel size {} m, truncation {} m",
                    record->name.ToString(),
@@ -168,7 +168,7 @@ absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsRe
   if (!after.ok()) return after.status();
   // One more than asked for tells whether there is another page.
   const std::vector<std::shared_ptr<MapRuntime>> maps =
-      surroundings_.maps->List(tenant, *after, *page_size + 1);
+      dependencies_.maps->List(tenant, *after, *page_size + 1);
   std::size_t bytes = 0;
   std::size_t shown = 0;
   while (shown < maps.size() && shown < *page_size && bytes < kMaxPageBytes) {
@@ -185,7 +185,7 @@ absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsRe
 absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* response) {
   const WriteTurn::Held turn(&changes_);
   const absl::StatusOr<std::shared_ptr<MapRuntime>> map =
-      surroundings_.maps->Find(request.map().name(), "map.name");
+      dependencies_.maps->Find(request.map().name(), "map.name");
   if (!map.ok()) return map.status();
   MapRecord record = (*map)->record();
   if (!record.condition.ok()) return record.condition;
@@ -195,13 +195,13 @@ absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* re
     absl::Status status = CheckEtag(record, request.map().etag(), "map.etag");
     if (status.ok()) status = CheckRequestId(request_id);
     if (status.ok()) {
-      status = ApplyUpdate(request.map(), request.update_mask(), surroundings_.retention, &record);
+      status = ApplyUpdate(request.map(), request.update_mask(), dependencies_.retention, &record);
     }
     if (status.ok()) status = AddClasses(request, map->get());
     if (!status.ok()) return status;
     ++record.version;
     record.change_request_id = request_id;
-    if (status = surroundings_.maps->Update(**map, record); !status.ok()) return status;
+    if (status = dependencies_.maps->Update(**map, record); !status.ok()) return status;
   }
   *response = MakeMapResource(**map);
   return absl::OkStatus();
@@ -225,7 +225,7 @@ absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
   const absl::StatusOr<MapName> name = MapName::Parse(request.name());
   if (!name.ok()) return name.status();
   const WriteTurn::Held turn(&changes_);
-  const absl::StatusOr<std::shared_ptr<MapRuntime>> map = surroundings_.maps->Get(*name, "name");
+  const absl::StatusOr<std::shared_ptr<MapRuntime>> map = dependencies_.maps->Get(*name, "name");
   const Deletion deletion{*name, request.request_id()};
   const bool is_repeated =
       !deletion.request_id.empty() &&
@@ -236,9 +236,9 @@ absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
   if (status.ok()) status = CheckRequestId(request.request_id());
   if (!status.ok()) return status;
   const MapKey key = (*map)->key();
-  status = surroundings_.maps->Delete(*map, [this, key](const absl::Status& ended) {
-    surroundings_.roster->EndMap(key, ended);
-    surroundings_.watches->EndMap(key, ended);
+  status = dependencies_.maps->Delete(*map, [this, key](const absl::Status& ended) {
+    dependencies_.roster->EndMap(key, ended);
+    dependencies_.watches->EndMap(key, ended);
   });
   if (status.ok() && !deletion.request_id.empty()) {
     deletions_.push_back(deletion);

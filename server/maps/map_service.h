@@ -25,7 +25,7 @@ using RawMapService = v1::MapService::WithRawCallbackMethod_CreateMap<
 class MapService final : public RawMapService {
  public:
   /// What the service needs of the server; all of it outlives it.
-  struct Surroundings {
+  struct Dependencies {
     MapDirectory* maps = nullptr;
     UploadRoster* roster = nullptr;
     WatchHub* watches = nullptr;
@@ -33,7 +33,7 @@ class MapService final : public RawMapService {
     RetentionOptions retention;
   };
 
-  explicit MapService(const Surroundings& surroundings) : surroundings_(surroundings) {}
+  explicit MapService(const Dependencies& dependencies) : dependencies_(dependencies) {}
 
   grpc::ServerUnaryReactor* CreateMap(grpc::CallbackServerContext* context,
                                       const grpc::ByteBuffer* request,
@@ -66,7 +66,7 @@ class MapService final : public RawMapService {
   absl::Status AddClasses(const v1::UpdateMapRequest& request, MapRuntime* map);
   absl::Status Delete(const v1::DeleteMapRequest& request);
 
-  const Surroundings surroundings_;
+  const Dependencies dependencies_;
   WriteTurn changes_;               ///< Changes of maps come one after another.
   std::deque<Deletion> deletions_;  ///< The newest ones, oldest first. Of whoever has the turn.
 };

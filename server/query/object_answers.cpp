@@ -33,8 +33,8 @@ struct ObjectFilter {
   bool include_tentative = false;
 
   bool Passes(const MapObject& object) const {
-    if (object.standing == ObjectStanding::kArchived && !include_archived) return false;
-    if (object.standing == ObjectStanding::kTentative && !include_tentative) return false;
+    if (object.status == ObjectStatus::kArchived && !include_archived) return false;
+    if (object.status == ObjectStatus::kTentative && !include_tentative) return false;
     if (!classes.empty() && !classes.contains(object.class_id)) return false;
     if (object.belief.stationarity() < min_stationarity) return false;
     if (object.revision <= changed_since && changed_since.value() > 0) return false;

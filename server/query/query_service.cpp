@@ -17,7 +17,7 @@
 namespace steadymap {
 namespace {
 
-using Surroundings = QueryService::Surroundings;
+using Dependencies = QueryService::Dependencies;
 
 using FoundMap = absl::StatusOr<std::shared_ptr<MapRuntime>>;
 
@@ -34,23 +34,23 @@ absl::Status CheckReads(const FoundMap& map) {
 
 /// The map that a request calls `name` in its field `field`.
 template <typename Request>
-FoundMap FindMap(const Surroundings& surroundings,
+FoundMap FindMap(const Dependencies& dependencies,
                  const Request& request,
                  const std::string& name,
                  std::string_view field) {
   if (request.has_as_of()) return AsOfError();
-  return surroundings.maps->Find(name, field);
+  return dependencies.maps->Find(name, field);
 }
 
 /// Answers a call with what `answer` makes of a map and of the call, once the map is open.
 template <typename Call, typename Answer>
-grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
+grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
                                       const FoundMap& map,
                                       const Call& call,
                                       const Answer& answer) {
   return AnswerOnPoolAfter(
       [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
-      surroundings.readers,
+      dependencies.readers,
       [map, call, answer](const Cancellation& cancellation) {
         const absl::Status status = CheckReads(map);
         return call.Answer(status.ok() ? answer(**map, call, cancellation) : status);
@@ -59,22 +59,22 @@ grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
 
 /// The same for a request that names the map in its field `map`.
 template <typename Request, typename Response, typename Answer>
-grpc::ServerUnaryReactor* AnswerOfMap(const Surroundings& surroundings,
+grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
                                       const grpc::ByteBuffer& request,
                                       grpc::ByteBuffer* response,
                                       const RequestLimits& limits,
                                       const Answer& answer) {
   return StartMessageCall<Request, Response>(
-      request, response, limits, [&surroundings, &answer](const auto& call) {
+      request, response, limits, [&dependencies, &answer](const auto& call) {
         const Request& message = call.request();
         return AnswerOfMap(
-            surroundings, FindMap(surroundings, message, message.map(), "map"), call, answer);
+            dependencies, FindMap(dependencies, message, message.map(), "map"), call, answer);
       });
 }
 
 /// Answers with the messages of the source that `open` makes of the map that the request names.
 template <typename Request, typename Response, typename Open>
-grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Surroundings& surroundings,
+grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Dependencies& dependencies,
                                                         grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer& bytes,
                                                         const Open& open) {
@@ -82,9 +82,9 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Surroundings& surr
   const auto request = std::make_shared<Request>();
   const absl::Status read = ReadRequest(bytes, kPlainRequestLimits, request.get());
   const FoundMap map =
-      read.ok() ? FindMap(surroundings, *request, request->map(), "map") : FoundMap(read);
+      read.ok() ? FindMap(dependencies, *request, request->map(), "map") : FoundMap(read);
   return Stream::Start(
-      {surroundings.readers, surroundings.streams},
+      {dependencies.readers, dependencies.streams},
       context,
       [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
       [map, request, open](const Cancellation& cancellation)
@@ -103,10 +103,10 @@ grpc::ServerUnaryReactor* QueryService::GetObject(grpc::CallbackServerContext* /
       *request, response, kPlainRequestLimits, [this](const auto& call) {
         const absl::StatusOr<ObjectName> name = ReadObjectName(call.request());
         const FoundMap map =
-            name.ok() ? FindMap(surroundings_, call.request(), name->map, name->map_field)
+            name.ok() ? FindMap(dependencies_, call.request(), name->map, name->map_field)
                       : FoundMap(name.status());
         return AnswerOfMap(
-            surroundings_,
+            dependencies_,
             map,
             call,
             [name](const MapRuntime& found, const auto& answered, const Cancellation&) {
@@ -119,7 +119,7 @@ grpc::ServerUnaryReactor* QueryService::ListObjects(grpc::CallbackServerContext*
                                                     const grpc::ByteBuffer* request,
                                                     grpc::ByteBuffer* response) {
   return AnswerOfMap<v1::ListObjectsRequest, v1::ListObjectsResponse>(
-      surroundings_,
+      dependencies_,
       *request,
       response,
       kPlainRequestLimits,
@@ -133,12 +133,12 @@ grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* 
                                                    const grpc::ByteBuffer* request,
                                                    grpc::ByteBuffer* response) {
   return AnswerOfMap<v1::ListEventsRequest, v1::ListEventsResponse>(
-      surroundings_,
+      dependencies_,
       *request,
       response,
       kPlainRequestLimits,
       [this](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
-        return AnswerListEvents(*surroundings_.store,
+        return AnswerListEvents(*dependencies_.store,
                                 map.key(),
                                 *map.snapshot(),
                                 call.request(),
@@ -151,7 +151,7 @@ grpc::ServerUnaryReactor* QueryService::SampleDistance(grpc::CallbackServerConte
                                                        const grpc::ByteBuffer* request,
                                                        grpc::ByteBuffer* response) {
   return AnswerOfMap<v1::SampleDistanceRequest, v1::SampleDistanceResponse>(
-      surroundings_,
+      dependencies_,
       *request,
       response,
       kPointRequestLimits,
@@ -164,7 +164,7 @@ grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*
                                                  const grpc::ByteBuffer* request,
                                                  grpc::ByteBuffer* response) {
   return AnswerOfMap<v1::CastRaysRequest, v1::CastRaysResponse>(
-      surroundings_,
+      dependencies_,
       *request,
       response,
       kPointRequestLimits,
@@ -176,25 +176,25 @@ grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*
 grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::GetMapSection(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
   return StreamOfMap<v1::GetMapSectionRequest, v1::GetMapSectionResponse>(
-      surroundings_, context, *request, OpenMapSection);
+      dependencies_, context, *request, OpenMapSection);
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::ExportMap(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
   return StreamOfMap<v1::ExportMapRequest, v1::ExportMapResponse>(
-      surroundings_, context, *request, OpenExport);
+      dependencies_, context, *request, OpenExport);
 }
 
 grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerContext* /*context*/,
                                                        const grpc::ByteBuffer* request,
                                                        grpc::ByteBuffer* response) {
   return AnswerOfMap<v1::ListFramePosesRequest, v1::ListFramePosesResponse>(
-      surroundings_,
+      dependencies_,
       *request,
       response,
       kPlainRequestLimits,
       [this](const MapRuntime& map, const auto& call, const Cancellation& cancellation) {
-        return AnswerListFramePoses(*surroundings_.store,
+        return AnswerListFramePoses(*dependencies_.store,
                                     map.key(),
                                     *map.snapshot(),
                                     call.request(),

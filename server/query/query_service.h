@@ -25,14 +25,14 @@ using RawQueryService = v1::QueryService::WithRawCallbackMethod_GetObject<
 class QueryService final : public RawQueryService {
  public:
   /// What the service needs of the server; all of it outlives it.
-  struct Surroundings {
+  struct Dependencies {
     MapDirectory* maps = nullptr;
     Store* store = nullptr;
     WorkerPool* readers = nullptr;
     StreamGate* streams = nullptr;  ///< Of exports and sections.
   };
 
-  explicit QueryService(const Surroundings& surroundings) : surroundings_(surroundings) {}
+  explicit QueryService(const Dependencies& dependencies) : dependencies_(dependencies) {}
 
   grpc::ServerUnaryReactor* GetObject(grpc::CallbackServerContext* context,
                                       const grpc::ByteBuffer* request,
@@ -58,7 +58,7 @@ class QueryService final : public RawQueryService {
                                            grpc::ByteBuffer* response) override;
 
  private:
-  const Surroundings surroundings_;
+  const Dependencies dependencies_;
 };
 
 }  // namespace steadymap

@@ -53,26 +53,26 @@ class MessageStream final : public GatedStream,
   using Open = std::function<absl::StatusOr<std::unique_ptr<Source>>(const Cancellation&)>;
 
   /// What streams need of the server; all of it outlives them.
-  struct Surroundings {
+  struct Dependencies {
     WorkerPool* pool = nullptr;
     StreamGate* gate = nullptr;
   };
 
   /// Starts a stream. `wait` is called at once and calls what it is given when the work may begin.
   /// The reactor deletes itself.
-  static GrpcReactor* Start(const Surroundings& surroundings,
+  static GrpcReactor* Start(const Dependencies& dependencies,
                             grpc::CallbackServerContext* context,
                             const std::function<void(std::function<void()>)>& wait,
                             Open open) {
-    auto stream = std::make_shared<MessageStream>(surroundings, context, std::move(open));
+    auto stream = std::make_shared<MessageStream>(dependencies, context, std::move(open));
     auto* reactor = new Reactor(stream);
     stream->reactor_ = reactor;
-    if (absl::Status status = surroundings.gate->Enter(stream, context->peer()); !status.ok()) {
+    if (absl::Status status = dependencies.gate->Enter(stream, context->peer()); !status.ok()) {
       stream->Finish(status);
       return reactor;
     }
     wait([stream] {
-      if (!stream->surroundings_.pool->TrySubmit([stream] { stream->MakeNext(); })) {
+      if (!stream->dependencies_.pool->TrySubmit([stream] { stream->MakeNext(); })) {
         stream->Finish(PoolFullError());
       }
     });
@@ -80,8 +80,8 @@ class MessageStream final : public GatedStream,
   }
 
   /// Use `Start`.
-  MessageStream(const Surroundings& surroundings, grpc::CallbackServerContext* context, Open open)
-      : surroundings_(surroundings), open_(std::move(open)), context_(context) {}
+  MessageStream(const Dependencies& dependencies, grpc::CallbackServerContext* context, Open open)
+      : dependencies_(dependencies), open_(std::move(open)), context_(context) {}
 
   void EndIfStalled(Clock::time_point now, Clock::duration timeout) override
       ABSL_LOCKS_EXCLUDED(mutex_) {
@@ -98,7 +98,7 @@ class MessageStream final : public GatedStream,
     // Nobody else looks at the stream any more: the report of the write that is on its way finds it
     // finished.
     source_.reset();
-    surroundings_.gate->Discount(this->shared_from_this());
+    dependencies_.gate->Discount(this->shared_from_this());
     reactor_->Finish(ToGrpcStatus(
         MakeError(absl::StatusCode::kAborted,
                   reason::kSlowConsumer,
@@ -169,7 +169,7 @@ class MessageStream final : public GatedStream,
     }
     if (!ok) return Finish(ClientGone());
     const auto self = this->shared_from_this();
-    if (!surroundings_.pool->Submit([self] { self->MakeNext(); })) Finish(PoolFullError());
+    if (!dependencies_.pool->Submit([self] { self->MakeNext(); })) Finish(PoolFullError());
   }
 
   void OnGone() ABSL_LOCKS_EXCLUDED(mutex_) {
@@ -177,7 +177,7 @@ class MessageStream final : public GatedStream,
       const absl::MutexLock lock(&mutex_);
       context_ = nullptr;
     }
-    surroundings_.gate->Leave(this->shared_from_this());
+    dependencies_.gate->Leave(this->shared_from_this());
   }
 
   void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_) {
@@ -191,7 +191,7 @@ class MessageStream final : public GatedStream,
 
   static absl::Status ClientGone() { return absl::CancelledError("the client has gone"); }
 
-  const Surroundings surroundings_;
+  const Dependencies dependencies_;
   const Open open_;
   Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
   const Cancellation cancellation_;

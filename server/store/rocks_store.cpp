@@ -159,7 +159,7 @@ absl::StatusOr<MapRecord> RocksStore::CreateMap(const MapRecord& record) {
   const std::filesystem::path place = MapFolderOf(folder_, entry.record.key).path();
   const MapFolder unfinished(place.string() + kUnfinishedSuffix, entry.record.key);
   absl::Status status = unfinished.Create(entry.record);
-  if (status.ok()) status = MapDatabase::Create(unfinished.path(), DatabaseSurroundings());
+  if (status.ok()) status = MapDatabase::Create(unfinished.path(), DatabaseDependencies());
   if (status.ok()) status = RenameDurably(unfinished.path(), place);
   if (!status.ok()) {
     unfinished.Remove().IgnoreError();
@@ -262,7 +262,7 @@ absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::OpenDatabase(const MapR
   // One database a folder: those who still read the old one finish first.
   if (closing != nullptr) closing->WaitForNotification();
   absl::StatusOr<std::unique_ptr<MapDatabase>> opened =
-      MapDatabase::Open(MapFolderOf(folder_, record.key).path(), record, DatabaseSurroundings());
+      MapDatabase::Open(MapFolderOf(folder_, record.key).path(), record, DatabaseDependencies());
   if (!opened.ok()) return opened.status();
   auto closed = std::make_shared<absl::Notification>();
   const std::shared_ptr<MapDatabase> database(opened->release(), [closed](MapDatabase* last) {
@@ -368,7 +368,7 @@ absl::StatusOr<std::uint64_t> RocksStore::FreeDiskBytes(const std::filesystem::p
   return space.available;
 }
 
-MapDatabase::Surroundings RocksStore::DatabaseSurroundings() const {
+MapDatabase::Dependencies RocksStore::DatabaseDependencies() const {
   return {&shared_, &options_, [this] { return platform_.free_disk_bytes(folder_); }};
 }
 

@@ -105,7 +105,7 @@ class RocksStore final : public Store {
   absl::StatusOr<std::shared_ptr<MapDatabase>> OpenDatabase(const MapRecord& record)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  MapDatabase::Surroundings DatabaseSurroundings() const;
+  MapDatabase::Dependencies DatabaseDependencies() const;
 
   const FolderLock lock_;
   const std::filesystem::path folder_;

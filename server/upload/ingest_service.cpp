@@ -32,13 +32,13 @@ absl::Status AnswerUploadState(const UploadTarget& target, v1::UploadState* resp
 }  // namespace
 
 UploadStream::GrpcReactor* IngestService::UploadFrames(grpc::CallbackServerContext* /*context*/) {
-  return UploadStream::Start(surroundings_);
+  return UploadStream::Start(dependencies_);
 }
 
 grpc::ServerUnaryReactor* IngestService::UploadFrameBatch(grpc::CallbackServerContext* /*context*/,
                                                           const grpc::ByteBuffer* request,
                                                           grpc::ByteBuffer* response) {
-  return UploadCall::Start(surroundings_, *request, response);
+  return UploadCall::Start(dependencies_, *request, response);
 }
 
 grpc::ServerUnaryReactor* IngestService::GetUploadState(grpc::CallbackServerContext* context,
@@ -50,7 +50,7 @@ grpc::ServerUnaryReactor* IngestService::GetUploadState(grpc::CallbackServerCont
       kPlainRequestLimits,
       [this, context](const auto& call) -> grpc::ServerUnaryReactor* {
         const v1::GetUploadStateRequest& message = call.request();
-        const absl::StatusOr<UploadTarget> target = FindUploadTarget(*surroundings_.maps,
+        const absl::StatusOr<UploadTarget> target = FindUploadTarget(*dependencies_.maps,
                                                                      message.map(),
                                                                      message.robot(),
                                                                      message.sensor(),

@@ -13,8 +13,8 @@ class IngestService final : public v1::IngestService::WithRawCallbackMethod_Uplo
                                     v1::IngestService::WithRawCallbackMethod_GetUploadState<
                                         v1::IngestService::Service>>> {
  public:
-  explicit IngestService(const UploadStream::Surroundings& surroundings)
-      : surroundings_(surroundings) {}
+  explicit IngestService(const UploadStream::Dependencies& dependencies)
+      : dependencies_(dependencies) {}
 
   UploadStream::GrpcReactor* UploadFrames(grpc::CallbackServerContext* context) override;
 
@@ -27,7 +27,7 @@ class IngestService final : public v1::IngestService::WithRawCallbackMethod_Uplo
                                            grpc::ByteBuffer* response) override;
 
  private:
-  const UploadStream::Surroundings surroundings_;
+  const UploadStream::Dependencies dependencies_;
 };
 
 }  // namespace steadymap

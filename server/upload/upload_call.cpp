@@ -33,13 +33,13 @@ class UploadCall::Reactor final : public grpc::ServerUnaryReactor {
   UploadRoster* const roster_;
 };
 
-grpc::ServerUnaryReactor* UploadCall::Start(const UploadStream::Surroundings& surroundings,
+grpc::ServerUnaryReactor* UploadCall::Start(const UploadStream::Dependencies& dependencies,
                                             const grpc::ByteBuffer& request,
                                             grpc::ByteBuffer* response) {
-  const absl::Status entered = surroundings.roster->EnterCall();
-  auto call = std::make_shared<UploadCall>(surroundings);
+  const absl::Status entered = dependencies.roster->EnterCall();
+  auto call = std::make_shared<UploadCall>(dependencies);
   call->response_ = response;
-  auto* reactor = new Reactor(call, entered.ok() ? surroundings.roster : nullptr);
+  auto* reactor = new Reactor(call, entered.ok() ? dependencies.roster : nullptr);
   call->reactor_ = reactor;
   if (entered.ok()) {
     call->AwaitMemory(request);
@@ -52,16 +52,16 @@ grpc::ServerUnaryReactor* UploadCall::Start(const UploadStream::Surroundings& su
 /// Leaves the message as it came until there is memory for what it holds.
 void UploadCall::AwaitMemory(const grpc::ByteBuffer& request) {
   const std::size_t bytes = request.Length();
-  if (bytes > surroundings_.limits->Get().max_message_bytes) return TakeMessage(request, {});
+  if (bytes > dependencies_.limits->Get().max_message_bytes) return TakeMessage(request, {});
   std::optional<FrameBudget::Reservation> memory =
-      FrameBudget::TryReserve(surroundings_.call_account, bytes);
+      FrameBudget::TryReserve(dependencies_.call_account, bytes);
   if (memory) return TakeMessage(request, *std::move(memory));
-  FrameBudget::Reserve(surroundings_.call_account,
+  FrameBudget::Reserve(dependencies_.call_account,
                        bytes,
                        [self = shared_from_this(), request](FrameBudget::Reservation granted) {
                          auto shared =
                              std::make_shared<FrameBudget::Reservation>(std::move(granted));
-                         self->surroundings_.decoders->Submit([self, request, shared] {
+                         self->dependencies_.decoders->Submit([self, request, shared] {
                            self->TakeMessage(request, std::move(*shared));
                          });
                        });
@@ -71,7 +71,7 @@ void UploadCall::TakeMessage(const grpc::ByteBuffer& request, FrameBudget::Reser
   if (IsAbandoned()) return;
   v1::UploadFrameBatchRequest message;
   absl::Status status =
-      ReadRequest(request, UploadRequestLimits(surroundings_.limits->Get()), &message);
+      ReadRequest(request, UploadRequestLimits(dependencies_.limits->Get()), &message);
   if (status.ok()) status = TakeIn(std::move(message), std::move(memory));
   if (!status.ok()) Finish(status);
 }
@@ -85,7 +85,7 @@ absl::Status UploadCall::TakeIn(v1::UploadFrameBatchRequest request,
                                      static_cast<int>(request.wait_for())));
   }
   absl::StatusOr<UploadTarget> target = FindUploadTarget(
-      *surroundings_.maps, request.map(), request.robot(), request.sensor(), request.session());
+      *dependencies_.maps, request.map(), request.robot(), request.sensor(), request.session());
   if (!target.ok()) return target.status();
   if (absl::Status status = CheckNumbering(request.batch()); !status.ok()) {
     return WithFieldPrefix(status, "batch");
@@ -102,7 +102,7 @@ absl::Status UploadCall::TakeIn(v1::UploadFrameBatchRequest request,
 void UploadCall::StartIntake(const SessionName& session) {
   if (IsAbandoned()) return;
   const std::shared_ptr<UploadCall> self = shared_from_this();
-  BatchIntake::Start(surroundings_.decoders,
+  BatchIntake::Start(dependencies_.decoders,
                      {map_,
                       std::make_shared<const MapConfig>(map_->record().config),
                       session,

@@ -20,13 +20,13 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
  public:
   /// Starts a call with a serialized `v1::UploadFrameBatchRequest`. The reactor deletes itself;
   /// `response` belongs to gRPC and lives as long as it does.
-  static grpc::ServerUnaryReactor* Start(const UploadStream::Surroundings& surroundings,
+  static grpc::ServerUnaryReactor* Start(const UploadStream::Dependencies& dependencies,
                                          const grpc::ByteBuffer& request,
                                          grpc::ByteBuffer* response);
 
   /// Use `Start`.
-  explicit UploadCall(const UploadStream::Surroundings& surroundings)
-      : surroundings_(surroundings) {}
+  explicit UploadCall(const UploadStream::Dependencies& dependencies)
+      : dependencies_(dependencies) {}
 
   bool IsAbandoned() const override ABSL_LOCKS_EXCLUDED(mutex_);
   void OnReceived(ClientSequence through, std::vector<RefusedFrame> refused) override;
@@ -46,7 +46,7 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   v1::UploadFrameBatchResponse MakeAnswer() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  const UploadStream::Surroundings surroundings_;
+  const UploadStream::Dependencies dependencies_;
 
   // Touched by none but whoever sets `finished_`.
   Reactor* reactor_ = nullptr;

@@ -34,17 +34,17 @@ class UploadStream::Reactor final : public GrpcReactor {
   const std::shared_ptr<UploadStream> stream_;
 };
 
-UploadStream::GrpcReactor* UploadStream::Start(const Surroundings& surroundings) {
-  auto stream = std::make_shared<UploadStream>(surroundings);
+UploadStream::GrpcReactor* UploadStream::Start(const Dependencies& dependencies) {
+  auto stream = std::make_shared<UploadStream>(dependencies);
   auto* reactor = new Reactor(stream);
   stream->reactor_ = reactor;
   stream->Drive();
   return reactor;
 }
 
-UploadStream::UploadStream(const Surroundings& surroundings)
-    : surroundings_(surroundings),
-      limits_(surroundings.limits->Get()),
+UploadStream::UploadStream(const Dependencies& dependencies)
+    : dependencies_(dependencies),
+      limits_(dependencies.limits->Get()),
       answers_({limits_.upload_window_frames, limits_.upload_window_bytes}) {}
 
 bool UploadStream::IsAbandoned() const {
@@ -120,7 +120,7 @@ void UploadStream::AwaitMemory() {
   FrameBudget::Reserve(
       map_->read_account(), bytes, [self = shared_from_this()](FrameBudget::Reservation granted) {
         auto shared = std::make_shared<FrameBudget::Reservation>(std::move(granted));
-        self->surroundings_.decoders->Submit(
+        self->dependencies_.decoders->Submit(
             [self, shared] { self->TakeMessage(std::move(*shared)); });
       });
 }
@@ -159,7 +159,7 @@ absl::Status UploadStream::HandleMessage(FrameBudget::Reservation memory) {
 
 absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
   absl::StatusOr<UploadTarget> target = FindUploadTarget(
-      *surroundings_.maps, open.map(), open.robot(), open.sensor(), open.session());
+      *dependencies_.maps, open.map(), open.robot(), open.sensor(), open.session());
   if (!target.ok()) return target.status();
   auto config = std::make_shared<const MapConfig>(target->map->record().config);
   missing_labels_.SetKeepsObjects(KeepsObjects(config->policy));
@@ -172,7 +172,7 @@ absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
     config_ = std::move(config);
     session_ = target->session;
   }
-  absl::Status status = surroundings_.roster->Enter(map_->key(), session_, shared_from_this());
+  absl::Status status = dependencies_.roster->Enter(map_->key(), session_, shared_from_this());
   if (!status.ok()) {
     const absl::MutexLock lock(&mutex_);
     entered_ = false;
@@ -249,7 +249,7 @@ void UploadStream::OnGone() {
     if (end_) status = *end_;
   }
   if (!entered) return;
-  surroundings_.roster->Leave(map_->key(), session_, this);
+  dependencies_.roster->Leave(map_->key(), session_, this);
   spdlog::debug("map {} sensor {} session {}: upload ended: {}",
                 map_->name().ToString(),
                 session_.sensor.ToString(),
@@ -352,7 +352,7 @@ void UploadStream::TakeIn() {
     predecessor = std::exchange(last_in_intake_, LastSequenceOf(batch.frames));
   }
   const std::shared_ptr<UploadStream> self = shared_from_this();
-  BatchIntake::Start(surroundings_.decoders,
+  BatchIntake::Start(dependencies_.decoders,
                      {map_, config_, session_, /*in_order=*/true, predecessor, self},
                      std::move(batch),
                      [self](const absl::Status& status) {

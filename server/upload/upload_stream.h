@@ -41,7 +41,7 @@ class UploadStream final : public UploadObserver,
   using GrpcReactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
   /// What streams need of the server; all of it outlives them.
-  struct Surroundings {
+  struct Dependencies {
     MapDirectory* maps = nullptr;
     UploadRoster* roster = nullptr;
     WorkerPool* decoders = nullptr;
@@ -51,10 +51,10 @@ class UploadStream final : public UploadObserver,
   };
 
   /// Starts a stream. The reactor deletes itself.
-  static GrpcReactor* Start(const Surroundings& surroundings);
+  static GrpcReactor* Start(const Dependencies& dependencies);
 
   /// Use `Start`.
-  explicit UploadStream(const Surroundings& surroundings);
+  explicit UploadStream(const Dependencies& dependencies);
 
   bool IsAbandoned() const override ABSL_LOCKS_EXCLUDED(mutex_);
   void OnReceived(ClientSequence through, std::vector<RefusedFrame> refused) override;
@@ -92,7 +92,7 @@ class UploadStream final : public UploadObserver,
   void OnMapOpened(ClientSequence known_durable) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleBatch(ReadBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  const Surroundings surroundings_;
+  const Dependencies dependencies_;
   const LimitOptions limits_;   ///< As they were when the stream began.
   Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
   grpc::ByteBuffer request_;    ///< Of the read in flight, or waiting for memory.

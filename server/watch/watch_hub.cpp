@@ -37,7 +37,7 @@ absl::Status StalledError(absl::Duration timeout) {
 absl::Status WatchHub::Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) {
   const absl::MutexLock lock(&mutex_);
   if (draining_) return DrainingError();
-  if (count_ >= surroundings_.max_watches) {
+  if (count_ >= dependencies_.max_watches) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      reason::kQueueFull,
                      absl::StrCat("the server has ", count_, " watchers and takes no more"));
@@ -61,14 +61,14 @@ void WatchHub::OnCommit(MapKey map) {
 }
 
 void WatchHub::EndStalled() {
-  const absl::Time stalled = absl::Now() - surroundings_.stall_timeout;
-  const absl::Time given_up = stalled - surroundings_.stall_grace;
+  const absl::Time stalled = absl::Now() - dependencies_.stall_timeout;
+  const absl::Time given_up = stalled - dependencies_.stall_grace;
   for (const std::shared_ptr<ActiveWatch>& watch : All()) {
     const absl::Time since = watch->sending_since();
     if (since < given_up) {
       watch->Cancel();
     } else if (since < stalled) {
-      watch->End(StalledError(surroundings_.stall_timeout));
+      watch->End(StalledError(dependencies_.stall_timeout));
     }
   }
 }
@@ -169,7 +169,7 @@ StepKey WatchHub::KeyOf(const StepRequest& request) {
 }
 
 absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequest& request) {
-  Store* const store = surroundings_.store;
+  Store* const store = dependencies_.store;
   const MapKey map = request.scope.map;
   const std::shared_ptr<const MapSnapshot>& snapshot = request.to.snapshot;
   const bool compares = request.filter.volumes && request.takes_patches;

@@ -56,7 +56,7 @@ class ActiveWatch {
 class WatchHub {
  public:
   /// What the hub needs of the server; all of it outlives the hub.
-  struct Surroundings {
+  struct Dependencies {
     Store* store = nullptr;
     std::size_t max_watches = 0;
     /// A watch that takes a message for longer than this has stalled.
@@ -65,7 +65,7 @@ class WatchHub {
     absl::Duration stall_grace = absl::ZeroDuration();
   };
 
-  explicit WatchHub(const Surroundings& surroundings) : surroundings_(surroundings) {}
+  explicit WatchHub(const Dependencies& dependencies) : dependencies_(dependencies) {}
 
   /// Enters a watch. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with reason
   /// `QUEUE_FULL`.
@@ -161,7 +161,7 @@ class WatchHub {
 
   bool IsEmpty() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return count_ == 0; }
 
-  const Surroundings surroundings_;
+  const Dependencies dependencies_;
   mutable absl::Mutex mutex_;
   std::map<MapKey, WatchedMap> maps_ ABSL_GUARDED_BY(mutex_);  ///< Those with watches.
   std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -11,16 +11,16 @@ namespace steadymap {
 class WatchService final
     : public v1::WatchService::WithRawCallbackMethod_WatchMap<v1::WatchService::Service> {
  public:
-  explicit WatchService(const WatchStream::Surroundings& surroundings)
-      : surroundings_(surroundings) {}
+  explicit WatchService(const WatchStream::Dependencies& dependencies)
+      : dependencies_(dependencies) {}
 
   grpc::ServerWriteReactor<grpc::ByteBuffer>* WatchMap(grpc::CallbackServerContext* context,
                                                        const grpc::ByteBuffer* request) override {
-    return WatchStream::Start(surroundings_, context, *request);
+    return WatchStream::Start(dependencies_, context, *request);
   }
 
  private:
-  const WatchStream::Surroundings surroundings_;
+  const WatchStream::Dependencies dependencies_;
 };
 
 }  // namespace steadymap

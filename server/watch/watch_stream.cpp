@@ -34,24 +34,24 @@ class WatchStream::Reactor final : public GrpcReactor {
   const std::shared_ptr<WatchStream> stream_;
 };
 
-WatchStream::GrpcReactor* WatchStream::Start(const Surroundings& surroundings,
+WatchStream::GrpcReactor* WatchStream::Start(const Dependencies& dependencies,
                                              grpc::CallbackServerContext* context,
                                              const grpc::ByteBuffer& request) {
-  auto stream = std::make_shared<WatchStream>(surroundings, context);
+  auto stream = std::make_shared<WatchStream>(dependencies, context);
   auto* reactor = new Reactor(stream);
   stream->reactor_ = reactor;
   v1::WatchMapRequest message;
   stream->request_status_ = steadymap::ReadRequest(request, kPlainRequestLimits, &message);
   if (stream->request_status_.ok()) {
     stream->course_.emplace(
-        surroundings.maps, surroundings.hub, std::move(message), stream->cancellation_);
+        dependencies.maps, dependencies.hub, std::move(message), stream->cancellation_);
   }
   stream->Schedule();
   return reactor;
 }
 
-WatchStream::WatchStream(const Surroundings& surroundings, grpc::CallbackServerContext* context)
-    : surroundings_(surroundings), peer_(context->peer()), context_(context) {}
+WatchStream::WatchStream(const Dependencies& dependencies, grpc::CallbackServerContext* context)
+    : dependencies_(dependencies), peer_(context->peer()), context_(context) {}
 
 void WatchStream::Wake() { Schedule(); }
 
@@ -118,9 +118,9 @@ void WatchStream::OnGone() {
   if (!entered) return;
   const std::shared_ptr<MapRuntime>& map = course_->map();
   if (!absl::IsNotFound(status)) {
-    for (auto& step : course_->StepsInPart()) surroundings_.hub->Hold(std::move(step));
+    for (auto& step : course_->StepsInPart()) dependencies_.hub->Hold(std::move(step));
   }
-  surroundings_.hub->Leave(map->key(), shared_from_this());
+  dependencies_.hub->Leave(map->key(), shared_from_this());
   spdlog::debug("map {}: a watch ended behind revision {}: {}",
                 map->name().ToString(),
                 course_->position().revision.value(),
@@ -141,7 +141,7 @@ void WatchStream::Schedule() {
 void WatchStream::Submit() {
   // Each stream waits once at most. In turn: nobody may fall behind because others are served
   // again.
-  if (!surroundings_.pool->TrySubmit([self = shared_from_this()] { self->Advance(); })) {
+  if (!dependencies_.pool->TrySubmit([self = shared_from_this()] { self->Advance(); })) {
     Finish(PoolFullError());
   }
 }
@@ -192,7 +192,7 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
     entered_ = true;
   }
   // From here on no commit is missed.
-  absl::Status status = surroundings_.hub->Enter(map->key(), shared_from_this());
+  absl::Status status = dependencies_.hub->Enter(map->key(), shared_from_this());
   if (!status.ok()) return status;
   begun_ = true;
   return course_->Begin();
@@ -201,7 +201,7 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
 /// Once: and sees to it that this stream goes on when the map is open.
 absl::Status WatchStream::ReadRequest() {
   if (std::exchange(has_read_request_, true)) return absl::OkStatus();
-  absl::Status status = surroundings_.openings->Take(peer_, absl::Now());
+  absl::Status status = dependencies_.openings->Take(peer_, absl::Now());
   if (!status.ok()) return status;
   if (!course_) return request_status_;
   status = course_->ReadRequest();

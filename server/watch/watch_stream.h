@@ -33,7 +33,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   using GrpcReactor = grpc::ServerWriteReactor<grpc::ByteBuffer>;
 
   /// What streams need of the server; all of it outlives them.
-  struct Surroundings {
+  struct Dependencies {
     MapDirectory* maps = nullptr;
     WatchHub* hub = nullptr;
     WorkerPool* pool = nullptr;
@@ -41,12 +41,12 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   };
 
   /// Starts a stream; `request` is a serialized `v1::WatchMapRequest`. The reactor deletes itself.
-  static GrpcReactor* Start(const Surroundings& surroundings,
+  static GrpcReactor* Start(const Dependencies& dependencies,
                             grpc::CallbackServerContext* context,
                             const grpc::ByteBuffer& request);
 
   /// Use `Start`.
-  WatchStream(const Surroundings& surroundings, grpc::CallbackServerContext* context);
+  WatchStream(const Dependencies& dependencies, grpc::CallbackServerContext* context);
 
   void Wake() override;
   void Drain() override ABSL_LOCKS_EXCLUDED(mutex_);
@@ -75,7 +75,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   absl::StatusOr<Message> NextMessage(bool draining) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status ReadRequest() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  const Surroundings surroundings_;
+  const Dependencies dependencies_;
   const std::string peer_;
   absl::Status request_status_;      ///< Of reading it; set before anything else happens.
   Reactor* reactor_ = nullptr;       ///< Valid until it has been finished.

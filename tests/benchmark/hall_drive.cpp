@@ -75,9 +75,9 @@ MapObject Known(const SceneObject& thing, Timestamp now, const VoxelScale& scale
   object.class_id = ClassId(static_cast<std::uint16_t>(thing.semantic_class));
   object.votes = {{object.class_id, 100.0}};
   object.belief.alpha = 9.0;
-  object.views = 100;
+  object.supporting_frames = 100;
   object.first_seen = Timestamp::FromSeconds(now.seconds() - kSecondsBetweenObjects * thing.id);
-  object.standing_since = object.first_seen;
+  object.in_place_since = object.first_seen;
   object.last_seen = object.first_seen;
   return object;
 }

@@ -15,16 +15,16 @@ using ::steadymap::testing::FloorMap;
 const Eigen::Vector3d kSizeM(0.4, 0.3, 0.3);
 
 /// Box `id` over the floor at x = id - 1.5 m, of class 100 + id, changed by frame `id`.
-MapObject MakeBox(std::uint64_t id, ObjectStanding standing, double alpha) {
+MapObject MakeBox(std::uint64_t id, ObjectStatus standing, double alpha) {
   MapObject object =
       BoxObject(ObjectId(id), kSizeM, {{-1.5 + static_cast<double>(id), 0.5, 0.8}, 0.3});
-  object.standing = standing;
+  object.status = standing;
   object.revision = Revision(id);
   object.belief.alpha = alpha;
   object.votes = {{ClassId(4), 1.0}, {object.class_id, 3.0}};
   object.first_seen = Timestamp::FromSeconds(100.0);
   object.last_seen = Timestamp::FromSeconds(200.0);
-  object.views = 5;
+  object.supporting_frames = 5;
   return object;
 }
 
@@ -34,10 +34,10 @@ MapSnapshot MakeObjectMap() {
   MapSnapshot map = FloorMap();
   map.revision = Revision(kObjectMapRevision);
   map.last_capture_time = Timestamp::FromSeconds(200.0);
-  AddObject(MakeBox(1, ObjectStanding::kPresent, 9.0), &map);
-  AddObject(MakeBox(2, ObjectStanding::kArchived, 0.5), &map);
-  AddObject(MakeBox(3, ObjectStanding::kPresent, 3.0), &map);
-  AddObject(MakeBox(4, ObjectStanding::kTentative, 2.0), &map);
+  AddObject(MakeBox(1, ObjectStatus::kPresent, 9.0), &map);
+  AddObject(MakeBox(2, ObjectStatus::kArchived, 0.5), &map);
+  AddObject(MakeBox(3, ObjectStatus::kPresent, 3.0), &map);
+  AddObject(MakeBox(4, ObjectStatus::kTentative, 2.0), &map);
   map.newest_object = ObjectId(4);
   return map;
 }
@@ -53,8 +53,8 @@ std::vector<ObjectEvent> MakeObjectHistory(const MapSnapshot& map) {
     event.time = Timestamp::FromSeconds(100.0 + 10.0 * static_cast<double>(revision));
     event.revision = Revision(revision);
     event.center_world = map.objects.at(event.object)->cuboid.center_world;
-    event.views = 10 * id;
-    event.absences = revision;
+    event.supporting_frames = 10 * id;
+    event.contradicted_updates = revision;
   };
   add(EventType::kCreated, EventReason::kNewSurface, 1, 2);
   add(EventType::kCreated, EventReason::kNewSurface, 2, 2);
@@ -72,7 +72,7 @@ MapSnapshot MakeCrowdedMap(int boxes) {
   map.revision = Revision(kObjectMapRevision);
   map.last_capture_time = Timestamp::FromSeconds(200.0);
   for (int i = 1; i <= boxes; ++i) {
-    AddObject(MakeBox(static_cast<std::uint64_t>(i), ObjectStanding::kPresent, 9.0), &map);
+    AddObject(MakeBox(static_cast<std::uint64_t>(i), ObjectStatus::kPresent, 9.0), &map);
   }
   map.newest_object = ObjectId(static_cast<std::uint64_t>(boxes));
   return map;

@@ -195,9 +195,9 @@ TEST_P(WatchServiceTest, TellsEventsAndTombstonesOfWhatAStoppedServerMissed) {
   MapSnapshot before = MakeObjectMap();
   MapSnapshot after = before;
   MapObject first = *before.objects.at(ObjectId(1));
-  first.standing = ObjectStanding::kArchived;
+  first.status = ObjectStatus::kArchived;
   MapObject second = *before.objects.at(ObjectId(2));
-  second.standing = ObjectStanding::kPresent;
+  second.status = ObjectStatus::kPresent;
   after.objects.insert_or_assign(first.id, std::make_shared<const MapObject>(first));
   after.objects.insert_or_assign(second.id, std::make_shared<const MapObject>(second));
   after.objects.erase(ObjectId(3));

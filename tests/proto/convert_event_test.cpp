@@ -38,8 +38,8 @@ ObjectEvent RandomEvent(std::mt19937* random) {
   if (event.type != EventType::kRobotLost && event.type != EventType::kRobotFound) {
     event.before = {place(*random), positive(*random), positive(*random), positive(*random)};
     event.after = {place(*random), positive(*random), positive(*random), positive(*random)};
-    event.views = large(*random);
-    event.absences = large(*random);
+    event.supporting_frames = large(*random);
+    event.contradicted_updates = large(*random);
   } else {
     event.source = {"robot-" + std::to_string(large(*random) % 100), "left"};
   }

@@ -28,9 +28,9 @@ MapObject RandomObject(std::mt19937* random) {
   std::uniform_int_distribution<std::int64_t> time(0, 4'000'000'000'000'000'000);
   MapObject object;
   object.id = ObjectId(large(*random));
-  object.standing = std::array{ObjectStanding::kTentative,
-                               ObjectStanding::kPresent,
-                               ObjectStanding::kArchived}[large(*random) % 3];
+  object.status = std::array{ObjectStatus::kTentative,
+                             ObjectStatus::kPresent,
+                             ObjectStatus::kArchived}[large(*random) % 3];
   object.revision = Revision(large(*random));
   object.class_id = ClassId(static_cast<std::uint16_t>(large(*random)));
   for (int i = 0; i < small(*random); ++i) {
@@ -45,8 +45,8 @@ MapObject RandomObject(std::mt19937* random) {
   object.evidence.absent_streak_cells = positive(*random);
   object.first_seen = Timestamp::FromNanoseconds(time(*random));
   object.last_seen = Timestamp::FromNanoseconds(time(*random));
-  object.views = large(*random);
-  object.absences = large(*random);
+  object.supporting_frames = large(*random);
+  object.contradicted_updates = large(*random);
   return object;
 }
 

@@ -66,7 +66,7 @@ inline MapObject BoxObject(ObjectId id,
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(scale.truncation_m);
   MapObject object;
   object.id = id;
-  object.standing = ObjectStanding::kPresent;
+  object.status = ObjectStatus::kPresent;
   object.class_id = ClassId(static_cast<std::uint16_t>(100 + id.value()));
   object.T_world_object = T_world_object;
   object.cuboid = {T_world_object.position_world, size_m, T_world_object.yaw_rad};

@@ -41,15 +41,15 @@ class PlantedFaults : public ::testing::Test {
     LeafChange owned = MakeLeaf(3, 0, 0, 77);
     owned.key.object = ObjectId(5);
     leaves.push_back(owned);
-    Commit(10, leaves, MakeCrate(ObjectStanding::kPresent), 2);
+    Commit(10, leaves, MakeCrate(ObjectStatus::kPresent), 2);
     leaves = {MakeLeaf(1, 0, 0, 500)};
-    Commit(20, leaves, MakeCrate(ObjectStanding::kPresent), 1);
-    Commit(30, {}, MakeCrate(ObjectStanding::kArchived), 1);
+    Commit(20, leaves, MakeCrate(ObjectStatus::kPresent), 1);
+    Commit(30, {}, MakeCrate(ObjectStatus::kArchived), 1);
   }
 
-  static ObjectState MakeCrate(ObjectStanding standing) {
+  static ObjectState MakeCrate(ObjectStatus standing) {
     ObjectState crate = MakeObject(5, 1);
-    crate.standing = standing;
+    crate.status = standing;
     return crate;
   }
 

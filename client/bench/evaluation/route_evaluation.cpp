@@ -59,7 +59,7 @@ void AddBeliefs(const MapSnapshot& map,
                 double spacing_m,
                 std::vector<BeliefSample>* beliefs) {
   for (const auto& [id, object] : map.objects) {
-    if (object->standing == ObjectStanding::kTentative) continue;
+    if (object->status == ObjectStatus::kTentative) continue;
     const std::vector<SurfacePoint> surface = SampleObject(*object, map.scale, spacing_m);
     if (surface.empty()) continue;
     beliefs->push_back({object->belief.stationarity(), scorer.IsStillTrue(surface)});

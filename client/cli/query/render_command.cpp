@@ -72,7 +72,7 @@ absl::StatusOr<std::vector<ObjectMark>> ReadMarks(MapClient* client,
     ObjectMark ghost{found->second.cuboid, 0.0, true};
     if (event.has_old_center_m()) {
       ghost.cuboid.center_world = FromProto(event.old_center_m());
-    } else if (found->second.standing != ObjectStanding::kArchived) {
+    } else if (found->second.status != ObjectStatus::kArchived) {
       continue;
     }
     marks.push_back(ghost);

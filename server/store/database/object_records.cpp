@@ -101,7 +101,7 @@ absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence*
 
 storage::v1::ObjectState ToProto(const ObjectState& state) {
   storage::v1::ObjectState proto;
-  proto.set_standing(static_cast<std::uint32_t>(state.standing) + 1);
+  proto.set_standing(static_cast<std::uint32_t>(state.status) + 1);
   proto.set_revision(state.revision.value());
   proto.set_class_id(state.class_id.value());
   for (const ClassVote& vote : state.votes) {
@@ -121,10 +121,10 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   proto.add_evidence_cells(state.evidence.change_sum_m);
   for (const LeafEvidence& leaf : state.evidence.leaves) LeafToProto(leaf, proto.add_evidence());
   proto.set_first_seen_ns(state.first_seen.nanoseconds());
-  proto.set_standing_since_ns(state.standing_since.nanoseconds());
+  proto.set_standing_since_ns(state.in_place_since.nanoseconds());
   proto.set_last_seen_ns(state.last_seen.nanoseconds());
-  proto.set_views(state.views);
-  proto.set_absences(state.absences);
+  proto.set_views(state.supporting_frames);
+  proto.set_absences(state.contradicted_updates);
   return proto;
 }
 
@@ -136,7 +136,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   }
   ObjectState state;
   state.id = id;
-  state.standing = static_cast<ObjectStanding>(proto.standing() - 1);
+  state.status = static_cast<ObjectStatus>(proto.standing() - 1);
   state.revision = Revision{proto.revision()};
   state.class_id = ClassId{static_cast<std::uint16_t>(proto.class_id())};
   state.votes.reserve(static_cast<std::size_t>(proto.votes_size()));
@@ -150,10 +150,10 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   if (!IsPossible(state.belief)) return Impossible("an object record holds an impossible belief");
   if (absl::Status status = ReadEvidence(proto, &state.evidence); !status.ok()) return status;
   state.first_seen = Timestamp::FromNanoseconds(proto.first_seen_ns());
-  state.standing_since = Timestamp::FromNanoseconds(proto.standing_since_ns());
+  state.in_place_since = Timestamp::FromNanoseconds(proto.standing_since_ns());
   state.last_seen = Timestamp::FromNanoseconds(proto.last_seen_ns());
-  state.views = proto.views();
-  state.absences = proto.absences();
+  state.supporting_frames = proto.views();
+  state.contradicted_updates = proto.absences();
   return state;
 }
 
@@ -177,8 +177,8 @@ storage::v1::EventRecord ToProto(const ObjectEvent& event) {
   BeliefToProto(event.before, record.mutable_before());
   BeliefToProto(event.after, record.mutable_after());
   record.set_related(event.related.value());
-  record.set_views(event.views);
-  record.set_absences(event.absences);
+  record.set_views(event.supporting_frames);
+  record.set_absences(event.contradicted_updates);
   record.set_robot(event.source.robot);
   record.set_sensor(event.source.sensor);
   return record;
@@ -208,8 +208,8 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
   event.before = BeliefFromProto(record.before());
   event.after = BeliefFromProto(record.after());
   event.related = ObjectId{record.related()};
-  event.views = record.views();
-  event.absences = record.absences();
+  event.supporting_frames = record.views();
+  event.contradicted_updates = record.absences();
   event.source = {record.robot(), record.sensor()};
   return event;
 }

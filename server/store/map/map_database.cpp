@@ -41,13 +41,13 @@ absl::Status Lost(const char* what, std::uint64_t found, std::uint64_t known) {
 
 }  // namespace
 
-MapDatabase::MapDatabase(const MapRecord& record, const Surroundings& surroundings)
-    : record_(record), surroundings_(surroundings) {}
+MapDatabase::MapDatabase(const MapRecord& record, const Dependencies& dependencies)
+    : record_(record), dependencies_(dependencies) {}
 
 absl::Status MapDatabase::Create(const std::filesystem::path& folder,
-                                 const Surroundings& surroundings) {
+                                 const Dependencies& dependencies) {
   absl::StatusOr<std::unique_ptr<StateDatabase>> state =
-      StateDatabase::Open(StateFolder(folder), StateDatabase::Mode::kCreate, *surroundings.shared);
+      StateDatabase::Open(StateFolder(folder), StateDatabase::Mode::kCreate, *dependencies.shared);
   if (!state.ok()) return state.status();
   rocksdb::WriteBatch batch;
   batch.Put((*state)->handle(Family::kMeta),
@@ -58,12 +58,12 @@ absl::Status MapDatabase::Create(const std::filesystem::path& folder,
 
 absl::StatusOr<std::unique_ptr<MapDatabase>> MapDatabase::Open(const std::filesystem::path& folder,
                                                                const MapRecord& record,
-                                                               const Surroundings& surroundings) {
-  std::unique_ptr<MapDatabase> map(new MapDatabase(record, surroundings));
+                                                               const Dependencies& dependencies) {
+  std::unique_ptr<MapDatabase> map(new MapDatabase(record, dependencies));
   if (absl::Status status = map->OpenState(folder); !status.ok()) return status;
   if (absl::Status status = map->OpenLog(folder); !status.ok()) return status;
   absl::StatusOr<std::shared_ptr<IntegrationNote>> note =
-      surroundings.read_only ? IntegrationNote::Inspect(folder / "note")
+      dependencies.read_only ? IntegrationNote::Inspect(folder / "note")
                              : IntegrationNote::Open(folder / "note");
   // A note that cannot be made for want of space is not missed until there is some.
   map->note_ = note.ok() ? *std::move(note) : IntegrationNote::InMemory();
@@ -73,12 +73,12 @@ absl::StatusOr<std::unique_ptr<MapDatabase>> MapDatabase::Open(const std::filesy
 
 absl::Status MapDatabase::OpenState(const std::filesystem::path& folder) {
   // Not more than the reserve: a disk with enough for appends has enough to be opened.
-  const std::uint64_t needed = std::min(kOpenBytes, surroundings_.options->min_free_disk_bytes);
-  const bool has_room = !surroundings_.read_only && CheckFree(needed).ok();
+  const std::uint64_t needed = std::min(kOpenBytes, dependencies_.options->min_free_disk_bytes);
+  const bool has_room = !dependencies_.read_only && CheckFree(needed).ok();
   absl::StatusOr<std::unique_ptr<StateDatabase>> state = StateDatabase::Open(
       StateFolder(folder),
       has_room ? StateDatabase::Mode::kReadWrite : StateDatabase::Mode::kReadOnly,
-      *surroundings_.shared);
+      *dependencies_.shared);
   if (!state.ok()) return state.status();
   state_ = *std::move(state);
   Progress progress;
@@ -100,7 +100,7 @@ absl::Status MapDatabase::OpenLog(const std::filesystem::path& folder) {
       folder / "log",
       record_.key,
       {MapSequence(head.durable_map_seq()), Revision(head.revision()), head.saved_group()},
-      surroundings_.options->log_segment_bytes,
+      dependencies_.options->log_segment_bytes,
       /*read_only=*/!state_->health().ok(),
       &found);
   if (!log.ok()) return log.status();
@@ -138,7 +138,7 @@ MapDatabase::Progress MapDatabase::progress() const {
 }
 
 absl::Status MapDatabase::CheckFree(std::uint64_t needed) const {
-  const absl::StatusOr<std::uint64_t> free_bytes = surroundings_.free_disk_bytes();
+  const absl::StatusOr<std::uint64_t> free_bytes = dependencies_.free_disk_bytes();
   if (!free_bytes.ok()) return free_bytes.status();
   if (*free_bytes >= needed) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
@@ -152,7 +152,7 @@ absl::Status MapDatabase::CheckFree(std::uint64_t needed) const {
 
 absl::Status MapDatabase::Append(const LogAppend& append) {
   if (absl::Status status = health(); !status.ok()) return status;
-  if (absl::Status status = CheckFree(surroundings_.options->min_free_disk_bytes); !status.ok()) {
+  if (absl::Status status = CheckFree(dependencies_.options->min_free_disk_bytes); !status.ok()) {
     return status;
   }
   const WriteTurn::Held turn(&append_turn_);
@@ -193,7 +193,7 @@ absl::StatusOr<CommitMark> MapDatabase::Commit(const MapDelta& delta,
   }
   if (delta.to == delta.from) return CommitMark{delta.from, before.history_hash()};
   // What is written now has to be written again when RocksDB's buffers are flushed.
-  if (absl::Status status = CheckFree(surroundings_.options->write_buffer_bytes); !status.ok()) {
+  if (absl::Status status = CheckFree(dependencies_.options->write_buffer_bytes); !status.ok()) {
     return status;
   }
   storage::v1::Head head = before;
@@ -305,7 +305,7 @@ absl::StatusOr<ChangeList> MapDatabase::ReadChanges(CommitMark from, Revision to
 absl::Status MapDatabase::Trim(const MapRecord& retention, const TrimBounds& bounds) {
   // Where there is no room to write, what the database knows already can be dropped all the same.
   absl::Status status = state_->health();
-  if (status.ok()) status = CheckFree(surroundings_.options->write_buffer_bytes);
+  if (status.ok()) status = CheckFree(dependencies_.options->write_buffer_bytes);
   if (status.ok()) {
     const WriteTurn::Held turn(&commit_turn_);
     status = TrimState(bounds);
@@ -334,7 +334,7 @@ absl::Status MapDatabase::TrimState(const TrimBounds& bounds) {
   // After the idle sessions were looked for: one that is renewed meanwhile is put again.
   const Progress progress = this->progress();
   storage::v1::Head head = progress.head;
-  const StoreOptions& options = *surroundings_.options;
+  const StoreOptions& options = *dependencies_.options;
   status = TrimPoses(*state_, options, head, &batch);
   if (status.ok()) status = TrimChangeLists(*state_, options, head, bounds, &batch);
   if (status.ok()) status = TrimEvents(*state_, options, head, &batch);

@@ -27,7 +27,7 @@ namespace steadymap {
 class MapDatabase {
  public:
   /// What a map's database needs; all of it outlives it.
-  struct Surroundings {
+  struct Dependencies {
     const SharedResources* shared = nullptr;
     const StoreOptions* options = nullptr;
     /// Free bytes for the daemon's user on the folder's disk.
@@ -36,14 +36,14 @@ class MapDatabase {
   };
 
   /// Makes an empty database in `folder`, which exists; on disk when it returns.
-  static absl::Status Create(const std::filesystem::path& folder, const Surroundings& surroundings);
+  static absl::Status Create(const std::filesystem::path& folder, const Dependencies& dependencies);
 
   /// Opens the database in `folder`. With too little room on the disk for RocksDB to start it is
   /// opened for reading alone, which `health()` then says.
   /// Errors: `DataLoss` with reason `CHECKSUM` for what is damaged or missing.
   static absl::StatusOr<std::unique_ptr<MapDatabase>> Open(const std::filesystem::path& folder,
                                                            const MapRecord& record,
-                                                           const Surroundings& surroundings);
+                                                           const Dependencies& dependencies);
 
   MapDatabase(const MapDatabase&) = delete;
   MapDatabase& operator=(const MapDatabase&) = delete;
@@ -83,7 +83,7 @@ class MapDatabase {
     std::vector<SemanticClass> added_classes;  ///< Up to `durable_head`.
   };
 
-  MapDatabase(const MapRecord& record, const Surroundings& surroundings);
+  MapDatabase(const MapRecord& record, const Dependencies& dependencies);
 
   absl::Status OpenState(const std::filesystem::path& folder);
   absl::Status OpenLog(const std::filesystem::path& folder);
@@ -101,7 +101,7 @@ class MapDatabase {
   absl::Status TrimState(const TrimBounds& bounds);
 
   const MapRecord record_;  ///< As it was when the map was opened: its key, name and configuration.
-  const Surroundings surroundings_;
+  const Dependencies dependencies_;
   std::unique_ptr<StateDatabase> state_;
   std::unique_ptr<EntryLog> log_;
   std::shared_ptr<IntegrationNote> note_;

@@ -81,13 +81,13 @@ void CheckLog(const std::filesystem::path& folder, MapKey map, std::vector<std::
 absl::Status CheckLoading(const std::filesystem::path& folder, const MapRecord& record) {
   const StoreOptions options;
   const SharedResources shared(options);
-  MapDatabase::Surroundings surroundings;
-  surroundings.shared = &shared;
-  surroundings.options = &options;
-  surroundings.free_disk_bytes = [] { return std::uint64_t{0}; };
-  surroundings.read_only = true;
+  MapDatabase::Dependencies dependencies;
+  dependencies.shared = &shared;
+  dependencies.options = &options;
+  dependencies.free_disk_bytes = [] { return std::uint64_t{0}; };
+  dependencies.read_only = true;
   const absl::StatusOr<std::unique_ptr<MapDatabase>> map =
-      MapDatabase::Open(folder, record, surroundings);
+      MapDatabase::Open(folder, record, dependencies);
   if (!map.ok()) return map.status();
   const absl::StatusOr<StoredState> state = (*map)->Load();
   if (!state.ok()) return state.status();

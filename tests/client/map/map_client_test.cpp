@@ -218,7 +218,7 @@ TEST_F(MapClientTest, ASectionHasItsObjectsWithTheirVoxels) {
   grid.StoreLeaf({8, 0, -16}, voxels);
   MapObject object;
   object.id = ObjectId(3);
-  object.standing = ObjectStanding::kArchived;
+  object.status = ObjectStatus::kArchived;
   object.T_world_object = {{1.0, 2.0, 3.0}, 0.5};
   queries_.section.assign(3, {});
   queries_.section[0].mutable_header()->set_voxel_size_m(scale.voxel_size_m);

@@ -26,7 +26,7 @@ MapObject BoxAt(std::uint64_t id, double x) {
   MapObject object = testing::BoxObject(
       ObjectId(id), Eigen::Vector3d(0.3, 0.2, 0.2), {Eigen::Vector3d(x, 0.5, 0.6), 0.3});
   object.revision = Revision(id);
-  object.views = 10 * id;
+  object.supporting_frames = 10 * id;
   return object;
 }
 

@@ -141,7 +141,7 @@ TEST(FindObjectsInView, LeavesOutObjectsThatAreArchivedEmptyBehindOrFar) {
   EXPECT_TRUE(Look(2.0, {&first}).in_view.empty()) << "empty";
   GiveWall(2.0, &first);
   EXPECT_EQ(Look(2.0, {&first}).in_view.size(), 1U);
-  first.state().standing = ObjectStanding::kArchived;
+  first.state().status = ObjectStatus::kArchived;
   EXPECT_TRUE(Look(2.0, {&first}).in_view.empty()) << "archived";
   GiveWall(-2.0, &second);
   EXPECT_TRUE(Look(2.0, {&second}).in_view.empty()) << "behind";

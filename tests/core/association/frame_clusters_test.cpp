@@ -23,7 +23,7 @@ class FrameClustersTest : public ::testing::Test {
     wall_.MutableVolume() = WallVolume(2.0, kClusterScale);
     wall_.RebuildSurface();
     wall_.state().class_id = ClassId(kClusterLabel);
-    wall_.state().standing = ObjectStanding::kPresent;
+    wall_.state().status = ObjectStatus::kPresent;
   }
 
   /// Samples of the wall in a frame of `bodies`.

@@ -196,7 +196,7 @@ TEST(UpdateBelief, RisesWhereTheSurfaceWasFound) {
   EXPECT_TRUE(Update(&object));
   EXPECT_GT(object.belief.stationarity(), 0.67);
   EXPECT_EQ(object.last_seen, kNow);
-  EXPECT_EQ(object.absences, 0U);
+  EXPECT_EQ(object.contradicted_updates, 0U);
   EXPECT_EQ(object.evidence.present_cells, 0.0);
   EXPECT_EQ(object.evidence.absent_cells, 0.0);
 }
@@ -206,7 +206,7 @@ TEST(UpdateBelief, FallsWhereTheSurfaceIsGone) {
   EXPECT_TRUE(Update(&object));
   EXPECT_LT(object.belief.stationarity(), 0.67);
   EXPECT_EQ(object.last_seen, Timestamp());
-  EXPECT_EQ(object.absences, 1U);
+  EXPECT_EQ(object.contradicted_updates, 1U);
 }
 
 TEST(UpdateBelief, TakesTheMeanChangeOfTheSurfaceThatWasFound) {
@@ -235,7 +235,7 @@ TEST(UpdateBelief, SaysNothingInBetweenButStartsAnew) {
     MapObject object = ObjectWith(20.0 - absent_cells, absent_cells);
     EXPECT_TRUE(Update(&object));
     EXPECT_EQ(object.belief, InitialBelief(0.67)) << absent_cells;
-    EXPECT_EQ(object.absences, 0U);
+    EXPECT_EQ(object.contradicted_updates, 0U);
     EXPECT_EQ(object.last_seen, Timestamp());
     EXPECT_EQ(object.evidence.present_cells, 0.0);
     EXPECT_EQ(object.evidence.absent_cells, 0.0);

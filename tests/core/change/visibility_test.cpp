@@ -42,7 +42,7 @@ std::unique_ptr<TrackedObject> KnownWall(ObjectId id, double depth_m) {
   object->MutableVolume() = WallVolume(depth_m, kScale);
   object->RebuildSurface();
   object->state().class_id = ClassId(kWallClass);
-  object->state().standing = ObjectStanding::kPresent;
+  object->state().status = ObjectStatus::kPresent;
   return object;
 }
 
@@ -199,16 +199,16 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
   for (const SurfaceLeaf& leaf : older->surface().leaves()) {
     older->state().evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
   }
-  newer->state().standing_since = Timestamp::FromSeconds(95.0);
+  newer->state().in_place_since = Timestamp::FromSeconds(95.0);
   const Frame frame = RenderScene({SeenWall(1.75)}, {});
   const ObjectVerdict verdict = JudgeFirst({older.get(), newer.get()}, frame);
   EXPECT_GT(verdict.replaced, CellsOfWallAt2m() / 2);
   EXPECT_EQ(verdict.replaced, verdict.judged());
 
-  newer->state().standing_since = Timestamp::FromSeconds(91.0);
+  newer->state().in_place_since = Timestamp::FromSeconds(91.0);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U)
       << "both were there at once";
-  newer->state().standing_since = Timestamp::FromSeconds(95.0);
+  newer->state().in_place_since = Timestamp::FromSeconds(95.0);
   newer->state().class_id = ClassId(kGoodsClass);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
 }
@@ -228,7 +228,7 @@ ObjectVerdict JudgeWallBehindBox(double front_m, double back_m) {
       kScale,
       [](const Eigen::Vector3d&) { return true; });
   newer->RebuildSurface();
-  newer->state().standing_since = Timestamp::FromSeconds(95.0);
+  newer->state().in_place_since = Timestamp::FromSeconds(95.0);
   return JudgeFirst({older.get(), newer.get()}, RenderScene({SeenWall(front_m)}, {}));
 }
 

@@ -25,7 +25,7 @@ std::string OneVoxelLeaf(const VoxelScale& scale, int weight) {
 ObjectState StateOf(std::uint64_t id, std::uint64_t views) {
   ObjectState state;
   state.id = ObjectId(id);
-  state.views = views;
+  state.supporting_frames = views;
   return state;
 }
 
@@ -50,10 +50,10 @@ TEST_F(MapEditsTest, AStateAloneKeepsTheVolume) {
   MapEdits second(&map_);
   second.SetState(StateOf(5, 2));
   second.Finish();
-  EXPECT_EQ(map_.objects.at(ObjectId(5))->views, 2U);
+  EXPECT_EQ(map_.objects.at(ObjectId(5))->supporting_frames, 2U);
   EXPECT_EQ(map_.objects.at(ObjectId(5))->volume, before.objects.at(ObjectId(5))->volume)
       << "shared, since nobody wrote to it";
-  EXPECT_EQ(before.objects.at(ObjectId(5))->views, 1U);
+  EXPECT_EQ(before.objects.at(ObjectId(5))->supporting_frames, 1U);
 }
 
 TEST_F(MapEditsTest, AnObjectThatIsRemovedAndSetIsReplacedWhole) {
@@ -67,7 +67,7 @@ TEST_F(MapEditsTest, AnObjectThatIsRemovedAndSetIsReplacedWhole) {
   second.SetState(StateOf(5, 7));
   ASSERT_TRUE(second.StoreLeaf({ObjectId(5), kOtherOrigin}, heavy_).ok());
   second.Finish();
-  EXPECT_EQ(map_.objects.at(ObjectId(5))->views, 7U);
+  EXPECT_EQ(map_.objects.at(ObjectId(5))->supporting_frames, 7U);
   EXPECT_EQ(LeafOf(map_, 5, kOrigin), "");
   EXPECT_EQ(LeafOf(map_, 5, kOtherOrigin), heavy_);
 }

@@ -9,7 +9,7 @@ namespace {
 ObjectState ObjectAt(std::uint64_t id, double x_m) {
   ObjectState object;
   object.id = ObjectId(id);
-  object.standing = ObjectStanding::kPresent;
+  object.status = ObjectStatus::kPresent;
   object.class_id = ClassId(7);
   object.cuboid = {{x_m, 0.0, 0.0}, {0.5, 0.5, 0.5}, 0.0};
   return object;
@@ -29,9 +29,9 @@ TEST(MapFilter, WithoutConditionsShowsWhatTheMapShows) {
   const MapFilter filter;
   ObjectState object = ObjectAt(1, 100.0);
   EXPECT_TRUE(filter.Shows(object));
-  object.standing = ObjectStanding::kTentative;
+  object.status = ObjectStatus::kTentative;
   EXPECT_FALSE(filter.Shows(object));
-  object.standing = ObjectStanding::kArchived;
+  object.status = ObjectStatus::kArchived;
   EXPECT_FALSE(filter.Shows(object));
   EXPECT_TRUE(filter.ShowsBackgroundLeaf({800, -800, 0}, VoxelScale()));
   EXPECT_TRUE(filter.Shows(EventAt(1, 100.0)));
@@ -41,9 +41,9 @@ TEST(MapFilter, ShowsArchivedObjectsWhereAskedToAndTentativeOnesNever) {
   MapFilter filter;
   filter.archived = true;
   ObjectState object = ObjectAt(1, 0.0);
-  object.standing = ObjectStanding::kArchived;
+  object.status = ObjectStatus::kArchived;
   EXPECT_TRUE(filter.Shows(object));
-  object.standing = ObjectStanding::kTentative;
+  object.status = ObjectStatus::kTentative;
   EXPECT_FALSE(filter.Shows(object));
 }
 

@@ -16,7 +16,7 @@ using ObjectMap = std::map<ObjectId, std::shared_ptr<const MapObject>>;
 std::shared_ptr<const MapObject> MakeObject(ObjectId id, std::uint64_t views) {
   auto object = std::make_shared<MapObject>();
   object->id = id;
-  object->views = views;
+  object->supporting_frames = views;
   return object;
 }
 
@@ -133,8 +133,8 @@ TEST(ObjectLibrary, CopiesShareTheChunksThatAreNotChanged) {
   ObjectLibrary copy = library;
   const ObjectId changed(3 * ObjectLibrary::kChunkIds + 1);
   copy.insert_or_assign(changed, MakeObject(changed, 1));
-  EXPECT_EQ(library.at(changed)->views, 0U);
-  EXPECT_EQ(copy.at(changed)->views, 1U);
+  EXPECT_EQ(library.at(changed)->supporting_frames, 0U);
+  EXPECT_EQ(copy.at(changed)->supporting_frames, 1U);
   for (std::uint64_t id = 0; id < kObjects; ++id) {
     // Entries lie in one place in both where their chunk is shared.
     const bool is_shared = &*library.find(ObjectId(id)) == &*copy.find(ObjectId(id));
@@ -167,7 +167,7 @@ TEST(ObjectLibrary, HoldsTheHighestIds) {
   ObjectLibrary library;
   library.insert_or_assign(kHighest, MakeObject(kHighest, 5));
   library.insert_or_assign(ObjectId(1), MakeObject(ObjectId(1), 0));
-  EXPECT_EQ(library.at(kHighest)->views, 5U);
+  EXPECT_EQ(library.at(kHighest)->supporting_frames, 5U);
   EXPECT_EQ(library.upper_bound(ObjectId(1))->first, kHighest);
   EXPECT_EQ(library.upper_bound(kHighest), library.end());
 }

@@ -26,7 +26,7 @@ class MergeConnectedTest : public ::testing::Test {
   MergeConnectedTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
 
   /// Half a wall, left (`y` > 0) or right of the picture's middle.
-  TrackedObject* Put(bool is_left, ObjectStanding standing, double came_s = 99.0) {
+  TrackedObject* Put(bool is_left, ObjectStatus standing, double came_s = 99.0) {
     TrackedObject& half = map_.AddObject(Eigen::Vector3d::Zero());
     const double low_m = is_left ? 0.0 : -1.0;
     const Solid wall = {Box(Eigen::Vector3d(2.0, low_m, 0.0), Eigen::Vector3d(2.3, low_m + 1, 1))};
@@ -34,8 +34,8 @@ class MergeConnectedTest : public ::testing::Test {
     half.RebuildSurface();
     ObjectState& state = half.state();
     state.class_id = ClassId(kWallClass);
-    state.standing = standing;
-    state.standing_since = Timestamp::FromSeconds(came_s);
+    state.status = standing;
+    state.in_place_since = Timestamp::FromSeconds(came_s);
     map_.MarkChanged(&half);
     in_view_.push_back({&half, 0, 10, 0, 10});
     if (is_left) left_ = static_cast<std::uint32_t>(in_view_.size());
@@ -61,8 +61,8 @@ class MergeConnectedTest : public ::testing::Test {
 };
 
 TEST_F(MergeConnectedTest, KeepsTheOlderOfTwoThatTheMapShows) {
-  const ObjectId older = Put(true, ObjectStanding::kPresent)->id();
-  const ObjectId newer = Put(false, ObjectStanding::kPresent)->id();
+  const ObjectId older = Put(true, ObjectStatus::kPresent)->id();
+  const ObjectId newer = Put(false, ObjectStatus::kPresent)->id();
   const std::vector<ObjectEvent> events = Merge();
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].type, EventType::kMerged);
@@ -76,29 +76,29 @@ TEST_F(MergeConnectedTest, KeepsTheOlderOfTwoThatTheMapShows) {
 
 // Otherwise what the map has shown would be told as new once more.
 TEST_F(MergeConnectedTest, KeepsTheOneThatTheMapShowsThoughItIsNewer) {
-  Put(true, ObjectStanding::kTentative);
-  const ObjectId shown = Put(false, ObjectStanding::kPresent)->id();
+  Put(true, ObjectStatus::kTentative);
+  const ObjectId shown = Put(false, ObjectStatus::kPresent)->id();
   EXPECT_TRUE(Merge().empty());
   ASSERT_EQ(map_.objects().size(), 1U);
   EXPECT_EQ(map_.objects().begin()->first, shown);
 }
 
 TEST_F(MergeConnectedTest, LeavesApartWhatCameOnDifferentVisits) {
-  Put(true, ObjectStanding::kPresent, 10.0);
-  Put(false, ObjectStanding::kPresent);
+  Put(true, ObjectStatus::kPresent, 10.0);
+  Put(false, ObjectStatus::kPresent);
   EXPECT_TRUE(Merge().empty());
   EXPECT_EQ(map_.objects().size(), 2U);
 }
 
 TEST_F(MergeConnectedTest, LeavesApartWhatIsOfDifferentClasses) {
-  Put(true, ObjectStanding::kPresent)->state().class_id = ClassId(kGoodsClass);
-  Put(false, ObjectStanding::kPresent);
+  Put(true, ObjectStatus::kPresent)->state().class_id = ClassId(kGoodsClass);
+  Put(false, ObjectStatus::kPresent);
   EXPECT_TRUE(Merge().empty());
 }
 
 TEST_F(MergeConnectedTest, LeavesAllApartIfItIsToldTo) {
-  Put(true, ObjectStanding::kPresent);
-  Put(false, ObjectStanding::kPresent);
+  Put(true, ObjectStatus::kPresent);
+  Put(false, ObjectStatus::kPresent);
   EXPECT_TRUE(Merge({.contacts = 0}).empty());
 }
 

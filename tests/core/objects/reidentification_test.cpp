@@ -83,8 +83,8 @@ TEST(CompareSurfaces, IsNothingWithoutSurface) {
 class RecognitionArchive : public ::testing::Test {
  protected:
   TrackedObject* Put(TrackedObject object, double gone_s) {
-    object.state().standing = ObjectStanding::kArchived;
-    object.state().standing_since = Timestamp::FromSeconds(gone_s);
+    object.state().status = ObjectStatus::kArchived;
+    object.state().in_place_since = Timestamp::FromSeconds(gone_s);
     const ObjectId id = object.id();
     return &objects_.insert_or_assign(id, std::move(object)).first->second;
   }
@@ -128,7 +128,7 @@ TEST_F(RecognitionArchive, GivesNothingOfAnotherClassOrStillPresent) {
   TrackedObject other_class = Front(3, 0.0, 0.8);
   other_class.state().class_id = ClassId(4);
   EXPECT_EQ(Find(other_class, StationarityPrior::kMoves), nullptr);
-  known->state().standing = ObjectStanding::kPresent;
+  known->state().status = ObjectStatus::kPresent;
   EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), nullptr);
 }
 
@@ -150,7 +150,7 @@ TEST_F(RecognitionArchive, GivesNothingThatStoodTurned) {
       kScale,
       [](const Eigen::Vector3d&) { return true; });
   turned.RebuildSurface();
-  turned.state().standing_since = Timestamp::FromSeconds(100.0);
+  turned.state().in_place_since = Timestamp::FromSeconds(100.0);
   EXPECT_EQ(Find(turned, StationarityPrior::kStays), nullptr);
   parameters_.turn.turned_rad = 0.0;
   EXPECT_EQ(Find(turned, StationarityPrior::kStays), known) << "distance alone does not tell";
@@ -159,10 +159,10 @@ TEST_F(RecognitionArchive, GivesNothingThatStoodTurned) {
 TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject beside = Front(3, 0.4, 0.8);
-  beside.state().standing_since = Timestamp::FromSeconds(100.0);
+  beside.state().in_place_since = Timestamp::FromSeconds(100.0);
   EXPECT_EQ(Find(beside, StationarityPrior::kMoves), nullptr);
   EXPECT_EQ(Find(beside, StationarityPrior::kStays), known);
-  beside.state().standing_since = Timestamp::FromSeconds(12.0);
+  beside.state().in_place_since = Timestamp::FromSeconds(12.0);
   EXPECT_EQ(Find(beside, StationarityPrior::kStays), nullptr) << "moved along itself";
 }
 
@@ -208,14 +208,14 @@ class RecognitionPieces : public RecognitionArchive {
  protected:
   TrackedObject* Stand(TrackedObject object, double since_s) {
     TrackedObject* put = Put(std::move(object), since_s);
-    put->state().standing = ObjectStanding::kPresent;
+    put->state().status = ObjectStatus::kPresent;
     return put;
   }
 
   /// A new piece at `y_m` of that width, which comes at 200 s.
   TrackedObject* Find(double y_m, double width_m, const PieceParameters& parameters) {
     TrackedObject piece = Front(9, y_m, width_m, /*is_whole=*/false);
-    piece.state().standing_since = Timestamp::FromSeconds(200.0);
+    piece.state().in_place_since = Timestamp::FromSeconds(200.0);
     return FindHost(piece, parameters, Candidates());
   }
 };
@@ -239,7 +239,7 @@ TEST_F(RecognitionPieces, AreNoWiderThanThat) {
 TEST_F(RecognitionPieces, OfThingsBelongOnlyToWhatCameOnTheSameVisit) {
   TrackedObject* host = Stand(Front(1, 0.0, 0.7), 10.0);
   EXPECT_EQ(Find(0.8, 0.1, parameters_.thing), nullptr);
-  host->state().standing_since = Timestamp::FromSeconds(190.0);
+  host->state().in_place_since = Timestamp::FromSeconds(190.0);
   EXPECT_EQ(Find(0.8, 0.1, parameters_.thing), host);
 }
 

@@ -44,11 +44,11 @@ class FindMovesTest : public ::testing::Test {
     pile.MutableVolume() = MakeVolume(solid, map_.scale());
     pile.RebuildSurface();
     ObjectState& state = pile.state();
-    state.standing = ObjectStanding::kPresent;
+    state.status = ObjectStatus::kPresent;
     state.first_seen = Timestamp::FromSeconds(came_s);
-    state.standing_since = state.first_seen;
+    state.in_place_since = state.first_seen;
     state.last_seen = Timestamp::FromSeconds(last_seen_s);
-    state.views = 20;
+    state.supporting_frames = 20;
     map_.MarkChanged(&pile);
     in_view_.push_back({&pile, 0, 10, 0, 10});
     return &pile;
@@ -60,8 +60,8 @@ class FindMovesTest : public ::testing::Test {
   /// The same of one that was given up at a time.
   void PutGivenUp(double y_m, double given_up_s) {
     TrackedObject* pile = PutMissed(y_m);
-    pile->state().standing = ObjectStanding::kArchived;
-    pile->state().standing_since = Timestamp::FromSeconds(given_up_s);
+    pile->state().status = ObjectStatus::kArchived;
+    pile->state().in_place_since = Timestamp::FromSeconds(given_up_s);
     map_.MarkChanged(pile);
   }
 

@@ -94,7 +94,7 @@ std::vector<ObjectEvent> MapStory::EventsOf(EventType type,
 std::vector<std::shared_ptr<const MapObject>> MapStory::Present(std::uint16_t label) const {
   std::vector<std::shared_ptr<const MapObject>> found;
   for (const auto& [id, object] : map_->objects) {
-    if (object->standing == ObjectStanding::kPresent && object->class_id == ClassId(label)) {
+    if (object->status == ObjectStatus::kPresent && object->class_id == ClassId(label)) {
       found.push_back(object);
     }
   }
@@ -109,7 +109,7 @@ void MapStory::Commit() {
   for (const ObjectEvent& event : commit.delta.events) Replay(event);
   std::set<ObjectId> present;
   for (const auto& [id, object] : map_->objects) {
-    if (object->standing == ObjectStanding::kPresent) present.insert(id);
+    if (object->status == ObjectStatus::kPresent) present.insert(id);
   }
   EXPECT_EQ(present_by_events_, present) << "at revision " << map_->revision.value();
 }
@@ -176,7 +176,7 @@ std::size_t CountSurfaceIn(const MapSnapshot& map, const Box& box_world) {
   };
   count_in(map.background, Eigen::Isometry3f::Identity());
   for (const auto& [id, object] : map.objects) {
-    if (object->standing != ObjectStanding::kPresent) continue;
+    if (object->status != ObjectStatus::kPresent) continue;
     count_in(*object->volume, object->T_world_object.ToIsometry().cast<float>());
   }
   return count;

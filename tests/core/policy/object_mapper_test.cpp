@@ -65,7 +65,7 @@ std::size_t CountBackgroundIn(const MapSnapshot& map, const Box& box_world) {
 std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {
   std::size_t count = CountBackgroundIn(map, box_world);
   for (const auto& [id, object] : map.objects) {
-    if (object->standing != ObjectStanding::kPresent) continue;
+    if (object->status != ObjectStatus::kPresent) continue;
     count += CountVoxelsIn(
         *object->volume, object->T_world_object.position_world, map.scale.voxel_size_m, box_world);
   }
@@ -174,7 +174,7 @@ TEST(ObjectMapper, KnowsABoxThatComesBack) {
   const MapObject& again = *story.Present(kGoodsClass)[0];
   EXPECT_EQ(again.id, first.id);
   EXPECT_EQ(again.first_seen, first.first_seen);
-  EXPECT_EQ(again.standing_since, returned[0].time);
+  EXPECT_EQ(again.in_place_since, returned[0].time);
 }
 
 TEST(ObjectMapper, TakesABoxBesideAnOldPlaceAsNew) {
@@ -298,7 +298,7 @@ TEST(ObjectMapper, CutsOffThePartOfAPileThatWasTakenAway) {
   const MapObject& rest = *story.Present(kGoodsClass)[0];
   EXPECT_EQ(rest.id, pile);
   EXPECT_NEAR(rest.cuboid.highest_m(), 0.2, 0.15);
-  EXPECT_EQ(story.map().objects.at(removed[0].object)->standing, ObjectStanding::kArchived);
+  EXPECT_EQ(story.map().objects.at(removed[0].object)->status, ObjectStatus::kArchived);
 }
 
 TEST(ObjectMapper, TellsWhatStayedOfAnObjectThatWentAsNoNewThing) {
@@ -343,7 +343,7 @@ TEST(ObjectMapper, ForgetsPartsThatAreTooSmallToHaveBeenThings) {
   ASSERT_EQ(story.Present(kRackClass).size(), 1U);
   EXPECT_LT(story.Present(kRackClass)[0]->cuboid.highest_m(), 0.5);
   for (const auto& [id, object] : story.map().objects) {
-    EXPECT_NE(object->standing, ObjectStanding::kArchived);
+    EXPECT_NE(object->status, ObjectStatus::kArchived);
   }
   ExpectSameMap(story.told(), story.map());
 }

@@ -34,7 +34,7 @@ TEST(PaperMapper, GrowsSureOfABoxThatStays) {
   story.Look({FarWall(), Goods(0.0)}, 20);
   ASSERT_FALSE(story.Present(kGoodsClass).empty());
   const MapObject& box = *story.Present(kGoodsClass).front();
-  EXPECT_GT(box.views, 10U);
+  EXPECT_GT(box.supporting_frames, 10U);
   EXPECT_GT(box.belief.stationarity(), 0.8);
   EXPECT_GT(box.belief.alpha + box.belief.beta, 12.0) << "nothing caps what a belief gathers";
 }

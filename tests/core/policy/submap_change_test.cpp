@@ -32,7 +32,7 @@ TEST(SubmapChange, KeepsASubmapAfterFiveDetections) {
   ASSERT_EQ(created.size(), 1U);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   EXPECT_EQ(story.Present(kGoodsClass)[0]->id, created[0].object);
-  EXPECT_EQ(story.Present(kGoodsClass)[0]->views, 5U);
+  EXPECT_EQ(story.Present(kGoodsClass)[0]->supporting_frames, 5U);
 }
 
 TEST(SubmapChange, ForgetsASubmapThatWasDetectedTooSeldom) {

@@ -104,7 +104,7 @@ TEST(VoxelChange, ForgetsTheFreshLayerWhenAVisitEnds) {
   story.Look({FarWall()}, 12);
   EXPECT_FALSE(story.map().objects.empty());
   for (const auto& [id, tile] : story.map().objects) {
-    EXPECT_EQ(tile->standing, ObjectStanding::kTentative);
+    EXPECT_EQ(tile->status, ObjectStatus::kTentative);
   }
   const ObjectId last = story.map().newest_object;
   story.Look({FarWall()}, 1, /*visit=*/1);

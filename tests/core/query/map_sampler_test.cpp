@@ -111,8 +111,8 @@ TEST(MapSampler, TheNormalTurnsWithTheObject) {
 TEST(MapSampler, OnlyPresentObjectsAreShown) {
   MapSnapshot map = FloorMap();
   MapObject object = BoxObject(ObjectId(3), kBoxSizeM, kBoxPlace);
-  for (const ObjectStanding standing : {ObjectStanding::kTentative, ObjectStanding::kArchived}) {
-    object.standing = standing;
+  for (const ObjectStatus standing : {ObjectStatus::kTentative, ObjectStatus::kArchived}) {
+    object.status = standing;
     AddObject(object, &map);
     MapSampler sampler(map);
     EXPECT_FALSE(sampler.Sample({0.5, -0.3, 0.85}).sample.known);
@@ -244,7 +244,7 @@ TEST(CountMap, BackgroundAndObjectsAreCounted) {
   EXPECT_EQ(present.leaves, floor.leaves + object.volume->leaf_count());
   EXPECT_EQ(present.voxels, floor.voxels + object.volume->CountObservedVoxels());
   EXPECT_EQ(present.memory_bytes, floor.memory_bytes + object.volume->memory_bytes());
-  object.standing = ObjectStanding::kArchived;
+  object.status = ObjectStatus::kArchived;
   AddObject(object, &map);
   const MapCounts archived = CountMap(map);
   EXPECT_EQ(archived.present_objects, 0U);

@@ -72,12 +72,12 @@ TEST(PointState, TheInsideOfAnObjectIsNotFreeBecauseItOnceWas) {
   LookThrough(inside - Eigen::Vector3d::UnitX(), inside + Eigen::Vector3d::UnitX(), &map);
   EXPECT_EQ(StateAt(map, inside), PointState::kFree);
   MapObject box = BoxObject(ObjectId(3), kBoxSizeM, kBoxPlace);
-  for (const ObjectStanding standing : {ObjectStanding::kPresent, ObjectStanding::kTentative}) {
-    box.standing = standing;
+  for (const ObjectStatus standing : {ObjectStatus::kPresent, ObjectStatus::kTentative}) {
+    box.status = standing;
     AddObject(box, &map);
     EXPECT_EQ(StateAt(map, inside), PointState::kUnknown);
   }
-  box.standing = ObjectStanding::kArchived;
+  box.status = ObjectStatus::kArchived;
   AddObject(box, &map);
   EXPECT_EQ(StateAt(map, inside), PointState::kFree) << "it has gone";
 }

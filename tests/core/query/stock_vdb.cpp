@@ -9,9 +9,9 @@ namespace {
 
 using openvdb::Coord;
 
-std::string StandingName(ObjectStanding standing) {
-  if (standing == ObjectStanding::kTentative) return "tentative";
-  return standing == ObjectStanding::kPresent ? "present" : "archived";
+std::string StandingName(ObjectStatus standing) {
+  if (standing == ObjectStatus::kTentative) return "tentative";
+  return standing == ObjectStatus::kPresent ? "present" : "archived";
 }
 
 void Describe(const MapSnapshot& map,
@@ -46,7 +46,7 @@ void Describe(const MapSnapshot& map,
                          ? openvdb::math::Transform::createLinearTransform(map.scale.voxel_size_m)
                          : openvdb::math::Transform::createLinearTransform(matrix));
   if (object == nullptr) return;
-  grid->insertMeta("standing", openvdb::StringMetadata(StandingName(object->standing)));
+  grid->insertMeta("standing", openvdb::StringMetadata(StandingName(object->status)));
   real("stationarity", object->belief.stationarity());
   real("alpha", object->belief.alpha);
   real("beta", object->belief.beta);
@@ -54,8 +54,8 @@ void Describe(const MapSnapshot& map,
   real("change_std_m", object->belief.change_std_m);
   real("first_seen_s", object->first_seen.seconds());
   real("last_seen_s", object->last_seen.seconds());
-  count("views", object->views);
-  count("absences", object->absences);
+  count("views", object->supporting_frames);
+  count("absences", object->contradicted_updates);
 }
 
 openvdb::Vec3f RgbOf(std::uint32_t color) {

@@ -50,10 +50,10 @@ MapObject ObjectOf(std::uint64_t id,
   }
   MapObject object;
   object.id = ObjectId(id);
-  object.standing = ObjectStanding::kPresent;
+  object.status = ObjectStatus::kPresent;
   object.class_id = ClassId(static_cast<std::uint16_t>(100 + id));
   object.T_world_object = {{1.0, -2.0 * static_cast<double>(id), 3.0}, 0.3};
-  object.views = id;
+  object.supporting_frames = id;
   object.volume = std::make_shared<const TsdfGrid>(std::move(volume));
   return object;
 }

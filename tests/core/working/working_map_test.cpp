@@ -45,10 +45,10 @@ ObjectList WalkNear(const Box& box_world, WorkingMap* map) {
   return near;
 }
 
-ObjectList WalkStanding(ObjectStanding standing, WorkingMap* map) {
+ObjectList WalkStanding(ObjectStatus standing, WorkingMap* map) {
   ObjectList objects;
   for (auto& [id, object] : map->mutable_objects()) {
-    if (object.state().standing == standing) objects.push_back(&object);
+    if (object.state().status == standing) objects.push_back(&object);
   }
   return objects;
 }
@@ -83,7 +83,7 @@ class RandomPolicy {
         break;
       case 5:
         if (object->is_forgotten()) break;
-        object->state().standing = static_cast<ObjectStanding>(Integer(2));
+        object->state().status = static_cast<ObjectStatus>(Integer(2));
         map->MarkChanged(object);
         break;
       default:
@@ -121,8 +121,8 @@ class RandomPolicy {
 
 void ExpectFoundAsByWalk(const Box& box_world, WorkingMap* map) {
   ASSERT_EQ(map->ObjectsNear(box_world), WalkNear(box_world, map));
-  ASSERT_EQ(map->TentativeObjects(), WalkStanding(ObjectStanding::kTentative, map));
-  ASSERT_EQ(map->ArchivedObjects(), WalkStanding(ObjectStanding::kArchived, map));
+  ASSERT_EQ(map->TentativeObjects(), WalkStanding(ObjectStatus::kTentative, map));
+  ASSERT_EQ(map->ArchivedObjects(), WalkStanding(ObjectStatus::kArchived, map));
 }
 
 TEST(WorkingMap, FindsByPlaceAndStandingWhatAWalkFindsWhateverHappened) {

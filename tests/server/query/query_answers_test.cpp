@@ -111,7 +111,7 @@ class ManyObjects : public ::testing::Test {
   void Add(std::uint64_t id, std::size_t votes = 1) {
     MapObject object;
     object.id = ObjectId(id);
-    object.standing = ObjectStanding::kPresent;
+    object.status = ObjectStatus::kPresent;
     object.volume = empty_;
     for (std::size_t i = 0; i < votes; ++i) {
       object.votes.push_back({ClassId(static_cast<std::uint16_t>(i)), 1.0});

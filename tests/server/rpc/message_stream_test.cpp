@@ -66,17 +66,17 @@ class StreamService final
  public:
   using Stream = MessageStream<Response>;
 
-  StreamService(const Stream::Surroundings& surroundings, Stream::Open open)
-      : surroundings_(surroundings), open_(std::move(open)) {}
+  StreamService(const Stream::Dependencies& dependencies, Stream::Open open)
+      : dependencies_(dependencies), open_(std::move(open)) {}
 
   grpc::ServerWriteReactor<grpc::ByteBuffer>* ExportMap(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer*) override {
     return Stream::Start(
-        surroundings_, context, [](const std::function<void()>& go_on) { go_on(); }, open_);
+        dependencies_, context, [](const std::function<void()>& go_on) { go_on(); }, open_);
   }
 
  private:
-  const Stream::Surroundings surroundings_;
+  const Stream::Dependencies dependencies_;
   const Stream::Open open_;
 };
 
@@ -84,7 +84,7 @@ class StreamService final
 class MessageStreamTest : public ::testing::Test {
  protected:
   void Serve(StreamService::Stream::Open open) {
-    service_ = std::make_unique<StreamService>(StreamService::Stream::Surroundings{&pool_, &gate_},
+    service_ = std::make_unique<StreamService>(StreamService::Stream::Dependencies{&pool_, &gate_},
                                                std::move(open));
     grpc::ServerBuilder builder;
     int port = 0;

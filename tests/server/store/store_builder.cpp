@@ -111,7 +111,7 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   };
   ObjectState state;
   state.id = ObjectId{id};
-  state.standing = static_cast<ObjectStanding>(random() % 3);
+  state.status = static_cast<ObjectStatus>(random() % 3);
   state.revision = Revision{random()};
   state.class_id = ClassId{static_cast<std::uint16_t>(random())};
   state.votes = {{ClassId{3}, number(random)}, {ClassId{9}, number(random)}};
@@ -129,10 +129,10 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   }
   state.evidence.leaves.back().score = {};
   state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
-  state.standing_since = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
+  state.in_place_since = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   state.last_seen = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
-  state.views = random();
-  state.absences = random();
+  state.supporting_frames = random();
+  state.contradicted_updates = random();
   return state;
 }
 
@@ -158,8 +158,8 @@ ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed) 
   event.before = {number(random), 0.5, 1.0 / 3.0, 4.0};
   event.after = {number(random), 0.5, 2.0 / 3.0, 5.0};
   event.related = ObjectId{random()};
-  event.views = random();
-  event.absences = random();
+  event.supporting_frames = random();
+  event.contradicted_updates = random();
   if (type == EventType::kRobotLost || type == EventType::kRobotFound) event.source = kStoreSensor;
   return event;
 }

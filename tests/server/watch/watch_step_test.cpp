@@ -127,7 +127,7 @@ class RestlessMap {
     // Sometimes leaves change alone.
     if (!is_known || Draw(3) > 0) {
       ObjectState state = MakeObject(id.value(), Draw(1000));
-      state.standing = static_cast<ObjectStanding>(Draw(3));
+      state.status = static_cast<ObjectStatus>(Draw(3));
       state.class_id = ClassId(static_cast<std::uint16_t>(Draw(3)));
       state.cuboid = {{static_cast<double>(Draw(4)), 0.0, 0.0}, {0.5, 0.5, 0.5}, 0.0};
       (*objects)[id] = state;

@@ -35,7 +35,7 @@ double BytesPerObject(const MapSnapshot& map) {
   std::size_t bytes = 0;
   std::size_t objects = 0;
   for (const auto& [id, object] : map.objects) {
-    if (object->standing != ObjectStanding::kPresent) continue;
+    if (object->status != ObjectStatus::kPresent) continue;
     bytes += object->volume->memory_bytes();
     ++objects;
   }

@@ -17,15 +17,15 @@ ClassNames Torwic() { return ClassNames(ToProto(MapConfig())); }
 MapObject Cart() {
   MapObject object;
   object.id = ObjectId(12);
-  object.standing = ObjectStanding::kPresent;
+  object.status = ObjectStatus::kPresent;
   object.class_id = ClassId(9);
   object.votes = {{ClassId(9), 2.0}};
   object.cuboid = {{1.0, -2.0, 0.5}, {0.5, 0.25, 1.0}, 0.125};
   object.belief = {0.25, 0.5, 3.0, 1.0};
   object.first_seen = Timestamp::FromSeconds(100.5);
   object.last_seen = Timestamp::FromSeconds(200.0);
-  object.views = 7;
-  object.absences = 2;
+  object.supporting_frames = 7;
+  object.contradicted_updates = 2;
   object.revision = Revision(42);
   return object;
 }
@@ -42,8 +42,8 @@ ObjectEvent CartMoved() {
   event.old_center_world = Eigen::Vector3d(4.0, 5.0, 0.5);
   event.confidence = 0.75;
   event.after.alpha = 3.0;
-  event.views = 21;
-  event.absences = 2;
+  event.supporting_frames = 21;
+  event.contradicted_updates = 2;
   return event;
 }
 
