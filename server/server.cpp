@@ -21,20 +21,20 @@
 #include "core/types/error.h"
 #include "server/config/listen_address.h"
 #include "server/config/live_limits.h"
-#include "server/housekeeper.h"
+#include "server/maintenance.h"
 #include "server/mapping/map_directory.h"
 #include "server/maps/map_service.h"
 #include "server/process/frame_budget.h"
 #include "server/process/memory_guard.h"
 #include "server/process/worker_pool.h"
 #include "server/query/query_service.h"
-#include "server/rpc/calls_under_way.h"
+#include "server/rpc/active_calls.h"
 #include "server/rpc/connection_acceptor.h"
 #include "server/rpc/peer_limiter.h"
 #include "server/rpc/request_reader.h"
-#include "server/rpc/stream_gate.h"
+#include "server/rpc/stream_limiter.h"
 #include "server/upload/ingest_service.h"
-#include "server/upload/upload_roster.h"
+#include "server/upload/upload_registry.h"
 #include "server/watch/watch_hub.h"
 #include "server/watch/watch_service.h"
 
@@ -117,15 +117,15 @@ class Server::Parts {
   const ServerConfig config_;
   const std::unique_ptr<Store> store_;
   LiveLimits limits_;
-  CallsUnderWay calls_;
+  ActiveCalls calls_;
   MemoryGuard memory_;
   FrameBudget budget_;
   FrameBudget read_budget_;
-  UploadRoster roster_;
+  UploadRegistry roster_;
   WatchHub watch_hub_;
   WorkerPool log_pool_;
   WorkerPool map_pool_;
-  StreamGate streams_;
+  StreamLimiter streams_;
   MapDirectory maps_;
   WorkerPool decoders_;
   WorkerPool admin_pool_;
@@ -136,7 +136,7 @@ class Server::Parts {
   QueryService query_service_;
   PeerLimiter watch_openings_;
   WatchService watch_service_;
-  std::optional<Housekeeper> housekeeper_;
+  std::optional<Maintenance> housekeeper_;
   std::unique_ptr<ConnectionAcceptor> acceptor_;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> grpc_server_;
@@ -187,7 +187,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
   housekeeper_.emplace(
-      Housekeeper::Dependencies{&maps_, &roster_, &watch_hub_, &streams_, store_.get()},
+      Maintenance::Dependencies{&maps_, &roster_, &watch_hub_, &streams_, store_.get()},
       config_.retention);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();

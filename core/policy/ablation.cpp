@@ -5,7 +5,7 @@
 namespace steadymap {
 namespace {
 
-constexpr std::array<AblationSwitch, 19> kEngineSwitches = {{
+constexpr std::array<AblationSwitch, 19> kAblationSwitches = {{
     {"visibility",
      "an unmatched object in the frustum is contradicted, hidden or not",
      &Ablation::visibility_by_depth},
@@ -41,11 +41,11 @@ constexpr std::array<AblationSwitch, 19> kEngineSwitches = {{
 
 }  // namespace
 
-std::span<const AblationSwitch> AllAblationSwitches() { return kEngineSwitches; }
+std::span<const AblationSwitch> AllAblationSwitches() { return kAblationSwitches; }
 
 absl::StatusOr<Ablation> AllOnBut(const std::string& name) {
   std::string message = "there is no switch \"" + name.substr(0, 80) + "\"; the switches are";
-  for (const AblationSwitch& row : kEngineSwitches) {
+  for (const AblationSwitch& row : kAblationSwitches) {
     if (row.name == name) {
       Ablation switches;
       switches.*row.is_on = false;

@@ -119,7 +119,7 @@ void MapService::Create(const v1::CreateMapRequest& request,
   if (!record.ok()) return finish(record.status());
   absl::StatusOr<std::shared_ptr<MapRuntime>> map = absl::NotFoundError("");
   {
-    const WriteTurn::Held turn(&changes_);
+    const WriterMutex::Lock turn(&changes_);
     map = dependencies_.maps->Get(record->name, "map_id");
     if (map.ok()) {
       const MapRecord existing = (*map)->record();
@@ -183,7 +183,7 @@ absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsRe
 }
 
 absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* response) {
-  const WriteTurn::Held turn(&changes_);
+  const WriterMutex::Lock turn(&changes_);
   const absl::StatusOr<std::shared_ptr<MapRuntime>> map =
       dependencies_.maps->Find(request.map().name(), "map.name");
   if (!map.ok()) return map.status();
@@ -224,7 +224,7 @@ absl::Status MapService::AddClasses(const v1::UpdateMapRequest& request, MapRunt
 absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
   const absl::StatusOr<MapName> name = MapName::Parse(request.name());
   if (!name.ok()) return name.status();
-  const WriteTurn::Held turn(&changes_);
+  const WriterMutex::Lock turn(&changes_);
   const absl::StatusOr<std::shared_ptr<MapRuntime>> map = dependencies_.maps->Get(*name, "name");
   const Deletion deletion{*name, request.request_id()};
   const bool is_repeated =
@@ -237,7 +237,7 @@ absl::Status MapService::Delete(const v1::DeleteMapRequest& request) {
   if (!status.ok()) return status;
   const MapKey key = (*map)->key();
   status = dependencies_.maps->Delete(*map, [this, key](const absl::Status& ended) {
-    dependencies_.roster->EndMap(key, ended);
+    dependencies_.registry->EndMap(key, ended);
     dependencies_.watches->EndMap(key, ended);
   });
   if (status.ok() && !deletion.request_id.empty()) {

@@ -7,8 +7,8 @@
 #include "server/mapping/map_directory.h"
 #include "server/process/worker_pool.h"
 #include "server/rpc/pool_call.h"
-#include "server/store/database/write_turn.h"
-#include "server/upload/upload_roster.h"
+#include "server/store/database/writer_mutex.h"
+#include "server/upload/upload_registry.h"
 #include "server/watch/watch_hub.h"
 
 #include "steadymap/v1/map_service.grpc.pb.h"
@@ -27,7 +27,7 @@ class MapService final : public RawMapService {
   /// What the service needs of the server; all of it outlives it.
   struct Dependencies {
     MapDirectory* maps = nullptr;
-    UploadRoster* roster = nullptr;
+    UploadRegistry* registry = nullptr;
     WatchHub* watches = nullptr;
     WorkerPool* pool = nullptr;
     RetentionOptions retention;
@@ -67,7 +67,7 @@ class MapService final : public RawMapService {
   absl::Status Delete(const v1::DeleteMapRequest& request);
 
   const Dependencies dependencies_;
-  WriteTurn changes_;               ///< Changes of maps come one after another.
+  WriterMutex changes_;             ///< Changes of maps come one after another.
   std::deque<Deletion> deletions_;  ///< The newest ones, oldest first. Of whoever has the turn.
 };
 

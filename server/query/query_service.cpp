@@ -5,11 +5,11 @@
 #include <string_view>
 #include <utility>
 
-#include "server/query/event_answers.h"
+#include "server/query/event_responses.h"
 #include "server/query/map_export.h"
 #include "server/query/map_section.h"
-#include "server/query/object_answers.h"
-#include "server/query/query_answers.h"
+#include "server/query/object_responses.h"
+#include "server/query/query_responses.h"
 #include "server/query/query_selection.h"
 #include "server/rpc/message_call.h"
 #include "server/rpc/pool_call.h"

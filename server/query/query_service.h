@@ -2,7 +2,7 @@
 
 #include "server/mapping/map_directory.h"
 #include "server/process/worker_pool.h"
-#include "server/rpc/stream_gate.h"
+#include "server/rpc/stream_limiter.h"
 #include "server/store/model/store.h"
 
 #include "steadymap/v1/query_service.grpc.pb.h"
@@ -29,7 +29,7 @@ class QueryService final : public RawQueryService {
     MapDirectory* maps = nullptr;
     Store* store = nullptr;
     WorkerPool* readers = nullptr;
-    StreamGate* streams = nullptr;  ///< Of exports and sections.
+    StreamLimiter* streams = nullptr;  ///< Of exports and sections.
   };
 
   explicit QueryService(const Dependencies& dependencies) : dependencies_(dependencies) {}

@@ -19,7 +19,7 @@
 #include "server/process/worker_pool.h"
 #include "server/rpc/pool_call.h"
 #include "server/rpc/request_reader.h"
-#include "server/rpc/stream_gate.h"
+#include "server/rpc/stream_limiter.h"
 
 namespace steadymap {
 
@@ -42,7 +42,7 @@ class MessageSource {
 /// read: that status lies behind the message on its way, for a client that reads again, and if none
 /// does for as long once more the call is cancelled. Thread-safe.
 template <typename Message>
-class MessageStream final : public GatedStream,
+class MessageStream final : public LimitedStream,
                             public std::enable_shared_from_this<MessageStream<Message>> {
  public:
   using Source = MessageSource<Message>;
@@ -55,7 +55,7 @@ class MessageStream final : public GatedStream,
   /// What streams need of the server; all of it outlives them.
   struct Dependencies {
     WorkerPool* pool = nullptr;
-    StreamGate* gate = nullptr;
+    StreamLimiter* gate = nullptr;
   };
 
   /// Starts a stream. `wait` is called at once and calls what it is given when the work may begin.

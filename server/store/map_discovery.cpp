@@ -21,7 +21,7 @@ namespace {
 /// The name of a map whose own name is lost.
 MapName NameOfLost(MapKey key) { return {"lost", absl::StrCat("map-", key.value())}; }
 
-absl::StatusOr<StoreCatalog> ReadCatalog(const TwinFile& catalog_file) {
+absl::StatusOr<StoreCatalog> ReadCatalog(const MirroredFile& catalog_file) {
   const absl::StatusOr<std::string> bytes = catalog_file.Read();
   if (bytes.ok()) return StoreCatalog::Unpack(*bytes);
   if (!absl::IsNotFound(bytes.status())) {
@@ -100,7 +100,7 @@ MapFolder MapFolderOf(const std::filesystem::path& folder, MapKey key) {
 }
 
 absl::StatusOr<DiscoveredMaps> DiscoverMaps(const std::filesystem::path& folder,
-                                            const TwinFile& catalog_file) {
+                                            const MirroredFile& catalog_file) {
   const absl::StatusOr<StoreCatalog> catalog = ReadCatalog(catalog_file);
   if (!catalog.ok()) return catalog.status();
   DiscoveredMaps maps;

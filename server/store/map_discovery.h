@@ -7,7 +7,7 @@
 #include <absl/status/statusor.h>
 
 #include "core/types/identifiers.h"
-#include "server/store/disk/twin_file.h"
+#include "server/store/disk/mirrored_file.h"
 #include "server/store/map/map_folder.h"
 #include "server/store/model/store.h"
 
@@ -36,6 +36,6 @@ MapFolder MapFolderOf(const std::filesystem::path& folder, MapKey key);
 /// map's folder an incarnation of their own. Errors: `DataLoss` for a catalog that cannot be
 /// understood; those of the file system.
 absl::StatusOr<DiscoveredMaps> DiscoverMaps(const std::filesystem::path& folder,
-                                            const TwinFile& catalog_file);
+                                            const MirroredFile& catalog_file);
 
 }  // namespace steadymap

@@ -239,14 +239,14 @@ absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::Find(MapKey map) const 
 }
 
 absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::OpenDatabase(const MapRecord& record) {
-  std::shared_ptr<WriteTurn> opening;
+  std::shared_ptr<WriterMutex> opening;
   {
     const absl::MutexLock lock(&mutex_);
     const auto entry = maps_.find(record.key);
     if (entry == maps_.end()) return UnknownMap(record.key);
     opening = entry->second.opening;
   }
-  const WriteTurn::Held turn(opening.get());
+  const WriterMutex::Lock turn(opening.get());
   std::shared_ptr<absl::Notification> closing;
   {
     const absl::MutexLock lock(&mutex_);

@@ -18,7 +18,7 @@
 
 #include "server/store/disk/disk_space_gate.h"
 #include "server/store/disk/folder_lock.h"
-#include "server/store/disk/twin_file.h"
+#include "server/store/disk/mirrored_file.h"
 #include "server/store/map/map_database.h"
 #include "server/store/model/store.h"
 
@@ -85,7 +85,7 @@ class RocksStore final : public Store {
     std::shared_ptr<MapDatabase> database;  ///< Null until it is opened.
     /// Notified once the last user of the database that was open has let go of it; null: none was.
     std::shared_ptr<absl::Notification> closed;
-    std::shared_ptr<WriteTurn> opening = std::make_shared<WriteTurn>();
+    std::shared_ptr<WriterMutex> opening = std::make_shared<WriterMutex>();
   };
 
   RocksStore(FolderLock lock,
@@ -114,7 +114,7 @@ class RocksStore final : public Store {
   const std::shared_ptr<DiskSpaceGate> gate_;
   const std::unique_ptr<rocksdb::Env> environment_;
   const SharedResources shared_;
-  const TwinFile catalog_file_;
+  const MirroredFile catalog_file_;
 
   /// Whoever creates, changes or deletes a map; held while the disk syncs, by nobody who is in a
   /// hurry.

@@ -1,6 +1,6 @@
 #include "server/store/store_catalog.h"
 
-#include "server/store/database/impossible_record.h"
+#include "server/store/database/corrupt_record.h"
 
 #include "steadymap/storage/v1/records.pb.h"
 
@@ -21,7 +21,7 @@ std::string StoreCatalog::Pack() const {
 absl::StatusOr<StoreCatalog> StoreCatalog::Unpack(std::string_view bytes) {
   storage::v1::Catalog proto;
   if (!proto.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
-    return Impossible("the catalog of maps cannot be read");
+    return CorruptRecord("the catalog of maps cannot be read");
   }
   StoreCatalog catalog;
   catalog.next_key = MapKey(proto.next_key());

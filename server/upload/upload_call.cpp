@@ -14,12 +14,12 @@
 
 namespace steadymap {
 
-/// What gRPC holds; keeps the call counted on the roster.
+/// What gRPC holds; keeps the call counted on the registry.
 class UploadCall::Reactor final : public grpc::ServerUnaryReactor {
  public:
-  /// `roster` is null for a call that was not let in.
-  Reactor(std::shared_ptr<UploadCall> call, UploadRoster* roster)
-      : call_(std::move(call)), roster_(roster) {}
+  /// `registry` is null for a call that was not let in.
+  Reactor(std::shared_ptr<UploadCall> call, UploadRegistry* registry)
+      : call_(std::move(call)), roster_(registry) {}
 
   void OnCancel() override { call_->Finish(absl::CancelledError("the client has gone")); }
 
@@ -30,16 +30,16 @@ class UploadCall::Reactor final : public grpc::ServerUnaryReactor {
 
  private:
   const std::shared_ptr<UploadCall> call_;
-  UploadRoster* const roster_;
+  UploadRegistry* const roster_;
 };
 
 grpc::ServerUnaryReactor* UploadCall::Start(const UploadStream::Dependencies& dependencies,
                                             const grpc::ByteBuffer& request,
                                             grpc::ByteBuffer* response) {
-  const absl::Status entered = dependencies.roster->EnterCall();
+  const absl::Status entered = dependencies.registry->EnterCall();
   auto call = std::make_shared<UploadCall>(dependencies);
   call->response_ = response;
-  auto* reactor = new Reactor(call, entered.ok() ? dependencies.roster : nullptr);
+  auto* reactor = new Reactor(call, entered.ok() ? dependencies.registry : nullptr);
   call->reactor_ = reactor;
   if (entered.ok()) {
     call->AwaitMemory(request);

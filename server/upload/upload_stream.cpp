@@ -172,7 +172,7 @@ absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
     config_ = std::move(config);
     session_ = target->session;
   }
-  absl::Status status = dependencies_.roster->Enter(map_->key(), session_, shared_from_this());
+  absl::Status status = dependencies_.registry->Enter(map_->key(), session_, shared_from_this());
   if (!status.ok()) {
     const absl::MutexLock lock(&mutex_);
     entered_ = false;
@@ -249,7 +249,7 @@ void UploadStream::OnGone() {
     if (end_) status = *end_;
   }
   if (!entered) return;
-  dependencies_.roster->Leave(map_->key(), session_, this);
+  dependencies_.registry->Leave(map_->key(), session_, this);
   spdlog::debug("map {} sensor {} session {}: upload ended: {}",
                 map_->name().ToString(),
                 session_.sensor.ToString(),

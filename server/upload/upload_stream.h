@@ -19,9 +19,9 @@
 #include "server/process/frame_budget.h"
 #include "server/process/worker_pool.h"
 #include "server/upload/batch_intake.h"
-#include "server/upload/upload_answers.h"
 #include "server/upload/upload_opening.h"
-#include "server/upload/upload_roster.h"
+#include "server/upload/upload_registry.h"
+#include "server/upload/upload_responses.h"
 
 #include "steadymap/v1/ingest_service.pb.h"
 
@@ -43,7 +43,7 @@ class UploadStream final : public UploadObserver,
   /// What streams need of the server; all of it outlives them.
   struct Dependencies {
     MapDirectory* maps = nullptr;
-    UploadRoster* roster = nullptr;
+    UploadRegistry* registry = nullptr;
     WorkerPool* decoders = nullptr;
     const LiveLimits* limits = nullptr;
     /// For messages of calls without a stream, which are read before it is known for which map.
@@ -112,10 +112,10 @@ class UploadStream final : public UploadObserver,
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Nothing can be written any more.
 
-  bool entered_ ABSL_GUARDED_BY(mutex_) = false;                            ///< On the roster.
+  bool entered_ ABSL_GUARDED_BY(mutex_) = false;                            ///< On the registry.
   bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;                       ///< It is not open yet.
   std::optional<v1::UploadFramesResponse> opened_ ABSL_GUARDED_BY(mutex_);  ///< To be written.
-  UploadAnswers answers_ ABSL_GUARDED_BY(mutex_);
+  UploadResponses answers_ ABSL_GUARDED_BY(mutex_);
   std::deque<ReadBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< At most one.
   bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;       ///< A batch is being decoded.
   bool commit_requested_ ABSL_GUARDED_BY(mutex_) = false;

@@ -7,7 +7,7 @@
 #include <absl/time/clock.h>
 
 #include "core/types/error.h"
-#include "server/upload/upload_roster.h"
+#include "server/upload/upload_registry.h"
 
 namespace steadymap {
 namespace {

@@ -17,15 +17,15 @@
 #include "server/mapping/map_directory.h"
 #include "server/process/worker_pool.h"
 #include "server/rpc/peer_limiter.h"
-#include "server/watch/watch_course.h"
 #include "server/watch/watch_hub.h"
+#include "server/watch/watch_session.h"
 
 #include "steadymap/v1/watch_service.pb.h"
 
 namespace steadymap {
 
-/// One `WatchMap` call: sends the messages of a `WatchCourse`, each when the one before is written,
-/// and sleeps while the map does not change. At any moment either one task of the pool is
+/// One `WatchMap` call: sends the messages of a `WatchSession`, each when the one before is
+/// written, and sleeps while the map does not change. At any moment either one task of the pool is
 /// at work on it, or one write is on its way, or neither; whoever wakes it meanwhile leaves a note.
 /// The stream outlives the reactor as long as a task or the hub knows it. Thread-safe.
 class WatchStream final : public ActiveWatch, public std::enable_shared_from_this<WatchStream> {
@@ -59,7 +59,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
  private:
   class Reactor;
 
-  using Message = WatchCourse::Message;
+  using Message = WatchSession::Message;
 
   enum class Activity { kIdle, kAdvancing, kWriting, kFinished };
 
@@ -82,7 +82,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   const Cancellation cancellation_;  ///< Once the watcher has gone.
 
   // Of whoever advances the stream.
-  std::optional<WatchCourse> course_;  ///< None for a request that is no WatchMapRequest.
+  std::optional<WatchSession> course_;  ///< None for a request that is no WatchMapRequest.
   bool has_read_request_ = false;
   bool begun_ = false;
   grpc::ByteBuffer outgoing_;  ///< Of the write on its way.

@@ -40,7 +40,7 @@ class ClockStep : public ::testing::Test {
                                          Store::Open(folder_.path(), StoreOptions()).value());
   }
 
-  /// What the housekeeper does now and then, with the daemon's own default.
+  /// What the maintenance does now and then, with the daemon's own default.
   void Trim() {
     const std::unique_ptr<Store> store = Store::Open(folder_.path(), StoreOptions()).value();
     const MapRecord map = store->ListMaps()->front();

@@ -187,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(Metadata,
                          ::testing::ValuesIn(BrokenMetadata()),
                          kWayName);
 
-INSTANTIATE_TEST_SUITE_P(Impossible,
+INSTANTIATE_TEST_SUITE_P(CorruptRecord,
                          RefusedFrameTest,
                          ::testing::ValuesIn(ImpossibleMetadata()),
                          kWayName);

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/types/crc32c.h"
-#include "server/store/disk/torn_log.h"
+#include "server/store/disk/wal_repair.h"
 
 namespace steadymap {
 namespace {

@@ -77,7 +77,7 @@ TEST(StoreOpen, OtherSchemasAreRefusedAndLeftAsTheyAre) {
   ASSERT_TRUE(OpenStatus(folder.path()).ok());
   for (const char* schema : {"1", "3"}) {
     const std::string text = std::string("steadymap store ") + schema + "\n";
-    ASSERT_TRUE(TwinFile(folder.path() / "schema").Write(text).ok());
+    ASSERT_TRUE(MirroredFile(folder.path() / "schema").Write(text).ok());
     const std::string before = ContentOf(folder.path() / "schema");
     const absl::Status status = OpenStatus(folder.path());
     EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);

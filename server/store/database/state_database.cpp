@@ -11,8 +11,8 @@
 #include "core/types/error.h"
 #include "server/store/database/store_keys.h"
 #include "server/store/database/store_records.h"
-#include "server/store/disk/shortened_file_system.h"
-#include "server/store/disk/torn_log.h"
+#include "server/store/disk/truncated_view_file_system.h"
+#include "server/store/disk/wal_repair.h"
 
 namespace steadymap {
 namespace {
@@ -126,9 +126,9 @@ absl::StatusOr<std::unique_ptr<StateDatabase>> StateDatabase::Open(
     if (!torn.ok()) return torn.status();
     if (*torn) {
       result->environment_ = rocksdb::NewCompositeEnv(
-          std::make_shared<ShortenedFileSystem>(shared.environment->GetFileSystem(),
-                                                (*torn)->file.filename().string(),
-                                                (*torn)->whole_end));
+          std::make_shared<TruncatedViewFileSystem>(shared.environment->GetFileSystem(),
+                                                    (*torn)->file.filename().string(),
+                                                    (*torn)->whole_end));
       options.env = result->environment_.get();
     }
   }

@@ -6,7 +6,7 @@
 
 #include "core/types/crc32c.h"
 #include "core/types/error.h"
-#include "server/store/database/impossible_record.h"
+#include "server/store/database/corrupt_record.h"
 #include "server/store/database/store_keys.h"
 
 #include "steadymap/storage/v1/records.pb.h"
@@ -58,7 +58,7 @@ std::uint32_t ToNumber(ClassMotion motion) {
 
 absl::StatusOr<MapConfig> ConfigFromProto(const storage::v1::MapConfig& config) {
   if (config.policy() < 1 || config.policy() > 6) {
-    return Impossible("a map record holds an unknown update policy");
+    return CorruptRecord("a map record holds an unknown update policy");
   }
   static constexpr std::array kPolicies = {UpdatePolicy::kStatic,
                                            UpdatePolicy::kVoxelChange,
@@ -235,7 +235,7 @@ storage::v1::PoseRecord ToProto(const FramePose& pose) {
 
 absl::StatusOr<FramePose> FromProto(MapSequence sequence, const storage::v1::PoseRecord& record) {
   if (record.t_world_camera_size() != kPoseNumbers) {
-    return Impossible("a pose record holds no rigid transform");
+    return CorruptRecord("a pose record holds no rigid transform");
   }
   FramePose pose;
   pose.sequence = sequence;
@@ -258,7 +258,7 @@ storage::v1::SemanticClass ToProto(const SemanticClass& row) {
 
 absl::StatusOr<SemanticClass> FromProto(const storage::v1::SemanticClass& row) {
   if (row.motion() < 1 || row.motion() > 3 || row.id() > 0xFFFF) {
-    return Impossible("a record holds an impossible class");
+    return CorruptRecord("a record holds an impossible class");
   }
   static constexpr std::array kMotions = {
       ClassMotion::kStatic, ClassMotion::kSemiStatic, ClassMotion::kDynamic};

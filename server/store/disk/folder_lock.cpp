@@ -14,8 +14,8 @@
 
 #include "core/types/absl_text.h"
 #include "core/types/error.h"
+#include "server/store/disk/mirrored_file.h"
 #include "server/store/disk/posix_file.h"
-#include "server/store/disk/twin_file.h"
 
 namespace steadymap {
 namespace {
@@ -78,7 +78,7 @@ FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
 
 absl::Status CheckSchema(const std::filesystem::path& folder,
                          const std::filesystem::path& content) {
-  const TwinFile mark(folder / kSchemaFile);
+  const MirroredFile mark(folder / kSchemaFile);
   absl::StatusOr<std::string> text = mark.Read();
   std::error_code error;
   const bool has_content = std::filesystem::is_directory(content, error);

@@ -9,7 +9,7 @@
 
 #include "core/types/crc32c.h"
 #include "core/types/error.h"
-#include "server/store/disk/torn_write.h"
+#include "server/store/disk/torn_tail_write.h"
 
 namespace steadymap {
 namespace {

@@ -155,7 +155,7 @@ absl::Status MapDatabase::Append(const LogAppend& append) {
   if (absl::Status status = CheckFree(dependencies_.options->min_free_disk_bytes); !status.ok()) {
     return status;
   }
-  const WriteTurn::Held turn(&append_turn_);
+  const WriterMutex::Lock turn(&append_mutex_);
   if (absl::Status status = log_->Append(append); !status.ok()) return status;
   const absl::MutexLock lock(&mutex_);
   progress_.durable_head = log_->head();
@@ -174,7 +174,7 @@ absl::Status MapDatabase::Append(const LogAppend& append) {
 absl::StatusOr<CommitMark> MapDatabase::Commit(const MapDelta& delta,
                                                const CommitDetails& details) {
   if (absl::Status status = state_->health(); !status.ok()) return status;
-  const WriteTurn::Held turn(&commit_turn_);
+  const WriterMutex::Lock turn(&commit_mutex_);
   const Progress progress = this->progress();
   const storage::v1::Head& before = progress.head;
   if (delta.from.value() != before.revision() || delta.to < delta.from ||
@@ -307,11 +307,11 @@ absl::Status MapDatabase::Trim(const MapRecord& retention, const TrimBounds& bou
   absl::Status status = state_->health();
   if (status.ok()) status = CheckFree(dependencies_.options->write_buffer_bytes);
   if (status.ok()) {
-    const WriteTurn::Held turn(&commit_turn_);
+    const WriterMutex::Lock turn(&commit_mutex_);
     status = TrimState(bounds);
   }
   const bool keeps_log = !bounds.disk_is_low;
-  const WriteTurn::Held turn(&append_turn_);
+  const WriterMutex::Lock turn(&append_mutex_);
   const storage::v1::Head head = progress().head;
   const absl::Status dropped =
       log_->Drop({MapSequence(head.revision()), head.saved_group()},

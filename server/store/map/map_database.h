@@ -12,7 +12,7 @@
 #include <absl/synchronization/mutex.h>
 
 #include "server/store/database/state_database.h"
-#include "server/store/database/write_turn.h"
+#include "server/store/database/writer_mutex.h"
 #include "server/store/log/entry_log.h"
 #include "server/store/map/record_batch.h"
 #include "server/store/model/store.h"
@@ -105,8 +105,8 @@ class MapDatabase {
   std::unique_ptr<StateDatabase> state_;
   std::unique_ptr<EntryLog> log_;
   std::shared_ptr<IntegrationNote> note_;
-  WriteTurn append_turn_;
-  WriteTurn commit_turn_;
+  WriterMutex append_mutex_;
+  WriterMutex commit_mutex_;
 
   mutable absl::Mutex mutex_;
   Progress progress_ ABSL_GUARDED_BY(mutex_);

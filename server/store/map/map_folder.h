@@ -7,7 +7,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include "server/store/disk/twin_file.h"
+#include "server/store/disk/mirrored_file.h"
 #include "server/store/model/store.h"
 
 namespace steadymap {
@@ -54,7 +54,7 @@ class MapFolder {
 
   std::filesystem::path path_;
   MapKey key_;
-  TwinFile record_file_;
+  MirroredFile record_file_;
 };
 
 /// An incarnation that no map has had.

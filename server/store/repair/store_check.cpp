@@ -12,7 +12,7 @@
 #include "core/types/error.h"
 #include "server/store/database/state_database.h"
 #include "server/store/disk/folder_lock.h"
-#include "server/store/disk/twin_file.h"
+#include "server/store/disk/mirrored_file.h"
 #include "server/store/log/log_segment.h"
 #include "server/store/map/map_database.h"
 #include "server/store/map/map_folder.h"
@@ -44,7 +44,7 @@ StoreCatalog CheckStoreFiles(const std::filesystem::path& data_dir,
   std::error_code error;
   // A store that never had a map has no catalog.
   if (std::filesystem::is_empty(data_dir / "maps", error)) return catalog;
-  const absl::StatusOr<std::string> bytes = TwinFile(data_dir / "catalog").Inspect(problems);
+  const absl::StatusOr<std::string> bytes = MirroredFile(data_dir / "catalog").Inspect(problems);
   if (!bytes.ok()) return catalog;
   absl::StatusOr<StoreCatalog> read = StoreCatalog::Unpack(*bytes);
   if (read.ok()) return *std::move(read);
@@ -189,7 +189,7 @@ absl::StatusOr<StoreFindings> CheckStore(const std::filesystem::path& data_dir,
       return absl::NotFoundError(absl::StrCat("there is no map ", only->ToString()));
     }
   } else {
-    TwinFile(data_dir / "schema").Inspect(&findings->problems).IgnoreError();
+    MirroredFile(data_dir / "schema").Inspect(&findings->problems).IgnoreError();
   }
   for (MapFindings& map : findings->maps) CheckMap(&map);
   return findings;

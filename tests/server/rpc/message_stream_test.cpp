@@ -115,7 +115,7 @@ class MessageStreamTest : public ::testing::Test {
     return {messages, FromGrpcStatus(reader->Finish())};
   }
 
-  /// Acts as the housekeeper of a server whose clock goes on by an hour from call to call.
+  /// Acts as the maintenance of a server whose clock goes on by an hour from call to call.
   void LookAnHourLater() {
     now_ += std::chrono::hours(1);
     gate_.EndStalled(now_);
@@ -125,8 +125,8 @@ class MessageStreamTest : public ::testing::Test {
     while (gate_.stream_count() > 0) LookAnHourLater();
   }
 
-  GatedStream::Clock::time_point now_ = GatedStream::Clock::now();
-  StreamGate gate_{
+  LimitedStream::Clock::time_point now_ = LimitedStream::Clock::now();
+  StreamLimiter gate_{
       {.max_streams = 2, .max_per_address = 2, .stall_timeout = std::chrono::minutes(1)}};
   WorkerPool pool_{"readers", 2, 16};
   std::unique_ptr<StreamService> service_;
@@ -189,7 +189,7 @@ TEST_F(MessageStreamTest, OneThatIsReadIsNotTakenForStalled) {
   const auto reader = stub_->ExportMap(&context, {});
   int messages = 0;
   for (Response message; reader->Read(&message); ++messages)
-    gate_.EndStalled(GatedStream::Clock::now());
+    gate_.EndStalled(LimitedStream::Clock::now());
   EXPECT_EQ(messages, 50);
   EXPECT_TRUE(reader->Finish().ok());
 }

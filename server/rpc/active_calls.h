@@ -14,12 +14,12 @@ namespace steadymap {
 /// The calls of a server's services that have not ended, and which of them wait for their client:
 /// what lets a server that stops wait for its own work, and not for clients that take nothing.
 /// Thread-safe.
-class CallsUnderWay {
+class ActiveCalls {
  public:
   /// One call; what it does is noted by the interceptor that belongs to it.
   class Call {
    public:
-    explicit Call(CallsUnderWay* calls) : calls_(calls) { calls_->Enter(this); }
+    explicit Call(ActiveCalls* calls) : calls_(calls) { calls_->Enter(this); }
 
     ~Call() { calls_->Leave(this); }
 
@@ -33,15 +33,15 @@ class CallsUnderWay {
     void EndSending() { calls_->NoteSending(this, absl::InfiniteFuture()); }
 
    private:
-    friend class CallsUnderWay;
+    friend class ActiveCalls;
 
-    CallsUnderWay* const calls_;
-    absl::Time sending_since_ = absl::InfiniteFuture();  ///< Guarded by `CallsUnderWay::mutex_`.
+    ActiveCalls* const calls_;
+    absl::Time sending_since_ = absl::InfiniteFuture();  ///< Guarded by `ActiveCalls::mutex_`.
   };
 
-  CallsUnderWay() = default;
-  CallsUnderWay(const CallsUnderWay&) = delete;
-  CallsUnderWay& operator=(const CallsUnderWay&) = delete;
+  ActiveCalls() = default;
+  ActiveCalls(const ActiveCalls&) = delete;
+  ActiveCalls& operator=(const ActiveCalls&) = delete;
 
   /// For a server builder: counts the calls of our services, as long as this lives. Calls of health
   /// service, reflection and channelz are left out: those who watch a server's health never end.

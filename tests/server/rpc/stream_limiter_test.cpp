@@ -1,4 +1,4 @@
-#include "server/rpc/stream_gate.h"
+#include "server/rpc/stream_limiter.h"
 
 #include <chrono>
 #include <memory>
@@ -14,10 +14,10 @@
 namespace steadymap {
 namespace {
 
-constexpr GatedStream::Clock::duration kStallTimeout = std::chrono::seconds(60);
+constexpr LimitedStream::Clock::duration kStallTimeout = std::chrono::seconds(60);
 
 /// Notes what the gate asks of it.
-class NotingStream final : public GatedStream {
+class NotingStream final : public LimitedStream {
  public:
   void EndIfStalled(Clock::time_point now, Clock::duration timeout) override {
     asked.emplace_back(now, timeout);
@@ -38,7 +38,7 @@ class StreamGateTest : public ::testing::Test {
     return nullptr;
   }
 
-  StreamGate gate_{{.max_streams = 3, .max_per_address = 2, .stall_timeout = kStallTimeout}};
+  StreamLimiter gate_{{.max_streams = 3, .max_per_address = 2, .stall_timeout = kStallTimeout}};
 };
 
 TEST_F(StreamGateTest, CountsTheStreamsOfAnAddressWhateverTheirPorts) {
@@ -61,7 +61,7 @@ TEST_F(StreamGateTest, WhatNoLongerCountsIsStillWatched) {
   gate_.Discount(stalled);
   EXPECT_EQ(gate_.stream_count(), 1U);
   EXPECT_NE(Enter("unix:"), nullptr);
-  const auto now = GatedStream::Clock::now();
+  const auto now = LimitedStream::Clock::now();
   gate_.EndStalled(now);
   EXPECT_THAT(stalled->asked, ::testing::ElementsAre(std::pair(now, kStallTimeout)));
   EXPECT_EQ(other->asked, stalled->asked);

@@ -1,4 +1,4 @@
-#include "server/rpc/stream_gate.h"
+#include "server/rpc/stream_limiter.h"
 
 #include <string_view>
 #include <utility>
@@ -20,8 +20,8 @@ absl::Status TooManyStreams(std::size_t count, const std::string& whence) {
 
 }  // namespace
 
-absl::Status StreamGate::Enter(const std::shared_ptr<GatedStream>& stream,
-                               const std::string& peer) {
+absl::Status StreamLimiter::Enter(const std::shared_ptr<LimitedStream>& stream,
+                                  const std::string& peer) {
   const std::string address = AddressOfPeer(peer);
   const absl::MutexLock lock(&mutex_);
   if (count_ >= limits_.max_streams) return TooManyStreams(count_, "of all clients");
@@ -35,13 +35,13 @@ absl::Status StreamGate::Enter(const std::shared_ptr<GatedStream>& stream,
   return absl::OkStatus();
 }
 
-void StreamGate::Discount(const std::shared_ptr<GatedStream>& stream) {
+void StreamLimiter::Discount(const std::shared_ptr<LimitedStream>& stream) {
   const absl::MutexLock lock(&mutex_);
   const auto entry = streams_.find(stream);
   if (entry != streams_.end()) RemoveFromCount(&entry->second);
 }
 
-void StreamGate::Leave(const std::shared_ptr<GatedStream>& stream) {
+void StreamLimiter::Leave(const std::shared_ptr<LimitedStream>& stream) {
   const absl::MutexLock lock(&mutex_);
   const auto entry = streams_.find(stream);
   if (entry == streams_.end()) return;
@@ -49,25 +49,25 @@ void StreamGate::Leave(const std::shared_ptr<GatedStream>& stream) {
   streams_.erase(entry);
 }
 
-void StreamGate::RemoveFromCount(Entry* entry) {
+void StreamLimiter::RemoveFromCount(Entry* entry) {
   if (!std::exchange(entry->counts, false)) return;
   const auto of_address = count_by_address_.find(entry->address);
   if (--of_address->second == 0) count_by_address_.erase(of_address);
   --count_;
 }
 
-void StreamGate::EndStalled(GatedStream::Clock::time_point now) {
-  std::vector<std::shared_ptr<GatedStream>> streams;
+void StreamLimiter::EndStalled(LimitedStream::Clock::time_point now) {
+  std::vector<std::shared_ptr<LimitedStream>> streams;
   {
     const absl::MutexLock lock(&mutex_);
     for (const auto& [stream, entry] : streams_) streams.push_back(stream);
   }
-  for (const std::shared_ptr<GatedStream>& stream : streams) {
+  for (const std::shared_ptr<LimitedStream>& stream : streams) {
     stream->EndIfStalled(now, limits_.stall_timeout);
   }
 }
 
-std::size_t StreamGate::stream_count() const {
+std::size_t StreamLimiter::stream_count() const {
   const absl::MutexLock lock(&mutex_);
   return count_;
 }

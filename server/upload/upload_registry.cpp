@@ -1,4 +1,4 @@
-#include "server/upload/upload_roster.h"
+#include "server/upload/upload_registry.h"
 
 #include <algorithm>
 #include <vector>
@@ -33,9 +33,9 @@ absl::Status DrainingError() {
                    "the server is about to stop; go on with the next one");
 }
 
-absl::Status UploadRoster::Enter(MapKey map,
-                                 const SessionName& session,
-                                 std::shared_ptr<ActiveUpload> upload) {
+absl::Status UploadRegistry::Enter(MapKey map,
+                                   const SessionName& session,
+                                   std::shared_ptr<ActiveUpload> upload) {
   std::shared_ptr<ActiveUpload> before;
   {
     const absl::MutexLock lock(&mutex_);
@@ -64,7 +64,7 @@ absl::Status UploadRoster::Enter(MapKey map,
   return absl::OkStatus();
 }
 
-void UploadRoster::Leave(MapKey map, const SessionName& session, const ActiveUpload* upload) {
+void UploadRegistry::Leave(MapKey map, const SessionName& session, const ActiveUpload* upload) {
   std::shared_ptr<ActiveUpload> left;
   const absl::MutexLock lock(&mutex_);
   const auto entry = streams_.find(Key(map, session.sensor));
@@ -76,7 +76,7 @@ void UploadRoster::Leave(MapKey map, const SessionName& session, const ActiveUpl
   }
 }
 
-absl::Status UploadRoster::EnterCall() {
+absl::Status UploadRegistry::EnterCall() {
   const absl::MutexLock lock(&mutex_);
   if (draining_) return DrainingError();
   if (calls_ >= kMaxCalls) {
@@ -88,12 +88,12 @@ absl::Status UploadRoster::EnterCall() {
   return absl::OkStatus();
 }
 
-void UploadRoster::LeaveCall() {
+void UploadRegistry::LeaveCall() {
   const absl::MutexLock lock(&mutex_);
   --calls_;
 }
 
-std::set<SessionName> UploadRoster::SessionsOf(MapKey map) const {
+std::set<SessionName> UploadRegistry::SessionsOf(MapKey map) const {
   std::set<SessionName> sessions;
   const absl::MutexLock lock(&mutex_);
   for (auto entry = streams_.lower_bound(Key(map, SensorName()));
@@ -104,7 +104,7 @@ std::set<SessionName> UploadRoster::SessionsOf(MapKey map) const {
   return sessions;
 }
 
-void UploadRoster::EndMap(MapKey map, const absl::Status& status) {
+void UploadRegistry::EndMap(MapKey map, const absl::Status& status) {
   std::vector<std::shared_ptr<ActiveUpload>> ended;
   {
     const absl::MutexLock lock(&mutex_);
@@ -117,7 +117,7 @@ void UploadRoster::EndMap(MapKey map, const absl::Status& status) {
   for (const std::shared_ptr<ActiveUpload>& upload : ended) upload->End(status);
 }
 
-void UploadRoster::Drain() {
+void UploadRegistry::Drain() {
   std::vector<std::shared_ptr<ActiveUpload>> drained;
   {
     const absl::MutexLock lock(&mutex_);
@@ -127,17 +127,17 @@ void UploadRoster::Drain() {
   for (const std::shared_ptr<ActiveUpload>& upload : drained) upload->Drain(DrainingError());
 }
 
-bool UploadRoster::AwaitEmpty(absl::Time deadline) {
+bool UploadRegistry::AwaitEmpty(absl::Time deadline) {
   const absl::MutexLock lock(&mutex_);
-  return mutex_.AwaitWithDeadline(absl::Condition(this, &UploadRoster::IsEmpty), deadline);
+  return mutex_.AwaitWithDeadline(absl::Condition(this, &UploadRegistry::IsEmpty), deadline);
 }
 
-void UploadRoster::SetMaxStreams(std::size_t max_streams) {
+void UploadRegistry::SetMaxStreams(std::size_t max_streams) {
   const absl::MutexLock lock(&mutex_);
   max_streams_ = max_streams;
 }
 
-std::size_t UploadRoster::stream_count() const {
+std::size_t UploadRegistry::stream_count() const {
   const absl::MutexLock lock(&mutex_);
   return streams_.size();
 }

@@ -1,4 +1,4 @@
-#include "server/query/object_answers.h"
+#include "server/query/object_responses.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -20,16 +20,16 @@ namespace steadymap {
 /// What one watch is sent, message by message: where it begins, and the steps that it takes from
 /// there. It holds what the watcher has, and of a step on its way the place in it. Knows nothing of
 /// how messages travel. For one thread at a time.
-class WatchCourse {
+class WatchSession {
  public:
   /// A message to send; none if there is nothing to say now.
   using Message = std::optional<grpc::ByteBuffer>;
 
   /// Both outlive the course. Long work ends early once the watcher has gone.
-  WatchCourse(const MapDirectory* maps,
-              WatchHub* hub,
-              v1::WatchMapRequest request,
-              Cancellation cancellation);
+  WatchSession(const MapDirectory* maps,
+               WatchHub* hub,
+               v1::WatchMapRequest request,
+               Cancellation cancellation);
 
   /// To be called first. Errors: what is wrong with the request, its token aside.
   absl::Status ReadRequest();

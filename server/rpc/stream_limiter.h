@@ -14,9 +14,9 @@ namespace steadymap {
 
 /// A stream of answers that a gate let in. Called from any thread, without locks held; returns at
 /// once.
-class GatedStream {
+class LimitedStream {
  public:
-  virtual ~GatedStream() = default;
+  virtual ~LimitedStream() = default;
 
   using Clock = std::chrono::steady_clock;
 
@@ -26,30 +26,30 @@ class GatedStream {
 
 /// Lets streams in, so many in all and so many from one address, and ends those whose client does
 /// not read. Thread-safe.
-class StreamGate {
+class StreamLimiter {
  public:
   struct Limits {
     std::size_t max_streams = 64;
     std::size_t max_per_address = 8;
     /// A client that takes nothing for longer than this has stalled.
-    GatedStream::Clock::duration stall_timeout = GatedStream::Clock::duration::max();
+    LimitedStream::Clock::duration stall_timeout = LimitedStream::Clock::duration::max();
   };
 
-  explicit StreamGate(const Limits& limits) : limits_(limits) {}
+  explicit StreamLimiter(const Limits& limits) : limits_(limits) {}
 
   /// Lets a stream in, to leave again at its end; `peer` is what gRPC calls its client.
   /// Errors: `ResourceExhausted` with reason `QUEUE_FULL`.
-  absl::Status Enter(const std::shared_ptr<GatedStream>& stream, const std::string& peer)
+  absl::Status Enter(const std::shared_ptr<LimitedStream>& stream, const std::string& peer)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// A stream whose end has begun no longer counts; it is watched until it leaves.
-  void Discount(const std::shared_ptr<GatedStream>& stream) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Discount(const std::shared_ptr<LimitedStream>& stream) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Forgets a stream; nothing happens if it was not let in.
-  void Leave(const std::shared_ptr<GatedStream>& stream) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Leave(const std::shared_ptr<LimitedStream>& stream) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Ends the streams that have stalled at `now`; to be called now and then.
-  void EndStalled(GatedStream::Clock::time_point now) ABSL_LOCKS_EXCLUDED(mutex_);
+  void EndStalled(LimitedStream::Clock::time_point now) ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// Streams that count.
   std::size_t stream_count() const ABSL_LOCKS_EXCLUDED(mutex_);
@@ -64,7 +64,7 @@ class StreamGate {
 
   const Limits limits_;
   mutable absl::Mutex mutex_;
-  std::map<std::shared_ptr<GatedStream>, Entry> streams_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::shared_ptr<LimitedStream>, Entry> streams_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::size_t> count_by_address_ ABSL_GUARDED_BY(mutex_);
   std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
 };

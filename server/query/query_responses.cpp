@@ -1,4 +1,4 @@
-#include "server/query/query_answers.h"
+#include "server/query/query_responses.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -10,7 +10,7 @@ namespace steadymap {
 
 /// The error of a record whose envelope is whole and whose content nobody can have written:
 /// `DataLoss` with reason `CHECKSUM`; `what` says what it holds.
-inline absl::Status Impossible(std::string_view what) {
+inline absl::Status CorruptRecord(std::string_view what) {
   return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
 }
 

@@ -1,4 +1,4 @@
-#include "server/watch/watch_course.h"
+#include "server/watch/watch_session.h"
 
 #include <string>
 #include <utility>
@@ -8,7 +8,7 @@
 #include "core/types/error.h"
 #include "proto/convert_watch.h"
 #include "server/rpc/request_reader.h"
-#include "server/upload/upload_roster.h"
+#include "server/upload/upload_registry.h"
 
 namespace steadymap {
 namespace {
@@ -54,16 +54,16 @@ grpc::ByteBuffer MakeGoodbye() {
 
 }  // namespace
 
-WatchCourse::WatchCourse(const MapDirectory* maps,
-                         WatchHub* hub,
-                         v1::WatchMapRequest request,
-                         Cancellation cancellation)
+WatchSession::WatchSession(const MapDirectory* maps,
+                           WatchHub* hub,
+                           v1::WatchMapRequest request,
+                           Cancellation cancellation)
     : maps_(maps),
       hub_(hub),
       request_(std::move(request)),
       cancellation_(std::move(cancellation)) {}
 
-absl::Status WatchCourse::ReadRequest() {
+absl::Status WatchSession::ReadRequest() {
   absl::StatusOr<std::shared_ptr<MapRuntime>> map = maps_->Find(request_.map(), "map");
   if (!map.ok()) return map.status();
   absl::StatusOr<MapFilter> filter = FromProto(request_.filter());
@@ -76,7 +76,7 @@ absl::Status WatchCourse::ReadRequest() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<WatchCourse::Message> WatchCourse::Begin() {
+absl::StatusOr<WatchSession::Message> WatchSession::Begin() {
   scope_ = {
       map_->key(), map_->name().ToString(), map_->record().incarnation, FingerprintOf(filter_)};
   absl::Status status = map_->CheckReads();
@@ -85,7 +85,7 @@ absl::StatusOr<WatchCourse::Message> WatchCourse::Begin() {
   return MakeCreated();
 }
 
-absl::Status WatchCourse::ChooseStart(const PublishedRevision& newest) {
+absl::Status WatchSession::ChooseStart(const PublishedRevision& newest) {
   if (!request_.resume_token().empty()) return ResumeBehindToken(newest);
   switch (request_.start()) {
     case v1::WATCH_START_NOW:
@@ -101,14 +101,14 @@ absl::Status WatchCourse::ChooseStart(const PublishedRevision& newest) {
   }
 }
 
-void WatchCourse::BeginSnapshot(const PublishedRevision& newest) {
+void WatchSession::BeginSnapshot(const PublishedRevision& newest) {
   position_.revision = newest.commit.revision;
   next_snapshot_ = newest;
 }
 
 /// With an empty step to where the watcher is: who is cut off before anything happens has a token
 /// to go on behind, and who resumed knows that there is nothing new.
-void WatchCourse::RepeatPosition(const PublishedRevision& newest) {
+void WatchSession::RepeatPosition(const PublishedRevision& newest) {
   StepPlan nothing;
   nothing.from = newest.commit.revision;
   nothing.shown = ShownBy(filter_, *newest.snapshot);
@@ -119,7 +119,7 @@ void WatchCourse::RepeatPosition(const PublishedRevision& newest) {
       std::move(nothing));
 }
 
-absl::Status WatchCourse::ResumeBehindToken(const PublishedRevision& newest) {
+absl::Status WatchSession::ResumeBehindToken(const PublishedRevision& newest) {
   if (request_.start() != v1::WATCH_START_UNSPECIFIED) {
     return InvalidField(
         reason::kBadValue, "start", "`start` must not be set where there is a `resume_token`");
@@ -156,7 +156,7 @@ absl::Status WatchCourse::ResumeBehindToken(const PublishedRevision& newest) {
 }
 
 /// Goes on within a step that the watcher has part of; false if nobody has the rest of it any more.
-bool WatchCourse::ContinueStep(const ResumeToken& token, const PublishedRevision& newest) {
+bool WatchSession::ContinueStep(const ResumeToken& token, const PublishedRevision& newest) {
   const StepKey& key = *token.step;
   // The same messages, or else the place means another one.
   if (key.max_message_bytes != max_message_bytes_ ||
@@ -181,7 +181,7 @@ bool WatchCourse::ContinueStep(const ResumeToken& token, const PublishedRevision
 }
 
 /// What follows a token that fits, so that `created` comes only where the watch can go on.
-absl::Status WatchCourse::TakeFirstStep(const PublishedRevision& newest) {
+absl::Status WatchSession::TakeFirstStep(const PublishedRevision& newest) {
   if (position_.revision == newest.commit.revision) {
     RepeatPosition(newest);
     return absl::OkStatus();
@@ -191,7 +191,7 @@ absl::Status WatchCourse::TakeFirstStep(const PublishedRevision& newest) {
   return gap_.ok() ? status : absl::OkStatus();
 }
 
-absl::StatusOr<WatchCourse::Message> WatchCourse::Next(bool draining) {
+absl::StatusOr<WatchSession::Message> WatchSession::Next(bool draining) {
   while (true) {
     absl::StatusOr<Message> message = NextOfStep();
     if (!message.ok() || message->has_value()) return message;
@@ -207,7 +207,7 @@ absl::StatusOr<WatchCourse::Message> WatchCourse::Next(bool draining) {
   return MakeGoodbye();
 }
 
-std::vector<std::shared_ptr<WatchMessages>> WatchCourse::StepsInPart() const {
+std::vector<std::shared_ptr<WatchMessages>> WatchSession::StepsInPart() const {
   std::vector<std::shared_ptr<WatchMessages>> steps;
   if (std::shared_ptr<WatchMessages> sent = sent_step_.lock()) steps.push_back(std::move(sent));
   if (step_ != nullptr && place_ > 0 && step_->is_resumable()) steps.push_back(step_);
@@ -215,7 +215,7 @@ std::vector<std::shared_ptr<WatchMessages>> WatchCourse::StepsInPart() const {
 }
 
 /// The next message of the step under way; none, and no step, once it is whole.
-absl::StatusOr<WatchCourse::Message> WatchCourse::NextOfStep() {
+absl::StatusOr<WatchSession::Message> WatchSession::NextOfStep() {
   while (step_ != nullptr) {
     if (place_ == step_->count()) {
       if (step_->is_resumable()) sent_step_ = step_;
@@ -231,7 +231,7 @@ absl::StatusOr<WatchCourse::Message> WatchCourse::NextOfStep() {
 }
 
 /// Takes the step that leads to `newest`; or a message to be sent first.
-absl::StatusOr<WatchCourse::Message> WatchCourse::TakeStep(const PublishedRevision& newest) {
+absl::StatusOr<WatchSession::Message> WatchSession::TakeStep(const PublishedRevision& newest) {
   if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), newest);
   const absl::Status status = FindStep(newest);
   if (absl::IsOutOfRange(status)) return HandleGap(status, newest);
@@ -239,7 +239,7 @@ absl::StatusOr<WatchCourse::Message> WatchCourse::TakeStep(const PublishedRevisi
   return Message();
 }
 
-absl::Status WatchCourse::FindStep(const PublishedRevision& newest) {
+absl::Status WatchSession::FindStep(const PublishedRevision& newest) {
   WatchHub::StepRequest wanted{scope_,
                                filter_,
                                max_message_bytes_,
@@ -264,8 +264,8 @@ absl::Status WatchCourse::FindStep(const PublishedRevision& newest) {
 }
 
 /// The history between the watcher and the map is gone: begins anew where that was asked for.
-absl::StatusOr<WatchCourse::Message> WatchCourse::HandleGap(const absl::Status& gap,
-                                                            const PublishedRevision& newest) {
+absl::StatusOr<WatchSession::Message> WatchSession::HandleGap(const absl::Status& gap,
+                                                              const PublishedRevision& newest) {
   if (request_.resync_if_compacted()) {
     next_snapshot_ = newest;
     return MakeResync(newest.commit.revision, ReasonOf(gap));
@@ -277,7 +277,7 @@ absl::StatusOr<WatchCourse::Message> WatchCourse::HandleGap(const absl::Status& 
                    std::string(gap.message())));
 }
 
-grpc::ByteBuffer WatchCourse::MakeCreated() const {
+grpc::ByteBuffer WatchSession::MakeCreated() const {
   const MapConfig& config = map_->record().config;
   v1::WatchMapResponse message;
   v1::WatchCreated* created = message.mutable_created();

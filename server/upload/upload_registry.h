@@ -31,9 +31,9 @@ class ActiveUpload {
 
 /// All uploads under way. Sees to it that a sensor has one stream a map, that there are not too
 /// many, and lets the server drain. Thread-safe.
-class UploadRoster {
+class UploadRegistry {
  public:
-  explicit UploadRoster(std::size_t max_streams) : max_streams_(max_streams) {}
+  explicit UploadRegistry(std::size_t max_streams) : max_streams_(max_streams) {}
 
   /// Enters a sensor's stream; the one before it on the same map, whose place it takes, ends with
   /// `UPLOAD_SUPERSEDED`. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with

@@ -1,4 +1,4 @@
-#include "server/store/disk/twin_file.h"
+#include "server/store/disk/mirrored_file.h"
 
 #include <cstdint>
 
@@ -50,7 +50,7 @@ void Repair(const std::filesystem::path& damaged, const std::string& value) {
 
 }  // namespace
 
-absl::StatusOr<std::string> TwinFile::Read() const {
+absl::StatusOr<std::string> MirroredFile::Read() const {
   absl::StatusOr<std::string> first = ReadOne(path_);
   absl::StatusOr<std::string> second = ReadOne(CopyPath());
   if (!first.ok() && !second.ok()) {
@@ -68,7 +68,7 @@ absl::StatusOr<std::string> TwinFile::Read() const {
   return first;
 }
 
-absl::StatusOr<std::string> TwinFile::Inspect(std::vector<std::string>* problems) const {
+absl::StatusOr<std::string> MirroredFile::Inspect(std::vector<std::string>* problems) const {
   absl::StatusOr<std::string> first = ReadOne(path_);
   absl::StatusOr<std::string> second = ReadOne(CopyPath());
   for (const absl::StatusOr<std::string>* value : {&first, &second}) {
@@ -77,7 +77,7 @@ absl::StatusOr<std::string> TwinFile::Inspect(std::vector<std::string>* problems
   return first.ok() ? first : second;
 }
 
-absl::Status TwinFile::Write(std::string_view value) const {
+absl::Status MirroredFile::Write(std::string_view value) const {
   const std::string packed = Pack(value);
   if (absl::Status status = WriteFileDurably(path_, packed); !status.ok()) return status;
   return WriteFileDurably(CopyPath(), packed);

@@ -8,9 +8,9 @@
 #include "server/config/server_config.h"
 #include "server/mapping/map_directory.h"
 #include "server/process/heartbeat.h"
-#include "server/rpc/stream_gate.h"
+#include "server/rpc/stream_limiter.h"
 #include "server/store/model/store.h"
-#include "server/upload/upload_roster.h"
+#include "server/upload/upload_registry.h"
 #include "server/watch/watch_hub.h"
 
 namespace steadymap {
@@ -18,25 +18,25 @@ namespace steadymap {
 /// Does now and then what no call does: one thread goes through all maps, drops from their logs
 /// what is integrated and no longer wanted, at once where the disk is low, forgets upload sessions
 /// that have been idle for too long, and ends watches, exports and sections that have stalled.
-class Housekeeper {
+class Maintenance {
  public:
-  /// What the housekeeper looks after; all of it outlives it.
+  /// What the maintenance looks after; all of it outlives it.
   struct Dependencies {
     const MapDirectory* maps = nullptr;
-    const UploadRoster* uploads = nullptr;
+    const UploadRegistry* uploads = nullptr;
     WatchHub* watches = nullptr;
-    StreamGate* streams = nullptr;
+    StreamLimiter* streams = nullptr;
     Store* store = nullptr;
   };
 
   /// Starts the thread.
-  Housekeeper(const Dependencies& dependencies, const RetentionOptions& options);
+  Maintenance(const Dependencies& dependencies, const RetentionOptions& options);
 
   /// Ends the thread.
-  ~Housekeeper();
+  ~Maintenance();
 
-  Housekeeper(const Housekeeper&) = delete;
-  Housekeeper& operator=(const Housekeeper&) = delete;
+  Maintenance(const Maintenance&) = delete;
+  Maintenance& operator=(const Maintenance&) = delete;
 
   const Heartbeat& heartbeat() const { return heartbeat_; }
 

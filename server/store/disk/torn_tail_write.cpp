@@ -1,4 +1,4 @@
-#include "server/store/disk/torn_write.h"
+#include "server/store/disk/torn_tail_write.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/store/disk/shortened_file_system.h"
+#include "server/store/disk/truncated_view_file_system.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,7 +7,7 @@
 namespace steadymap {
 
 /// Reads no further than its end.
-class ShortenedFileSystem::File final : public rocksdb::FSSequentialFileOwnerWrapper {
+class TruncatedViewFileSystem::File final : public rocksdb::FSSequentialFileOwnerWrapper {
  public:
   File(std::unique_ptr<rocksdb::FSSequentialFile> target, std::uint64_t size)
       : FSSequentialFileOwnerWrapper(std::move(target)), left_(size) {}
@@ -34,12 +34,12 @@ class ShortenedFileSystem::File final : public rocksdb::FSSequentialFileOwnerWra
   std::uint64_t left_;  ///< Bytes up to the end.
 };
 
-ShortenedFileSystem::ShortenedFileSystem(const std::shared_ptr<rocksdb::FileSystem>& target,
-                                         std::string file,
-                                         std::uint64_t size)
+TruncatedViewFileSystem::TruncatedViewFileSystem(const std::shared_ptr<rocksdb::FileSystem>& target,
+                                                 std::string file,
+                                                 std::uint64_t size)
     : FileSystemWrapper(target), file_(std::move(file)), size_(size) {}
 
-rocksdb::IOStatus ShortenedFileSystem::NewSequentialFile(
+rocksdb::IOStatus TruncatedViewFileSystem::NewSequentialFile(
     const std::string& name,
     const rocksdb::FileOptions& options,
     std::unique_ptr<rocksdb::FSSequentialFile>* result,
@@ -49,16 +49,16 @@ rocksdb::IOStatus ShortenedFileSystem::NewSequentialFile(
   return status;
 }
 
-rocksdb::IOStatus ShortenedFileSystem::GetFileSize(const std::string& name,
-                                                   const rocksdb::IOOptions& options,
-                                                   std::uint64_t* size,
-                                                   rocksdb::IODebugContext* debug) {
+rocksdb::IOStatus TruncatedViewFileSystem::GetFileSize(const std::string& name,
+                                                       const rocksdb::IOOptions& options,
+                                                       std::uint64_t* size,
+                                                       rocksdb::IODebugContext* debug) {
   rocksdb::IOStatus status = FileSystemWrapper::GetFileSize(name, options, size, debug);
   if (status.ok() && IsShortened(name)) *size = std::min(*size, size_);
   return status;
 }
 
-bool ShortenedFileSystem::IsShortened(const std::string& name) const {
+bool TruncatedViewFileSystem::IsShortened(const std::string& name) const {
   return std::filesystem::path(name).filename() == file_;
 }
 

@@ -1,4 +1,4 @@
-#include "server/query/query_answers.h"
+#include "server/query/query_responses.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +13,7 @@
 #include "proto/convert_geometry.h"
 #include "server/query/map_export.h"
 #include "server/query/map_section.h"
-#include "server/query/object_answers.h"
+#include "server/query/object_responses.h"
 #include "server/query/query_selection.h"
 #include "tests/server/store/store_builder.h"
 #include "tests/support/analytic_map.h"

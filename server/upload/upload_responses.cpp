@@ -1,4 +1,4 @@
-#include "server/upload/upload_answers.h"
+#include "server/upload/upload_responses.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,7 +27,7 @@ v1::RefusedFrame ToProto(const RefusedFrame& refused) {
   return message;
 }
 
-absl::Status UploadAnswers::ChooseLevels(const v1::UploadOpen& open) {
+absl::Status UploadResponses::ChooseLevels(const v1::UploadOpen& open) {
   if (open.ack_levels().empty()) {
     levels_[kDurable].wanted = true;
     levels_[kIntegrated].wanted = true;
@@ -45,14 +45,14 @@ absl::Status UploadAnswers::ChooseLevels(const v1::UploadOpen& open) {
   return absl::OkStatus();
 }
 
-v1::UploadCredit UploadAnswers::initial_credit() const {
+v1::UploadCredit UploadResponses::initial_credit() const {
   v1::UploadCredit credit;
   credit.set_frames(window_.frames);
   credit.set_bytes(window_.bytes);
   return credit;
 }
 
-absl::Status UploadAnswers::Spend(std::uint64_t frames, std::uint64_t bytes) {
+absl::Status UploadResponses::Spend(std::uint64_t frames, std::uint64_t bytes) {
   if (frames > available_.frames || bytes > available_.bytes) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      reason::kQueueFull,
@@ -71,35 +71,35 @@ absl::Status UploadAnswers::Spend(std::uint64_t frames, std::uint64_t bytes) {
   return absl::OkStatus();
 }
 
-void UploadAnswers::NoteReceived(ClientSequence through, std::vector<RefusedFrame> refused) {
+void UploadResponses::NoteReceived(ClientSequence through, std::vector<RefusedFrame> refused) {
   std::move(refused.begin(), refused.end(), std::back_inserter(refused_));
   BatchProgress progress;
   progress.through = through;
   Note(kReceived, progress);
 }
 
-void UploadAnswers::NoteDurable(const BatchProgress& progress) { Note(kDurable, progress); }
+void UploadResponses::NoteDurable(const BatchProgress& progress) { Note(kDurable, progress); }
 
-void UploadAnswers::NoteIntegrated(const BatchProgress& progress) {
+void UploadResponses::NoteIntegrated(const BatchProgress& progress) {
   Note(kDurable, progress);
   Note(kIntegrated, progress);
   returned_.frames += progress.frames;
   returned_.bytes += progress.bytes;
 }
 
-bool UploadAnswers::HasNext() const {
+bool UploadResponses::HasNext() const {
   const auto is_due = [](const Level& level) { return level.due; };
   return std::any_of(levels_.begin(), levels_.end(), is_due) || returned_.frames > 0;
 }
 
-v1::UploadFramesResponse UploadAnswers::TakeNext() {
+v1::UploadFramesResponse UploadResponses::TakeNext() {
   for (std::size_t level = 0; level < kLevels; ++level) {
     if (levels_[level].due) return TakeAck(level);
   }
   return TakeCredit();
 }
 
-void UploadAnswers::Note(std::size_t level, const BatchProgress& progress) {
+void UploadResponses::Note(std::size_t level, const BatchProgress& progress) {
   Level& entry = levels_[level];
   // Word of an earlier piece may come later: it says nothing new.
   if (!entry.wanted || progress.through <= entry.progress.through) return;
@@ -107,7 +107,7 @@ void UploadAnswers::Note(std::size_t level, const BatchProgress& progress) {
   entry.due = true;
 }
 
-v1::UploadFramesResponse UploadAnswers::TakeAck(std::size_t level) {
+v1::UploadFramesResponse UploadResponses::TakeAck(std::size_t level) {
   Level& entry = levels_[level];
   entry.due = false;
   v1::UploadFramesResponse response;
@@ -124,7 +124,7 @@ v1::UploadFramesResponse UploadAnswers::TakeAck(std::size_t level) {
   return response;
 }
 
-v1::UploadFramesResponse UploadAnswers::TakeCredit() {
+v1::UploadFramesResponse UploadResponses::TakeCredit() {
   v1::UploadFramesResponse response;
   response.mutable_credit()->set_frames(returned_.frames);
   response.mutable_credit()->set_bytes(returned_.bytes);

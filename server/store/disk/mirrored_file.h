@@ -12,9 +12,9 @@ namespace steadymap {
 
 /// A small value in a file and in a copy beside it (`NAME` and `NAME.copy`), each with a checksum:
 /// damage to one of them costs nothing. One thread at a time.
-class TwinFile {
+class MirroredFile {
  public:
-  explicit TwinFile(std::filesystem::path path) : path_(std::move(path)) {}
+  explicit MirroredFile(std::filesystem::path path) : path_(std::move(path)) {}
 
   /// The value. One that only one of the files still has is written to the other again, and the log
   /// says so. Errors: `NotFound` if neither file is there; `DataLoss` with reason `CHECKSUM` if

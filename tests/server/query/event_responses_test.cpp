@@ -1,4 +1,4 @@
-#include "server/query/event_answers.h"
+#include "server/query/event_responses.h"
 
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-#include "server/store/disk/torn_log.h"
+#include "server/store/disk/wal_repair.h"
 
 #include <algorithm>
 #include <charconv>
@@ -14,7 +14,7 @@
 
 #include "core/types/crc32c.h"
 #include "core/types/error.h"
-#include "server/store/disk/torn_write.h"
+#include "server/store/disk/torn_tail_write.h"
 
 namespace steadymap {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/housekeeper.h"
+#include "server/maintenance.h"
 
 #include <chrono>
 
@@ -16,10 +16,10 @@ constexpr std::chrono::seconds kLowDiskInterval{5};
 
 }  // namespace
 
-Housekeeper::Housekeeper(const Dependencies& dependencies, const RetentionOptions& options)
+Maintenance::Maintenance(const Dependencies& dependencies, const RetentionOptions& options)
     : dependencies_(dependencies), options_(options), thread_([this] { Run(); }) {}
 
-Housekeeper::~Housekeeper() {
+Maintenance::~Maintenance() {
   {
     const absl::MutexLock lock(&mutex_);
     stopping_ = true;
@@ -27,15 +27,15 @@ Housekeeper::~Housekeeper() {
   thread_.join();
 }
 
-void Housekeeper::Run() {
-  NameThread("housekeeper");
+void Maintenance::Run() {
+  NameThread("maintenance");
   Heartbeat::Clock::time_point due = Heartbeat::Clock::now() + options_.trim_interval;
   Heartbeat::Clock::time_point low_disk_due = Heartbeat::Clock::now();
   while (!AwaitStop()) {
     heartbeat_.Beat();
     dependencies_.watches->EndStalled();
     dependencies_.watches->DropHeld(absl::Now());
-    dependencies_.streams->EndStalled(GatedStream::Clock::now());
+    dependencies_.streams->EndStalled(LimitedStream::Clock::now());
     const Heartbeat::Clock::time_point now = Heartbeat::Clock::now();
     const bool disk_is_low = now >= low_disk_due && !dependencies_.store->CheckDisk().ok();
     if (now < due && !disk_is_low) continue;
@@ -45,7 +45,7 @@ void Housekeeper::Run() {
   }
 }
 
-void Housekeeper::TrimAll(bool disk_is_low) {
+void Maintenance::TrimAll(bool disk_is_low) {
   for (const std::shared_ptr<MapRuntime>& map : dependencies_.maps->All()) {
     heartbeat_.Beat();
     if (!map->CheckReads().ok()) continue;
@@ -66,7 +66,7 @@ void Housekeeper::TrimAll(bool disk_is_low) {
   }
 }
 
-bool Housekeeper::AwaitStop() {
+bool Maintenance::AwaitStop() {
   const absl::MutexLock lock(&mutex_);
   return mutex_.AwaitWithTimeout(absl::Condition(&stopping_),
                                  absl::FromChrono(Heartbeat::kMaxInterval));

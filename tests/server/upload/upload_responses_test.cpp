@@ -1,4 +1,4 @@
-#include "server/upload/upload_answers.h"
+#include "server/upload/upload_responses.h"
 
 #include <gtest/gtest.h>
 
@@ -17,16 +17,16 @@ BatchProgress Progress(std::uint64_t through, std::size_t frames = 0, std::uint6
   return progress;
 }
 
-UploadAnswers MakeAnswers(const std::vector<v1::AckLevel>& levels = {}) {
-  UploadAnswers answers({10, 1000});
+UploadResponses MakeAnswers(const std::vector<v1::AckLevel>& levels = {}) {
+  UploadResponses answers({10, 1000});
   v1::UploadOpen open;
   for (const v1::AckLevel level : levels) open.add_ack_levels(level);
   EXPECT_TRUE(answers.ChooseLevels(open).ok());
   return answers;
 }
 
-TEST(UploadAnswers, SlowReaderGetsTheNewestOfEachLevel) {
-  UploadAnswers answers = MakeAnswers();
+TEST(UploadResponses, SlowReaderGetsTheNewestOfEachLevel) {
+  UploadResponses answers = MakeAnswers();
   EXPECT_FALSE(answers.HasNext());
   for (std::uint64_t i = 1; i <= 5; ++i) answers.NoteDurable(Progress(i));
   answers.NoteIntegrated(Progress(3, 3, 30));
@@ -44,23 +44,23 @@ TEST(UploadAnswers, SlowReaderGetsTheNewestOfEachLevel) {
   EXPECT_FALSE(answers.HasNext());
 }
 
-TEST(UploadAnswers, IntegratedImpliesDurable) {
-  UploadAnswers answers = MakeAnswers();
+TEST(UploadResponses, IntegratedImpliesDurable) {
+  UploadResponses answers = MakeAnswers();
   answers.NoteIntegrated(Progress(4, 1, 1));
   EXPECT_EQ(answers.TakeNext().ack().level(), v1::ACK_LEVEL_DURABLE);
   EXPECT_EQ(answers.TakeNext().ack().level(), v1::ACK_LEVEL_INTEGRATED);
 }
 
-TEST(UploadAnswers, WordThatComesLateChangesNothing) {
-  UploadAnswers answers = MakeAnswers({v1::ACK_LEVEL_DURABLE});
+TEST(UploadResponses, WordThatComesLateChangesNothing) {
+  UploadResponses answers = MakeAnswers({v1::ACK_LEVEL_DURABLE});
   answers.NoteDurable(Progress(4));
   EXPECT_EQ(answers.TakeNext().ack().client_seq(), 4U);
   answers.NoteDurable(Progress(3));
   EXPECT_FALSE(answers.HasNext());
 }
 
-TEST(UploadAnswers, RefusalsAreReportedOnceAtTheLowestLevel) {
-  UploadAnswers answers = MakeAnswers();
+TEST(UploadResponses, RefusalsAreReportedOnceAtTheLowestLevel) {
+  UploadResponses answers = MakeAnswers();
   std::vector<RefusedFrame> refused;
   for (const std::uint64_t sequence : {2U, 6U}) {
     refused.push_back({ClientSequence(sequence), InvalidField("BAD_VALUE", "frames[1]", "no")});
@@ -79,8 +79,8 @@ TEST(UploadAnswers, RefusalsAreReportedOnceAtTheLowestLevel) {
   EXPECT_EQ(answers.TakeNext().ack().refused_size(), 0);
 }
 
-TEST(UploadAnswers, CreditCountsOnceItIsGiven) {
-  UploadAnswers answers = MakeAnswers();
+TEST(UploadResponses, CreditCountsOnceItIsGiven) {
+  UploadResponses answers = MakeAnswers();
   EXPECT_TRUE(answers.Spend(10, 500).ok());
   EXPECT_EQ(ReasonOf(answers.Spend(1, 1)), "QUEUE_FULL");
   answers.NoteIntegrated(Progress(4, 4, 100));
@@ -91,8 +91,8 @@ TEST(UploadAnswers, CreditCountsOnceItIsGiven) {
   EXPECT_FALSE(answers.Spend(0, 1).ok());
 }
 
-TEST(UploadAnswers, UnknownLevelIsRefusedByItsPlace) {
-  UploadAnswers answers({10, 1000});
+TEST(UploadResponses, UnknownLevelIsRefusedByItsPlace) {
+  UploadResponses answers({10, 1000});
   v1::UploadOpen open;
   open.add_ack_levels(v1::ACK_LEVEL_DURABLE);
   open.add_ack_levels(v1::ACK_LEVEL_UNSPECIFIED);

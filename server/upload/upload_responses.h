@@ -20,7 +20,7 @@ v1::RefusedFrame ToProto(const RefusedFrame& refused);
 
 /// What an upload stream still has to tell its client: acknowledgements and credit. Keeps the
 /// newest word of each kind only, so a client that reads slowly costs nothing. Pure state.
-class UploadAnswers {
+class UploadResponses {
  public:
   /// Credit that a client has to begin with, and gets back.
   struct Window {
@@ -28,7 +28,7 @@ class UploadAnswers {
     std::uint64_t bytes = 0;
   };
 
-  explicit UploadAnswers(Window window) : window_(window), available_(window) {}
+  explicit UploadResponses(Window window) : window_(window), available_(window) {}
 
   /// Chooses the levels to acknowledge. Errors: `InvalidArgument` with the field `ack_levels[i]`.
   absl::Status ChooseLevels(const v1::UploadOpen& open);

@@ -1,4 +1,4 @@
-#include "server/rpc/calls_under_way.h"
+#include "server/rpc/active_calls.h"
 
 #include <optional>
 #include <thread>
@@ -11,18 +11,18 @@ namespace {
 
 constexpr absl::Duration kPatience = absl::Hours(1);
 
-TEST(CallsUnderWay, NoneIsTheEnd) {
-  CallsUnderWay calls;
+TEST(ActiveCalls, NoneIsTheEnd) {
+  ActiveCalls calls;
   EXPECT_TRUE(calls.AwaitEnd(absl::InfiniteFuture(), kPatience));
-  { const CallsUnderWay::Call call(&calls); }
+  { const ActiveCalls::Call call(&calls); }
   EXPECT_TRUE(calls.AwaitEnd(absl::InfiniteFuture(), kPatience));
 }
 
-TEST(CallsUnderWay, AreWaitedForUntilTheyEnd) {
-  CallsUnderWay calls;
+TEST(ActiveCalls, AreWaitedForUntilTheyEnd) {
+  ActiveCalls calls;
   absl::Notification ended;
-  std::optional<CallsUnderWay::Call> first(&calls);
-  CallsUnderWay::Call* second = new CallsUnderWay::Call(&calls);
+  std::optional<ActiveCalls::Call> first(&calls);
+  ActiveCalls::Call* second = new ActiveCalls::Call(&calls);
   std::thread waiting([&] {
     EXPECT_TRUE(calls.AwaitEnd(absl::InfiniteFuture(), kPatience));
     EXPECT_TRUE(ended.HasBeenNotified());
@@ -36,19 +36,19 @@ TEST(CallsUnderWay, AreWaitedForUntilTheyEnd) {
   waiting.join();
 }
 
-TEST(CallsUnderWay, AreNotWaitedForWhereTheirClientsTakeNothing) {
-  CallsUnderWay calls;
-  CallsUnderWay::Call first(&calls);
-  CallsUnderWay::Call second(&calls);
+TEST(ActiveCalls, AreNotWaitedForWhereTheirClientsTakeNothing) {
+  ActiveCalls calls;
+  ActiveCalls::Call first(&calls);
+  ActiveCalls::Call second(&calls);
   first.BeginSending();
   second.BeginSending();
   EXPECT_FALSE(calls.AwaitEnd(absl::InfiniteFuture(), absl::ZeroDuration()));
 }
 
-TEST(CallsUnderWay, AreWaitedForWhileTheServerIsAtWorkForOne) {
-  CallsUnderWay calls;
-  CallsUnderWay::Call stalled(&calls);
-  CallsUnderWay::Call at_work(&calls);
+TEST(ActiveCalls, AreWaitedForWhileTheServerIsAtWorkForOne) {
+  ActiveCalls calls;
+  ActiveCalls::Call stalled(&calls);
+  ActiveCalls::Call at_work(&calls);
   stalled.BeginSending();
   std::thread waiting(
       [&] { EXPECT_FALSE(calls.AwaitEnd(absl::InfiniteFuture(), absl::ZeroDuration())); });

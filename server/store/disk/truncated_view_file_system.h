@@ -11,14 +11,14 @@ namespace steadymap {
 /// A file system in which one file seems to end earlier than it does, for readers from its start to
 /// its end. It lets RocksDB read a log without what a power cut left of its last write, where the
 /// log itself must not be changed. Thread-safe.
-class ShortenedFileSystem final : public rocksdb::FileSystemWrapper {
+class TruncatedViewFileSystem final : public rocksdb::FileSystemWrapper {
  public:
   /// Over `target`. `file` is the name without its folder: a database has no two of one name.
-  ShortenedFileSystem(const std::shared_ptr<rocksdb::FileSystem>& target,
-                      std::string file,
-                      std::uint64_t size);
+  TruncatedViewFileSystem(const std::shared_ptr<rocksdb::FileSystem>& target,
+                          std::string file,
+                          std::uint64_t size);
 
-  const char* Name() const override { return "ShortenedFileSystem"; }
+  const char* Name() const override { return "TruncatedViewFileSystem"; }
 
   rocksdb::IOStatus NewSequentialFile(const std::string& name,
                                       const rocksdb::FileOptions& options,

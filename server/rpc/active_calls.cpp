@@ -1,4 +1,4 @@
-#include "server/rpc/calls_under_way.h"
+#include "server/rpc/active_calls.h"
 
 #include <algorithm>
 #include <string_view>
@@ -16,7 +16,7 @@ constexpr std::string_view kOurServices = "/steadymap.";
 /// Lives as long as its call.
 class CountingInterceptor final : public grpc::experimental::Interceptor {
  public:
-  explicit CountingInterceptor(CallsUnderWay* calls) : call_(calls) {}
+  explicit CountingInterceptor(ActiveCalls* calls) : call_(calls) {}
 
   void Intercept(grpc::experimental::InterceptorBatchMethods* batch) override {
     if (batch->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE) ||
@@ -29,13 +29,13 @@ class CountingInterceptor final : public grpc::experimental::Interceptor {
   }
 
  private:
-  CallsUnderWay::Call call_;
+  ActiveCalls::Call call_;
 };
 
 class CountingInterceptorFactory final
     : public grpc::experimental::ServerInterceptorFactoryInterface {
  public:
-  explicit CountingInterceptorFactory(CallsUnderWay* calls) : calls_(calls) {}
+  explicit CountingInterceptorFactory(ActiveCalls* calls) : calls_(calls) {}
 
   grpc::experimental::Interceptor* CreateServerInterceptor(
       grpc::experimental::ServerRpcInfo* info) override {
@@ -44,17 +44,17 @@ class CountingInterceptorFactory final
   }
 
  private:
-  CallsUnderWay* const calls_;
+  ActiveCalls* const calls_;
 };
 
 }  // namespace
 
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>
-CallsUnderWay::MakeInterceptorFactory() {
+ActiveCalls::MakeInterceptorFactory() {
   return std::make_unique<CountingInterceptorFactory>(this);
 }
 
-bool CallsUnderWay::AwaitEnd(absl::Time deadline, absl::Duration patience) {
+bool ActiveCalls::AwaitEnd(absl::Time deadline, absl::Duration patience) {
   const absl::MutexLock lock(&mutex_);
   while (!calls_.empty()) {
     const absl::Time until = std::min(deadline, PatienceEnds(patience));
@@ -65,25 +65,25 @@ bool CallsUnderWay::AwaitEnd(absl::Time deadline, absl::Duration patience) {
   return true;
 }
 
-void CallsUnderWay::Enter(const Call* call) {
+void ActiveCalls::Enter(const Call* call) {
   const absl::MutexLock lock(&mutex_);
   calls_.insert(call);
   changed_ = true;
 }
 
-void CallsUnderWay::Leave(const Call* call) {
+void ActiveCalls::Leave(const Call* call) {
   const absl::MutexLock lock(&mutex_);
   calls_.erase(call);
   changed_ = true;
 }
 
-void CallsUnderWay::NoteSending(Call* call, absl::Time since) {
+void ActiveCalls::NoteSending(Call* call, absl::Time since) {
   const absl::MutexLock lock(&mutex_);
   call->sending_since_ = since;
   changed_ = true;
 }
 
-absl::Time CallsUnderWay::PatienceEnds(absl::Duration patience) const {
+absl::Time ActiveCalls::PatienceEnds(absl::Duration patience) const {
   absl::Time last = absl::InfinitePast();
   for (const Call* call : calls_) last = std::max(last, call->sending_since_);
   return last + patience;
