@@ -13,7 +13,7 @@ Times are integers, nanoseconds since 1970. Arrays in answers are read-only.
 """
 
 from steadymap import errors
-from steadymap.answers import DistanceSamples, Listing, PointState, RayHits
+from steadymap.responses import DistanceSamples, Listing, PointState, RayHits
 from steadymap.backoff import BackoffOptions
 from steadymap.client import Client, connect
 from steadymap.exports import ExportFormat, ExportSummary

@@ -11,7 +11,7 @@ from steadymap._generated.v1 import (
     query_service_pb2,
     query_service_pb2_grpc,
 )
-from steadymap.answers import (
+from steadymap.responses import (
     DistanceSamples,
     Listing,
     RayHits,

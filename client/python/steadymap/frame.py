@@ -8,7 +8,7 @@ import numpy as np
 from steadymap._generated.v1 import frame_pb2
 from steadymap.geometry import Pose, as_pose, pose_to_proto
 from steadymap.images import PixelEncoding, check_image, encode_color, encode_depth, encode_labels
-from steadymap.moments import timestamp_to_proto
+from steadymap.timestamps import timestamp_to_proto
 
 _MAX_SIDE_PX = 4096  # The service's own limit at most.
 

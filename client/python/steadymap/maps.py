@@ -5,7 +5,7 @@ import enum
 from typing import Mapping, Optional, Sequence, Tuple, Union
 
 from steadymap._generated.v1 import map_pb2
-from steadymap.moments import time_ns_from_proto
+from steadymap.timestamps import time_ns_from_proto
 
 
 class UpdatePolicy(str, enum.Enum):

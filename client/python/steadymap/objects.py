@@ -8,7 +8,7 @@ import numpy as np
 
 from steadymap._generated.v1 import event_pb2, object_pb2
 from steadymap.geometry import read_only, vector_from_proto
-from steadymap.moments import time_ns_from_proto
+from steadymap.timestamps import time_ns_from_proto
 
 
 class ObjectStanding(str, enum.Enum):

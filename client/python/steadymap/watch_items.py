@@ -4,7 +4,7 @@ import dataclasses
 from typing import Optional, Tuple, Union
 
 from steadymap._generated.v1 import watch_service_pb2
-from steadymap.moments import time_ns_from_proto
+from steadymap.timestamps import time_ns_from_proto
 from steadymap.objects import Event, Object, event_from_proto, object_from_proto
 from steadymap.volumes import Leaf, leaf_from_proto
 
