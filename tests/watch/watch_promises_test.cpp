@@ -13,7 +13,7 @@
 
 #include "server/watch/watch_hub.h"
 #include "tests/server/store/store_builder.h"
-#include "tests/server/watch/noting_watch.h"
+#include "tests/server/watch/recording_watch.h"
 #include "tests/support/memory_store.h"
 
 namespace steadymap {
@@ -77,7 +77,7 @@ class PlantedFaults : public ::testing::Test {
   /// What an honest server tells: the first revision as a snapshot, then two steps.
   Messages HonestMessages() {
     WatchHub hub({&store_, 10, absl::InfiniteDuration()});
-    EXPECT_TRUE(hub.Enter(record_.key, std::make_shared<NotingWatch>()).ok());
+    EXPECT_TRUE(hub.Enter(record_.key, std::make_shared<RecordingWatch>()).ok());
     Messages messages;
     messages.emplace_back().mutable_created()->set_revision(10);
     WatchHub::StepRequest request{

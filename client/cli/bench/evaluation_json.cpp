@@ -13,11 +13,11 @@ void WriteSurface(std::string_view key, const SurfaceScore& score, JsonWriter* j
   json->Key("precision").Number(score.precision());
   json->Key("recall").Number(score.recall());
   json->Key("false_positive_rate").Number(score.false_positive_rate());
-  json->Key("matched_voxels").Integer(score.matched);
-  json->Key("wrong_voxels").Integer(score.wrong);
-  json->Key("found_voxels").Integer(score.found);
+  json->Key("matched_voxels").Integer(score.true_positives);
+  json->Key("wrong_voxels").Integer(score.false_positives);
+  json->Key("found_voxels").Integer(score.recalled);
   json->Key("missed_voxels").Integer(score.missed);
-  json->Key("empty_voxels").Integer(score.empty);
+  json->Key("empty_voxels").Integer(score.true_negatives);
   json->EndObject();
 }
 

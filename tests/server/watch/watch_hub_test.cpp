@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/types/error.h"
-#include "tests/server/watch/noting_watch.h"
+#include "tests/server/watch/recording_watch.h"
 #include "tests/support/analytic_map.h"
 
 namespace steadymap {
@@ -19,8 +19,8 @@ constexpr MapKey kYard{2};
 
 class WatchHubTest : public ::testing::Test {
  protected:
-  std::shared_ptr<NotingWatch> Enter(MapKey map) {
-    auto watch = std::make_shared<NotingWatch>();
+  std::shared_ptr<RecordingWatch> Enter(MapKey map) {
+    auto watch = std::make_shared<RecordingWatch>();
     EXPECT_TRUE(hub_.Enter(map, watch).ok());
     return watch;
   }
@@ -65,12 +65,12 @@ TEST_F(WatchHubTest, TakesNoMoreThanItsLimit) {
   const auto first = Enter(kHall);
   Enter(kHall);
   Enter(kYard);
-  const absl::Status full = hub_.Enter(kYard, std::make_shared<NotingWatch>());
+  const absl::Status full = hub_.Enter(kYard, std::make_shared<RecordingWatch>());
   EXPECT_EQ(full.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(ReasonOf(full), reason::kQueueFull);
   hub_.Leave(kHall, first);
   EXPECT_EQ(hub_.watch_count(), 2U);
-  EXPECT_TRUE(hub_.Enter(kYard, std::make_shared<NotingWatch>()).ok());
+  EXPECT_TRUE(hub_.Enter(kYard, std::make_shared<RecordingWatch>()).ok());
 }
 
 TEST_F(WatchHubTest, KnowsWhoIsFurthestBehind) {
@@ -85,7 +85,7 @@ TEST_F(WatchHubTest, DrainingAsksAllToGoAndLetsNobodyIn) {
   const auto watch = Enter(kHall);
   hub_.Drain();
   EXPECT_EQ(watch->drains, 1);
-  EXPECT_EQ(ReasonOf(hub_.Enter(kHall, std::make_shared<NotingWatch>())), reason::kDraining);
+  EXPECT_EQ(ReasonOf(hub_.Enter(kHall, std::make_shared<RecordingWatch>())), reason::kDraining);
   EXPECT_FALSE(hub_.AwaitEmpty(absl::Now()));
   hub_.Leave(kHall, watch);
   EXPECT_TRUE(hub_.AwaitEmpty(absl::Now()));

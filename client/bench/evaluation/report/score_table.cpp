@@ -108,7 +108,7 @@ std::string Heading(const Evaluation& evaluation) {
       evaluation.seed_count == 1 ? "seed" : "seeds",
       100.0 * evaluation.voxel_size_m,
       evaluation.scored_voxels,
-      (map.near.found + map.near.missed) / evaluation.seed_count,
+      (map.near.recalled + map.near.missed) / evaluation.seed_count,
       map.ghosts.whole / evaluation.seed_count,
       map.kept.whole / evaluation.seed_count);
 }

@@ -83,18 +83,22 @@ Share& Share::operator+=(const Share& other) {
   return *this;
 }
 
-double SurfaceScore::precision() const { return Ratio(matched, matched + wrong); }
+double SurfaceScore::precision() const {
+  return Ratio(true_positives, true_positives + false_positives);
+}
 
-double SurfaceScore::recall() const { return Ratio(found, found + missed); }
+double SurfaceScore::recall() const { return Ratio(recalled, recalled + missed); }
 
-double SurfaceScore::false_positive_rate() const { return Ratio(wrong, wrong + empty); }
+double SurfaceScore::false_positive_rate() const {
+  return Ratio(false_positives, false_positives + true_negatives);
+}
 
 SurfaceScore& SurfaceScore::operator+=(const SurfaceScore& other) {
-  matched += other.matched;
-  wrong += other.wrong;
-  found += other.found;
+  true_positives += other.true_positives;
+  false_positives += other.false_positives;
+  recalled += other.recalled;
   missed += other.missed;
-  empty += other.empty;
+  true_negatives += other.true_negatives;
   return *this;
 }
 
@@ -194,17 +198,19 @@ MapScore MapScorer::Score(const std::vector<SurfacePoint>& map) const {
       map_voxels,
       [&](const VoxelIndex&, const Points* mapped, const Points* seen, bool has_unseen) {
         if (mapped != nullptr) {
-          ++(AnyNear(*mapped, state_->truth) ? score.near.matched : score.near.wrong);
+          ++(AnyNear(*mapped, state_->truth) ? score.near.true_positives
+                                             : score.near.false_positives);
         }
         if (seen != nullptr) {
-          ++(AnyNear(*seen, map_index) ? score.near.found : score.near.missed);
+          ++(AnyNear(*seen, map_index) ? score.near.recalled : score.near.missed);
         }
         if (seen == nullptr && has_unseen) return;
-        if (mapped != nullptr) ++(seen != nullptr ? score.voxel.matched : score.voxel.wrong);
-        if (seen != nullptr) ++(mapped != nullptr ? score.voxel.found : score.voxel.missed);
+        if (mapped != nullptr)
+          ++(seen != nullptr ? score.voxel.true_positives : score.voxel.false_positives);
+        if (seen != nullptr) ++(mapped != nullptr ? score.voxel.recalled : score.voxel.missed);
         if (mapped == nullptr && seen == nullptr) {
-          ++score.voxel.empty;
-          ++score.near.empty;
+          ++score.voxel.true_negatives;
+          ++score.near.true_negatives;
         }
       });
   score.ghosts = ShareNear(state_->vanished, state_->ground, map_index);

@@ -24,15 +24,15 @@ struct Share {
 /// Voxels by what the map and the truth have in them. Where a tolerance lets one voxel answer for
 /// another, as many true voxels may be found as it takes, so map and truth count their own.
 struct SurfaceScore {
-  std::uint64_t matched = 0;  ///< The map has surface that is true.
-  std::uint64_t wrong = 0;    ///< The map has surface that is not.
-  std::uint64_t found = 0;    ///< There is surface that the map has.
-  std::uint64_t missed = 0;   ///< There is surface that the map lacks.
-  std::uint64_t empty = 0;    ///< Neither has any.
+  std::uint64_t true_positives = 0;   ///< Of the map: its surface is true.
+  std::uint64_t false_positives = 0;  ///< Of the map: its surface is not.
+  std::uint64_t recalled = 0;         ///< Of the truth: the map has the surface.
+  std::uint64_t missed = 0;           ///< Of the truth: the map lacks the surface.
+  std::uint64_t true_negatives = 0;   ///< Neither map nor truth has surface.
 
-  double precision() const;            ///< matched / (matched + wrong); NaN for an empty map.
-  double recall() const;               ///< found / (found + missed); NaN where nothing is true.
-  double false_positive_rate() const;  ///< wrong / (wrong + empty); NaN where nothing is empty.
+  double precision() const;            ///< Of the map; NaN for an empty map.
+  double recall() const;               ///< Of the truth; NaN where nothing is true.
+  double false_positive_rate() const;  ///< false / (false positives + true negatives).
 
   SurfaceScore& operator+=(const SurfaceScore& other);
 };

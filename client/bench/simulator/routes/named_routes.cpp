@@ -10,9 +10,9 @@
 #include "client/bench/simulator/routes/clutter.h"
 #include "client/bench/simulator/routes/large_hall.h"
 #include "client/bench/simulator/routes/people.h"
+#include "client/bench/simulator/routes/swapped_boxes_scene.h"
 #include "client/bench/simulator/routes/table_top.h"
 #include "client/bench/simulator/routes/torwic_hall.h"
-#include "client/bench/simulator/routes/twin.h"
 #include "client/dataset/layouts/torwic_layout.h"
 #include "core/types/absl_text.h"
 #include "core/types/error.h"
@@ -75,7 +75,7 @@ std::vector<std::string> RouteNames() {
 
 absl::StatusOr<Route> MakeRoute(std::string_view name) {
   if (name == "table-top") return MakeTableTopRoute();
-  if (name == "twin") return MakeTwinRoute();
+  if (name == "twin") return MakeSwappedBoxesRoute();
   if (name == "people") return MakePeopleRoute();
   if (name == "hall") return MakeLargeHallRoute({});
   if (const auto seed = ClutterSeedOf(name)) return MakeClutterRoute(*seed);

@@ -48,12 +48,12 @@ Reference WallReference() {
 TEST(MapScorer, APerfectMapHasNoFault) {
   const MapScore score = MapScorer(WallReference()).Score(Wall(1.0, 5));
   for (const SurfaceScore& row : {score.voxel, score.near}) {
-    EXPECT_EQ(row.matched, 25U);
-    EXPECT_EQ(row.found, 25U);
+    EXPECT_EQ(row.true_positives, 25U);
+    EXPECT_EQ(row.recalled, 25U);
     EXPECT_EQ(row.precision(), 1.0);
     EXPECT_EQ(row.recall(), 1.0);
     EXPECT_EQ(row.false_positive_rate(), 0.0);
-    EXPECT_GT(row.empty, 1000U);
+    EXPECT_GT(row.true_negatives, 1000U);
   }
 }
 
@@ -78,7 +78,7 @@ TEST(MapScorer, AShiftAcrossABorderIsPunishedInTheRowVoxelOnly) {
 
 TEST(MapScorer, AShiftOfMoreThanHalfAVoxelIsWrongAndMissed) {
   const MapScore score = MapScorer(WallReference()).Score(Wall(1.15, 5));
-  EXPECT_EQ(score.near.wrong, 25U);
+  EXPECT_EQ(score.near.false_positives, 25U);
   EXPECT_EQ(score.near.missed, 25U);
 }
 
@@ -86,7 +86,7 @@ TEST(MapScorer, HalfAMapHasHalfTheRecall) {
   std::vector<SurfacePoint> map = Wall(1.0, 5);
   std::erase_if(map, [](const SurfacePoint& point) { return point.position_world.z() > 0.3F; });
   const MapScore score = MapScorer(WallReference()).Score(map);
-  EXPECT_EQ(score.voxel.found, 10U);
+  EXPECT_EQ(score.voxel.recalled, 10U);
   EXPECT_EQ(score.voxel.missed, 15U);
   EXPECT_EQ(score.voxel.precision(), 1.0);
 }
@@ -140,7 +140,7 @@ TEST(MapScorer, CountsGhostsThatAreStillThere) {
   EXPECT_EQ(score.ghosts.whole, 16U);
   // Two by two, and those beside them that lie within half a voxel.
   EXPECT_EQ(score.ghosts.part, 9U);
-  EXPECT_EQ(score.near.wrong, 4U);
+  EXPECT_EQ(score.near.false_positives, 4U);
   EXPECT_EQ(scorer.Score(Wall(0.4, 4)).ghosts.value(), 1.0);
 }
 
@@ -168,8 +168,8 @@ TEST(MapScorer, GroundDoesNotCountEvenWhereItIsNoisy) {
   std::vector<SurfacePoint> map = Wall(1.0, 5);
   map.insert(map.end(), noisy.begin(), noisy.end());
   const MapScore score = MapScorer(std::move(reference)).Score(map);
-  EXPECT_EQ(score.voxel.wrong, 0U);
-  EXPECT_EQ(score.near.wrong, 0U);
+  EXPECT_EQ(score.voxel.false_positives, 0U);
+  EXPECT_EQ(score.near.false_positives, 0U);
 }
 
 TEST(MapScorer, JudgesTheVoxelsThatItCounts) {
@@ -185,8 +185,8 @@ TEST(MapScorer, JudgesTheVoxelsThatItCounts) {
           return voxel.verdict == verdict;
         }));
   };
-  EXPECT_EQ(count(VoxelVerdict::kMatched), score.near.matched);
-  EXPECT_EQ(count(VoxelVerdict::kWrong), score.near.wrong);
+  EXPECT_EQ(count(VoxelVerdict::kMatched), score.near.true_positives);
+  EXPECT_EQ(count(VoxelVerdict::kWrong), score.near.false_positives);
   EXPECT_EQ(count(VoxelVerdict::kMissed), score.near.missed);
 }
 

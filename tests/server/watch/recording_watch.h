@@ -7,7 +7,7 @@
 namespace steadymap {
 
 /// A watch that does nothing but note what it is told.
-class NotingWatch final : public ActiveWatch {
+class RecordingWatch final : public ActiveWatch {
  public:
   void Wake() override { ++wakes; }
 

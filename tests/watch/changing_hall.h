@@ -10,9 +10,9 @@ namespace steadymap {
 
 /// Small frames of a place where boxes come, go and are pushed about: a few scenes, each seen from
 /// a few places, rendered once. For one thread.
-class RestlessHall {
+class ChangingHall {
  public:
-  RestlessHall();
+  ChangingHall();
 
   /// Another scene from now on, drawn from `random`.
   void Rearrange(std::mt19937* random);

@@ -15,10 +15,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/watch/changing_hall.h"
 #include "tests/watch/fleet_mirror.h"
 #include "tests/watch/fleet_server.h"
 #include "tests/watch/fleet_watcher.h"
-#include "tests/watch/restless_hall.h"
 
 namespace steadymap {
 namespace {
@@ -143,13 +143,13 @@ class FleetHistory {
   }
 
   std::mt19937 random_;
-  RestlessHall hall_;
+  ChangingHall hall_;
   FleetServer server_;
   std::vector<std::unique_ptr<FleetWatcher>> watchers_;
   std::vector<std::unique_ptr<FleetMirror>> mirrors_;
 };
 
-TEST(WatchLaw, HoldsOverRandomHistories) {
+TEST(WatchProperty, HoldsOverRandomHistories) {
   const int seeds = NumberFromEnvironment("STEADYMAP_LAW_SEEDS", 2);
   const int operations = NumberFromEnvironment("STEADYMAP_LAW_OPERATIONS", 250);
   WatchLife all;

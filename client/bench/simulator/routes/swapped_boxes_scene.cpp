@@ -1,4 +1,4 @@
-#include "client/bench/simulator/routes/twin.h"
+#include "client/bench/simulator/routes/swapped_boxes_scene.h"
 
 #include <cmath>
 #include <utility>
@@ -23,7 +23,7 @@ Trajectory SwayBefore() {
 
 }  // namespace
 
-Route MakeTwinRoute() {
+Route MakeSwappedBoxesRoute() {
   Scene both;
   AddFloor(&both, {12.0, 12.0});
   SceneObject& wall = AddStandingBox(&both, "wall", {6.0, 0.1, 2.5}, {0, 1.2, 0});

@@ -6,6 +6,6 @@ namespace steadymap {
 
 /// Two boxes alike in front of a wall: at first both; then they have changed places, which no
 /// camera can see; then one of them is gone.
-Route MakeTwinRoute();
+Route MakeSwappedBoxesRoute();
 
 }  // namespace steadymap

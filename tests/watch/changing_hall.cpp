@@ -1,4 +1,4 @@
-#include "tests/watch/restless_hall.h"
+#include "tests/watch/changing_hall.h"
 
 #include <cmath>
 
@@ -47,7 +47,7 @@ v1::Frame ToWire(const Frame& frame) {
 
 }  // namespace
 
-RestlessHall::RestlessHall() {
+ChangingHall::ChangingHall() {
   for (const Scene& scene : AllScenes()) {
     std::vector<v1::Frame>& looks = scenes_.emplace_back();
     for (int look = 0; look < kLooks; ++look) {
@@ -58,9 +58,9 @@ RestlessHall::RestlessHall() {
   }
 }
 
-void RestlessHall::Rearrange(std::mt19937* random) { scene_ = (*random)() % scenes_.size(); }
+void ChangingHall::Rearrange(std::mt19937* random) { scene_ = (*random)() % scenes_.size(); }
 
-std::vector<v1::Frame> RestlessHall::Look(int count) {
+std::vector<v1::Frame> ChangingHall::Look(int count) {
   std::vector<v1::Frame> frames;
   for (int i = 0; i < count; ++i, ++frames_) {
     frames.push_back(scenes_[scene_][frames_ % kLooks]);
