@@ -38,7 +38,7 @@ set(server_ROOMS
     "query: process store/model rpc mapping"
     "maps: process store/database store/map config rpc mapping upload watch"
     ".: process store/model store/repair config rpc mapping upload watch query maps")
-set(server_TOP_FILES command_line housekeeper main server store_tools)
+set(server_TOP_FILES command_line maintenance main server store_tools)
 
 set(client_ROOMS
     "transport:"

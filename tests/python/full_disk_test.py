@@ -152,7 +152,7 @@ class OnSmallDisk(unittest.TestCase):
             try:
                 self.await_durable(40)
                 for round_ in range(ROUNDS):
-                    self.await_durable(self.durable + timestamps.randrange(1, 60))
+                    self.await_durable(self.durable + moments.randrange(1, 60))
                     self.fill()
                     revision = self.check_reads(revision)
                     if round_ % 3 == 1:

@@ -1,3 +1,5 @@
+#include "client/bench/evaluation/route_evaluation.h"
+
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -5,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "client/bench/evaluation/recording_evaluation.h"
-#include "client/bench/evaluation/route_evaluation.h"
 #include "client/bench/simulator/routes/named_routes.h"
 #include "client/bench/simulator/torwic_writer.h"
 #include "tests/support/temporary_folder.h"
