@@ -1,5 +1,6 @@
 #include "client/map/map_mirror.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "proto/convert_object.h"
 #include "proto/convert_watch.h"
 #include "tests/client/map/mirror_harness.h"
+#include "tests/support/deadline.h"
 
 namespace steadymap {
 namespace {
@@ -315,15 +317,14 @@ TEST_F(MapMirrorTest, QueriesSeeTheMirroredMap) {
 
 TEST_F(MapMirrorTest, StopsWhileNothingArrives) {
   absl::Notification watching;
-  {
-    MirrorHarness harness;
-    harness.Start({[&](ScriptedWatch& watch) {
-      watch.Send(Created(first_));
-      watching.Notify();
-      return watch.Hold();
-    }});
-    watching.WaitForNotification();
-  }
+  auto harness = std::make_unique<MirrorHarness>();
+  harness->Start({[&](ScriptedWatch& watch) {
+    watch.Send(Created(first_));
+    watching.Notify();
+    return watch.Hold();
+  }});
+  ASSERT_TRUE(watching.WaitForNotificationWithTimeout(absl::FromChrono(kHangTimeout)));
+  testing::RunWithDeadline("stopping a mirror", [&] { harness.reset(); });
 }
 
 TEST_F(MapMirrorTest, StopsWhileItWaitsForTheNextTry) {
@@ -332,13 +333,18 @@ TEST_F(MapMirrorTest, StopsWhileItWaitsForTheNextTry) {
       {[](ScriptedWatch&) { return WatchFailure(absl::StatusCode::kUnavailable); }});
   const FakeServer server(&service);
   MirrorCallbacks callbacks;
-  callbacks.on_state = [&](const WatchStateChange&) { waiting.Notify(); };
+  int retries = 0;
+  callbacks.on_state = [&](const WatchStateChange&) {
+    if (++retries == 1) waiting.Notify();
+  };
   MirrorOptions options;
   options.backoff.first_delay = std::chrono::hours(1);
   options.backoff.max_delay = std::chrono::hours(1);
-  const std::unique_ptr<MapMirror> mirror =
+  std::unique_ptr<MapMirror> mirror =
       MapMirror::Start(server.channels(), {"default", "kitchen"}, options, callbacks);
-  waiting.WaitForNotification();
+  ASSERT_TRUE(waiting.WaitForNotificationWithTimeout(absl::FromChrono(kHangTimeout)));
+  testing::RunWithDeadline("stopping a mirror", [&] { mirror.reset(); });
+  EXPECT_EQ(retries, 1) << "it stopped while it waited, and did not try again";
   service.Release();
 }
 

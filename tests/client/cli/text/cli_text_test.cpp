@@ -3,6 +3,7 @@
 #include <sstream>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/cli/maps/class_table_file.h"
@@ -268,12 +269,15 @@ TEST(ProgressReport, DrawsABarOverItselfOnATerminal) {
   EXPECT_EQ(out.str().back(), '\n');
 }
 
-TEST(ProgressReport, NothingToDoIsNoTrouble) {
-  std::ostringstream out;
-  ProgressReport report(&out, true, "written", 0, [] { return 0.0; });
-  report.Update(0, 0);
-  report.Update(3, 1);
-  report.End();
+TEST(ProgressReport, OfNoFramesInNoTimeShowsCountsWithoutARate) {
+  for (const bool is_terminal : {false, true}) {
+    std::ostringstream out;
+    ProgressReport report(&out, is_terminal, "written", 0, [] { return 0.0; });
+    report.Update(0, 0);
+    report.Update(3, 1);
+    report.End();
+    EXPECT_THAT(out.str(), ::testing::HasSubstr("1/1 frames written, -"));
+  }
 }
 
 }  // namespace
