@@ -18,7 +18,7 @@ namespace {
 
 using ::steadymap::testing::kInfinity;
 
-StationarityParameters PaperParameters() {
+StationarityParameters PublishedParameters() {
   StationarityParameters parameters;
   parameters.max_evidence = kInfinity;
   return parameters;
@@ -171,7 +171,7 @@ TEST(UpdateStationarity, KeepsTheMomentsOfTheExactPosterior) {
   int inliers = 0;
   for (int round = 0; round < 150; ++round) {
     const Belief prior{uniform(-1.0, 1.0), uniform(0.1, 0.8), uniform(0.7, 12), uniform(0.7, 12)};
-    StationarityParameters parameters = PaperParameters();
+    StationarityParameters parameters = PublishedParameters();
     parameters.change_noise_m = uniform(0.1, 0.4);
     parameters.max_change_m = uniform(1.0, 4.0);
     parameters.class_weight = uniform(0.0, 4.0);
@@ -192,7 +192,7 @@ TEST(UpdateStationarity, KeepsTheMomentsOfTheExactPosterior) {
 
 TEST(UpdateStationarity, AgreesWithTheFormulasAsPrinted) {
   const Belief prior{0.1, 0.3, 4.0, 2.0};
-  const StationarityParameters parameters = PaperParameters();
+  const StationarityParameters parameters = PublishedParameters();
   const StationarityUpdate update =
       UpdateStationarity(prior, 0.9, StationarityPrior::kMoves, parameters);
   // k = 0: a thing that moves was seen in place.
@@ -269,12 +269,12 @@ TEST(UpdateStationarity, CapKeepsTheRatioAndLetsALongKnownObjectChange) {
   Belief uncapped = belief;
   for (int i = 0; i < 100; ++i) {
     const StationarityUpdate free =
-        UpdateStationarity(belief, 0.05, StationarityPrior::kMoves, PaperParameters());
+        UpdateStationarity(belief, 0.05, StationarityPrior::kMoves, PublishedParameters());
     belief = UpdateStationarity(belief, 0.05, StationarityPrior::kMoves, capped).belief;
     EXPECT_NEAR(belief.stationarity(), free.belief.stationarity(), 1e-14);
     EXPECT_LE(belief.alpha + belief.beta, 10.0 + 1e-12);
     uncapped =
-        UpdateStationarity(uncapped, 0.05, StationarityPrior::kMoves, PaperParameters()).belief;
+        UpdateStationarity(uncapped, 0.05, StationarityPrior::kMoves, PublishedParameters()).belief;
   }
   EXPECT_NEAR(belief.alpha + belief.beta, 10.0, 1e-12);
   EXPECT_GT(uncapped.alpha + uncapped.beta, 50.0);
@@ -313,7 +313,7 @@ TEST(UpdateStationarity, SharpBeliefsKeepTheirVariance) {
   // Printed as e2 - e1^2, the variance of this Beta would have lost its last five digits.
   const Belief prior{0.0, 0.5, 6e10, 4e10};
   const Belief after =
-      UpdateStationarity(prior, 0.0, StationarityPrior::kMoves, PaperParameters()).belief;
+      UpdateStationarity(prior, 0.0, StationarityPrior::kMoves, PublishedParameters()).belief;
   EXPECT_NEAR((after.alpha + after.beta) / (prior.alpha + prior.beta), 1.0, 1e-9);
 }
 

@@ -127,7 +127,7 @@ std::vector<Frame> DriveAlongWall(double length_m) {
 
 TEST(Ablation, WithoutTheCuboidGateAWallSeenInPiecesFallsApart) {
   const auto [with, without] = WithAndWithout("cuboid-gate", [](MapStory* story) {
-    story->RecordEvent(DriveAlongWall(6.0));
+    story->Play(DriveAlongWall(6.0));
     return CountEvents(*story, EventType::kCreated, kWallClass);
   });
   EXPECT_EQ(with, 1U);
@@ -136,7 +136,7 @@ TEST(Ablation, WithoutTheCuboidGateAWallSeenInPiecesFallsApart) {
 
 TEST(Ablation, WithoutManyToOneAWallThatComesIntoViewBitByBitIsNeverKnown) {
   const auto [with, without] = WithAndWithout("many-to-one", [](MapStory* story) {
-    story->RecordEvent(DriveAlongWall(3.0));
+    story->Play(DriveAlongWall(3.0));
     return story->Present(kWallClass).size();
   });
   EXPECT_EQ(with, 1U);
@@ -211,9 +211,9 @@ TEST(Ablation, WithoutMovesABoxGoesHereAndComesThere) {
 
 TEST(Ablation, WithoutTheGuardALostRobotSpoilsTheMap) {
   const auto [with, without] = WithAndWithout("robot-guard", [](MapStory* story) {
-    story->RecordEvent(Drive(Room(), 0, 70));
+    story->Play(Drive(Room(), 0, 70));
     const std::size_t objects = story->map().objects.size();
-    story->RecordEvent(Mislead(Drive(Room(), 70, 12), 1.0, 0.52));
+    story->Play(Mislead(Drive(Room(), 70, 12), 1.0, 0.52));
     return story->map().objects.size() - objects;
   });
   EXPECT_EQ(with, 0U);
@@ -234,7 +234,7 @@ std::vector<Frame> LookAtBoxTurnedBy(double yaw_rad, int first, int count) {
 TEST(Ablation, WithoutTurningABoxThatWasTurnedGoesUnnoticed) {
   const auto [with, without] = WithAndWithout("turning", [](MapStory* story) {
     story->Look({Goods(0.0)}, 30);
-    story->RecordEvent(LookAtBoxTurnedBy(0.22, 30, 30));
+    story->Play(LookAtBoxTurnedBy(0.22, 30, 30));
     return CountEvents(*story, EventType::kRemoved, kGoodsClass);
   });
   EXPECT_EQ(with, 1U);
@@ -324,7 +324,7 @@ TEST(Ablation, WithoutFarLabelsWhatStoodBeforeTheReachOfDepthStays) {
   const auto [with, without] = WithAndWithout("far-labels", [&](MapStory* story) {
     const auto look = [&](const Scene& scene, int visit) {
       for (const Frame& frame : LookAtScene(scene, 20 * visit, 20, visit)) {
-        story->RecordEvent({WithReach(frame, 5.0)});
+        story->Play({WithReach(frame, 5.0)});
       }
     };
     look({shelf, floor, Goods(0.0)}, 0);
@@ -343,8 +343,7 @@ TEST(Ablation, WithoutTheMovingMemoryAWrongLabelLeavesATrail) {
   const auto [with, without] = WithAndWithout("moving-memory", [&](MapStory* story) {
     for (int i = 0; i < 6; ++i) {
       const std::uint16_t label = i == 4 ? kCeilingLabel : kPersonClass;
-      story->RecordEvent(
-          {RenderScene({FarWall(), person(label)}, {.capture_time_s = 100.0 + 0.1 * i})});
+      story->Play({RenderScene({FarWall(), person(label)}, {.capture_time_s = 100.0 + 0.1 * i})});
     }
     return CountSurfaceIn(story->map(), Around(person(kPersonClass), 0.05));
   });

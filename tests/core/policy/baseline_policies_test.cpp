@@ -49,12 +49,12 @@ std::vector<Frame> EventfulVisits() {
 TEST_P(BaselinePolicies, GiveTheSameMapWhateverTheCommitRhythm) {
   const std::vector<Frame> frames = EventfulVisits();
   MapStory reference(ConfigOf(GetParam()));
-  reference.Tell(frames, 1);
+  reference.Play(frames, 1);
   EXPECT_FALSE(reference.events().empty());
   for (const std::size_t frames_per_commit : {std::size_t{4}, frames.size()}) {
     SCOPED_TRACE(frames_per_commit);
     MapStory story(ConfigOf(GetParam()));
-    story.Tell(frames, frames_per_commit);
+    story.Play(frames, frames_per_commit);
     EXPECT_EQ(story.events(), reference.events());
     ExpectSameMap(story.map(), reference.map());
   }
@@ -63,10 +63,10 @@ TEST_P(BaselinePolicies, GiveTheSameMapWhateverTheCommitRhythm) {
 TEST_P(BaselinePolicies, GoOnAfterARestartAsIfThereWereNone) {
   const std::vector<Frame> frames = EventfulVisits();
   MapStory reference(ConfigOf(GetParam()));
-  reference.Tell(frames, 1);
+  reference.Play(frames, 1);
   MapStory story(ConfigOf(GetParam()));
   for (std::size_t i = 0; i < frames.size(); i += 4) {
-    story.Tell({frames.begin() + static_cast<std::ptrdiff_t>(i),
+    story.Play({frames.begin() + static_cast<std::ptrdiff_t>(i),
                 frames.begin() + static_cast<std::ptrdiff_t>(std::min(i + 4, frames.size()))},
                3);
     story.Restart();
@@ -98,7 +98,7 @@ TEST_P(BaselinePolicies, TakeFramesWithoutLabelsAsBackground) {
   std::vector<Frame> frames = LookAtScene({FarWall(), Goods(0.0)}, 0, 10);
   for (Frame& frame : frames) frame.labels = {};
   MapStory story(ConfigOf(GetParam()));
-  story.Tell(frames);
+  story.Play(frames);
   EXPECT_TRUE(story.events().empty());
   EXPECT_GT(CountSurfaceIn(story.map(), Around(Goods(0.0), 0.05)), 100U);
   EXPECT_TRUE(story.Present(0).empty());
@@ -111,7 +111,7 @@ TEST_P(BaselinePolicies, TakeFramesOfAnySizeAndDepth) {
     int frames = 0;
     for (const double depth_m : {0.0, 0.001, 1.0, 2.0, 2.9, 65.5}) {
       for (int i = 0; i < 6; ++i, ++frames) {
-        story.Tell({SmallFrame(width_px, height_px, depth_m, frames)});
+        story.Play({SmallFrame(width_px, height_px, depth_m, frames)});
       }
     }
     EXPECT_EQ(story.map().revision, Revision(36));

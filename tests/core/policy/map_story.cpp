@@ -62,7 +62,7 @@ MapStory::MapStory(const MapConfig& config, const MapperOptions& options)
       mapper_(Mapper::Create(config, options).value()),
       told_(VoxelScale{config.voxel_size_m, config.truncation_m}) {}
 
-void MapStory::Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
+void MapStory::Play(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
   for (const Frame& frame : frames) {
     mapper_->Integrate(mapper_->head().Next(), frame);
     if (mapper_->uncommitted_entries() == frames_per_commit) Commit();
@@ -71,7 +71,7 @@ void MapStory::Tell(const std::vector<Frame>& frames, std::size_t frames_per_com
 }
 
 void MapStory::Look(const Scene& scene, int count, int visit) {
-  Tell(LookAtScene(scene, static_cast<int>(mapper_->head().value()), count, visit));
+  Play(LookAtScene(scene, static_cast<int>(mapper_->head().value()), count, visit));
 }
 
 void MapStory::Restart() {

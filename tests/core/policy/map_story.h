@@ -42,7 +42,7 @@ class MapStory {
   explicit MapStory(const MapConfig& config, const MapperOptions& options = {});
 
   /// Takes in frames, with a commit after every `frames_per_commit` and at the end.
-  void Tell(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1);
+  void Play(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1);
 
   /// Goes on looking at a scene. Another `visit` comes after a pause.
   void Look(const Scene& scene, int count, int visit = 0);

@@ -230,7 +230,7 @@ TEST(ObjectMapper, NoticesABoxThatWasTurned) {
     return std::remainder(story.Present(kGoodsClass)[0]->cuboid.yaw_rad, M_PI / 2);
   };
   ASSERT_NEAR(yaw_rad(), 0.0, 0.05);
-  story.Tell(LookAtTurned(Goods(0.0), 0.22, 45, 45));
+  story.Play(LookAtTurned(Goods(0.0), 0.22, 45, 45));
   const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
   ASSERT_EQ(removed.size(), 1U);
   EXPECT_EQ(removed[0].reason, EventReason::kDisplaced);
@@ -242,7 +242,7 @@ TEST(ObjectMapper, NoticesABoxThatWasTurned) {
 TEST(ObjectMapper, TakesALittleTurnForPoseError) {
   MapStory story(PocdConfig());
   story.Look({Goods(0.0)}, 45);
-  story.Tell(LookAtTurned(Goods(0.0), 0.02, 45, 45));
+  story.Play(LookAtTurned(Goods(0.0), 0.02, 45, 45));
   EXPECT_EQ(story.events().size(), 1U);
 }
 
@@ -401,7 +401,7 @@ TEST(ObjectMapper, PutsFramesWithoutLabelsIntoTheBackground) {
   std::vector<Frame> frames = LookAtScene({FarWall(), Goods(0.0)}, 0, 8);
   for (Frame& frame : frames) frame.labels = {};
   MapStory story(PocdConfig());
-  story.Tell(frames);
+  story.Play(frames);
   EXPECT_TRUE(story.events().empty());
   EXPECT_TRUE(story.map().objects.empty());
   EXPECT_GT(CountVoxelsIn(story.map(), Goods(0.0).box_world), 0U);
@@ -427,7 +427,7 @@ TEST(ObjectMapper, LeavesNothingOfAThingWhoseEdgesHadTheLabelOfTheGround) {
   std::vector<Frame> frames = LookAtScene({FarWall(), box}, 0, 24);
   for (std::size_t i = 0; i < frames.size(); ++i) SpoilBordersOfGoods(&frames[i], i < 8);
   MapStory story(PocdConfig());
-  story.Tell(frames);
+  story.Play(frames);
   EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
 }
 
@@ -453,7 +453,7 @@ TEST(ObjectMapper, LeavesNothingOfAThingOfWhichHalfHadTheLabelOfTheGround) {
   std::vector<Frame> frames = LookAtScene({FarWall(), box}, 0, 24);
   for (std::size_t i = 0; i < 10; ++i) SpoilHalfOfGoods(&frames[i], i < 8);
   MapStory story(PocdConfig());
-  story.Tell(frames);
+  story.Play(frames);
   EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
 }
 
@@ -474,12 +474,12 @@ std::vector<Frame> EventfulFrames() {
 TEST(ObjectMapper, GivesTheSameMapWhateverTheCommitRhythm) {
   const std::vector<Frame> frames = EventfulFrames();
   MapStory reference(PocdConfig());
-  reference.Tell(frames, 1);
+  reference.Play(frames, 1);
   EXPECT_GE(reference.events().size(), 4U);
   for (const std::size_t frames_per_commit : {std::size_t{1}, std::size_t{5}, frames.size()}) {
     SCOPED_TRACE(frames_per_commit);
     MapStory story(PocdConfig());
-    story.Tell(frames, frames_per_commit);
+    story.Play(frames, frames_per_commit);
     EXPECT_EQ(story.events(), reference.events());
     ExpectSameMap(story.map(), reference.map());
   }
@@ -553,9 +553,9 @@ TEST(ObjectMapper, PublishesAnObjectOfWhichAFrameShowsLittle) {
     SCOPED_TRACE(side_px);
     frames.back() = Patch(whole, side_px);
     MapStory step_by_step(PocdConfig());
-    step_by_step.Tell(frames, 1);
+    step_by_step.Play(frames, 1);
     MapStory at_once(PocdConfig());
-    at_once.Tell(frames, frames.size());
+    at_once.Play(frames, frames.size());
     ExpectSameMap(step_by_step.map(), at_once.map());
   }
 }
@@ -566,7 +566,7 @@ TEST(ObjectMapper, TakesFramesOfAnySizeAndDepth) {
     for (const double depth_m : {0.0, 0.001, 1.0, 2.0, 2.9, 65.5}) {
       SCOPED_TRACE(::testing::Message() << width_px << " x " << height_px << " at " << depth_m);
       MapStory story(PocdConfig());
-      for (int i = 0; i < 6; ++i) story.Tell({SmallFrame(width_px, height_px, depth_m, i)});
+      for (int i = 0; i < 6; ++i) story.Play({SmallFrame(width_px, height_px, depth_m, i)});
       EXPECT_EQ(story.map().revision, Revision(6));
       ExpectSameMap(story.told(), story.map());
     }
@@ -578,7 +578,7 @@ TEST(ObjectMapper, TellsEveryLeafThatChanged) {
   const std::vector<Frame> frames = EventfulFrames();
   for (std::size_t i = 0; i < frames.size(); i += 3) {
     SCOPED_TRACE(i);
-    story.Tell({frames.begin() + static_cast<std::ptrdiff_t>(i),
+    story.Play({frames.begin() + static_cast<std::ptrdiff_t>(i),
                 frames.begin() + static_cast<std::ptrdiff_t>(i + 3)},
                2);
     ExpectSameMap(story.told(), story.map());

@@ -38,7 +38,7 @@ Stages StagesOfAFrame(UpdatePolicy policy) {
   StageRecord record;
   MapStory story(ConfigOf(policy), {.stages = &record});
   const std::vector<Frame> frames = testing::LookAtScene({FarWall(), Goods(0.0)}, 0, 1);
-  story.Tell(frames, 2);
+  story.Play(frames, 2);
   return record.stages();
 }
 

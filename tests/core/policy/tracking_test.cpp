@@ -47,13 +47,13 @@ TEST(Tracking, ReportsNoChangeOfASceneThatStaysTheSame) {
 TEST(Tracking, FollowsABoxThatIsCarriedADecimetreAFrame) {
   MapStory story = TrackingStory();
   double y = -0.5;
-  story.Tell(LookAtCorner({FarWall(), Goods(y)}, 0, 10));
+  story.Play(LookAtCorner({FarWall(), Goods(y)}, 0, 10));
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
   const ObjectId box = story.Present(kGoodsClass)[0]->id;
   const Eigen::Vector3d start_world = story.Present(kGoodsClass)[0]->T_world_object.position_world;
   for (int step = 1; step <= 8; ++step) {
     y += 0.1;
-    story.Tell(LookAtCorner({FarWall(), Goods(y)}, 9 + step, 1));
+    story.Play(LookAtCorner({FarWall(), Goods(y)}, 9 + step, 1));
     ASSERT_EQ(story.Present(kGoodsClass).size(), 1U) << step;
     const MapObject& object = *story.Present(kGoodsClass)[0];
     EXPECT_EQ(object.id, box);
@@ -74,9 +74,9 @@ TEST(Tracking, FollowsABoxThatIsCarriedADecimetreAFrame) {
 
 TEST(Tracking, TellsASlowMoveOnceItHasComeFar) {
   MapStory story = TrackingStory();
-  story.Tell(LookAtCorner({FarWall(), Goods(-0.2)}, 0, 10));
+  story.Play(LookAtCorner({FarWall(), Goods(-0.2)}, 0, 10));
   for (int step = 1; step <= 9; ++step) {
-    story.Tell(LookAtCorner({FarWall(), Goods(-0.2 + 0.03 * step)}, 9 + step, 1));
+    story.Play(LookAtCorner({FarWall(), Goods(-0.2 + 0.03 * step)}, 9 + step, 1));
   }
   const std::vector<ObjectEvent> moved = story.EventsOf(EventType::kMoved, kGoodsClass);
   ASSERT_EQ(moved.size(), 2U);
@@ -85,9 +85,9 @@ TEST(Tracking, TellsASlowMoveOnceItHasComeFar) {
 
 TEST(Tracking, DropsABoxThatJumpsAndTakesItForAnother) {
   MapStory story = TrackingStory();
-  story.Tell(LookAtCorner({FarWall(), Goods(0.0)}, 0, 12));
+  story.Play(LookAtCorner({FarWall(), Goods(0.0)}, 0, 12));
   const ObjectId box = story.Present(kGoodsClass).at(0)->id;
-  story.Tell(LookAtCorner({FarWall(), Goods(0.24)}, 12, 8));
+  story.Play(LookAtCorner({FarWall(), Goods(0.24)}, 12, 8));
   const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
   ASSERT_EQ(removed.size(), 1U);
   EXPECT_EQ(removed[0].object, box);

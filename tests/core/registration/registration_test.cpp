@@ -103,7 +103,7 @@ TEST(RegisterPoints, RecoversKnownMotions) {
   int recovered = 0;
   for (int i = 0; i < kMotions; ++i) {
     const std::size_t which = static_cast<std::size_t>(i) % gallery.solids.size();
-    const std::vector<SurfaceView>& views = gallery.supporting_frames[which];
+    const std::vector<SurfaceView>& views = gallery.views[which];
     const SurfaceView& view = views[static_cast<std::size_t>(i) / 3 % views.size()];
     if (trial.Run(view, gallery.volumes[which], T_world_object).recovered()) ++recovered;
     const Registration& registration = trial.registration();
@@ -131,7 +131,7 @@ TEST(RegisterPoints, RecoversMotionsAgainstAFusedVolumeFromAnotherSide) {
     }
     const std::shared_ptr<const MapSnapshot> snapshot = mapper->Commit().snapshot;
     // The looks of the first quadrant see what was mapped.
-    const std::vector<SurfaceView>& views = gallery.supporting_frames[which];
+    const std::vector<SurfaceView>& views = gallery.views[which];
     MotionTrial trial(2 + which);
     for (int i = 0; i < kMotions / 3; ++i) {
       const SurfaceView& view = views[static_cast<std::size_t>(i) % (views.size() / 4)];
@@ -149,7 +149,7 @@ TEST(RegisterPoints, LeavesWhatFitsWhereItIs) {
   std::mt19937_64 random(3);
   const UprightPose T_world_object{{-3.0, 8.0, 0.0}, -1.2};
   for (std::size_t which = 0; which < gallery.solids.size(); ++which) {
-    for (const SurfaceView& view : gallery.supporting_frames[which]) {
+    for (const SurfaceView& view : gallery.views[which]) {
       std::vector<Eigen::Vector3d> points = WithNoise(view, 0.005, &random);
       for (Eigen::Vector3d& point : points) point = T_world_object.ToIsometry() * point;
       const Registration registration =
@@ -230,7 +230,7 @@ TEST(RegisterPoints, AnObjectThatGrowsStaysInPlace) {
           Box(Eigen::Vector3d(-0.7, -0.7, 0.0), Eigen::Vector3d(0.7, 0.7, 1.2)),
           kScale,
           [&](const Eigen::Vector3d& point) { return point.y() <= border_m; });
-      for (const SurfaceView& view : gallery.supporting_frames[which]) {
+      for (const SurfaceView& view : gallery.views[which]) {
         const Registration registration =
             RegisterPoints(WithNoise(view, 0.003, &random), volume, kScale, UprightPose());
         EXPECT_LT(registration.shift_world.norm(), 0.01)
@@ -253,7 +253,7 @@ TEST(RegisterPoints, AnotherShapeIsDissimilar) {
     for (std::size_t mapped = 0; mapped < gallery.solids.size(); ++mapped) {
       if (seen == mapped) continue;
       const TsdfGrid& volume = gallery.volumes[mapped];
-      for (const SurfaceView& view : gallery.supporting_frames[seen]) {
+      for (const SurfaceView& view : gallery.views[seen]) {
         const std::vector<Eigen::Vector3d> points = WithNoise(view, 0.003, &random);
         const Registration ours = RegisterPoints(points, volume, kScale, UprightPose());
         const Registration papers =
@@ -301,7 +301,7 @@ TEST(RegisterPoints, NothingToGoByGivesTheIdentityAndNoSimilarity) {
 TEST(RegisterPoints, LeavesOutPointsThatAreNotFinite) {
   const Gallery gallery;
   const TsdfGrid& volume = gallery.volumes[0];
-  std::vector<Eigen::Vector3d> points = gallery.supporting_frames[0][0].points;
+  std::vector<Eigen::Vector3d> points = gallery.views[0][0].points;
   for (std::size_t i = 0; i < points.size(); i += 7) points[i].y() = std::nan("");
   for (std::size_t i = 0; i < points.size(); i += 11) points[i].z() = 1e200;
   for (Eigen::Vector3d& point : points) point.x() += 0.05;
@@ -327,7 +327,7 @@ TEST(RegisterPoints, GoesNoFurtherThanItMaySearch) {
   RegistrationParameters parameters;
   parameters.search_distance_m = 0.0;
   parameters.search_yaw_rad = 0.0;
-  std::vector<Eigen::Vector3d> points = gallery.supporting_frames[0][0].points;
+  std::vector<Eigen::Vector3d> points = gallery.views[0][0].points;
   for (Eigen::Vector3d& point : points) point += Eigen::Vector3d(0.04, -0.03, 0.02);
   const Registration near =
       RegisterPoints(points, gallery.volumes[0], kScale, UprightPose(), parameters);

@@ -154,7 +154,7 @@ TEST(DynamicMask, AWrongLabelLeavesNoTrailWhereverARestartFalls) {
       frames.push_back(
           RenderScene({FarWall(), Person(label)}, {.capture_time_s = 100.0 + 0.1 * i}));
     }
-    story->RecordEvent(frames, 2);
+    story->Play(frames, 2);
   };
   MapStory story(PocdConfig());
   MapStory restarted(PocdConfig());

@@ -61,9 +61,9 @@ void ExpectSameContent(MapSnapshot now, const MapSnapshot& before) {
 
 TEST(LocalizationMonitor, ARobotThatJumpsChangesNothingUntilItIsBack) {
   MapStory story(PocdConfig());
-  story.Tell(Drive(Room(), 0, kMappingFrames));
+  story.Play(Drive(Room(), 0, kMappingFrames));
   const MapSnapshot before = story.map();
-  story.Tell(Mislead(Drive(Room(), kMappingFrames, 12), kShiftM, kTurnRad));
+  story.Play(Mislead(Drive(Room(), kMappingFrames, 12), kShiftM, kTurnRad));
   ExpectSameContent(story.map(), before);
   EXPECT_EQ(TrustIn(story), Trust::kLost);
   EXPECT_EQ(story.map().revision, Revision(kMappingFrames + 12)) << "its frames are acknowledged";
@@ -75,7 +75,7 @@ TEST(LocalizationMonitor, ARobotThatJumpsChangesNothingUntilItIsBack) {
   EXPECT_EQ(lost[0].revision,
             Revision(kMappingFrames + LocalizationMonitorParameters().losing_frames));
 
-  story.Tell(Drive(Room(), kMappingFrames + 12, 20));
+  story.Play(Drive(Room(), kMappingFrames + 12, 20));
   const std::vector<ObjectEvent> found = EventsOf(story, EventType::kRobotFound);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].reason, EventReason::kAgreement);
@@ -111,22 +111,22 @@ TEST(LocalizationMonitor, WithoutItAJumpSpoilsTheMap) {
 
 TEST(LocalizationMonitor, ASingleWrongPoseIsLeftOutSilently) {
   MapStory story(PocdConfig());
-  story.Tell(Drive(Room(), 0, kMappingFrames));
+  story.Play(Drive(Room(), 0, kMappingFrames));
   const MapSnapshot before = story.map();
-  story.Tell(Mislead(Drive(Room(), kMappingFrames, 1), kShiftM, kTurnRad));
+  story.Play(Mislead(Drive(Room(), kMappingFrames, 1), kShiftM, kTurnRad));
   ExpectSameContent(story.map(), before);
   EXPECT_EQ(TrustIn(story), Trust::kDoubted);
-  story.Tell(Drive(Room(), kMappingFrames + 1, 1));
+  story.Play(Drive(Room(), kMappingFrames + 1, 1));
   EXPECT_EQ(TrustIn(story), Trust::kTrusted);
   EXPECT_TRUE(EventsOf(story, EventType::kRobotLost).empty());
 }
 
 TEST(LocalizationMonitor, TheFramesOfOtherRobotsGoOnToCount) {
   MapStory story(PocdConfig());
-  story.Tell(Drive(Room(), 0, kMappingFrames));
+  story.Play(Drive(Room(), 0, kMappingFrames));
   const std::vector<Frame> misled = Mislead(Drive(Room(), kMappingFrames, 30), kShiftM, kTurnRad);
   const std::vector<Frame> others = From("other", Drive(RoomWithout(2), kMappingFrames, 30));
-  for (std::size_t i = 0; i < misled.size(); ++i) story.Tell({misled[i], others[i]});
+  for (std::size_t i = 0; i < misled.size(); ++i) story.Play({misled[i], others[i]});
   ASSERT_EQ(EventsOf(story, EventType::kRobotLost).size(), 1U);
   EXPECT_EQ(EventsOf(story, EventType::kRobotLost)[0].source.robot, "robot");
   EXPECT_EQ(TrustIn(story), Trust::kLost);
@@ -140,8 +140,8 @@ TEST(LocalizationMonitor, ARobotThatComesBackToAChangedRoomIsBelieved) {
   for (const int first : {70, 85, 104}) {
     SCOPED_TRACE(first);
     MapStory story(PocdConfig());
-    story.Tell(Drive(Room(), 0, kMappingFrames), kMappingFrames);
-    story.Tell(Drive(RoomWithout(2), first, 45, kPauseS));
+    story.Play(Drive(Room(), 0, kMappingFrames), kMappingFrames);
+    story.Play(Drive(RoomWithout(2), first, 45, kPauseS));
     EXPECT_TRUE(EventsOf(story, EventType::kRobotLost).empty());
     EXPECT_EQ(TrustIn(story), Trust::kTrusted);
     EXPECT_EQ(EventsOf(story, EventType::kRemoved).size(), 2U);
@@ -151,10 +151,10 @@ TEST(LocalizationMonitor, ARobotThatComesBackToAChangedRoomIsBelieved) {
 
 TEST(LocalizationMonitor, ARobotThatDrivesOnIsBelievedWhateverItSees) {
   MapStory story(PocdConfig());
-  story.Tell(Drive(Room(), 0, kMappingFrames));
+  story.Play(Drive(Room(), 0, kMappingFrames));
   const Scene other = {Body(kWallClass, {1.3, -3.0, 0.0}, {1.5, 3.0, 2.5})};
   const MapSnapshot before = story.map();
-  story.Tell(Drive(other, kMappingFrames, 10));
+  story.Play(Drive(other, kMappingFrames, 10));
   EXPECT_TRUE(EventsOf(story, EventType::kRobotLost).empty());
   EXPECT_EQ(TrustIn(story), Trust::kTrusted);
   EXPECT_FALSE(story.map().free_space == before.free_space);
@@ -162,17 +162,17 @@ TEST(LocalizationMonitor, ARobotThatDrivesOnIsBelievedWhateverItSees) {
 
 TEST(LocalizationMonitor, ARobotInANewPlaceIsBelieved) {
   MapStory story(PocdConfig());
-  story.Tell(Drive(Room(), 0, kMappingFrames));
+  story.Play(Drive(Room(), 0, kMappingFrames));
   const std::size_t leaves = testing::PackedLeaves(story.map()).size();
   // Another room, 50 m away: first after a pause, then by a robot that nobody knows.
   std::vector<Frame> frames = Drive(RoomWithout(2), 10, 10, kPauseS);
   for (Frame& frame : frames) frame.T_world_camera.translation().x() += 50.0;
-  story.Tell(frames);
+  story.Play(frames);
   EXPECT_EQ(TrustIn(story), Trust::kTrusted);
   const std::size_t more_leaves = testing::PackedLeaves(story.map()).size();
   EXPECT_GT(more_leaves, leaves + 100);
   for (Frame& frame : frames) frame.T_world_camera.translation().x() += 50.0;
-  story.Tell(From("stranger", frames));
+  story.Play(From("stranger", frames));
   EXPECT_EQ(TrustIn(story, "stranger"), Trust::kTrusted);
   EXPECT_GT(testing::PackedLeaves(story.map()).size(), more_leaves + 100);
   EXPECT_TRUE(EventsOf(story, EventType::kRobotLost).empty());
@@ -180,21 +180,21 @@ TEST(LocalizationMonitor, ARobotInANewPlaceIsBelieved) {
 
 TEST(LocalizationMonitor, ARobotThatWakesUpWithAWrongPoseIsLost) {
   MapStory story(PocdConfig());
-  story.Tell(Drive(Room(), 0, kMappingFrames));
+  story.Play(Drive(Room(), 0, kMappingFrames));
   const MapSnapshot before = story.map();
-  story.Tell(Mislead(Drive(Room(), kMappingFrames - 1, 10, kPauseS), kShiftM, kTurnRad));
+  story.Play(Mislead(Drive(Room(), kMappingFrames - 1, 10, kPauseS), kShiftM, kTurnRad));
   ExpectSameContent(story.map(), before);
   EXPECT_EQ(EventsOf(story, EventType::kRobotLost).size(), 1U);
 }
 
 TEST(LocalizationMonitor, ALostRobotIsFoundInAPlaceThatIsNewForLong) {
   MapStory story(PocdConfig());
-  story.Tell(Drive(Room(), 0, kMappingFrames));
+  story.Play(Drive(Room(), 0, kMappingFrames));
   const auto new_place_frames = static_cast<int>(LocalizationMonitorParameters().new_place_frames);
   std::vector<Frame> misled =
       Mislead(Drive(Room(), kMappingFrames, 6 + new_place_frames), kShiftM, kTurnRad);
   const auto first_in_new_place = misled.begin() + 5;
-  story.Tell({misled.begin(), first_in_new_place});
+  story.Play({misled.begin(), first_in_new_place});
   ASSERT_EQ(TrustIn(story), Trust::kLost);
 
   // It drives so far, seeing nothing, that neither where it says nor where it would be is known.
@@ -210,12 +210,12 @@ TEST(LocalizationMonitor, ALostRobotIsFoundInAPlaceThatIsNewForLong) {
     drive_on(&frame, step);
     on_the_way.push_back(std::move(frame));
   }
-  story.Tell(on_the_way, kSteps);
+  story.Play(on_the_way, kSteps);
   EXPECT_EQ(TrustIn(story), Trust::kLost) << "frames that show nothing say nothing";
   std::for_each(first_in_new_place, misled.end(), [&](Frame& frame) { drive_on(&frame, kSteps); });
-  story.Tell({first_in_new_place, misled.end() - 2});
+  story.Play({first_in_new_place, misled.end() - 2});
   EXPECT_EQ(TrustIn(story), Trust::kLost);
-  story.Tell({misled.end() - 2, misled.end()});
+  story.Play({misled.end() - 2, misled.end()});
   EXPECT_EQ(TrustIn(story), Trust::kTrusted);
   EXPECT_EQ(EventsOf(story, EventType::kRobotFound).size(), 1U);
 }
@@ -263,9 +263,9 @@ TEST(LocalizationMonitor, GoesOnFromARestoredMapAsIfNeverStopped) {
 TEST(LocalizationMonitor, GivesTheSameMapWhateverTheCommitRhythm) {
   const std::vector<Frame> frames = EventfulDrive();
   MapStory one_by_one(PocdConfig());
-  one_by_one.Tell(frames, 1);
+  one_by_one.Play(frames, 1);
   MapStory in_groups(PocdConfig());
-  in_groups.Tell(frames, 4);
+  in_groups.Play(frames, 4);
   EXPECT_EQ(in_groups.events(), one_by_one.events());
   ExpectSameMap(in_groups.map(), one_by_one.map());
   ExpectSameMap(in_groups.told(), one_by_one.map());
@@ -285,7 +285,7 @@ TEST(LocalizationMonitor, TakesAnyPoseAtAnyTime) {
   frames[8].source.robot.clear();
   frames[10].T_world_camera.translation().setConstant(-0.5 * limit_m);
   frames[9].capture_time = Timestamp::FromNanoseconds(frames[8].capture_time.nanoseconds() + 1);
-  story.Tell(frames);
+  story.Play(frames);
   EXPECT_EQ(story.map().revision, Revision(12));
   EXPECT_EQ(story.map().robots.size(), 2U);
   ExpectSameMap(story.told(), story.map());

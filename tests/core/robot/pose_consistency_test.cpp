@@ -27,7 +27,7 @@ class FrameAgreementTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     MapStory story(PocdConfig());
-    story.Tell(Drive(Room(), 0, 70), 70);
+    story.Play(Drive(Room(), 0, 70), 70);
     room = new MapSnapshot(story.map());
   }
 
@@ -124,7 +124,7 @@ TEST_F(FrameAgreementTest, AnEmptyMapKnowsNothing) {
 TEST_F(FrameAgreementTest, AFloorThatFitsCountsForNothing) {
   const Scene floor = {Room().front()};
   MapStory story(PocdConfig());
-  story.Tell(Drive(floor, 0, 20), 20);
+  story.Play(Drive(floor, 0, 20), 20);
   WorkingMap map(PocdConfig());
   map.Restore(story.map());
   const PoseConsistency agreement = Compare(Mislead(Drive(floor, 15, 1), 0.3, 0.7)[0], map);

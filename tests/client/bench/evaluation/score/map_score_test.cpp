@@ -109,8 +109,8 @@ TEST(MapScorer, TrueSurfaceThatNobodySawIsNeitherWrongNorMissed) {
   const MapScore with = scorer.Score(map);
   EXPECT_EQ(without.voxel.missed, 0U);
   EXPECT_EQ(without.near.missed, 0U);
-  EXPECT_EQ(with.voxel.wrong, 0U);
-  EXPECT_EQ(with.near.wrong, 0U);
+  EXPECT_EQ(with.voxel.false_positives, 0U);
+  EXPECT_EQ(with.near.false_positives, 0U);
 }
 
 TEST(MapScorer, CountsTheTrailOfWhatMovedThrough) {
