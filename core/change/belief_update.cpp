@@ -24,7 +24,7 @@ void AddEvidence(const ObjectVerdict& verdict,
                  Timestamp now,
                  double visit_gap_s,
                  ObjectEvidence* evidence) {
-  if (now.seconds() - evidence->LastConfirmed().seconds() > visit_gap_s) {
+  if ((now - evidence->LastConfirmed()).seconds() > visit_gap_s) {
     evidence->present_cells = 0.0;
     evidence->change_sum_m = 0.0;
     // What was missed before is missed still, unless it is found now.
@@ -36,7 +36,7 @@ void AddEvidence(const ObjectVerdict& verdict,
     if (judged.verdict == Verdict::kPresent) {
       const int raised = std::max<int>(score, kDoubtThatRemains) + 1;
       score = static_cast<std::int8_t>(std::min<int>(raised, kMaxCellScore));
-      if (now.nanoseconds() - leaf.confirmed.nanoseconds() >= kConfirmationGrainNs) {
+      if (now - leaf.confirmed >= kConfirmationGrain) {
         leaf.confirmed = now;
       }
     } else {
@@ -60,7 +60,7 @@ bool UpdateBelief(StationarityPrior prior,
   if (judged < parameters.cells_per_update) return false;
   StationarityParameters stationarity = parameters.stationarity;
   if (prior == StationarityPrior::kStays &&
-      now.seconds() - object->last_seen.seconds() > parameters.visit_gap_s) {
+      (now - object->last_seen).seconds() > parameters.visit_gap_s) {
     stationarity.max_evidence = std::min(stationarity.max_evidence, parameters.revisit_evidence);
   }
   const double absent_share = evidence.absent_cells / judged;
@@ -86,13 +86,13 @@ bool IsContradicted(const ObjectVerdict& verdict,
                     const TrackedObject& object) {
   const DoubtedCells cells = CountDoubtedCells(object, -1);
   const std::size_t contradicted = std::max(cells.doubted, verdict.absent());
-  const auto found = static_cast<double>(
-      CountFoundCells(object, Timestamp::FromSeconds(now.seconds() - parameters.found_s)));
+  const auto found =
+      static_cast<double>(CountFoundCells(object, now - Duration::FromSeconds(parameters.found_s)));
   if (found > parameters.found_ratio * static_cast<double>(contradicted) &&
       object.state().belief.stationarity() >= parameters.least_stationarity) {
     return false;
   }
-  const double unseen_s = now.seconds() - object.state().last_seen.seconds();
+  const double unseen_s = (now - object.state().last_seen).seconds();
   return unseen_s > parameters.visit_s || contradicted >= parameters.cells ||
          static_cast<double>(contradicted) >= parameters.share * static_cast<double>(cells.all);
 }

@@ -104,7 +104,7 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
   }
   if (LeavesRoom(objects_[owner - 1].object->cuboid(), point_world.cast<double>())) return false;
   const Timestamp confirmed = object.state().evidence.ConfirmedAt(leaf);
-  return newer.in_place_since.nanoseconds() > confirmed.nanoseconds() + kConfirmationGrainNs;
+  return newer.in_place_since > confirmed + kConfirmationGrain;
 }
 
 /// Where the grid of samples shows a point in front of the camera; none if it does not.

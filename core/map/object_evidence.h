@@ -22,7 +22,7 @@ struct LeafEvidence {
 };
 
 /// Stamps of confirmation are that coarse, so that what rests does not change.
-inline constexpr std::int64_t kConfirmationGrainNs = 2'000'000'000;
+inline constexpr Duration kConfirmationGrain = Duration::FromNanoseconds(2'000'000'000);
 
 inline constexpr std::int8_t kMaxCellScore = 3;
 inline constexpr std::int8_t kMinCellScore = -100;

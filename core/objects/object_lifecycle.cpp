@@ -25,7 +25,7 @@ void ObjectLifecycle::Run(const std::vector<ObjectInView>& in_view, WorkingMap* 
   for (TrackedObject* object : map_->TentativeObjects()) {
     const ObjectState& state = object->state();
     if (state.supporting_frames >= parameters_.views && Confirm(object)) continue;
-    if (map_->now().seconds() - state.last_seen.seconds() > parameters_.max_unseen_s) {
+    if ((map_->now() - state.last_seen).seconds() > parameters_.max_unseen_s) {
       map_->Forget(object);
     }
   }
@@ -179,7 +179,7 @@ void ObjectLifecycle::Return(TrackedObject* object, EventReason reason, const Be
 void ObjectLifecycle::TakeBackParts(const std::vector<ObjectInView>& in_view) {
   for (const ObjectInView& view : in_view) {
     const ObjectState& state = view.object->state();
-    const double age_s = map_->now().seconds() - state.in_place_since.seconds();
+    const double age_s = (map_->now() - state.in_place_since).seconds();
     if (state.status != ObjectStatus::kPresent || age_s >= parameters_.recent_s ||
         !Stays(*view.object)) {
       continue;

@@ -47,8 +47,7 @@ void MergeConnected(const SampleGrid& samples,
     if (contact.samples < parameters.contacts) continue;
     TrackedObject* a = in_view[contact.first - 1].object;
     TrackedObject* b = in_view[contact.second - 1].object;
-    const double apart_s =
-        a->state().in_place_since.seconds() - b->state().in_place_since.seconds();
+    const double apart_s = (a->state().in_place_since - b->state().in_place_since).seconds();
     if (a->is_archived() || b->is_archived() || a->state().class_id != b->state().class_id ||
         std::abs(apart_s) > parameters.recent_s || !ShareLattice(a->state(), b->state())) {
       continue;

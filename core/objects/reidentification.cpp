@@ -43,7 +43,7 @@ bool IsArchivedNear(const TrackedObject& known,
 bool WasGoneForLong(const TrackedObject& known,
                     const TrackedObject& object,
                     const ReidentificationParameters& parameters) {
-  return object.state().in_place_since.seconds() - known.state().in_place_since.seconds() >
+  return (object.state().in_place_since - known.state().in_place_since).seconds() >
          parameters.wall_absence_s;
 }
 
@@ -91,7 +91,7 @@ OverlapCounts CountOverlap(const TrackedObject& object,
 bool WentOnVisit(const TrackedObject& known,
                  const TrackedObject& object,
                  const ReidentificationParameters& parameters) {
-  return object.state().last_seen.seconds() - known.state().in_place_since.seconds() <
+  return (object.state().last_seen - known.state().in_place_since).seconds() <
          parameters.same_visit_s;
 }
 
@@ -218,7 +218,7 @@ bool MayBeOneThing(const TrackedObject& object,
                    const TrackedObject& other,
                    const PieceParameters& parameters) {
   const ObjectState& state = other.state();
-  const double apart_s = object.state().in_place_since.seconds() - state.in_place_since.seconds();
+  const double apart_s = (object.state().in_place_since - state.in_place_since).seconds();
   return &other != &object && state.status == ObjectStatus::kPresent &&
          state.class_id == object.state().class_id && apart_s <= parameters.apart_s &&
          ShareLattice(state, object.state()) &&
@@ -253,7 +253,7 @@ std::vector<TrackedObject*> FindGoneWith(const TrackedObject& object,
     const Cuboid& cuboid = reached[next]->cuboid();
     for (TrackedObject* other : candidates) {
       const ObjectState& state = other->state();
-      const double apart_s = state.in_place_since.seconds() - first.in_place_since.seconds();
+      const double apart_s = (state.in_place_since - first.in_place_since).seconds();
       if (!other->is_history() || state.class_id != first.class_id ||
           std::abs(apart_s) > parameters.same_visit_s ||
           std::find(reached.begin(), reached.end(), other) != reached.end() ||

@@ -143,7 +143,7 @@ class MoveSearch {
   /// Whether most of `before`, which stood clear of `after`, was found a moment ago.
   bool Stands(const TrackedObject& before, const TrackedObject& after) const {
     if (DistanceBetween(before.cuboid(), after.cuboid()) <= 0.0) return false;
-    const Timestamp lately = Timestamp::FromSeconds(map_->now().seconds() - recent_s_);
+    const Timestamp lately = map_->now() - Duration::FromSeconds(recent_s_);
     const auto found = static_cast<double>(CountFoundCells(before, lately));
     const auto all = static_cast<double>(CountDoubtedCells(before, 0).all);
     return found > parameters_.pushed_found_share * all;
@@ -164,10 +164,10 @@ class MoveSearch {
     for (const TrackedObject* other :
          map_->ObjectsNear({center_world - margin_m, center_world + margin_m})) {
       const ObjectState& state = other->state();
-      const bool is_unaccounted = other->is_history()
-                                      ? state.in_place_since.seconds() > came.seconds() - recent_s_
-                                      : state.status == ObjectStatus::kPresent &&
-                                            state.in_place_since < came && state.last_seen < came;
+      const bool is_unaccounted =
+          other->is_history() ? state.in_place_since > came - Duration::FromSeconds(recent_s_)
+                              : state.status == ObjectStatus::kPresent &&
+                                    state.in_place_since < came && state.last_seen < came;
       if (other != &before && is_unaccounted && IsLookalike(*other, after) &&
           DistanceOfCenters(*other, after) <= reach_m) {
         return true;
@@ -240,7 +240,7 @@ void FindRelocations(const std::vector<ObjectInView>& in_view,
   for (const ObjectInView& view : in_view) {
     TrackedObject* after = view.object;
     const ObjectState& state = after->state();
-    const double age_s = map->now().seconds() - state.in_place_since.seconds();
+    const double age_s = (map->now() - state.in_place_since).seconds();
     // What came back or was moved before has a history of its own.
     if (state.status != ObjectStatus::kPresent || state.supporting_frames < parameters.views ||
         age_s >= recent_s || state.first_seen != state.in_place_since) {

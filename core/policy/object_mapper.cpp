@@ -188,7 +188,7 @@ void ObjectMapper::PlaceObservations() {
 }
 
 bool ObjectMapper::IsRecent(const ObjectState& state) const {
-  return map_->now().seconds() - state.in_place_since.seconds() < parameters_.confirmation.recent_s;
+  return (map_->now() - state.in_place_since).seconds() < parameters_.confirmation.recent_s;
 }
 
 bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {

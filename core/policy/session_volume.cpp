@@ -75,7 +75,7 @@ void SessionVolume::Fuse(TsdfIntegrator* integrator) {
       },
       &changed);
   MarkLeaves(changed);
-  if (tiles_.empty() || map_.now().seconds() - last_fused_.seconds() < kStampGrainS) return;
+  if (tiles_.empty() || (map_.now() - last_fused_).seconds() < kStampGrainS) return;
   // The visit goes on, though nothing changes any more.
   TrackedObject* tile = tiles_.begin()->second;
   tile->state().last_seen = map_.now();

@@ -131,7 +131,7 @@ void TrackingMapper::ConfirmAndForget() {
       state.status = ObjectStatus::kPresent;
       map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
       map_->MarkChanged(object);
-    } else if (map_->now().seconds() - state.last_seen.seconds() > parameters_.tentative_age_s) {
+    } else if ((map_->now() - state.last_seen).seconds() > parameters_.tentative_age_s) {
       map_->Forget(object);
     }
   }

@@ -79,7 +79,7 @@ void DynamicMask::Record(const SensorName& sensor,
 
 /// Frames may come late; the future of another is as far away as its past.
 bool DynamicMask::IsFresh(const MovingCell& cell, const WorkingMap& map) const {
-  return std::abs(map.now().seconds() - cell.seen.seconds()) <= parameters_.memory_s;
+  return std::abs((map.now() - cell.seen).seconds()) <= parameters_.memory_s;
 }
 
 /// Where the cloud shows surface of dynamic classes; rising, none twice.

@@ -61,7 +61,7 @@ bool LocalizationMonitor::IsJump(const Eigen::Isometry3d& from,
 
 /// Takes in where the robot says that it is now, and where it would be otherwise.
 void LocalizationMonitor::FollowMotion(const Frame& frame, RobotState* robot) const {
-  const double since_s = frame.capture_time.seconds() - robot->last_capture_time.seconds();
+  const double since_s = (frame.capture_time - robot->last_capture_time).seconds();
   const bool is_moving = since_s >= kMinElapsedS && since_s <= parameters_.motion_s;
   const double elapsed_s = is_moving ? since_s : 0.0;
   const Eigen::Isometry3d T_world_before = PoseOf(robot->claimed);

@@ -2,10 +2,34 @@
 
 #include <compare>
 #include <cstdint>
+#include <limits>
 
 namespace steadymap {
 
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
+/// A difference of two times, nanoseconds; negative if the second is earlier.
+class Duration {
+ public:
+  constexpr Duration() = default;
+
+  static constexpr Duration FromNanoseconds(std::int64_t ns) { return Duration(ns); }
+
+  static constexpr Duration FromSeconds(double seconds) {
+    return Duration(static_cast<std::int64_t>(seconds * 1e9));
+  }
+
+  constexpr std::int64_t nanoseconds() const { return ns_; }
+
+  constexpr double seconds() const { return static_cast<double>(ns_) / 1e9; }
+
+  friend constexpr auto operator<=>(const Duration&, const Duration&) = default;
+
+ private:
+  explicit constexpr Duration(std::int64_t ns) : ns_(ns) {}
+
+  std::int64_t ns_ = 0;
+};
 
 /// A moment, nanoseconds since the Unix epoch. Core never reads a clock: times come with frames.
 class Timestamp {
@@ -24,7 +48,34 @@ class Timestamp {
 
   friend constexpr auto operator<=>(const Timestamp&, const Timestamp&) = default;
 
+  /// The time from `b` to `a`, exact. A difference beyond 292 years is the longest that there is.
+  friend constexpr Duration operator-(Timestamp a, Timestamp b) {
+    std::int64_t ns = 0;
+    if (__builtin_sub_overflow(a.ns_, b.ns_, &ns)) ns = a < b ? kMin : kMax;
+    return Duration::FromNanoseconds(ns);
+  }
+
+  /// Beyond the times that can be told: the latest or earliest.
+  friend constexpr Timestamp operator+(Timestamp time, Duration duration) {
+    std::int64_t ns = 0;
+    if (__builtin_add_overflow(time.ns_, duration.nanoseconds(), &ns)) {
+      ns = duration < Duration() ? kMin : kMax;
+    }
+    return Timestamp(ns);
+  }
+
+  friend constexpr Timestamp operator-(Timestamp time, Duration duration) {
+    std::int64_t ns = 0;
+    if (__builtin_sub_overflow(time.ns_, duration.nanoseconds(), &ns)) {
+      ns = duration < Duration() ? kMax : kMin;
+    }
+    return Timestamp(ns);
+  }
+
  private:
+  static constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
+  static constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+
   explicit constexpr Timestamp(std::int64_t ns) : ns_(ns) {}
 
   std::int64_t ns_ = 0;

@@ -18,11 +18,7 @@ constexpr std::chrono::hours kNotableStepBack{1};
 
 /// The time between them, at most 292 years.
 std::chrono::nanoseconds Between(Timestamp from, Timestamp to) {
-  std::int64_t ns = 0;
-  if (__builtin_sub_overflow(to.nanoseconds(), from.nanoseconds(), &ns)) {
-    return to < from ? std::chrono::nanoseconds::min() : std::chrono::nanoseconds::max();
-  }
-  return std::chrono::nanoseconds(ns);
+  return std::chrono::nanoseconds((to - from).nanoseconds());
 }
 
 double SecondsOf(std::chrono::nanoseconds time) {

@@ -76,7 +76,7 @@ MapObject Known(const SceneObject& thing, Timestamp now, const VoxelScale& scale
   object.votes = {{object.class_id, 100.0}};
   object.belief.alpha = 9.0;
   object.supporting_frames = 100;
-  object.first_seen = Timestamp::FromSeconds(now.seconds() - kSecondsBetweenObjects * thing.id);
+  object.first_seen = now - Duration::FromSeconds(kSecondsBetweenObjects * thing.id);
   object.in_place_since = object.first_seen;
   object.last_seen = object.first_seen;
   return object;

@@ -55,7 +55,7 @@ const Value* Nearest(const std::vector<Timed<Value>>& entries, Timestamp time) {
   std::int64_t gap_ns = kMaxTimeGapNs;
   for (auto entry : {after, after == entries.begin() ? after : after - 1}) {
     if (entry == entries.end()) continue;
-    const std::int64_t distance_ns = std::abs(entry->time.nanoseconds() - time.nanoseconds());
+    const std::int64_t distance_ns = std::abs((entry->time - time).nanoseconds());
     if (distance_ns > gap_ns) continue;
     gap_ns = distance_ns;
     nearest = &entry->value;
