@@ -6,6 +6,8 @@
 #include <map>
 #include <unordered_map>
 
+#include "core/volume/voxel_index.h"
+
 namespace steadymap {
 namespace {
 
@@ -16,17 +18,12 @@ LeafMask DifferenceOf(const LeafView& before,
                       const VoxelScale& scale,
                       const ChangedVoxelParameters& parameters) {
   LeafMask different{};
-  for (std::size_t word = 0; word < different.size(); ++word) {
-    for (std::uint64_t bits = before.observed[word] & after.observed[word]; bits != 0;
-         bits &= bits - 1) {
-      const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::size_t offset = word * 64 + bit;
-      if (IsComparable(before, after, offset, parameters) &&
-          IsDifferent(before, after, offset, scale, parameters)) {
-        different[word] |= std::uint64_t{1} << bit;
-      }
+  ForEachBit(before.observed, [&](std::size_t offset) {
+    if (IsSet(after.observed, offset) && IsComparable(before, after, offset, parameters) &&
+        IsDifferent(before, after, offset, scale, parameters)) {
+      SetBit(offset, &different);
     }
-  }
+  });
   return different;
 }
 
@@ -38,16 +35,10 @@ LeafMask OpenSpaceOf(const LeafView& leaf,
   const double from_m = parameters.min_difference * scale.truncation_m;
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
     if (IsSet(leaf.observed, offset) && static_cast<double>(leaf.distance_m[offset]) > from_m) {
-      open[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+      SetBit(offset, &open);
     }
   }
   return open;
-}
-
-Eigen::Vector3i VoxelAt(LeafOrigin origin, std::size_t offset) {
-  return {origin.x + static_cast<int>(offset >> 6),
-          origin.y + static_cast<int>(offset >> 3 & 7),
-          origin.z + static_cast<int>(offset & 7)};
 }
 
 /// Collects connected voxels of masks.
@@ -60,7 +51,8 @@ class VoxelComponentSearch {
     const LeafMask& mask = open_.at(origin);
     for (std::size_t word = 0; word < mask.size(); ++word) {
       if (mask[word] == 0) continue;
-      *voxel = VoxelAt(origin, word * 64 + static_cast<std::size_t>(std::countr_zero(mask[word])));
+      *voxel =
+          VoxelIndexAt(origin, word * 64 + static_cast<std::size_t>(std::countr_zero(mask[word])));
       return true;
     }
     return false;
@@ -106,7 +98,7 @@ class VoxelComponentSearch {
     if (leaf == open_.end()) return;
     const std::size_t offset = OffsetInLeaf(voxel.x(), voxel.y(), voxel.z());
     if (!IsSet(leaf->second, offset)) return;
-    leaf->second[offset >> 6] &= ~(std::uint64_t{1} << (offset & 63));
+    ClearBit(offset, &leaf->second);
     voxels->push_back(voxel);
   }
 
@@ -124,8 +116,7 @@ VoxelChange Describe(const std::vector<Eigen::Vector3i>& voxels,
   std::map<LeafOrigin, LeafMask> masks;
   for (const Eigen::Vector3i& voxel : voxels) {
     const std::size_t offset = OffsetInLeaf(voxel.x(), voxel.y(), voxel.z());
-    masks[LeafOf(voxel.x(), voxel.y(), voxel.z())][offset >> 6] |= std::uint64_t{1}
-                                                                   << (offset & 63);
+    SetBit(offset, &masks[LeafOf(voxel.x(), voxel.y(), voxel.z())]);
     change.mean_voxel += voxel.cast<double>();
   }
   change.voxels = voxels.size();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/volume/voxel_index.h"
+
 namespace steadymap {
 namespace {
 
@@ -47,9 +49,7 @@ SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelSc
     const Eigen::Vector3f normal = gradient / norm;
     // One voxel of each column along the axis that the surface faces.
     if (std::abs(distance_m) > 0.5F * voxel_size_m * normal.cwiseAbs().maxCoeff()) continue;
-    const Eigen::Vector3f centre(static_cast<float>(origin.x + static_cast<int>(offset >> 6)),
-                                 static_cast<float>(origin.y + static_cast<int>(offset >> 3 & 7)),
-                                 static_cast<float>(origin.z + static_cast<int>(offset & 7)));
+    const Eigen::Vector3f centre = VoxelIndexAt(origin, offset).cast<float>();
     surface.points.push_back(
         {centre * voxel_size_m - normal * distance_m, normal, EvidenceCellOf(offset)});
   }

@@ -1,9 +1,10 @@
 #include "core/policy/voxel_change.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <map>
+
+#include "core/volume/voxel_index.h"
 
 namespace steadymap {
 namespace {
@@ -35,20 +36,20 @@ void FuseFreeLook(float look_weight,
   const float capped = std::min(std::round(total / kWeightUnit) * kWeightUnit, kMaxWeight);
   voxels->distance_m[offset] = std::round(steps) * step_m;
   voxels->weight[offset] = std::max(capped, kWeightUnit);
-  voxels->observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+  SetBit(offset, &voxels->observed);
 }
 
 void ClearVoxel(std::size_t offset, LeafVoxels* voxels) {
   voxels->distance_m[offset] = 0.0F;
   voxels->weight[offset] = 0.0F;
   voxels->color[offset] = 0;
-  voxels->observed[offset >> 6] &= ~(std::uint64_t{1} << (offset & 63));
+  ClearBit(offset, &voxels->observed);
 }
 
 void TakeVoxel(const LeafView& from, std::size_t offset, LeafVoxels* voxels) {
   voxels->distance_m[offset] = from.distance_m[offset];
   voxels->weight[offset] = from.weight[offset];
-  voxels->observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+  SetBit(offset, &voxels->observed);
   if (from.color == nullptr) return;
   voxels->color[offset] = from.color[offset];
   voxels->has_color = true;
@@ -63,8 +64,7 @@ VoxelChangeMapper::VoxelChangeMapper(const MapConfig& config,
 void VoxelChangeMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
   SessionVolume fresh(map);
-  if (!fresh.empty() &&
-      map->now().seconds() - fresh.last_fused().seconds() > parameters_.visit_gap_s) {
+  if (!fresh.empty() && (map->now() - fresh.last_fused()).seconds() > parameters_.visit_gap_s) {
     std::vector<LeafOrigin> all;
     fresh.ForEachLeaf([&all](LeafOrigin origin, const LeafView&) { all.push_back(origin); });
     std::sort(all.begin(), all.end());
@@ -121,11 +121,7 @@ void VoxelChangeMapper::ClearLeaf(const ViewFreeSpace& view,
   bool is_changed = false;
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
     if (!IsSet(known.observed, offset)) continue;
-    const Eigen::Vector3f center_world =
-        voxel_size_m *
-        Eigen::Vector3f(static_cast<float>(origin.x + static_cast<int>(offset >> 6)),
-                        static_cast<float>(origin.y + static_cast<int>(offset >> 3 & 7)),
-                        static_cast<float>(origin.z + static_cast<int>(offset & 7)));
+    const Eigen::Vector3f center_world = voxel_size_m * VoxelIndexAt(origin, offset).cast<float>();
     if (!view.IsClear(center_world, truncation_m)) continue;
     if (!is_changed) CopyLeaf(fresh->FindLeaf(origin), &voxels);
     is_changed = true;

@@ -128,9 +128,7 @@ class StockGridWriter final : public VdbGridWriter {
     openvdb::CoordBBox bounds;
     std::uint64_t voxels = 0;
     for (const MaskedLeaf& leaf : leaves_) {
-      for (const std::uint64_t word : leaf.mask) {
-        voxels += static_cast<std::uint64_t>(std::popcount(word));
-      }
+      voxels += CountBits(leaf.mask);
       bounds.expand(BoundsOf(leaf));
     }
     const std::size_t bytes = sizeof(Tree) + sizeof(typename Tree::RootNodeType) +

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "core/query/file_encoder.h"
+#include "core/volume/voxel_index.h"
 
 namespace steadymap {
 namespace {
@@ -36,7 +37,7 @@ LeafMask Filter(const LeafMask& mask, const Predicate& keeps) {
   LeafMask kept{};
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
     if (IsSet(mask, offset) && keeps(offset)) {
-      kept[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+      SetBit(offset, &kept);
     }
   }
   return kept;
@@ -56,9 +57,7 @@ class VoxelChoice {
     if (box_world_ == nullptr) return leaf.observed;
     if (!LeafTouches(volume_, origin, scale_, reach_world_)) return {};
     return Filter(leaf.observed, [&](std::size_t offset) {
-      const Eigen::Vector3d voxel(origin.x + static_cast<double>(offset >> 6),
-                                  origin.y + static_cast<double>((offset >> 3) & 7),
-                                  origin.z + static_cast<double>(offset & 7));
+      const Eigen::Vector3d voxel = VoxelIndexAt(origin, offset).cast<double>();
       return box_world_->contains(
           Eigen::Vector3d(volume_.T_world_volume * (voxel * scale_.voxel_size_m)));
     });

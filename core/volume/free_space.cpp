@@ -173,7 +173,7 @@ void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,
     }
     const std::size_t offset = OffsetInLeaf(cell.x, cell.y, cell.z);
     if (IsSet(block, offset)) continue;
-    block[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    SetBit(offset, &block);
     MutableBlock(origin) = block;
     if (changed_blocks->empty() || changed_blocks->back() != origin) {
       changed_blocks->push_back(origin);

@@ -1,6 +1,5 @@
 #include "core/volume/leaf_patch.h"
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -21,13 +20,10 @@ std::optional<LeafView> FindLeafPatch(const LeafView& before, const LeafView& af
   LeafView patch = after;
   for (std::size_t word = 0; word < patch.observed.size(); ++word) {
     if ((before.observed[word] & ~after.observed[word]) != 0) return std::nullopt;
-    for (std::uint64_t both = before.observed[word]; both != 0; both &= both - 1) {
-      const auto bit = static_cast<std::size_t>(std::countr_zero(both));
-      if (IsAsBefore(before, after, word * 64 + bit)) {
-        patch.observed[word] &= ~(std::uint64_t{1} << bit);
-      }
-    }
   }
+  ForEachBit(before.observed, [&](std::size_t offset) {
+    if (IsAsBefore(before, after, offset)) ClearBit(offset, &patch.observed);
+  });
   return patch;
 }
 
@@ -35,13 +31,12 @@ void ApplyLeafPatch(const LeafVoxels& patch, LeafVoxels* leaf) {
   leaf->has_color = leaf->has_color || patch.has_color;
   for (std::size_t word = 0; word < patch.observed.size(); ++word) {
     leaf->observed[word] |= patch.observed[word];
-    for (std::uint64_t bits = patch.observed[word]; bits != 0; bits &= bits - 1) {
-      const std::size_t offset = word * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      leaf->distance_m[offset] = patch.distance_m[offset];
-      leaf->weight[offset] = patch.weight[offset];
-      leaf->color[offset] = patch.color[offset];
-    }
   }
+  ForEachBit(patch.observed, [&](std::size_t offset) {
+    leaf->distance_m[offset] = patch.distance_m[offset];
+    leaf->weight[offset] = patch.weight[offset];
+    leaf->color[offset] = patch.color[offset];
+  });
 }
 
 }  // namespace steadymap

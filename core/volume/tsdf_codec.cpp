@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
@@ -32,12 +31,6 @@ constexpr std::size_t kMaxBodyBytes =
     kMaskBytes + kLeafVoxels * (kGeometryBytesPerVoxel + kColorBytesPerVoxel);
 
 using Steps = std::array<std::int32_t, kLeafVoxels>;
-
-std::size_t CountObserved(const LeafMask& mask) {
-  std::size_t count = 0;
-  for (const std::uint64_t word : mask) count += static_cast<std::size_t>(std::popcount(word));
-  return count;
-}
 
 std::uint16_t ToZigzag(std::int32_t residual) {
   const auto wrapped = static_cast<std::int16_t>(static_cast<std::uint16_t>(residual));
@@ -89,16 +82,6 @@ std::int32_t PredictDistance(const LeafMask& mask, const Steps& steps, std::size
   return 0;
 }
 
-/// Calls `visit(offset)` for every observed voxel in offset order.
-template <typename Visit>
-void ForEachObserved(const LeafMask& mask, Visit visit) {
-  for (std::size_t word = 0; word < mask.size(); ++word) {
-    for (std::uint64_t bits = mask[word]; bits != 0; bits &= bits - 1) {
-      visit(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
-    }
-  }
-}
-
 std::int32_t ToSteps(float value, float unit) {
   const auto steps = static_cast<std::int32_t>(std::lrint(value / unit));
   assert(static_cast<float>(steps) * unit == value && "the voxel is not canonical");
@@ -106,12 +89,12 @@ std::int32_t ToSteps(float value, float unit) {
 }
 
 void WriteGeometry(const LeafView& leaf, const VoxelScale& scale, std::uint8_t* body) {
-  const std::size_t count = CountObserved(leaf.observed);
+  const std::size_t count = CountBits(leaf.observed);
   const float distance_step_m = scale.distance_step_m();
   Steps distance_steps{};
   std::int32_t last_weight = 0;
   std::size_t i = 0;
-  ForEachObserved(leaf.observed, [&](std::size_t offset) {
+  ForEachBit(leaf.observed, [&](std::size_t offset) {
     distance_steps[offset] = ToSteps(leaf.distance_m[offset], distance_step_m);
     const std::uint16_t distance =
         ToZigzag(distance_steps[offset] - PredictDistance(leaf.observed, distance_steps, offset));
@@ -127,10 +110,10 @@ void WriteGeometry(const LeafView& leaf, const VoxelScale& scale, std::uint8_t* 
 }
 
 void WriteColor(const LeafView& leaf, std::uint8_t* body) {
-  const std::size_t count = CountObserved(leaf.observed);
+  const std::size_t count = CountBits(leaf.observed);
   std::array<std::int32_t, kColorBytesPerVoxel> last{};
   std::size_t i = 0;
-  ForEachObserved(leaf.observed, [&](std::size_t offset) {
+  ForEachBit(leaf.observed, [&](std::size_t offset) {
     for (std::size_t channel = 0; channel < kColorBytesPerVoxel; ++channel) {
       const auto value = static_cast<std::int32_t>((leaf.color[offset] >> (8 * channel)) & 0xFFU);
       body[channel * count + i] = ToZigzag8(value - last[channel]);
@@ -147,13 +130,13 @@ absl::Status Damaged(std::string_view what) {
 }
 
 absl::Status ReadGeometry(const std::uint8_t* body, const VoxelScale& scale, LeafVoxels* voxels) {
-  const std::size_t count = CountObserved(voxels->observed);
+  const std::size_t count = CountBits(voxels->observed);
   const float distance_step_m = scale.distance_step_m();
   Steps distance_steps{};
   std::int32_t last_weight = 0;
   bool in_range = true;
   std::size_t i = 0;
-  ForEachObserved(voxels->observed, [&](std::size_t offset) {
+  ForEachBit(voxels->observed, [&](std::size_t offset) {
     const auto distance =
         static_cast<std::uint16_t>(body[i] | static_cast<unsigned>(body[count + i]) << 8);
     const auto weight = static_cast<std::uint16_t>(body[2 * count + i] |
@@ -170,10 +153,10 @@ absl::Status ReadGeometry(const std::uint8_t* body, const VoxelScale& scale, Lea
 }
 
 void ReadColor(const std::uint8_t* body, LeafVoxels* voxels) {
-  const std::size_t count = CountObserved(voxels->observed);
+  const std::size_t count = CountBits(voxels->observed);
   std::array<std::int32_t, kColorBytesPerVoxel> last{};
   std::size_t i = 0;
-  ForEachObserved(voxels->observed, [&](std::size_t offset) {
+  ForEachBit(voxels->observed, [&](std::size_t offset) {
     for (std::size_t channel = 0; channel < kColorBytesPerVoxel; ++channel) {
       last[channel] =
           static_cast<std::uint8_t>(last[channel] + FromZigzag8(body[channel * count + i]));
@@ -214,7 +197,7 @@ std::string_view BodyOf(std::string_view packed, std::array<char, kMaxBodyBytes>
 }  // namespace
 
 std::string PackLeaf(const LeafView& leaf, const VoxelScale& scale) {
-  const std::size_t count = CountObserved(leaf.observed);
+  const std::size_t count = CountBits(leaf.observed);
   if (count == 0) return {};
   const bool has_color = leaf.color != nullptr;
   const std::size_t body_bytes =
@@ -255,7 +238,7 @@ absl::Status UnpackLeaf(std::string_view packed, const VoxelScale& scale, LeafVo
   const std::string_view body = BodyOf(packed, &buffer);
   if (body.size() < kMaskBytes) return Damaged("it is cut short");
   std::memcpy(voxels->observed.data(), body.data(), kMaskBytes);
-  const std::size_t count = CountObserved(voxels->observed);
+  const std::size_t count = CountBits(voxels->observed);
   voxels->has_color = (format & kColorFlag) != 0;
   const std::size_t bytes_per_voxel =
       kGeometryBytesPerVoxel + (voxels->has_color ? kColorBytesPerVoxel : 0);

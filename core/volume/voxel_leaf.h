@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -71,6 +72,31 @@ using LeafMask = std::array<std::uint64_t, kLeafSide>;
 
 constexpr bool IsSet(const LeafMask& mask, std::size_t offset) {
   return ((mask[offset >> 6] >> (offset & 63)) & 1U) != 0;
+}
+
+constexpr void SetBit(std::size_t offset, LeafMask* mask) {
+  (*mask)[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+}
+
+constexpr void ClearBit(std::size_t offset, LeafMask* mask) {
+  (*mask)[offset >> 6] &= ~(std::uint64_t{1} << (offset & 63));
+}
+
+/// The number of voxels that are set.
+constexpr std::size_t CountBits(const LeafMask& mask) {
+  std::size_t count = 0;
+  for (const std::uint64_t word : mask) count += static_cast<std::size_t>(std::popcount(word));
+  return count;
+}
+
+/// Calls `visit(offset)` for every voxel that is set, by rising offset.
+template <typename Visit>
+constexpr void ForEachBit(const LeafMask& mask, Visit visit) {
+  for (std::size_t word = 0; word < mask.size(); ++word) {
+    for (std::uint64_t bits = mask[word]; bits != 0; bits &= bits - 1) {
+      visit(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+  }
 }
 
 /// The voxels of one leaf, by value. Voxels that are not observed hold zeros.

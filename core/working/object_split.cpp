@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/volume/tsdf_sample.h"
+#include "core/volume/voxel_index.h"
 
 namespace steadymap {
 namespace {
@@ -22,18 +23,11 @@ void TakeBetterVoxels(const LeafView& leaf, LeafVoxels* voxels) {
     if (!IsSet(leaf.observed, offset) || leaf.weight[offset] <= voxels->weight[offset]) continue;
     voxels->distance_m[offset] = leaf.distance_m[offset];
     voxels->weight[offset] = leaf.weight[offset];
-    voxels->observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    SetBit(offset, &voxels->observed);
     if (leaf.color == nullptr) continue;
     voxels->color[offset] = leaf.color[offset];
     voxels->has_color = true;
   }
-}
-
-/// Index of a voxel in its volume.
-Eigen::Vector3d VoxelCenter(LeafOrigin origin, std::size_t offset) {
-  return {static_cast<double>(origin.x + static_cast<int>(offset >> 6)),
-          static_cast<double>(origin.y + static_cast<int>(offset >> 3 & 7)),
-          static_cast<double>(origin.z + static_cast<int>(offset & 7))};
 }
 
 /// The leaves of another frame that the leaves of a volume may reach into.
@@ -45,7 +39,7 @@ std::set<LeafOrigin> LeavesUnder(const TsdfGrid& volume,
     Eigen::AlignedBox3d bounds;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Vector3d index =
-          VoxelCenter(origin, 0) +
+          VoxelIndexAt(origin, 0).cast<double>() +
           Eigen::Vector3d(corner & 1, corner >> 1 & 1, corner >> 2) * kLeafSide;
       bounds.extend(T_target_volume * (index * scale.voxel_size_m) / scale.voxel_size_m);
     }
@@ -72,7 +66,7 @@ void StoreCanonical(const DistanceSample& sample,
   const double units =
       std::round(std::min(sample.weight, max_weight) / static_cast<double>(kWeightUnit));
   voxels->weight[offset] = static_cast<float>(std::max(units, 1.0)) * kWeightUnit;
-  voxels->observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+  SetBit(offset, &voxels->observed);
 }
 
 void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
@@ -180,7 +174,8 @@ std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
     bool has_changed = false;
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (IsSet(voxels.observed, offset)) continue;
-      const Eigen::Vector3d center_into = VoxelCenter(origin, offset) * scale.voxel_size_m;
+      const Eigen::Vector3d center_into =
+          VoxelIndexAt(origin, offset).cast<double>() * scale.voxel_size_m;
       const DistanceSample sample = sampler.Sample(T_from_into * center_into);
       if (!sample.known) continue;
       StoreCanonical(sample, max_weight, scale, offset, &voxels);
@@ -259,12 +254,11 @@ std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
     gone.has_color = voxels.has_color;
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (!is_gone[EvidenceCellOf(offset)] || !IsSet(voxels.observed, offset)) continue;
-      const std::uint64_t bit = std::uint64_t{1} << (offset & 63);
       gone.distance_m[offset] = std::exchange(voxels.distance_m[offset], 0.0F);
       gone.weight[offset] = std::exchange(voxels.weight[offset], 0.0F);
       gone.color[offset] = std::exchange(voxels.color[offset], 0U);
-      gone.observed[offset >> 6] |= bit;
-      voxels.observed[offset >> 6] &= ~bit;
+      SetBit(offset, &gone.observed);
+      ClearBit(offset, &voxels.observed);
     }
     // Cells without voxels forget their scores, too: what comes to stand there is something else.
     std::array<std::int8_t, kEvidenceCells> gone_score{};
