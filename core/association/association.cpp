@@ -38,9 +38,7 @@ ObjectInView CoverOf(TrackedObject* object,
       continue;
     }
     is_ahead = true;
-    const PinholeCamera& camera = cloud.camera();
-    const Eigen::Vector2d cell(camera.fx * point_camera.x() / point_camera.z() + camera.cx,
-                               camera.fy * point_camera.y() / point_camera.z() + camera.cy);
+    const Eigen::Vector2d cell = cloud.camera().Project(point_camera);
     low = low.cwiseMin(cell);
     high = high.cwiseMax(cell);
   }

@@ -18,12 +18,11 @@ constexpr float kHalfPointVoxels = 0.6F;
 class SurfaceDrawing {
  public:
   SurfaceDrawing(const SemanticCloud& cloud, const SampleGrid& samples, const VoxelScale& scale)
-      : width_(samples.width()),
+      : camera_(cloud.camera()),
+        width_(samples.width()),
         height_(samples.height()),
         focal_x_(static_cast<float>(cloud.camera().fx / SampleGrid::kStrideCells)),
         focal_y_(static_cast<float>(cloud.camera().fy / SampleGrid::kStrideCells)),
-        center_x_(static_cast<float>(cloud.camera().cx / SampleGrid::kStrideCells)),
-        center_y_(static_cast<float>(cloud.camera().cy / SampleGrid::kStrideCells)),
         half_point_m_(kHalfPointVoxels * static_cast<float>(scale.voxel_size_m)),
         T_camera_world_(cloud.T_world_camera().inverse()),
         depth_m_(samples.size(), kNothing) {}
@@ -59,8 +58,10 @@ class SurfaceDrawing {
  private:
   void DrawPoint(const Eigen::Vector3f& point_camera) {
     const float inverse_z = 1.0F / point_camera.z();
-    const float u = focal_x_ * point_camera.x() * inverse_z + center_x_;
-    const float v = focal_y_ * point_camera.y() * inverse_z + center_y_;
+    // A sample is at the first of its cells.
+    const Eigen::Vector2f place = camera_.Project(point_camera) / SampleGrid::kStrideCells;
+    const float u = place.x();
+    const float v = place.y();
     const float half_u = focal_x_ * half_point_m_ * inverse_z;
     const float half_v = focal_y_ * half_point_m_ * inverse_z;
     const auto width = static_cast<float>(width_);
@@ -82,12 +83,11 @@ class SurfaceDrawing {
     }
   }
 
+  PinholeCamera camera_;  ///< Of the cells.
   int width_;
   int height_;
-  float focal_x_;
+  float focal_x_;  ///< Samples at a depth of one metre.
   float focal_y_;
-  float center_x_;
-  float center_y_;
   float half_point_m_;
   Eigen::Isometry3d T_camera_world_;
   std::vector<float> depth_m_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,12 @@ struct SurfaceSample {
   std::uint16_t instance = 0;      ///< 0: none.
 
   bool is_valid() const { return depth_m > 0.0F; }
+};
+
+/// Column and row of a sample.
+struct SamplePlace {
+  int column = 0;
+  int row = 0;
 };
 
 /// Every second cell of a semantic cloud in both directions, in the world frame.
@@ -46,6 +53,18 @@ class SampleGrid {
   }
 
   const SurfaceSample& At(int column, int row) const { return samples_[Index(column, row)]; }
+
+  /// Returns the sample on whose `kStrideCells` x `kStrideCells` cells a point of the camera frame
+  /// with z > 0 falls; none outside of the image. `cell_camera` is that of the semantic cloud.
+  std::optional<SamplePlace> FindPlace(const PinholeCamera& cell_camera,
+                                       const Eigen::Vector3f& point_camera) const {
+    const Eigen::Vector2f corner = cell_camera.Project(point_camera) + Eigen::Vector2f(0.5F, 0.5F);
+    const Eigen::Vector2f end(static_cast<float>(width_ * kStrideCells),
+                              static_cast<float>(height_ * kStrideCells));
+    if (!((corner.array() >= 0.0F) && (corner.array() < end.array())).all()) return std::nullopt;
+    return SamplePlace{static_cast<int>(corner.x()) / kStrideCells,
+                       static_cast<int>(corner.y()) / kStrideCells};
+  }
 
  private:
   int width_ = 0;

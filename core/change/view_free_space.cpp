@@ -20,11 +20,6 @@ ViewFreeSpace::ViewFreeSpace(const SemanticCloud& cloud,
       columns_(cloud.cells_wide() / SampleGrid::kStrideCells),
       rows_(cloud.cells_high() / SampleGrid::kStrideCells),
       max_depth_m_(static_cast<float>(max_depth_m)),
-      focal_x_(static_cast<float>(cloud.camera().fx / SampleGrid::kStrideCells)),
-      focal_y_(static_cast<float>(cloud.camera().fy / SampleGrid::kStrideCells)),
-      // Places are counted from a tile's corner, cells from their middle.
-      center_x_(static_cast<float>((cloud.camera().cx + 0.5) / SampleGrid::kStrideCells)),
-      center_y_(static_cast<float>((cloud.camera().cy + 0.5) / SampleGrid::kStrideCells)),
       T_camera_world_(cloud.T_world_camera().inverse().cast<float>()),
       rotation_world_camera_(cloud.T_world_camera().linear().cast<float>()),
       camera_world_(cloud.T_world_camera().translation().cast<float>()) {}
@@ -34,8 +29,10 @@ ViewFreeSpace::Sight ViewFreeSpace::Look(const Eigen::Vector3f& point_world) con
   sight.point_camera = T_camera_world_ * point_world;
   const float depth_m = sight.point_camera.z();
   if (!(depth_m > kMinJudgedDepthM && depth_m < max_depth_m_)) return sight;
-  const float u = focal_x_ * sight.point_camera.x() / depth_m + center_x_;
-  const float v = focal_y_ * sight.point_camera.y() / depth_m + center_y_;
+  // Tiles are counted from their corners, cells from their centres.
+  const Eigen::Vector2f cell = cloud_.camera().Project(sight.point_camera);
+  const float u = (cell.x() + 0.5F) / SampleGrid::kStrideCells;
+  const float v = (cell.y() + 0.5F) / SampleGrid::kStrideCells;
   if (!(u >= 0.0F && v >= 0.0F && u < static_cast<float>(columns_) &&
         v < static_cast<float>(rows_))) {
     return sight;
@@ -67,9 +64,11 @@ bool ViewFreeSpace::IsClear(const Eigen::Vector3f& point_world, float clearance_
 
 Eigen::Vector3f ViewFreeSpace::EndOfRay(int column, int row) const {
   const float depth_m = std::min(tiles_.NearestAround(column, row), max_depth_m_);
-  const Eigen::Vector3f ray_camera((static_cast<float>(column) + 0.5F - center_x_) / focal_x_,
-                                   (static_cast<float>(row) + 0.5F - center_y_) / focal_y_,
-                                   1.0F);
+  // The ray through the centre of the tile.
+  const Eigen::Vector3f ray_camera = cloud_.camera()
+                                         .Ray((column + 0.5) * SampleGrid::kStrideCells - 0.5,
+                                              (row + 0.5) * SampleGrid::kStrideCells - 0.5)
+                                         .cast<float>();
   return camera_world_ + rotation_world_camera_ * (ray_camera * depth_m);
 }
 

@@ -54,10 +54,6 @@ class ViewFreeSpace {
   int columns_;
   int rows_;
   float max_depth_m_;
-  float focal_x_;  ///< Of the camera whose pixels are the tiles.
-  float focal_y_;
-  float center_x_;
-  float center_y_;
   Eigen::Isometry3f T_camera_world_;
   Eigen::Matrix3f rotation_world_camera_;
   Eigen::Vector3f camera_world_;

@@ -107,21 +107,6 @@ bool VisibilityTest::IsReplaced(const TrackedObject& object,
   return newer.in_place_since > confirmed + kConfirmationGrain;
 }
 
-/// Where the grid of samples shows a point in front of the camera; none if it does not.
-std::optional<VisibilityTest::Place> VisibilityTest::FindPlace(
-    const Eigen::Vector3f& point_camera) const {
-  const PinholeCamera& camera = frame_.cloud.camera();
-  const float u = static_cast<float>(camera.fx) * point_camera.x() / point_camera.z() +
-                  static_cast<float>(camera.cx) + 0.5F;
-  const float v = static_cast<float>(camera.fy) * point_camera.y() / point_camera.z() +
-                  static_cast<float>(camera.cy) + 0.5F;
-  if (u < 0.0F || v < 0.0F) return std::nullopt;
-  const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
-  const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
-  if (column >= frame_.samples.width() || row >= frame_.samples.height()) return std::nullopt;
-  return Place{column, row};
-}
-
 /// Whether any sample was found to be of the object.
 bool VisibilityTest::IsMatched(const TrackedObject& object) const {
   return std::any_of(
@@ -144,7 +129,7 @@ ObjectVerdict VisibilityTest::JudgeByFrustum(const TrackedObject& object) const 
       const Eigen::Vector3f point_camera = T_camera_object * point.position_object;
       if (point_camera.z() < kMinJudgedDepthM ||
           point_camera.z() > static_cast<float>(parameters_.max_depth_m) ||
-          !FindPlace(point_camera).has_value()) {
+          !frame_.samples.FindPlace(frame_.cloud.camera(), point_camera)) {
         continue;
       }
       ++visible;
@@ -162,7 +147,9 @@ ObjectVerdict VisibilityTest::JudgeByFrustum(const TrackedObject& object) const 
 }
 
 /// Whether the frame looks through a place where surface of an object should be, or past it.
-bool VisibilityTest::IsSeenThrough(const TrackedObject& object, Place place, float depth_m) const {
+bool VisibilityTest::IsSeenThrough(const TrackedObject& object,
+                                   SamplePlace place,
+                                   float depth_m) const {
   if (!parameters_.is_by_depth) return false;
   const MinDepthGrid& tiles = frame_.tiles;
   if (tiles.NearestAround(place.column, place.row) > depth_m + SeenThroughMargin(depth_m)) {
@@ -187,7 +174,8 @@ std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
   const Eigen::Vector3f normal_camera = T_camera_world_.linear() * normal_world;
   if (-normal_camera.dot(point_camera) < kMinJudgedCosine * point_camera.norm())
     return std::nullopt;
-  const std::optional<Place> place = FindPlace(point_camera);
+  const std::optional<SamplePlace> place =
+      frame_.samples.FindPlace(frame_.cloud.camera(), point_camera);
   if (!place.has_value()) return std::nullopt;
   const auto [column, row] = *place;
   if (const SurfaceSample* sample =

@@ -106,16 +106,9 @@ class VisibilityTest {
   ObjectVerdict Judge(const TrackedObject& object) const;
 
  private:
-  /// Where a point lies in the grid of samples.
-  struct Place {
-    int column = 0;
-    int row = 0;
-  };
-
   ObjectVerdict JudgeByFrustum(const TrackedObject& object) const;
   bool IsMatched(const TrackedObject& object) const;
-  std::optional<Place> FindPlace(const Eigen::Vector3f& point_camera) const;
-  bool IsSeenThrough(const TrackedObject& object, Place place, float depth_m) const;
+  bool IsSeenThrough(const TrackedObject& object, SamplePlace place, float depth_m) const;
   std::optional<Verdict> JudgePoint(const TrackedObject& object,
                                     LeafOrigin leaf,
                                     const Eigen::Vector3f& point_world,

@@ -34,6 +34,23 @@ struct PinholeCamera {
   /// The camera-frame ray (z = 1) through pixel (`u`, `v`).
   Eigen::Vector3d Ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
 
+  /// Projects a point of the camera frame with z > 0 to pixel coordinates. The point falls on pixel
+  /// `(u, v)` if the result, plus 0.5, rounds down to it.
+  template <typename Scalar>
+  Eigen::Matrix<Scalar, 2, 1> Project(const Eigen::Matrix<Scalar, 3, 1>& point_camera) const {
+    return {
+        static_cast<Scalar>(fx) * point_camera.x() / point_camera.z() + static_cast<Scalar>(cx),
+        static_cast<Scalar>(fy) * point_camera.y() / point_camera.z() + static_cast<Scalar>(cy)};
+  }
+
+  /// True if pixel coordinates fall on a pixel of the image.
+  template <typename Scalar>
+  bool Contains(const Eigen::Matrix<Scalar, 2, 1>& pixel) const {
+    constexpr auto kHalf = static_cast<Scalar>(0.5);
+    return pixel.x() >= -kHalf && pixel.x() < static_cast<Scalar>(width_px) - kHalf &&
+           pixel.y() >= -kHalf && pixel.y() < static_cast<Scalar>(height_px) - kHalf;
+  }
+
   friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;
 };
 

@@ -23,20 +23,13 @@ Image<float> DrawDepth(const std::vector<Eigen::Vector3d>& points_world,
                        const SampleGrid& samples) {
   Image<float> depth_m(samples.width(), samples.height(), 0.0F);
   const Eigen::Isometry3d T_camera_world = cloud.T_world_camera().inverse();
-  const PinholeCamera& camera = cloud.camera();
   for (const Eigen::Vector3d& point_world : points_world) {
-    const Eigen::Vector3d point = T_camera_world * point_world;
-    if (point.z() <= 0.0) continue;
-    const double column =
-        std::floor((camera.fx * point.x() / point.z() + camera.cx) / SampleGrid::kStrideCells);
-    const double row =
-        std::floor((camera.fy * point.y() / point.z() + camera.cy) / SampleGrid::kStrideCells);
-    if (column < 0.0 || row < 0.0 || column >= samples.width() || row >= samples.height()) {
-      continue;
-    }
-    float& pixel_m = depth_m.At(static_cast<int>(column), static_cast<int>(row));
-    const auto depth = static_cast<float>(point.z());
-    if (pixel_m == 0.0F || depth < pixel_m) pixel_m = depth;
+    const Eigen::Vector3f point_camera = (T_camera_world * point_world).cast<float>();
+    if (point_camera.z() <= 0.0F) continue;
+    const std::optional<SamplePlace> place = samples.FindPlace(cloud.camera(), point_camera);
+    if (!place) continue;
+    float& pixel_m = depth_m.At(place->column, place->row);
+    if (pixel_m == 0.0F || point_camera.z() < pixel_m) pixel_m = point_camera.z();
   }
   return depth_m;
 }
@@ -123,9 +116,7 @@ bool PaperMapper::IsExpectedInView(const TrackedObject& object, const SemanticCl
     for (const SurfaceVoxel& point : leaf.points) {
       const Eigen::Vector3d point_camera = T_camera_object * point.position_object.cast<double>();
       if (point_camera.z() <= 0.0 || point_camera.z() > config_.max_depth_m) continue;
-      const double u = camera.fx * point_camera.x() / point_camera.z() + camera.cx;
-      const double v = camera.fy * point_camera.y() / point_camera.z() + camera.cy;
-      if (u >= 0.0 && v >= 0.0 && u < camera.width_px && v < camera.height_px) ++visible;
+      if (camera.Contains(camera.Project(point_camera))) ++visible;
     }
   }
   return visible > 0 &&

@@ -132,17 +132,13 @@ class PatchGrid {
 
   /// The patch in which depth was measured well behind a point; null if none was.
   Patch* PatchLookingThrough(const Eigen::Vector3f& point_camera) {
-    const PinholeCamera& camera = frame_.cloud.camera();
-    const Eigen::Vector3d point = point_camera.cast<double>();
-    const double u = camera.fx * point.x() / point.z() + camera.cx;
-    const double v = camera.fy * point.y() / point.z() + camera.cy;
-    if (!(u >= 0.0 && u < camera.width_px && v >= 0.0 && v < camera.height_px)) return nullptr;
-    const int column = static_cast<int>(u) / SampleGrid::kStrideCells;
-    const int row = static_cast<int>(v) / SampleGrid::kStrideCells;
-    const auto patch_column = static_cast<std::size_t>(column / kPatchSamples);
-    const auto patch_row = static_cast<std::size_t>(row / kPatchSamples);
+    const std::optional<SamplePlace> place =
+        frame_.samples.FindPlace(frame_.cloud.camera(), point_camera);
+    if (!place) return nullptr;
+    const auto patch_column = static_cast<std::size_t>(place->column / kPatchSamples);
+    const auto patch_row = static_cast<std::size_t>(place->row / kPatchSamples);
     if (patch_column >= wide_ || patch_row >= high_ ||
-        frame_.tiles.NearestAround(column, row) <= point_camera.z() + kThroughM) {
+        frame_.tiles.NearestAround(place->column, place->row) <= point_camera.z() + kThroughM) {
       return nullptr;
     }
     return &patches_[patch_row * wide_ + patch_column];

@@ -36,6 +36,29 @@ TEST(ValidateCamera, NamesTheFieldThatIsWrong) {
   }
 }
 
+TEST(PinholeCamera, ProjectsTheRayOfAPixelToThatPixel) {
+  const PinholeCamera camera = TorwicCamera();
+  for (const double depth_m : {0.05, 1.0, 80.0}) {
+    for (const double u : {-3.0, 0.0, 320.5, 639.0}) {
+      const Eigen::Vector3d point_camera = depth_m * camera.Ray(u, 0.25 * u);
+      EXPECT_NEAR((camera.Project(point_camera) - Eigen::Vector2d(u, 0.25 * u)).norm(), 0.0, 1e-9);
+      const Eigen::Vector3f coarse = point_camera.cast<float>();
+      EXPECT_NEAR(camera.Project(coarse).x(), static_cast<float>(u), 1e-3F);
+    }
+  }
+}
+
+TEST(PinholeCamera, ContainsHalfAPixelAroundItsPixelCentres) {
+  const PinholeCamera camera = TorwicCamera();
+  EXPECT_TRUE(camera.Contains(Eigen::Vector2d(-0.5, -0.5)));
+  EXPECT_TRUE(camera.Contains(Eigen::Vector2d(639.4, 359.4)));
+  EXPECT_FALSE(camera.Contains(Eigen::Vector2d(-0.6, 0.0)));
+  EXPECT_FALSE(camera.Contains(Eigen::Vector2d(0.0, -0.6)));
+  EXPECT_FALSE(camera.Contains(Eigen::Vector2d(639.5, 0.0)));
+  EXPECT_FALSE(camera.Contains(Eigen::Vector2d(0.0, 359.5)));
+  EXPECT_FALSE(camera.Contains(Eigen::Vector2d(kNan, 0.0)));
+}
+
 TEST(MakePose, NormalisesAQuaternionThatWasRounded) {
   const absl::StatusOr<Eigen::Isometry3d> pose = MakePose({1, 2, 3}, {0, 0, 0.70711, 0.70711});
   ASSERT_TRUE(pose.ok()) << pose.status();

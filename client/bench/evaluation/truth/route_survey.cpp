@@ -35,10 +35,6 @@ class Viewer {
       : view_(view),
         T_camera_world_(view.T_world_camera.inverse().cast<float>()),
         eye_world_(view.T_world_camera.translation().cast<float>()),
-        fx_(static_cast<float>(view.camera.fx)),
-        fy_(static_cast<float>(view.camera.fy)),
-        cx_(static_cast<float>(view.camera.cx)),
-        cy_(static_cast<float>(view.camera.cy)),
         max_depth_m_(static_cast<float>(options.max_depth_m)),
         max_range_m_(static_cast<float>(SensorModel::Ideal().max_range_m)) {}
 
@@ -46,13 +42,10 @@ class Viewer {
     const Eigen::Vector3f p_camera = T_camera_world_ * point.position_world;
     const float depth_m = p_camera.z();
     if (depth_m < kMinDepthM || depth_m > max_depth_m_) return Sight::kNone;
-    const float u = std::round(fx_ * p_camera.x() / depth_m + cx_);
-    const float v = std::round(fy_ * p_camera.y() / depth_m + cy_);
-    if (u < 0 || v < 0 || u >= static_cast<float>(view_.camera.width_px) ||
-        v >= static_cast<float>(view_.camera.height_px)) {
-      return Sight::kNone;
-    }
-    const float measured_m = view_.depth_m.At(static_cast<int>(u), static_cast<int>(v));
+    const Eigen::Vector2f pixel = view_.camera.Project(p_camera);
+    if (!view_.camera.Contains(pixel)) return Sight::kNone;
+    const float measured_m =
+        view_.depth_m.At(static_cast<int>(pixel.x() + 0.5F), static_cast<int>(pixel.y() + 0.5F));
     if (measured_m > max_range_m_) return Sight::kNone;
     if (measured_m > depth_m + kBehindM && !IsBesideSlope(point, depth_m, measured_m)) {
       return Sight::kLookedThrough;
@@ -69,13 +62,13 @@ class Viewer {
     const float cosine = to_eye.dot(point.normal_world);
     if (cosine < kMinCosine) return false;
     const float slope = std::sqrt(1.0F - cosine * cosine) / cosine;
-    return std::abs(measured_m - depth_m) <= kSameDepthM + slope * depth_m / fx_;
+    return std::abs(measured_m - depth_m) <=
+           kSameDepthM + slope * depth_m / static_cast<float>(view_.camera.fx);
   }
 
   const DepthView& view_;
   Eigen::Isometry3f T_camera_world_;
   Eigen::Vector3f eye_world_;
-  float fx_, fy_, cx_, cy_;
   float max_depth_m_;
   float max_range_m_;  // Beyond it there is no return, and nothing is learnt.
 };
