@@ -14,7 +14,7 @@ namespace {
 constexpr double kMinMetresPerUnit = 1e-6;
 constexpr double kMaxMetresPerUnit = 1e-1;
 
-// What rounding leaves of a rotation that was composed from a few double-precision ones.
+// The rounding error of a product of a few double-precision rotations.
 constexpr double kRotationTolerance = 1e-6;
 
 template <typename Pixel>
@@ -29,7 +29,7 @@ absl::Status CheckSize(const char* field, const Image<Pixel>& image, const Pinho
                                    camera.width_px,
                                    " x ",
                                    camera.height_px,
-                                   " pixels as the camera does, got ",
+                                   " pixels, the size in the intrinsics, got ",
                                    image.width_px(),
                                    " x ",
                                    image.height_px()));
@@ -50,7 +50,7 @@ absl::Status CheckSizes(const Frame& frame) {
 absl::Status CheckLabels(const Image<std::uint16_t>& labels, const KnownLabels& known) {
   std::uint16_t highest = 0;
   const std::uint16_t* pixels = labels.data();
-  // A plain reduction, so that the compiler makes it a vector loop.
+  // A plain reduction, which the compiler vectorises.
   for (std::size_t i = 0; i < labels.size(); ++i) highest = std::max(highest, pixels[i]);
   std::optional<std::uint16_t> unknown;
   if (highest >= known.limit()) {
@@ -89,12 +89,13 @@ absl::Status CheckPose(const Eigen::Isometry3d& T_world_camera) {
   if (deviation <= kRotationTolerance && R_world_camera.determinant() > 0.0) {
     return absl::OkStatus();
   }
-  return InvalidField(reason::kNotARotation,
-                      "world_from_camera",
-                      absl::StrCat("the pose's linear part must be a rotation, it is off by ",
-                                   deviation,
-                                   " with determinant ",
-                                   R_world_camera.determinant()));
+  return InvalidField(
+      reason::kNotARotation,
+      "world_from_camera",
+      absl::StrCat("the linear part of the pose must be a rotation, got a deviation of ",
+                   deviation,
+                   " from orthogonality and determinant ",
+                   R_world_camera.determinant()));
 }
 
 }  // namespace
@@ -102,7 +103,7 @@ absl::Status CheckPose(const Eigen::Isometry3d& T_world_camera) {
 absl::Status ValidateFrame(const Frame& frame, const KnownLabels& labels) {
   absl::Status status = WithFieldPrefix(ValidateCamera(frame.camera), "intrinsics");
   if (!status.ok()) return status;
-  // NaN fails the comparisons.
+  // The comparisons reject NaN.
   if (!(frame.depth.metres_per_unit >= kMinMetresPerUnit &&
         frame.depth.metres_per_unit <= kMaxMetresPerUnit)) {
     return InvalidField(reason::kBadDepthEncoding,

@@ -15,7 +15,7 @@
 
 namespace steadymap {
 
-/// A dense image, row-major from the top left pixel, without padding. Empty when a side is 0.
+/// A dense image, row-major from the top left pixel, without padding. Empty if a side is 0.
 template <typename Pixel>
 class Image {
  public:
@@ -34,7 +34,7 @@ class Image {
 
   std::size_t size() const { return pixels_.size(); }
 
-  /// The first pixel; the others follow row by row.
+  /// Returns the first pixel; the other pixels follow row by row.
   Pixel* data() { return pixels_.data(); }
 
   const Pixel* data() const { return pixels_.data(); }
@@ -56,10 +56,10 @@ class Image {
   std::vector<Pixel> pixels_;
 };
 
-/// Red, green, blue, 8 bits each, sRGB.
+/// An sRGB colour: red, green, blue, 8 bits each.
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// Depth along the camera's z axis in sensor units; 0 and 65535 mean no return.
+/// Depth along the camera's z axis in sensor units. `kNoDepth` and `kInvalidDepth` mean no return.
 struct DepthImage {
   Image<std::uint16_t> units;
   double metres_per_unit = 0.001;  ///< In [1e-6, 1e-1].
@@ -67,26 +67,26 @@ struct DepthImage {
   friend bool operator==(const DepthImage&, const DepthImage&) = default;
 };
 
-/// Depth values that mean "no return".
+/// The two depth values of pixels without return.
 inline constexpr std::uint16_t kNoDepth = 0;
 inline constexpr std::uint16_t kInvalidDepth = 65535;
 
-/// What one robot saw at one moment: the only input of a map.
+/// The data of one sensor at one time: the input of a map.
 struct Frame {
-  SensorName source;       ///< What took it.
-  Timestamp capture_time;  ///< When it was taken, by the robot's clock.
-  PinholeCamera camera;    ///< Intrinsics of every image of the frame.
+  SensorName source;       ///< The sensor that recorded the frame.
+  Timestamp capture_time;  ///< Time of exposure by the robot's clock.
+  PinholeCamera camera;    ///< Intrinsics of all images of the frame.
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   DepthImage depth;                ///< Never empty in a valid frame.
-  Image<std::uint16_t> labels;     ///< Class of each pixel; empty: all class 0.
-  Image<std::uint16_t> instances;  ///< Instance of each pixel, 0 none; empty: unknown.
-  Image<Rgb> color;                ///< Aligned with depth; empty: not recorded.
+  Image<std::uint16_t> labels;     ///< Class of each pixel. Empty: class 0 everywhere.
+  Image<std::uint16_t> instances;  ///< Instance of each pixel, 0 for none. Empty: unknown.
+  Image<Rgb> color;                ///< Aligned with depth. Empty: not recorded.
 };
 
-/// OK if a frame can be integrated into a map whose label images may hold `labels`: usable camera,
-/// every image that is present as large as the camera says, no other label, depth unit in range,
-/// finite pose within `kMaxPositionM`.
-/// Errors: `InvalidArgument` with the reason and field path of the service contract.
+/// Returns OK if a frame can be integrated into a map with the known labels `labels`: the camera is
+/// valid, every non-empty image has the size of the camera, `depth` is not empty, no other label
+/// occurs, the depth unit is in range, and the pose is finite, within `kMaxPositionM` and a
+/// rotation. Errors: `InvalidArgument` with reason and field path.
 absl::Status ValidateFrame(const Frame& frame, const KnownLabels& labels);
 
 }  // namespace steadymap

@@ -21,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "raw pixels are copied as they lie");
 
-// Level 1 packs a depth image in about a millisecond; higher levels gain a few percent.
+// Level 1 compresses a depth image in about 1 ms. Higher levels save only a few percent.
 constexpr int kImageZstdLevel = 1;
 
 constexpr std::size_t kOneByte = sizeof(std::uint8_t);
@@ -43,7 +43,7 @@ absl::StatusOr<Image<std::uint16_t>> DecodeRaw(std::string_view data,
   return image;
 }
 
-// OK if `data` is one whole zstd frame that declares the expected size.
+// Returns OK if `data` is exactly one zstd frame that declares the expected size.
 absl::Status CheckZstdFrame(std::string_view data,
                             std::size_t bytes_per_pixel,
                             const ImageExpectation& expectation) {
@@ -84,7 +84,8 @@ absl::StatusOr<Image<std::uint16_t>> DecodeZstd(std::string_view data,
                           absl::StrCat("malformed zstd: ", ZSTD_getErrorName(unpacked_bytes)));
   }
   if (unpacked_bytes != pixel_bytes) {
-    return MalformedImage(expectation, "malformed zstd: the frame holds less than it declares");
+    return MalformedImage(expectation,
+                          "malformed zstd: the content is shorter than its declared size");
   }
   std::copy(narrow.begin(), narrow.end(), image.data());
   return image;
@@ -137,7 +138,7 @@ std::string PackZstd(std::string_view bytes) {
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t packed_bytes =
       ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kImageZstdLevel);
-  // With room for the worst case, only memory can be wanting.
+  // The buffer has the worst-case size, so only a lack of memory can cause an error.
   if (ZSTD_isError(packed_bytes) != 0) throw std::bad_alloc();
   packed.resize(packed_bytes);
   return packed;
@@ -164,7 +165,7 @@ absl::StatusOr<Image<std::uint16_t>> DecodeDepth(std::string_view data,
                                                  int height_px) {
   const ImageExpectation expectation{width_px, height_px, reason::kBadDepthEncoding};
   if (encoding == PixelEncoding::kRawUint8 || encoding == PixelEncoding::kZstdUint8) {
-    return UnsupportedPacking(expectation, "depth must have 16 bits a pixel, got 8");
+    return UnsupportedPacking(expectation, "depth must have 16 bits per pixel, got 8");
   }
   return Decode(data, encoding, expectation, PngDepth::k16BitsOnly);
 }

@@ -67,11 +67,11 @@ absl::Status CheckCompressionRatio(const ImageExpectation& expectation,
   if (unpacked_bytes <= kSmallImageBytes) return absl::OkStatus();
   if (unpacked_bytes / kMaxCompressionRatio <= packed_bytes) return absl::OkStatus();
   return MalformedImage(expectation,
-                        absl::StrCat("an image may expand at most ",
+                        absl::StrCat("the ratio of decoded to compressed size must be at most ",
                                      kMaxCompressionRatio,
-                                     "-fold, got ",
+                                     ", got ",
                                      packed_bytes,
-                                     " bytes for ",
+                                     " compressed bytes for ",
                                      unpacked_bytes));
 }
 

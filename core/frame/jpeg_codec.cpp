@@ -12,12 +12,13 @@
 namespace steadymap {
 namespace {
 
-// A progressive file needs about ten; thousands of empty ones over a large image burn minutes.
+// A progressive file has about ten scans. Thousands of empty scans of a large image would take
+// minutes of processor time.
 constexpr int kMaxScans = 50;
 
-// Where libjpeg's errors go; calls into libjpeg stand inside `Guard`.
+// The target of libjpeg's error callbacks. All calls into libjpeg run inside `Guard`.
 struct JpegErrorTrap {
-  jpeg_error_mgr manager;  // First: libjpeg hands back a pointer to it.
+  jpeg_error_mgr manager;  // First member: libjpeg returns a pointer to it.
   std::jmp_buf jump;
   std::array<char, JMSG_LENGTH_MAX> message{};
 };
@@ -28,7 +29,8 @@ struct JpegErrorTrap {
   std::longjmp(trap->jump, 1);
 }
 
-// Level -1 is what libjpeg calls a warning: data are missing or corrupt and were made up.
+// Level -1 is a warning of libjpeg: data were missing or corrupt, and libjpeg invented
+// replacements.
 void OnJpegMessage(j_common_ptr decoder, int level) {
   if (level < 0) OnJpegError(decoder);
 }
@@ -38,11 +40,11 @@ void OnJpegOutput(j_common_ptr) {}
 void OnJpegProgress(j_common_ptr decoder) {
   if (reinterpret_cast<j_decompress_ptr>(decoder)->input_scan_number <= kMaxScans) return;
   auto* trap = reinterpret_cast<JpegErrorTrap*>(decoder->err);
-  std::snprintf(trap->message.data(), trap->message.size(), "it has more than %d scans", kMaxScans);
+  std::snprintf(trap->message.data(), trap->message.size(), "more than %d scans", kMaxScans);
   std::longjmp(trap->jump, 1);
 }
 
-// One pass over a JPEG file. Every method answers false after an error, which `error` explains.
+// A single pass over a JPEG file. After an error, methods return false and `error` has the message.
 class JpegReader {
  public:
   JpegReader() {
@@ -71,7 +73,7 @@ class JpegReader {
 
   int height_px() const { return static_cast<int>(decoder_.image_height); }
 
-  // Whether the file is of a kind that becomes RGB.
+  // True if libjpeg can convert the file to RGB and it has no arithmetic coding.
   bool supported() const {
     const J_COLOR_SPACE space = decoder_.jpeg_color_space;
     return decoder_.arith_code == FALSE &&
@@ -101,7 +103,7 @@ class JpegReader {
     return Guard(&trap_, [this] { jpeg_finish_decompress(&decoder_); });
   }
 
-  // Bytes behind the end of the image; valid after ReadEnd.
+  // Returns the number of bytes after the end of the image. Valid after ReadEnd.
   std::size_t bytes_left() const { return decoder_.src->bytes_in_buffer; }
 
   const char* error() const { return trap_.message.data(); }
@@ -141,11 +143,11 @@ absl::StatusOr<Image<Rgb>> DecodeJpegColor(std::string_view data,
   if (!status.ok()) return status;
   if (!reader.supported()) {
     return MalformedImage(expectation,
-                          "a JPEG file must be RGB or grey, without arithmetic coding");
+                          "a JPEG file must be RGB, YCbCr or grey, without arithmetic coding");
   }
   if (!reader.StartColor()) return BrokenJpeg(expectation, reader.error());
   if (reader.row_bytes() != static_cast<std::size_t>(expectation.width_px) * sizeof(Rgb)) {
-    return BrokenJpeg(expectation, "its rows have an unexpected length");
+    return BrokenJpeg(expectation, "unexpected length of rows");
   }
   Image<Rgb> image(expectation.width_px, expectation.height_px);
   for (int v = 0; v < expectation.height_px; ++v) {

@@ -7,23 +7,23 @@
 #include "core/frame/frame.h"
 #include "core/frame/image_expectation.h"
 
-/// Private to the image codecs: JPEG by libjpeg-turbo, with hostile files in mind.
+/// Private to the image codecs: JPEG by libjpeg-turbo, hardened against hostile files.
 ///
-/// What libjpeg would paper over (a cut file, corrupt data) is refused, as are arithmetic coding,
-/// more than a fixed number of scans, colour spaces but RGB, YCbCr and grey, and bytes after the
-/// image.
+/// Rejects files that libjpeg would repair silently (truncated or corrupt data), arithmetic coding,
+/// more than a fixed number of scans, colour spaces other than RGB, YCbCr and grey, and bytes after
+/// the image.
 namespace steadymap {
 
-/// Whether `data` starts as every JPEG file does.
+/// True if `data` starts with the JPEG signature.
 bool LooksLikeJpeg(std::string_view data);
 
-/// Width and height from the header of a JPEG file; neither is 0.
+/// Reads width and height from the header of a JPEG file; neither is 0.
 absl::Status ReadJpegSize(std::string_view data,
                           const ImageExpectation& expectation,
                           int* width_px,
                           int* height_px);
 
-/// Decodes a file to 8-bit RGB.
+/// Decodes a JPEG file to 8-bit RGB.
 absl::StatusOr<Image<Rgb>> DecodeJpegColor(std::string_view data,
                                            const ImageExpectation& expectation);
 

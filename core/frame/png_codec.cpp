@@ -15,11 +15,12 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "16-bit rows are swapped unconditionally");
 
-// No chunk but the image itself may be longer: ample for a colour profile, nothing for a flood.
+// Maximum length of every chunk except the image data. Sufficient for a colour profile, too small
+// to exhaust memory.
 constexpr png_alloc_size_t kMaxChunkBytes = png_alloc_size_t{256} * 1024;
 
 constexpr std::size_t kSignatureBytes = 8;
-// Signature, length and name of the first chunk, then width and height.
+// The end of the image size: signature, length and name of the first chunk, width, height.
 constexpr std::size_t kSizeEnd = kSignatureBytes + 4 + 4 + 4 + 4;
 constexpr std::string_view kStart("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
 
@@ -29,12 +30,12 @@ struct Source {
 
 void ReadFromSource(png_structp png, png_bytep destination, std::size_t count) {
   auto* source = static_cast<Source*>(png_get_io_ptr(png));
-  if (count > source->left.size()) png_error(png, "the file is cut short");
+  if (count > source->left.size()) png_error(png, "the file is truncated");
   std::memcpy(destination, source->left.data(), count);
   source->left.remove_prefix(count);
 }
 
-// One pass over a PNG file. Every method answers false after an error, which `error` explains.
+// A single pass over a PNG file. After an error, methods return false and `error` has the message.
 class PngReader {
  public:
   explicit PngReader(std::string_view data) : source_{data} {
@@ -68,7 +69,7 @@ class PngReader {
 
   int bit_depth() const { return png_get_bit_depth(png_, info_); }
 
-  // Bytes that the file spends on a pixel once inflated; 0 below 8 bits.
+  // Returns the inflated bytes per pixel; 0 below 8 bits.
   std::size_t bytes_per_pixel() const {
     return static_cast<std::size_t>(png_get_channels(png_, info_)) *
            static_cast<std::size_t>(bit_depth() / 8);
@@ -78,7 +79,7 @@ class PngReader {
 
   bool interlaced() const { return png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE; }
 
-  // Rows as native 8 or 16-bit integers, palette indices unexpanded.
+  // Selects rows of native 8 or 16-bit integers, palette indices unexpanded.
   bool StartPixels() {
     return Guard(&trap_, [this] {
       if (png_get_bit_depth(png_, info_) == 16) png_set_swap(png_);
@@ -86,7 +87,7 @@ class PngReader {
     });
   }
 
-  // Rows as 8-bit RGB.
+  // Selects rows of 8-bit RGB.
   bool StartColor() {
     return Guard(&trap_, [this] {
       png_set_palette_to_rgb(png_);
@@ -97,14 +98,14 @@ class PngReader {
     });
   }
 
-  // Bytes that ReadRow writes.
+  // Returns the number of bytes that ReadRow writes.
   std::size_t row_bytes() const { return png_get_rowbytes(png_, info_); }
 
   bool ReadRow(void* row) {
     return Guard(&trap_, [this, row] { png_read_row(png_, static_cast<png_bytep>(row), nullptr); });
   }
 
-  // Reads to the end of the file, where nothing may follow.
+  // Reads to the end of the file. Bytes after it are an error.
   bool ReadEnd() {
     return Guard(&trap_, [this] {
       png_read_end(png_, nullptr);
@@ -125,7 +126,7 @@ absl::Status BrokenPng(const ImageExpectation& expectation, const char* error) {
   return MalformedImage(expectation, absl::StrCat("malformed PNG: ", error));
 }
 
-// Everything that can be said before the first row: size, expansion, kind.
+// Checks all properties that are available before the first row: size, expansion, kind.
 absl::Status OpenPng(std::string_view data,
                      const ImageExpectation& expectation,
                      PngReader* reader) {
@@ -141,7 +142,7 @@ absl::Status OpenPng(std::string_view data,
   if (reader->bit_depth() < 8) {
     return MalformedImage(
         expectation,
-        absl::StrCat("a PNG file must have 8 or 16 bits a channel, got ", reader->bit_depth()));
+        absl::StrCat("a PNG file must have 8 or 16 bits per channel, got ", reader->bit_depth()));
   }
   status = CheckDeclaredSize(expectation, reader->width_px(), reader->height_px());
   if (!status.ok()) return status;
@@ -183,7 +184,7 @@ absl::Status ReadPngSize(std::string_view data,
   const png_uint_32 height = png_get_uint_32(bytes + 4);
   if (width == 0 || height == 0 || width > PNG_UINT_31_MAX || height > PNG_UINT_31_MAX) {
     return MalformedImage(expectation,
-                          absl::StrCat("malformed PNG: it declares ", width, " x ", height));
+                          absl::StrCat("malformed PNG: declared size of ", width, " x ", height));
   }
   *width_px = static_cast<int>(width);
   *height_px = static_cast<int>(height);
@@ -197,17 +198,19 @@ absl::StatusOr<Image<std::uint16_t>> DecodePngPixels(std::string_view data,
   absl::Status status = OpenPng(data, expectation, &reader);
   if (!status.ok()) return status;
   if (reader.color_type() != PNG_COLOR_TYPE_GRAY && reader.color_type() != PNG_COLOR_TYPE_PALETTE) {
-    return MalformedImage(expectation, "a PNG file of pixels must be greyscale or have a palette");
+    return MalformedImage(
+        expectation,
+        "a PNG file of labels, instances or depth must be greyscale or have a palette");
   }
   if (depth == PngDepth::k16BitsOnly && reader.bit_depth() != 16) {
     return MalformedImage(
         expectation,
-        absl::StrCat("a PNG file of depth must have 16 bits a pixel, got ", reader.bit_depth()));
+        absl::StrCat("a depth PNG file must have 16 bits per pixel, got ", reader.bit_depth()));
   }
   if (!reader.StartPixels()) return BrokenPng(expectation, reader.error());
   const auto width = static_cast<std::size_t>(expectation.width_px);
   if (reader.row_bytes() != width * static_cast<std::size_t>(reader.bit_depth() / 8)) {
-    return BrokenPng(expectation, "its rows have an unexpected length");
+    return BrokenPng(expectation, "unexpected length of rows");
   }
   Image<std::uint16_t> image(expectation.width_px, expectation.height_px);
   status = ReadRows(&reader, expectation, &image);
@@ -223,7 +226,7 @@ absl::StatusOr<Image<Rgb>> DecodePngColor(std::string_view data,
   if (!status.ok()) return status;
   if (!reader.StartColor()) return BrokenPng(expectation, reader.error());
   if (reader.row_bytes() != static_cast<std::size_t>(expectation.width_px) * sizeof(Rgb)) {
-    return BrokenPng(expectation, "its rows have an unexpected length");
+    return BrokenPng(expectation, "unexpected length of rows");
   }
   Image<Rgb> image(expectation.width_px, expectation.height_px);
   for (int v = 0; v < expectation.height_px; ++v) {

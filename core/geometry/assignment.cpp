@@ -12,13 +12,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The pairs that can be part of the best matching, by row, then column, each once.
+/// Returns the pairs that can be part of an optimal matching, by row, then column, without
+/// duplicates.
 std::vector<AssignmentPair> UsefulPairs(std::span<const AssignmentPair> pairs,
                                         double unmatched_cost) {
   std::vector<AssignmentPair> useful;
   useful.reserve(pairs.size());
   for (const AssignmentPair& pair : pairs) {
-    // Leaving a row over is possible whatever the other rows do.
+    // A row can be left unmatched in every matching, so a more expensive pair is never useful.
     if (std::isfinite(pair.cost) && pair.cost < unmatched_cost) useful.push_back(pair);
   }
   std::sort(useful.begin(), useful.end(), [](const AssignmentPair& a, const AssignmentPair& b) {
@@ -31,12 +32,12 @@ std::vector<AssignmentPair> UsefulPairs(std::span<const AssignmentPair> pairs,
   return useful;
 }
 
-/// Inserts one row after the other along the cheapest path that ends at a free column, or at a row
-/// that is left over instead.
+/// Inserts the rows one by one, each along the cheapest path that ends at a free column or leaves a
+/// row unmatched instead.
 ///
 /// Invariant (complementary slackness), where u and v are the duals: `cost - u[row] - v[column]` is
-/// >= 0 for each pair of an inserted row and 0 for a matched one; `unmatched_cost - u[row]` is
-/// >= 0, and 0 for a row left over; v is 0 for a free column.
+/// >= 0 for each pair of an inserted row, and 0 for a matched pair. `unmatched_cost - u[row]` is >=
+/// 0, and 0 for an unmatched row. v is 0 for a free column.
 class Matching {
  public:
   Matching(std::size_t row_count,
@@ -69,13 +70,13 @@ class Matching {
   struct Column {
     std::optional<std::size_t> row;
     double dual = 0.0;
-    // Of the search under way.
+    // State of the current search.
     double distance = kInfinity;
     std::size_t previous_row = 0;
     bool settled = false;
   };
 
-  /// Where a path may end, and its length.
+  /// A possible end of a path, with the length of the path.
   struct PathEnd {
     double distance = kInfinity;
     std::optional<std::size_t> free_column;
@@ -93,7 +94,7 @@ class Matching {
   std::vector<Row> rows_;
   std::vector<Column> columns_;
   std::vector<std::optional<std::size_t>> column_of_row_;
-  std::vector<std::size_t> reached_;  ///< Columns that the search under way has touched.
+  std::vector<std::size_t> reached_;  ///< Columns reached in the current search.
 };
 
 void Matching::Insert(std::size_t row) {
@@ -160,8 +161,8 @@ void Matching::UpdateDuals(std::size_t start_row, double distance) {
 void Matching::Rematch(const PathEnd& end) {
   std::optional<std::size_t> given_up = end.free_column;
   if (!given_up) given_up = std::exchange(column_of_row_[end.left_over_row], std::nullopt);
-  // Back along the path, each row takes the column that the row after it gave up; the inserted row,
-  // which has none to give up, is the last.
+  // Backwards along the path, each row takes the column released by the next row. The inserted row
+  // is the last and has no column to release.
   while (given_up) {
     const std::size_t column = *given_up;
     const std::size_t row = columns_[column].previous_row;

@@ -7,25 +7,25 @@
 
 namespace steadymap {
 
-/// A row and a column that may be matched with each other, and what that costs.
+/// A row and a column that may be matched, with the cost of the match.
 struct AssignmentPair {
   std::size_t row = 0;
   std::size_t column = 0;
-  double cost = 0.0;  ///< May be negative. Infinity or NaN: may not be matched after all.
+  double cost = 0.0;  ///< May be negative. A pair of infinite or NaN cost is ignored.
 };
 
-/// The cheapest matching over sparse pairs: each row gets a column or none, each column at most one
-/// row, and the sum of the costs of the pairs chosen and of `unmatched_cost` for each row left over
-/// is the least possible.
+/// Computes the cheapest matching over sparse pairs. Each row is matched with at most one column,
+/// and each column with at most one row. The sum of the costs of the chosen pairs, plus
+/// `unmatched_cost` for each unmatched row, is minimal. Returns the column of each row, or none.
 ///
-/// `pairs` hold rows below `row_count` and columns below `column_count`, in any order; of two of
-/// the same row and column the cheaper counts. `unmatched_cost` is finite. A pair that is not
-/// strictly cheaper than leaving its row over is never chosen. The result depends on the pairs
-/// alone, not on their order, also where several matchings cost the same.
+/// `pairs` contains rows below `row_count` and columns below `column_count` (asserted), in any
+/// order. Of duplicates of a row and column, the cheapest counts. `unmatched_cost` is finite
+/// (asserted). A pair is never chosen unless it is strictly cheaper than `unmatched_cost`. The
+/// result is independent of the order of the pairs, even among matchings of equal cost.
 ///
-/// Shortest augmenting paths along the pairs (Jonker and Volgenant, 1987), which never leave a
-/// connected component: components of n rows and columns cost O(n^3) each, no matter how many
-/// there are.
+/// Shortest augmenting paths along the pairs (Jonker and Volgenant, 1987). A path stays within a
+/// connected component: a component of n rows and columns costs O(n^3), independent of the number
+/// of components.
 std::vector<std::optional<std::size_t>> AssignColumns(std::size_t row_count,
                                                       std::size_t column_count,
                                                       std::span<const AssignmentPair> pairs,

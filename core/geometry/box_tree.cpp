@@ -9,7 +9,7 @@
 namespace steadymap {
 namespace {
 
-/// Below this, asking each box costs less than another level of the tree.
+/// With at most this many boxes, a test of each box is faster than a further level of the tree.
 constexpr std::size_t kMaxLeafBoxes = 4;
 
 }  // namespace
@@ -20,8 +20,8 @@ BoxTree::BoxTree(const std::vector<Box>& boxes) : boxes_(boxes), order_(boxes.si
   if (!boxes.empty()) Build(0, boxes.size());
 }
 
-/// Appends the tree of some boxes: half of them on either side of the median along the axis on
-/// which their centres spread most.
+/// Appends the tree of some boxes. Splits them at the median along the axis on which their centres
+/// have the largest spread.
 void BoxTree::Build(std::size_t first, std::size_t count) {
   const std::size_t index = nodes_.size();
   Node& node = nodes_.emplace_back();

@@ -11,36 +11,37 @@
 
 namespace steadymap {
 
-/// Finds those of many boxes that hold a point or that a ray crosses, without asking each: a tree
-/// of boxes around boxes. Never changes once it is built; any number of threads may ask.
+/// A tree of bounding boxes that finds the boxes at a point or along a ray without a test of each
+/// box. Immutable after construction. Thread-safe.
 class BoxTree {
  public:
-  /// Boxes are known by their place in the list; none may be empty. Cost: about 1 us a box.
+  /// Builds the tree. A box is identified by its index in `boxes`; none may be empty. Cost: about 1
+  /// us per box.
   explicit BoxTree(const std::vector<Box>& boxes);
 
-  /// Calls `visit` for every box that holds the point, borders included, in an order of the tree's
-  /// own. A point that is not finite lies in none.
+  /// Calls `visit` for every box that contains the point, borders included, in a fixed but
+  /// unspecified order. A point with a non-finite coordinate is in no box.
   void VisitAt(const Eigen::Vector3d& point,
                const std::function<void(std::size_t box)>& visit) const;
 
-  /// A box on a ray's way.
+  /// The intersection of a ray with a box.
   struct Crossing {
-    double entry_m = 0.0;  ///< Where the ray enters it; 0 if it starts inside.
+    double entry_m = 0.0;  ///< Distance of the entry point, metres; 0 if the ray starts inside.
     std::size_t box = 0;
-    double exit_m = 0.0;  ///< Where it leaves the box or ends.
+    double exit_m = 0.0;  ///< Distance of the exit point, at most `max_range_m`, metres.
 
     friend auto operator<=>(const Crossing&, const Crossing&) = default;
   };
 
-  /// The boxes that a ray meets within `max_range_m`, by rising entry, then by place in the list.
-  /// `unit_direction` must have length one.
+  /// Returns the boxes that a ray intersects within `max_range_m`, by increasing entry, then by
+  /// index. `unit_direction` must have length one.
   std::vector<Crossing> FindAlong(const Eigen::Vector3d& origin,
                                   const Eigen::Vector3d& unit_direction,
                                   double max_range_m) const;
 
  private:
-  /// A leaf holds the boxes `order_[first]` to `order_[first + count - 1]`; a node without boxes
-  /// of its own has its first child right behind it and its second at `second_child`.
+  /// A leaf holds the boxes `order_[first]` to `order_[first + count - 1]`. An inner node has
+  /// `count` 0; its first child follows it directly, its second child is at `second_child`.
   struct Node {
     Box bounds;
     std::size_t first = 0;

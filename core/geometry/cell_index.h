@@ -8,7 +8,7 @@
 
 namespace steadymap {
 
-/// A cube of a grid of space, by its lowest corner in edges.
+/// The index of a cube of a regular grid: its lowest corner, in edge lengths.
 struct CellIndex {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -17,7 +17,7 @@ struct CellIndex {
   friend constexpr auto operator<=>(const CellIndex&, const CellIndex&) = default;
 };
 
-/// The cube that holds a point; `point_cells` in edges.
+/// Returns the cube that contains a point; `point_cells` is in edge lengths.
 inline CellIndex CellAt(const Eigen::Vector3d& point_cells) {
   return {static_cast<std::int32_t>(std::floor(point_cells.x())),
           static_cast<std::int32_t>(std::floor(point_cells.y())),

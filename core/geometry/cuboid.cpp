@@ -12,7 +12,7 @@ Eigen::Matrix2d PlanRotation(double yaw_rad) {
   return Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
 }
 
-/// A point seen from above in the frame of the box.
+/// Transforms a point of the xy plane to the frame of the box.
 Eigen::Vector2d PlanInCuboid(const Cuboid& cuboid, const Eigen::Vector2d& point_world) {
   return PlanRotation(cuboid.yaw_rad).transpose() * (point_world - cuboid.center_world.head<2>());
 }
@@ -23,7 +23,7 @@ double PlanDistance(const Cuboid& cuboid, const Eigen::Vector2d& point_world) {
   return beyond_m.cwiseMax(0.0).norm();
 }
 
-/// Whether a line along a side of `a` keeps the two bases apart.
+/// True if a line along a side of `a` separates the two bases.
 bool SideSeparates(const Cuboid& a, const Cuboid& b) {
   Eigen::Vector2d low_m = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector2d high_m = -low_m;
@@ -38,7 +38,7 @@ bool SideSeparates(const Cuboid& a, const Cuboid& b) {
 
 double PlanDistance(const Cuboid& a, const Cuboid& b) {
   if (!SideSeparates(a, b) && !SideSeparates(b, a)) return 0.0;
-  // Of two convex polygons that are apart, one has a corner nearest to the other.
+  // The nearest points of two separate convex polygons include a corner of one of them.
   double least_m = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& corner_world : a.BaseCorners()) {
     least_m = std::min(least_m, PlanDistance(b, corner_world));
@@ -51,8 +51,8 @@ double PlanDistance(const Cuboid& a, const Cuboid& b) {
 
 using Polygon = std::vector<Eigen::Vector2d>;
 
-/// The part of a convex polygon where `normal.dot(point) <= limit_m` (Sutherland and Hodgman,
-/// 1974).
+/// Returns the part of a convex polygon where `normal.dot(point) <= limit_m` (Sutherland and
+/// Hodgman, 1974).
 Polygon ClipToHalfPlane(const Polygon& polygon, const Eigen::Vector2d& normal, double limit_m) {
   Polygon clipped;
   clipped.reserve(polygon.size() + 1);
@@ -69,7 +69,7 @@ Polygon ClipToHalfPlane(const Polygon& polygon, const Eigen::Vector2d& normal, d
   return clipped;
 }
 
-/// Half the sum of the cross products of neighbouring corners.
+/// Returns half the sum of the cross products of adjacent corners.
 double Area(const Polygon& polygon) {
   double twice_m2 = 0.0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -93,13 +93,13 @@ double PlanOverlapM2(const Cuboid& a, const Cuboid& b) {
   return Area(shared);
 }
 
-/// Points seen from above, metres, a column each.
+/// Points in the xy plane, metres, one per column.
 using PlanPoints = Eigen::Array<float, 2, Eigen::Dynamic, Eigen::RowMajor>;
 
-// More points than these tell no more of the heading.
+// More points do not improve the estimate of the heading.
 constexpr std::size_t kMaxHeadingPoints = 1024;
 
-/// Some of the points, evenly chosen, relative to the first.
+/// Selects evenly spaced points, relative to the first point.
 PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world) {
   const std::size_t stride = (points_world.size() + kMaxHeadingPoints - 1) / kMaxHeadingPoints;
   const std::size_t count = (points_world.size() + stride - 1) / stride;
@@ -111,8 +111,8 @@ PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world) {
   return points;
 }
 
-/// Mean distance of points from the nearest side of the least rectangle around them that has a
-/// heading, metres.
+/// Returns the mean distance of the points from the nearest side of their bounding rectangle of the
+/// given heading, metres.
 double MeanDistanceFromSides(const PlanPoints& points, double yaw_rad) {
   const auto cosine = static_cast<float>(std::cos(yaw_rad));
   const auto sine = static_cast<float>(std::sin(yaw_rad));
@@ -123,7 +123,7 @@ double MeanDistanceFromSides(const PlanPoints& points, double yaw_rad) {
   return static_cast<double>(from_x_side.min(from_y_side).mean());
 }
 
-/// The best heading of a number of them, `step_rad` apart, from `first_rad` on.
+/// Returns the best of `count` headings, from `first_rad` on in steps of `step_rad`.
 double FindBestHeading(const PlanPoints& points, double first_rad, double step_rad, int count) {
   double best_rad = first_rad;
   double least_m = std::numeric_limits<double>::infinity();
@@ -137,7 +137,7 @@ double FindBestHeading(const PlanPoints& points, double first_rad, double step_r
   return best_rad;
 }
 
-/// Heading of one of the sides, to an eighth of a degree.
+/// Returns the heading of one of the sides, with an error of an eighth of a degree.
 double FindSideYaw(std::span<const Eigen::Vector3d> points_world) {
   if (points_world.size() < 2) return 0.0;
   constexpr double kDegree = std::numbers::pi / 180.0;
@@ -199,7 +199,8 @@ Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, double yaw_rad) 
   Cuboid cuboid;
   cuboid.yaw_rad = yaw_rad;
   if (points_world.empty()) return cuboid;
-  // Offsets from a point of the set, not from the origin: far from it digits would be lost.
+  // Offsets are relative to a point of the set. Relative to a distant origin they would lose
+  // digits.
   const Eigen::Vector3d& reference_world = points_world.front();
   Eigen::Matrix3d R_world_cuboid = Eigen::Matrix3d::Identity();
   R_world_cuboid.topLeftCorner<2, 2>() = PlanRotation(yaw_rad);

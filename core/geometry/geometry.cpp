@@ -11,10 +11,11 @@ namespace {
 
 constexpr double kMaxFocalLengthPx = 1e5;
 
-// An image is at most so many focal lengths wide: 169 degrees, more than any pinhole camera sees.
+// The maximum image side in focal lengths: a field of view of 169 degrees, wider than that of any
+// pinhole camera.
 constexpr double kMaxSideFocalLengths = 20.0;
 
-// Clients often round quaternions to six digits; anything further off is a bug of theirs.
+// Clients often round quaternions to six digits. A larger error is a defect of the client.
 constexpr double kQuaternionNormTolerance = 1e-3;
 
 absl::Status CheckImageSide(const char* field, int side_px) {
@@ -55,7 +56,7 @@ absl::Status CheckPrincipalPoint(const char* field, double coordinate_px, int si
 }  // namespace
 
 absl::Status ValidateCamera(const PinholeCamera& camera) {
-  // NaN fails every comparison, so each check also refuses it.
+  // NaN fails every comparison, so each check also rejects NaN.
   for (const absl::Status& status : {CheckImageSide("width_px", camera.width_px),
                                      CheckImageSide("height_px", camera.height_px),
                                      CheckFocalLength("fx", camera.fx, camera.width_px),

@@ -5,18 +5,18 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-/// The coordinate frames of the project, defined once:
+/// The coordinate frames of the project:
 ///
-/// - `world`:  the map's frame. Right-handed, z up, metres.
-/// - `robot`:  x forward, y left, z up. Only data set loaders and the simulator know it.
+/// - `world`:  the frame of the map. Right-handed, z up, metres.
+/// - `robot`:  x forward, y left, z up. Used only by data set loaders and the simulator.
 /// - `camera`: the optical frame. x right, y down, z forward, metres.
-/// - `object`: the frame in which an object's volume is stored. Yaw-rotated world, z up, metres.
-/// - `grid`:   voxel indices of a volume; see `core/volume/tsdf_grid.h` for the voxel convention.
+/// - `object`: the frame of an object's volume: `world`, translated and rotated by a yaw, metres.
+/// - `grid`:   voxel indices of a volume; `core/volume/voxel_leaf.h` defines the convention.
 ///
 /// A rigid transform is named `T_destination_source`: `p_world = T_world_camera * p_camera`.
 namespace steadymap {
 
-/// An axis-aligned box in the frame its name says, metres. Empty when any `min > max`.
+/// An axis-aligned box in the frame given by the variable's name, metres. Empty if any `min > max`.
 using Box = Eigen::AlignedBox3d;
 
 /// A pinhole camera without distortion.
@@ -26,12 +26,12 @@ using Box = Eigen::AlignedBox3d;
 struct PinholeCamera {
   int width_px = 0;   ///< Image width, in [1, 4096].
   int height_px = 0;  ///< Image height, in [1, 4096].
-  double fx = 0.0;    ///< Focal length along x, pixels, see `ValidateCamera`.
-  double fy = 0.0;    ///< Focal length along y, pixels, see `ValidateCamera`.
-  double cx = 0.0;    ///< Principal point, pixels, finite.
-  double cy = 0.0;    ///< Principal point, pixels, finite.
+  double fx = 0.0;    ///< Focal length along x, pixels. Range: `ValidateCamera`.
+  double fy = 0.0;    ///< Focal length along y, pixels. Range: `ValidateCamera`.
+  double cx = 0.0;    ///< Principal point along x, pixels. Range: `ValidateCamera`.
+  double cy = 0.0;    ///< Principal point along y, pixels. Range: `ValidateCamera`.
 
-  /// The camera-frame ray (z = 1) through pixel (`u`, `v`).
+  /// Returns the ray (z = 1) through pixel (`u`, `v`), camera frame.
   Eigen::Vector3d Ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
 
   /// Projects a point of the camera frame with z > 0 to pixel coordinates. The point falls on pixel
@@ -54,26 +54,28 @@ struct PinholeCamera {
   friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;
 };
 
-/// Largest image side that any part of the system accepts, pixels.
+/// Largest valid image side, pixels.
 inline constexpr int kMaxImageSidePx = 4096;
 
-/// Poses further than this from the map's origin are refused: beyond it a voxel index could leave
-/// the range that keys and codecs can hold.
+/// Largest valid distance of a pose from the map's origin. Beyond it, a voxel index could exceed
+/// the range of keys and codecs.
 inline constexpr double kMaxPositionM = 10'000.0;
 
-/// OK if the camera is usable; else `InvalidArgument` with reason `BAD_INTRINSICS`. Focal lengths
-/// must lie in [1/20 of the image, 1e5] pixels and the principal point within one image size of it.
+/// Returns OK if the camera is valid. Errors: `InvalidArgument` with reason `BAD_INTRINSICS` unless
+/// image sides are in [1, `kMaxImageSidePx`], focal lengths are in [1/20 of the image side, 1e5]
+/// pixels, and the principal point lies within one image size of the image.
 absl::Status ValidateCamera(const PinholeCamera& camera);
 
-/// A rigid transform from a position [m] and a quaternion (x, y, z, w).
+/// Makes a rigid transform from a position [m] and a quaternion (x, y, z, w).
 ///
-/// The quaternion is normalised if its norm lies within 1e-3 of one.
-/// Errors: `InvalidArgument` with reason `NON_FINITE_POSE` for NaN or infinity, or a position
-/// further than `kMaxPositionM` from the origin; `NOT_A_ROTATION` for any other quaternion.
+/// Normalises a quaternion whose norm is within 1e-3 of one. Errors: `InvalidArgument` with reason
+/// `NON_FINITE_POSE` for NaN, infinity, or a position further than `kMaxPositionM` from the origin;
+/// with reason `NOT_A_ROTATION` for any other quaternion.
 absl::StatusOr<Eigen::Isometry3d> MakePose(const Eigen::Vector3d& position_m,
                                            const Eigen::Vector4d& quaternion_xyzw);
 
-/// Heading of the transform's x axis in the destination's xy plane, radians in (-pi, pi].
+/// Returns the heading of the transform's x axis in the xy plane of the destination, radians in
+/// (-pi, pi].
 double YawOf(const Eigen::Isometry3d& transform);
 
 }  // namespace steadymap

@@ -10,7 +10,7 @@ std::optional<RaySpan> ClipRay(const Box& box,
                                double max_range_m) {
   RaySpan span{0.0, max_range_m};
   for (int axis = 0; axis < 3; ++axis) {
-    // A quotient by zero would be NaN for a ray within a side's plane.
+    // Division by zero would give NaN for a ray in the plane of a side.
     if (direction[axis] == 0.0) {
       if (origin[axis] < box.min()[axis] || origin[axis] > box.max()[axis]) return std::nullopt;
       continue;

@@ -6,8 +6,8 @@
 
 namespace steadymap {
 
-/// The same text for abseil's functions: where abseil is built for C++14, as Debian's is, its
-/// `string_view` is a type of its own.
+/// Converts a text for abseil's functions. Abseil built for C++14, as in Debian, defines its own
+/// `string_view` type.
 inline absl::string_view Absl(std::string_view text) { return {text.data(), text.size()}; }
 
 }  // namespace steadymap

@@ -9,14 +9,15 @@
 
 namespace steadymap {
 
-/// Whether the result of some work is still wanted: that of a call not once its client has gone or
-/// its deadline is over. What takes long asks now and then, and stops. Copies share the answer.
-/// Thread-safe.
+/// A flag that cancels some work, for example after the client of a call disconnects or the
+/// deadline of the call expires. Long work checks it at intervals and stops. Copies share the
+/// state. Thread-safe.
 class Cancellation {
  public:
   Cancellation() : Cancellation(nullptr) {}
 
-  /// Cancelled once `check`, which is thread-safe, says so as well; it is asked each time.
+  /// Also cancelled once `check` returns true. `check` must be thread-safe; every query of the
+  /// state calls it.
   explicit Cancellation(std::function<bool()> check)
       : state_(std::make_shared<State>(std::move(check))) {}
 
@@ -26,9 +27,9 @@ class Cancellation {
     return state_->cancelled.load(std::memory_order_relaxed) || (state_->check && state_->check());
   }
 
-  /// OK, or `Cancelled`.
+  /// Returns OK, or `Cancelled`.
   absl::Status Check() const {
-    return IsCancelled() ? absl::CancelledError("the answer is no longer wanted")
+    return IsCancelled() ? absl::CancelledError("the call was cancelled or its deadline expired")
                          : absl::OkStatus();
   }
 

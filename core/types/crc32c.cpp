@@ -15,8 +15,8 @@ constexpr std::size_t kSlices = 8;
 
 using CrcTable = std::array<std::array<std::uint32_t, 256>, kSlices>;
 
-// Row k holds the effect of a byte that k further bytes follow, so eight bytes can be looked up
-// independently of each other.
+// Row k contains the effect of a byte that is followed by k further bytes. The lookups of eight
+// bytes are therefore independent of each other.
 constexpr CrcTable MakeTable() {
   CrcTable table{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {

@@ -6,9 +6,9 @@
 
 #include <absl/status/status.h>
 
-/// Errors that cross the wire. An `absl::Status` carries the code and the sentence for a person;
-/// its payloads carry what a program needs: a stable reason and the path of the offending field.
-/// `proto/convert` turns them into `google.rpc.ErrorInfo` and `google.rpc.BadRequest`.
+/// Errors of the wire protocol. An `absl::Status` carries the code and a readable message. Its
+/// payloads carry the machine-readable part: a stable reason and the path of the offending field.
+/// `proto/convert` maps them to `google.rpc.ErrorInfo` and `google.rpc.BadRequest`.
 namespace steadymap {
 
 /// The stable reasons of the service contract. The spelling is part of the wire format.
@@ -52,33 +52,33 @@ inline constexpr std::string_view kAsOf = "AS_OF";
 inline constexpr std::string_view kInternal = "INTERNAL";
 }  // namespace reason
 
-/// Makes a status with a reason and, where one field is to blame, its path in the request's proto
-/// spelling, such as `frames[3].depth.data`.
+/// Makes a status with a reason. If one field is at fault, `field` is its path in the proto
+/// spelling of the request, such as `frames[3].depth.data`.
 absl::Status MakeError(absl::StatusCode code,
                        std::string_view reason,
                        std::string_view message,
                        std::string_view field = {});
 
-/// `MakeError(kInvalidArgument, ...)`, the commonest kind.
+/// Returns `MakeError(kInvalidArgument, ...)`.
 absl::Status InvalidField(std::string_view reason,
                           std::string_view field,
                           std::string_view message);
 
-/// The reason of a status made by `MakeError`; empty for any other.
+/// Returns the reason of a status made by `MakeError`, empty for any other status.
 std::string ReasonOf(const absl::Status& status);
 
-/// The field path of a status made by `MakeError`; empty where none was given.
+/// Returns the field path of a status made by `MakeError`, empty if it has none.
 std::string FieldOf(const absl::Status& status);
 
-/// The status with the word of whoever made it that another try makes sense after so many
-/// milliseconds, >= 0. OK comes back unchanged.
+/// Adds a retry delay to an error: a retry is useful after `delay_ms` milliseconds, >= 0. Returns
+/// OK unchanged.
 absl::Status WithRetryDelay(absl::Status status, std::int64_t delay_ms);
 
-/// That word; 0 where there is none.
+/// Returns the retry delay set by `WithRetryDelay`, milliseconds; 0 if there is none.
 std::int64_t RetryDelayMsOf(const absl::Status& status);
 
-/// Prefixes the field path of `status` with `prefix` and a dot (no dot before `[`). OK and statuses
-/// without a field path come back unchanged.
+/// Prefixes the field path of `status` with `prefix` and a dot (no dot before `[`). Returns OK, and
+/// a status without a field path, unchanged.
 absl::Status WithFieldPrefix(const absl::Status& status, std::string_view prefix);
 
 }  // namespace steadymap

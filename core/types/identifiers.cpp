@@ -29,7 +29,7 @@ absl::StatusOr<MapName> MapName::Parse(std::string_view name) {
     const std::string_view map = name.substr(infix + kMapsInfix.size());
     if (IsValidId(tenant) && IsValidId(map)) return MapName{std::string(tenant), std::string(map)};
   }
-  // The name is cut: it may be megabytes of somebody's garbage.
+  // The message contains only the start of the name: a client may send megabytes.
   return InvalidField(reason::kBadName,
                       "name",
                       "a map's name must read tenants/{tenant}/maps/{map}, each id matching "

@@ -11,7 +11,7 @@
 
 namespace steadymap {
 
-/// An integer that means one thing only; `Tag` keeps different ones from mixing.
+/// An integer type for one kind of number. `Tag` prevents the mixing of different kinds.
 template <typename Tag, typename Integer>
 class StrongInteger {
  public:
@@ -21,7 +21,7 @@ class StrongInteger {
 
   constexpr Integer value() const { return value_; }
 
-  /// The integer that follows.
+  /// Returns the successor.
   constexpr StrongInteger Next() const { return StrongInteger(static_cast<Integer>(value_ + 1)); }
 
   friend constexpr auto operator<=>(const StrongInteger&, const StrongInteger&) = default;
@@ -30,44 +30,45 @@ class StrongInteger {
   Integer value_ = 0;
 };
 
-/// An object of a map; 0 is the background, which has no belief and no cuboid.
+/// The id of an object of a map. 0 is the background, which has no belief and no cuboid.
 using ObjectId = StrongInteger<struct ObjectIdTag, std::uint64_t>;
 inline constexpr ObjectId kBackgroundId{0};
 
-/// A semantic class: an index into the map's class table.
+/// The id of a semantic class, a key of the map's class table.
 using ClassId = StrongInteger<struct ClassIdTag, std::uint16_t>;
 
-/// The number of an atomic commit of a map; 0 is the empty map before the first.
+/// The number of a map state: the map sequence of its newest entry. 0 is the empty map.
 using Revision = StrongInteger<struct RevisionTag, std::uint64_t>;
 
-/// The place of an entry, mostly a frame, in its map's log, gap-free from 1; 0 is "none yet".
+/// The number of an entry (a frame, or added classes) of a map's log, from 1 without gaps; 0 is
+/// "none yet".
 using MapSequence = StrongInteger<struct MapSequenceTag, std::uint64_t>;
 
-/// The place of a frame in its upload session, from 1; 0 is "none yet".
+/// The number of a frame in its upload session, from 1; 0 is "none yet".
 using ClientSequence = StrongInteger<struct ClientSequenceTag, std::uint64_t>;
 
-/// The place of an event in its map's history, gap-free from 1; 0 is "none yet".
+/// The number of an event in its map's history, from 1 without gaps; 0 is "none yet".
 using EventNumber = StrongInteger<struct EventNumberTag, std::uint64_t>;
 
-/// The store's key of a map. Never reused, so a map created anew under an old name shares nothing
-/// with its predecessor.
+/// The store's key of a map. Never reused, so a map created under the name of a deleted map shares
+/// no data with it.
 using MapKey = StrongInteger<struct MapKeyTag, std::uint64_t>;
 
-/// What takes frames: a sensor, by its id and that of the robot that carries it.
+/// The source of frames: the id of a sensor and of the robot that carries it.
 struct SensorName {
   std::string robot;
   std::string sensor;
 
-  /// What a robot's only sensor is called where nobody says.
+  /// The id of a robot's sensor if the client gives none.
   static constexpr char kDefaultSensor[] = "camera";
 
-  /// `robot/sensor`, for people.
+  /// Returns `robot/sensor`, for display.
   std::string ToString() const { return robot + "/" + sensor; }
 
   friend auto operator<=>(const SensorName&, const SensorName&) = default;
 };
 
-/// Whether `text` may be a tenant, map, robot, sensor or session id: `[a-z][a-z0-9-]{0,62}`.
+/// True if `text` is a valid tenant, map, robot, sensor or session id: `[a-z][a-z0-9-]{0,62}`.
 bool IsValidId(std::string_view text);
 
 /// The name of a map on the wire: `tenants/{tenant}/maps/{map}`.

@@ -20,13 +20,14 @@ constexpr double kMaxMaxDepthM = 100.0;
 constexpr double kMaxMaxDepthVoxels = 4000.0;
 constexpr std::size_t kMaxClassNameLength = 64;
 
-// 0.15 / 0.05 is a hair under 3: limits in voxels must not turn on the last bit.
+// In floating point, 0.15 / 0.05 is slightly below 3. Limits in voxels must not depend on the last
+// bit.
 constexpr double kRelativeSlack = 1e-9;
 
-// An error has to fit in the trailers of a call.
+// The trailers of a call limit the length of an error message.
 constexpr int kMostViolationsShown = 10;
 
-/// Collects violations; the first one's field becomes the field of the status.
+/// Collects violations. The status has the field of the first violation.
 class Violations {
  public:
   void Add(std::string field, const std::string& text) {
@@ -35,7 +36,7 @@ class Violations {
     absl::StrAppend(&message_, message_.empty() ? "" : "; ", text);
   }
 
-  /// `value` must lie in [`low`, `high`]; NaN does not. Whether it does.
+  /// Adds a violation and returns false unless `value` lies in [`low`, `high`]; NaN does not.
   bool CheckRange(const char* field, double value, double low, double high) {
     if (value >= low * (1 - kRelativeSlack) && value <= high * (1 + kRelativeSlack)) return true;
     Add(field, absl::StrCat(field, " must lie in [", low, ", ", high, "], got ", value));
@@ -63,7 +64,7 @@ void CheckClasses(const std::vector<SemanticClass>& classes, Violations* violati
     const std::string field = absl::StrCat("classes[", i, "]");
     if (!seen.insert(classes[i].id).second) {
       violations->Add(field + ".id",
-                      absl::StrCat(field, ".id ", classes[i].id.value(), " is there already"));
+                      absl::StrCat(field, ".id ", classes[i].id.value(), " is a duplicate"));
     }
     if (classes[i].name.empty() || classes[i].name.size() > kMaxClassNameLength) {
       violations->Add(field + ".name",
@@ -133,7 +134,7 @@ bool MapConfig::IsInBackground(ClassId id) const {
 
 absl::Status ValidateMapConfig(const MapConfig& config) {
   Violations violations;
-  // Voxels of an impossible size are no measure for the truncation.
+  // An invalid voxel size gives no valid limits for the truncation distance.
   if (violations.CheckRange("voxel_size_m", config.voxel_size_m, kMinVoxelSizeM, kMaxVoxelSizeM)) {
     violations.CheckRange("truncation_m",
                           config.truncation_m,

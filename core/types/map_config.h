@@ -11,81 +11,83 @@
 
 namespace steadymap {
 
-/// How a map decides what to believe.
+/// The method by which a map is updated. Sources: `core/README.md`.
 enum class UpdatePolicy {
-  kStatic,        ///< Every frame is fused, nothing is ever removed.
-  kVoxelChange,   ///< Voxels are overwritten where a visit disagrees with those before.
-  kSubmapChange,  ///< Objects are in or out as a whole by the last look at them.
-  kTracking,      ///< Objects are followed from frame to frame; what is gone stays.
-  kPocd,          ///< Objects with a belief each, whether they still stand where they stood.
-  kPocdPaper,     ///< The same as the paper has it, without what steadymap adds: to compare with.
+  kStatic,        ///< Fuses every frame, removes nothing.
+  kVoxelChange,   ///< Overwrites voxels where the current visit contradicts earlier visits.
+  kSubmapChange,  ///< Includes or excludes whole objects by their latest comparison with a frame.
+  kTracking,      ///< Registers objects in every frame. Absent objects stay in the map.
+  kPocd,          ///< Keeps a belief of the stationarity of each object.
+  kPocdPaper,     ///< POCD as published, without the extensions of `kPocd`; for comparison.
 };
 
-/// Whether things of a class move on their own.
+/// Whether, and how often, objects of a class move.
 enum class ClassMotion {
-  kStatic,      ///< Stays where it is until somebody rebuilds the place: walls, racks.
-  kSemiStatic,  ///< Stays for hours or days, then is moved: goods, carts.
-  kDynamic,     ///< Moves while it is looked at: people, vehicles. Its pixels are never fused.
+  kStatic,      ///< Never moves, except by reconstruction of the building: walls, racks.
+  kSemiStatic,  ///< Stays for hours or days between moves: goods, carts.
+  kDynamic,     ///< Moves while it is observed: people, vehicles. Its pixels are never fused.
 };
 
 /// One row of a map's class table.
 struct SemanticClass {
   ClassId id;        ///< The value in label images.
-  std::string name;  ///< For people, 1 to 64 characters.
+  std::string name;  ///< Display name, 1 to 64 bytes.
   ClassMotion motion = ClassMotion::kStatic;
-  /// Whether its surfaces belong to the background instead of forming objects: ground, ceiling, and
-  /// whatever has no class.
+  /// True if surface of the class belongs to the background and forms no objects: ground, ceiling,
+  /// unclassified surface.
   bool in_background = false;
 
   friend bool operator==(const SemanticClass&, const SemanticClass&) = default;
 };
 
-/// The classes of the TorWIC data set (pocd.md section 5), ids 0 to 15.
+/// Returns the classes of the TorWIC data set (Qian et al., RSS 2022), ids 0 to 15.
 std::vector<SemanticClass> TorwicClasses();
 
-/// How a map is built. Immutable after creation, so that a replay of its log gives the same map.
+/// The configuration of a map. Immutable after creation, so that a replay of the log gives the same
+/// map.
 struct MapConfig {
-  /// Edge of a voxel, metres, in [0.001, 1]. Memory grows with its inverse square. TorWIC: 0.05.
+  /// Edge length of a voxel, metres, in [0.001, 1]. Memory grows with its inverse square. TorWIC:
+  /// 0.05.
   double voxel_size_m = 0.05;
 
-  /// Distances are kept within this of a surface, metres, in [2, 16] voxels. Wider bridges more
-  /// noise, narrower keeps the two sides of thin things apart.
+  /// Truncation distance, metres, in [2, 16] voxels. A larger value tolerates more noise; a smaller
+  /// value keeps the two sides of thin objects apart.
   double truncation_m = 0.15;
 
-  /// Depth beyond this is not fused, metres, in [0.1, 100], at most 4000 voxels, which bounds the
-  /// work of a frame. TorWIC: 3.
+  /// Depth beyond this limit is not fused, metres, in [0.1, 100], at most 4000 voxels, which bounds
+  /// the work per frame. TorWIC: 3.
   double max_depth_m = 3.0;
 
   UpdatePolicy policy = UpdatePolicy::kStatic;
 
-  /// Classes that label images may hold besides 0, which means no label; unique ids. Never empty in
-  /// a valid configuration.
+  /// The classes that label images may contain, with unique ids, besides 0, which means no label.
+  /// Never empty in a valid configuration.
   std::vector<SemanticClass> classes = TorwicClasses();
 
-  /// The largest id plus one, at least 1: labels of a valid frame lie below this.
+  /// Returns the largest id plus one, at least 1. Labels of a valid frame are below this value.
   std::size_t label_limit() const;
 
-  /// The row of a class; null if it has none. Valid until the table changes.
+  /// Returns the row of a class, null if it has none. Valid until the table changes.
   const SemanticClass* FindClass(ClassId id) const;
 
-  /// Whether surface of a class belongs to the background; so does that of a class without a row.
+  /// True if surface of the class belongs to the background. Also true for a class without a row.
   bool IsInBackground(ClassId id) const;
 
   friend bool operator==(const MapConfig&, const MapConfig&) = default;
 };
 
-/// The values that label images of a map may hold: the ids of its class table, and 0, which means
-/// no label. Any thread.
+/// The set of valid values in label images of a map: the ids of its class table, and 0, which means
+/// no label. Thread-safe.
 class KnownLabels {
  public:
   explicit KnownLabels(const std::vector<SemanticClass>& classes);
 
   bool Contains(std::uint16_t label) const { return label < is_known_.size() && is_known_[label]; }
 
-  /// Every known label lies below this; at least 1.
+  /// Returns an upper bound of the known labels, exclusive; at least 1.
   std::size_t limit() const { return is_known_.size(); }
 
-  /// Whether all labels below `limit()` are known.
+  /// True if all labels below `limit()` are known.
   bool is_dense() const { return is_dense_; }
 
  private:
@@ -93,8 +95,9 @@ class KnownLabels {
   bool is_dense_ = true;
 };
 
-/// OK if a map can be built so; else `InvalidArgument` with reason `BAD_VALUE` and the field path
-/// (proto spelling) of the first violation, and all violations in the message.
+/// Returns OK if a map can be built with the configuration. Errors: `InvalidArgument` with reason
+/// `BAD_VALUE`, the field path (proto spelling) of the first violation, and a message that lists
+/// the first ten violations.
 absl::Status ValidateMapConfig(const MapConfig& config);
 
 }  // namespace steadymap

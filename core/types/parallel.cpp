@@ -15,7 +15,8 @@ thread_local void* work_owner = nullptr;
 
 std::atomic<void (*)()> helper_thread_hook = nullptr;
 
-/// Calls the hook on oneTBB's threads as they come to help the thread that made this.
+/// Calls the hook on oneTBB's worker threads when they start to help the thread that owns this
+/// object.
 class HelperThreadObserver final : public tbb::task_scheduler_observer {
  public:
   HelperThreadObserver() { observe(true); }
@@ -32,7 +33,7 @@ class HelperThreadObserver final : public tbb::task_scheduler_observer {
   }
 };
 
-/// Works for somebody else for a while.
+/// Sets the work owner of the current thread for its own lifetime, then restores the previous one.
 class BorrowedThread {
  public:
   explicit BorrowedThread(void* owner) : before_(work_owner) { work_owner = owner; }
@@ -58,10 +59,10 @@ void ParallelFor(std::size_t count,
   }
   thread_local HelperThreadObserver observer;
   void* const owner = work_owner;
-  // oneTBB halves what is longer than its grain, so halves are at least half as long as that.
+  // oneTBB splits ranges longer than its grain in half, so each half has at least half that length.
   const std::size_t grain = std::max<std::size_t>(2 * min_range, 2) - 1;
-  // oneTBB orders what is done before, within and after; the flag shows it to ThreadSanitizer, too,
-  // which does not see into the library.
+  // oneTBB itself orders the accesses before, within and after the loop. The flag makes this order
+  // visible to ThreadSanitizer, which does not instrument the library.
   std::atomic<int> order = 0;
   order.store(1, std::memory_order_release);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {

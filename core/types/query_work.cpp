@@ -10,12 +10,12 @@ bool QueryWork::Check() {
   if (!status_.ok()) return false;
   if (steps_ > max_steps_) {
     status_ = absl::ResourceExhaustedError(
-        absl::StrCat("the query takes more than ", max_steps_, " steps"));
+        absl::StrCat("the query exceeds the limit of ", max_steps_, " steps"));
   } else {
     status_ = cancellation_.Check();
   }
   const std::uint64_t left = std::max(max_steps_, steps_) - steps_;
-  // No later than the first step that is not allowed.
+  // The next check happens at the latest at the first step beyond the limit.
   next_check_ = steps_ + std::min(kStepsPerCheck - 1, left) + 1;
   return status_.ok();
 }

@@ -10,31 +10,33 @@
 
 namespace steadymap {
 
-/// Counts the steps of a query and ends it: once its answer is no longer wanted, or once it has
-/// taken more steps than it may. A step is one look at a voxel, an object, or a block of cells: 0.3
-/// us in the mean. The same query of the same map takes the same steps everywhere. One thread.
+/// Counts the steps of a query, and ends it on cancellation or beyond a maximum number of steps. A
+/// step is one access to a voxel, an object, or a block of cells: 0.3 us on average. The same query
+/// of the same map takes the same number of steps on every machine. One thread at a time.
 class QueryWork {
  public:
-  /// Steps between two questions whether the answer is still wanted: 0.3 ms in the mean.
+  /// Steps between two checks for cancellation: 0.3 ms on average.
   static constexpr std::uint64_t kStepsPerCheck = 1024;
 
-  /// Work of any length whose answer is always wanted.
+  /// Work without a step limit that is never cancelled.
   QueryWork() : QueryWork(Cancellation(), std::numeric_limits<std::uint64_t>::max()) {}
 
-  /// Work of at most `max_steps`, wanted until `cancellation` says otherwise.
+  /// Work of at most `max_steps` that `cancellation` ends.
   QueryWork(Cancellation cancellation, std::uint64_t max_steps)
       : cancellation_(std::move(cancellation)), max_steps_(max_steps) {}
 
-  /// Counts `count` steps that come next; false once there must be none, then and ever after.
+  /// Counts the next `count` steps. Returns false if they must not be executed; from then on, every
+  /// call returns false.
   bool Take(std::uint64_t count = 1) {
     steps_ += count;
     return steps_ < next_check_ ? status_.ok() : Check();
   }
 
-  /// OK, or why the work ended: `Cancelled`, or `ResourceExhausted` after too many steps.
+  /// Returns OK, or the reason of the end: `Cancelled`, or `ResourceExhausted` after too many
+  /// steps.
   const absl::Status& status() const { return status_; }
 
-  /// Steps so far.
+  /// Returns the number of steps counted so far.
   std::uint64_t steps() const { return steps_; }
 
  private:
@@ -43,7 +45,7 @@ class QueryWork {
   Cancellation cancellation_;
   std::uint64_t max_steps_;
   std::uint64_t steps_ = 0;
-  std::uint64_t next_check_ = 0;  ///< In steps; the first one asks at once.
+  std::uint64_t next_check_ = 0;  ///< In steps. 0, so that the first step checks.
   absl::Status status_;
 };
 

@@ -31,7 +31,8 @@ class Duration {
   std::int64_t ns_ = 0;
 };
 
-/// A moment, nanoseconds since the Unix epoch. Core never reads a clock: times come with frames.
+/// A point in time, nanoseconds since the Unix epoch. Core never reads a clock: times come with
+/// frames.
 class Timestamp {
  public:
   constexpr Timestamp() = default;

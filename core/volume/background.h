@@ -9,29 +9,30 @@
 
 namespace steadymap {
 
-/// Side of a background tile, voxels: 3.2 m at 5 cm. A tile is what is cloned before a write, so
-/// larger tiles copy more than a frame touches and smaller ones cost more tree nodes.
+/// Side of a background tile, voxels: 3.2 m at 5 cm. A shared tile is cloned before a write. A
+/// larger tile copies more than the leaves changed by a frame; a smaller tile needs more tree
+/// nodes.
 inline constexpr int kTileSide = 64;
 
-/// The part of a map that belongs to no object, kept in tiles: fixed cubes of the world lattice,
-/// each a grid of its own (decisions.md 5). The grid frame of every tile is the world frame.
+/// The surface of a map that belongs to no object. It is stored in tiles, fixed cubes of the world
+/// lattice with one grid each. The grid frame of every tile is the world frame.
 ///
-/// Copying shares the tiles. A tile that another copy shares is cloned before it is written, so a
-/// published copy never changes (decisions.md 6).
+/// A copy shares the tiles. A tile shared with another copy is cloned before it is written, so a
+/// published copy never changes.
 class Background final : public VoxelReader {
  public:
   LeafView FindLeaf(LeafOrigin origin) const override;
   bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
-  /// A leaf or a tile.
+  /// Returns `kLeafSide`, or up to `kTileSide`.
   int EmptySideAt(LeafOrigin origin) const override;
 
-  /// The tile that holds `origin`, created or cloned if need be, for writing. Valid until the
-  /// background is copied.
+  /// Returns the tile that contains `origin`, for writing. Creates it if it does not exist, clones
+  /// it if it is shared. Valid until the background is copied.
   TsdfGrid& MutableTile(LeafOrigin origin);
 
-  /// Lowest voxel of a tile; ordered, so that iteration is deterministic.
+  /// The lowest voxel of a tile. Ordered, so that iteration is deterministic.
   struct TileOrigin {
     std::int32_t x = 0;
     std::int32_t y = 0;
@@ -39,12 +40,13 @@ class Background final : public VoxelReader {
     friend constexpr auto operator<=>(const TileOrigin&, const TileOrigin&) = default;
   };
 
-  /// The tiles, each the same object as long as it does not change and is held by somebody else.
+  /// Returns the tiles by origin. While a tile is shared, it is never modified: equal pointers mean
+  /// equal content.
   const std::map<TileOrigin, std::shared_ptr<TsdfGrid>>& tiles() const { return tiles_; }
 
   std::size_t tile_count() const { return tiles_.size(); }
 
-  /// Observed voxels of all tiles.
+  /// Returns the number of observed voxels of all tiles.
   std::size_t CountObservedVoxels() const;
 
   std::size_t memory_bytes() const;

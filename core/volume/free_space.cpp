@@ -12,11 +12,11 @@
 namespace steadymap {
 namespace {
 
-// How far behind a surface free space is looked for, metres.
+// Distance behind a surface at which free space is tested, metres.
 constexpr double kBehindM = 0.08;
 
-/// Visits the cells that a ray passes, one after the other, leaving none out (Amanatides and Woo,
-/// "A fast voxel traversal algorithm", 1987). Lengths in cells.
+/// Enumerates all cells along a ray, in order (Amanatides and Woo, "A fast voxel traversal
+/// algorithm", 1987). Lengths in cells.
 class CellWalk {
  public:
   CellWalk(const Eigen::Vector3d& start, const Eigen::Vector3d& unit_direction)
@@ -34,7 +34,7 @@ class CellWalk {
 
   const CellIndex& cell() const { return cell_; }
 
-  /// How far from its start the ray enters the cell.
+  /// Returns the distance from the start to the entry into the cell.
   double entry_cells() const { return entry_; }
 
   void Advance() {
@@ -132,7 +132,7 @@ double FreeSpace::FreeRun(const Eigen::Vector3d& start_world,
                           QueryWork* work) const {
   CellWalk walk(start_world / cell_size_m_, unit_direction_world);
   const double max_cells = max_m / cell_size_m_;
-  LeafOrigin block_origin{1, 0, 0};  // Of no block.
+  LeafOrigin block_origin{1, 0, 0};  // Not the origin of any block.
   LeafMask block{};
   while (walk.entry_cells() < max_cells) {
     const CellIndex& cell = walk.cell();
@@ -158,11 +158,12 @@ void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,
                         std::vector<LeafOrigin>* changed_blocks) {
   const Eigen::Vector3d from_cells = from_world / cell_size_m_;
   const Eigen::Vector3d way_cells = to_world / cell_size_m_ - from_cells;
-  // Steps of one cell: a ray may cut a corner unseen, the next ray will not.
+  // Steps of about one cell. A ray can skip a cell that it crosses near a corner; a neighbouring
+  // ray marks it.
   const auto steps = static_cast<int>(way_cells.norm());
   const Eigen::Vector3d step_cells = way_cells / std::max(steps, 1);
   Eigen::Vector3d point_cells = from_cells;
-  LeafOrigin block_origin{1, 0, 0};  // Of no block.
+  LeafOrigin block_origin{1, 0, 0};  // Not the origin of any block.
   LeafMask block{};
   for (int i = 0; i <= steps; ++i, point_cells += step_cells) {
     const CellIndex cell = CellAt(point_cells);

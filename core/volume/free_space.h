@@ -15,61 +15,61 @@
 
 namespace steadymap {
 
-/// Remembers where nothing was: cubes that a camera has looked through. Tells a thing that appears
-/// where there was none from more of a thing that was known in part.
+/// The set of free cells: cubes through which a camera has observed a surface. It separates a new
+/// object, which appears in free space, from a newly observed part of a known object.
 ///
-/// Kept in blocks of 8 x 8 x 8 cells, and these in tiles; grows only, by a bit a cell. Copying
-/// shares the tiles; one that another copy shares is cloned before it is written.
+/// Cells are stored as bits in blocks of 8 x 8 x 8, and blocks in tiles. The set only grows. A copy
+/// shares the tiles; a tile shared with another copy is cloned before it is written.
 class FreeSpace {
  public:
-  /// Edge of a cell, metres, at a voxel size of 5 cm: two voxels.
+  /// `cell_size_m` is the edge length of a cell, metres.
   explicit FreeSpace(double cell_size_m) : cell_size_m_(cell_size_m) {}
 
   double cell_size_m() const { return cell_size_m_; }
 
-  /// Whether the cell around a point was looked through.
+  /// True if the cell that contains the point is free.
   bool IsFree(const Eigen::Vector3d& point_world) const;
 
-  /// How far the cells that a ray passes are free, from its start on, metres; `max_m` at most, and
-  /// 0 if the first is not. `unit_direction` has length one, and the ray runs within 10^8 cells of
-  /// the origin. Takes a step from `work` for each block on its way and ends where it may take
-  /// none.
+  /// Returns the length of the free part of a ray from its start, metres: at most `max_m`, 0 if the
+  /// first cell is not free. `unit_direction_world` has length one, and the ray lies within 10^8
+  /// cells of the origin. Takes one step from `work` per block, and ends early if `work` is
+  /// exhausted.
   double FreeRun(const Eigen::Vector3d& start_world,
                  const Eigen::Vector3d& unit_direction_world,
                  double max_m,
                  QueryWork* work) const;
 
-  /// A box around all that is free, to the tile; empty if nothing is.
+  /// Returns a box around all free cells, rounded to whole tiles; empty if there are none.
   Box Bounds() const;
 
-  /// Bytes of the cells in memory.
+  /// Returns the memory of the tiles, bytes.
   std::size_t memory_bytes() const { return tiles_.size() * sizeof(Tile); }
 
-  /// Whether what lies right behind a surface that faces along the unit vector `normal_world` was
-  /// looked through, so that the surface came after that. Nothing can be said of what is thinner
-  /// than a cell.
+  /// True if the space 0.08 m behind a surface is free, so that the surface appeared after that
+  /// observation. `normal_world` is the outward unit normal. Objects thinner than a cell give no
+  /// reliable result.
   bool IsFreeBehind(const Eigen::Vector3d& point_world, const Eigen::Vector3d& normal_world) const;
 
-  /// Marks the cells that the straight way from `from_world` to `to_world` passes; appends blocks
-  /// that changed to `changed_blocks`, possibly with repetitions.
+  /// Marks the cells on the segment from `from_world` to `to_world`. Appends the changed blocks to
+  /// `changed_blocks`, possibly with duplicates.
   void MarkRay(const Eigen::Vector3d& from_world,
                const Eigen::Vector3d& to_world,
                std::vector<LeafOrigin>* changed_blocks);
 
-  /// The cells of the block whose lowest cell is `origin`; no bit set where there is no block.
+  /// Returns the cells of the block with lowest cell `origin`; no bit is set if there is no block.
   LeafMask FindBlock(LeafOrigin origin) const;
 
-  /// Sets the cells of one block.
+  /// Replaces the cells of one block.
   void StoreBlock(LeafOrigin origin, const LeafMask& cells) { MutableBlock(origin) = cells; }
 
-  /// Calls `visit` for each block with a free cell, in an order that depends on the content alone.
+  /// Calls `visit` for each block with a free cell, in an order that depends only on the content.
   void ForEachBlock(const std::function<void(LeafOrigin, const LeafMask&)>& visit) const;
 
-  /// Whether both know the same cells.
+  /// True if the free cells and the cell sizes are equal.
   friend bool operator==(const FreeSpace& a, const FreeSpace& b);
 
  private:
-  /// Blocks of a tile's side: 3.2 m at a voxel size of 5 cm.
+  /// Blocks per tile side: 3.2 m at a voxel size of 5 cm.
   static constexpr int kTileBlocks = 4;
   static constexpr int kTileSide = kTileBlocks * kLeafSide;
 

@@ -4,17 +4,18 @@
 
 #include "core/volume/voxel_leaf.h"
 
-/// What changes in a leaf between two looks at it: states of voxels, never operations, so that a
-/// patch may be applied twice, or to a leaf that has some of it, without harm. A patch is a leaf
-/// that holds the changed voxels alone, and packs like any other.
+/// The difference of two states of a leaf. A patch contains voxel states, not operations, so its
+/// application is idempotent, also to a leaf that has some of the changes. A patch is a leaf with
+/// the changed voxels only, and is packed in the same format.
 namespace steadymap {
 
-/// The voxels of `after` that are not as in `before`; valid as long as `after`. None if nothing but
-/// the whole leaf can tell: if there was none, or a voxel or all colours are gone. Without observed
-/// voxels if the leaves are equal.
+/// Returns the voxels of `after` that differ from `before`; valid as long as `after`. Returns none
+/// if a patch cannot express the change: `before` or `after` is null, a voxel is no longer
+/// observed, or the leaf lost its colours. Returns a patch without observed voxels if the leaves
+/// are equal.
 std::optional<LeafView> FindLeafPatch(const LeafView& before, const LeafView& after);
 
-/// Writes the patch's voxels over those of `leaf`, which keeps the others.
+/// Overwrites the voxels of the patch in `leaf` and keeps all others.
 void ApplyLeafPatch(const LeafVoxels& patch, LeafVoxels* leaf);
 
 }  // namespace steadymap

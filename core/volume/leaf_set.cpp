@@ -10,7 +10,7 @@ std::size_t HashOf(std::uint64_t key) {
   return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32);
 }
 
-/// Without SSE4.1 std::floor is a call, and dear here.
+/// Without SSE4.1, std::floor is a function call, too slow here.
 std::int32_t Floor(float value) {
   const auto truncated = static_cast<std::int32_t>(value);
   return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
@@ -27,12 +27,12 @@ void LeafSet::Reset(LeafIndex base) {
 
 void LeafSet::StartRow() { std::fill(last_keys_.begin(), last_keys_.end(), kNoKey); }
 
-// The walk of Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing" (1987), with
-// the number of crossings counted beforehand, so that rounding cannot make it run on.
+// The traversal of Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing" (1987).
+// The number of crossings is computed in advance, so that rounding errors cannot extend the loop.
 void LeafSet::InsertSegment(const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
   std::array<std::int32_t, 3> leaf;
   std::array<std::int32_t, 3> direction;
-  std::array<float, 3> next;   // Share of the segment at which it next crosses a border, by axis.
+  std::array<float, 3> next;   // Share of the segment at its next border crossing, by axis.
   std::array<float, 3> delta;  // Share between two borders.
   std::int32_t crossings = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -11,30 +11,30 @@
 
 namespace steadymap {
 
-/// Collects the leaves that a frame touches, each once. Made for many insertions of few distinct
-/// leaves: neighbouring rays meet the same ones.
+/// The set of leaves touched by a frame. Optimised for many insertions of few distinct leaves:
+/// neighbouring rays cross the same leaves.
 class LeafSet {
  public:
-  /// A leaf's position in leaves, not voxels.
+  /// The position of a leaf in leaves, not voxels.
   struct LeafIndex {
     std::int32_t x = 0;
     std::int32_t y = 0;
     std::int32_t z = 0;
   };
 
-  /// Empties the set. Leaves are then inserted relative to `base` and must lie within 2^20 of it.
+  /// Clears the set. Further leaves are inserted relative to `base` and must lie within 2^20 leaves
+  /// of it.
   void Reset(LeafIndex base);
 
-  /// Forgets the segment before; call where neighbours end.
+  /// Clears the keys of the previous segment. Call between segments that are not neighbours.
   void StartRow();
 
-  /// Inserts every leaf that the segment from `from` to `to` passes through (in leaves, relative to
-  /// the base).
+  /// Inserts every leaf on the segment from `from` to `to`, in leaves relative to the base.
   void InsertSegment(const Eigen::Vector3f& from, const Eigen::Vector3f& to);
 
   std::size_t size() const { return keys_.size(); }
 
-  /// The leaves in ascending order. Valid until the next call of a non-const function.
+  /// Returns the leaves in ascending order. Valid until the next call of a non-const function.
   const std::vector<LeafOrigin>& Sorted();
 
  private:
@@ -48,7 +48,7 @@ class LeafSet {
            static_cast<std::uint64_t>(leaf[2] + kBias);
   }
 
-  /// Inserts the leaf at `key`, the `step`-th of its segment.
+  /// Inserts the leaf `key`, number `step` along its segment.
   void Insert(std::size_t step, std::uint64_t key) {
     if (step < kTrackedSteps) {
       if (last_keys_[step] == key) return;
@@ -61,7 +61,7 @@ class LeafSet {
   void Grow();
 
   LeafIndex base_;
-  std::array<std::uint64_t, kTrackedSteps> last_keys_;  ///< Of the segment before, by step.
+  std::array<std::uint64_t, kTrackedSteps> last_keys_;  ///< Of the previous segment, by step.
   std::vector<std::uint64_t> table_ =
       std::vector<std::uint64_t>(4096, kNoKey);  ///< Open addressing.
   std::vector<std::uint64_t> keys_;

@@ -21,7 +21,7 @@ constexpr std::uint8_t kColorFlag = 0x10;
 constexpr std::uint8_t kZstdFlag = 0x20;
 constexpr std::uint8_t kKnownFlags = kVersionMask | kColorFlag | kZstdFlag;
 
-// Level 1 gains nearly all that zstd can here: the residuals are mostly noise.
+// Level 1 is nearly as effective as higher levels: the residuals are mostly noise.
 constexpr int kVolumeZstdLevel = 1;
 
 constexpr std::size_t kMaskBytes = kLeafSide * sizeof(std::uint64_t);
@@ -50,12 +50,13 @@ std::int32_t FromZigzag8(std::uint8_t zigzag) {
   return (zigzag >> 1) ^ -static_cast<std::int32_t>(zigzag & 1U);
 }
 
-/// Offsets of the neighbours below along x, y, z.
+/// Offsets of the lower neighbours along x, y, z.
 constexpr std::size_t kX = 64;
 constexpr std::size_t kY = 8;
 constexpr std::size_t kZ = 1;
 
-/// Predicts a distance from the observed voxels of lower index: exact where the field is linear.
+/// Predicts a distance from the observed voxels of lower index. For a linear field with all
+/// neighbours observed, the prediction is exact.
 std::int32_t PredictDistance(const LeafMask& mask, const Steps& steps, std::size_t offset) {
   const bool x = (offset >> 6) > 0;
   const bool y = ((offset >> 3) & 7) > 0;
@@ -126,7 +127,7 @@ void WriteColor(const LeafView& leaf, std::uint8_t* body) {
 absl::Status Damaged(std::string_view what) {
   return MakeError(absl::StatusCode::kDataLoss,
                    reason::kChecksum,
-                   "a packed leaf is damaged: " + std::string(what));
+                   "a packed leaf is corrupt: " + std::string(what));
 }
 
 absl::Status ReadGeometry(const std::uint8_t* body, const VoxelScale& scale, LeafVoxels* voxels) {
@@ -149,7 +150,7 @@ absl::Status ReadGeometry(const std::uint8_t* body, const VoxelScale& scale, Lea
     voxels->weight[offset] = static_cast<float>(last_weight) * kWeightUnit;
     ++i;
   });
-  return in_range ? absl::OkStatus() : Damaged("a voxel is out of range");
+  return in_range ? absl::OkStatus() : Damaged("a voxel value is out of range");
 }
 
 void ReadColor(const std::uint8_t* body, LeafVoxels* voxels) {
@@ -166,7 +167,8 @@ void ReadColor(const std::uint8_t* body, LeafVoxels* voxels) {
   });
 }
 
-/// The zstd contexts of a thread: making one costs more than packing a leaf.
+/// The zstd contexts of a thread. The creation of a context takes longer than the packing of a
+/// leaf.
 struct ZstdContexts {
   ZSTD_CCtx* compress = ZSTD_createCCtx();
   ZSTD_DCtx* decompress = ZSTD_createDCtx();
@@ -185,7 +187,8 @@ ZstdContexts& ThreadContexts() {
   return contexts;
 }
 
-/// The body of a packed leaf: decompressed into `buffer` if need be. Empty if it is damaged.
+/// Returns the body of a packed leaf, decompressed into `buffer` if necessary; empty if it is
+/// corrupt.
 std::string_view BodyOf(std::string_view packed, std::array<char, kMaxBodyBytes>* buffer) {
   const std::string_view stored = packed.substr(1);
   if ((static_cast<std::uint8_t>(packed[0]) & kZstdFlag) == 0) return stored;
@@ -232,18 +235,18 @@ absl::Status UnpackLeaf(std::string_view packed, const VoxelScale& scale, LeafVo
   if (packed.empty()) return absl::OkStatus();
   const auto format = static_cast<std::uint8_t>(packed[0]);
   if ((format & kVersionMask) != kVersion || (format & ~kKnownFlags) != 0) {
-    return Damaged("its format byte is not one of ours");
+    return Damaged("unknown format byte");
   }
   std::array<char, kMaxBodyBytes> buffer;
   const std::string_view body = BodyOf(packed, &buffer);
-  if (body.size() < kMaskBytes) return Damaged("it is cut short");
+  if (body.size() < kMaskBytes) return Damaged("the body is shorter than the mask");
   std::memcpy(voxels->observed.data(), body.data(), kMaskBytes);
   const std::size_t count = CountBits(voxels->observed);
   voxels->has_color = (format & kColorFlag) != 0;
   const std::size_t bytes_per_voxel =
       kGeometryBytesPerVoxel + (voxels->has_color ? kColorBytesPerVoxel : 0);
   if (count == 0 || body.size() != kMaskBytes + count * bytes_per_voxel) {
-    return Damaged("its length does not fit its mask");
+    return Damaged("the length of the body does not match the mask");
   }
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(body.data()) + kMaskBytes;
   if (absl::Status status = ReadGeometry(bytes, scale, voxels); !status.ok()) return status;

@@ -23,7 +23,7 @@ LeafMask MaskOf(const FloatLeaf& leaf) {
   return mask;
 }
 
-// Colours are 32 bits without a sign to us and with one to OpenVDB's stock types; the two may
+// This code uses unsigned 32-bit colours, OpenVDB's stock types signed ones. The two types may
 // alias.
 const std::uint32_t* Unsigned(const openvdb::Int32* colors) {
   return reinterpret_cast<const std::uint32_t*>(colors);
@@ -87,8 +87,8 @@ bool TsdfGrid::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)
 std::size_t TsdfGrid::leaf_count() const { return trees_->distance.leafCount(); }
 
 int TsdfGrid::EmptySideAt(LeafOrigin origin) const {
-  // The level at which the tree ends on the way to the leaf: the root, a node of 512 or one of 64
-  // voxels a side.
+  // The depth at which the search for the leaf ends: the root, a node of 512 or a node of 64 voxels
+  // per side.
   switch (trees_->distance.getValueDepth(ToCoord(origin))) {
     case 2:
       return kLeafSide;

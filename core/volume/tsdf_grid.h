@@ -9,37 +9,39 @@
 
 namespace steadymap {
 
-/// Reads the leaves of something that has voxels: one grid, or the background with its tiles.
-/// Sampling, ray casting and meshing work on any of them.
+/// Read access to the leaves of a volume: a single grid, or all tiles of the background. Input of
+/// sampling, ray casting and meshing.
 class VoxelReader {
  public:
   virtual ~VoxelReader() = default;
 
-  /// The leaf at `origin`; null where nothing was observed.
+  /// Returns the leaf at `origin`; null if the leaf does not exist.
   virtual LeafView FindLeaf(LeafOrigin origin) const = 0;
 
-  /// Calls `visit` for one leaf after the other until it returns false; in an order that depends on
-  /// nothing but the leaves present. Whether all were visited.
+  /// Calls `visit` for each leaf until it returns false, in an order that depends only on the set
+  /// of leaves. Returns true if all leaves were visited.
   virtual bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const = 0;
 
-  /// Calls `visit` for every leaf, in the same order.
+  /// Calls `visit` for each leaf, in the order of `VisitLeaves`.
   void ForEachLeaf(const std::function<void(LeafOrigin, const LeafView&)>& visit) const;
 
   virtual std::size_t leaf_count() const = 0;
 
-  /// Side, in voxels, of an empty cube around the leaf at `origin`, which must not exist: a power
-  /// of two, at least `kLeafSide`. The cube's lowest voxel is a multiple of its side. The larger it
-  /// is, the further a ray may go at once; here no larger than the leaf.
+  /// Returns the side, in voxels, of an empty cube around the leaf at `origin`, which must not
+  /// exist. The side is a power of two, at least `kLeafSide`; the coordinates of the cube's lowest
+  /// voxel are multiples of it. Ray casting skips the cube. The default implementation returns
+  /// `kLeafSide`.
   virtual int EmptySideAt(LeafOrigin origin) const;
 };
 
-/// One volume: an OpenVDB tree of distances and one of weights with the same leaves, and where
-/// colour was recorded one of colours.
+/// A volume: OpenVDB trees of distances and of weights with the same leaves, and a tree of colours
+/// with the leaves whose colour is known.
 ///
-/// The trees branch 8-8-8 instead of OpenVDB's default 32-16-8: an empty pair costs 20 KB instead
-/// of 600 KB, which matters when every object has one (targets.md). Files hold stock FloatGrids.
+/// The trees have the branching 8-8-8 instead of OpenVDB's default 32-16-8. An empty pair of trees
+/// takes 20 KB instead of 600 KB, which matters with one pair per object. Files contain stock
+/// FloatGrids.
 ///
-/// Not thread-safe while it is written; any number of threads may read it otherwise.
+/// Not thread-safe during writes. Otherwise, any number of threads may read.
 class TsdfGrid final : public VoxelReader {
  public:
   TsdfGrid();
@@ -47,34 +49,34 @@ class TsdfGrid final : public VoxelReader {
   TsdfGrid(TsdfGrid&&) noexcept;
   TsdfGrid& operator=(TsdfGrid&&) noexcept;
 
-  /// A deep copy. Cost: about 0.4 us a leaf.
+  /// Returns a deep copy. Cost: about 0.4 us per leaf.
   std::unique_ptr<TsdfGrid> Clone() const;
 
   LeafView FindLeaf(LeafOrigin origin) const override;
   bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
-  /// A leaf, or the largest node of the tree that is not there: 64 or 512 voxels.
+  /// Returns the side of the leaf, or of the largest missing tree node around it: 64 or 512 voxels.
   int EmptySideAt(LeafOrigin origin) const override;
 
-  /// Write access to the leaf at `origin`; null where there is none. `with_color` adds colours
-  /// where the leaf has none yet. Call `SetObserved` with the union of old and new voxels
-  /// afterwards.
+  /// Returns write access to the leaf at `origin`; null if it does not exist. `with_color` adds the
+  /// colours if the leaf has none. After the edit, call `SetObserved` with the union of old and new
+  /// voxels.
   LeafEdit EditLeaf(LeafOrigin origin, bool with_color);
 
-  /// Says which voxels of an existing leaf are observed.
+  /// Sets the observed voxels of an existing leaf.
   void SetObserved(LeafOrigin origin, const LeafMask& observed);
 
-  /// Replaces the leaf at `origin`; one without observed voxels removes it.
+  /// Replaces the leaf at `origin`. If `voxels` has no observed voxel, removes the leaf.
   void StoreLeaf(LeafOrigin origin, const LeafVoxels& voxels);
 
-  /// Copies the leaf at `origin` to `voxels`; zeros where there is none.
+  /// Copies the leaf at `origin` to `voxels`; zeros if it does not exist.
   void LoadLeaf(LeafOrigin origin, LeafVoxels* voxels) const;
 
-  /// Observed voxels. Cost: one pass over the leaves' masks.
+  /// Returns the number of observed voxels. Cost: one pass over the masks of the leaves.
   std::size_t CountObservedVoxels() const;
 
-  /// Bytes of the trees, nodes and leaves.
+  /// Returns the memory of the trees, bytes: nodes and leaves.
   std::size_t memory_bytes() const;
 
  private:

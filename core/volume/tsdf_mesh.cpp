@@ -15,7 +15,7 @@
 namespace steadymap {
 namespace {
 
-// A leaf's cells reach one voxel into the leaves above it, and its quads one cell below it.
+// The cells of a leaf extend by one voxel into the leaves above, its quads by one cell below.
 constexpr int kPatchSide = kLeafSide + 1;
 
 /// Calls `visit(x, y, z)` for each voxel of a box at the origin, z fastest.
@@ -33,7 +33,7 @@ void ForEachVoxelOfLeaf(const Visitor& visit) {
   ForEachVoxel(kLeafSide, kLeafSide, kLeafSide, visit);
 }
 
-/// The voxels of a leaf and of the first layer of the leaves above it on each axis.
+/// The voxels of a leaf and of the first layer of the next leaves along each axis.
 class VoxelPatch {
  public:
   void Load(const VoxelReader& reader, LeafOrigin origin);
@@ -85,7 +85,7 @@ void VoxelPatch::Load(const VoxelReader& reader, LeafOrigin origin) {
   }
 }
 
-/// Sums colours with weights; voxels without a look count nothing.
+/// Computes a weighted mean of colours. Ignores voxels without a colour.
 class ColorMean {
  public:
   void Add(std::uint32_t color, float weight) {
@@ -110,14 +110,14 @@ class ColorMean {
   float weight_ = 0.0F;
 };
 
-/// A cell's vertex: place within the cell in voxels, gradient and colour.
+/// The vertex of a cell: position within the cell in voxels, normal, and colour.
 struct CellVertex {
   Eigen::Vector3f place;
   Eigen::Vector3f normal;
   Rgb color;
 };
 
-/// Whether the surface lies between two neighbouring voxels with these distances.
+/// True if the surface intersects the edge between two adjacent voxels with these distances.
 bool IsCrossing(float a_m, float b_m, float max_jump_m) {
   return (a_m <= 0.0F) != (b_m <= 0.0F) && std::abs(a_m - b_m) <= max_jump_m;
 }
@@ -142,7 +142,7 @@ Eigen::Vector3f CornerPlace(int corner) {
           static_cast<float>(corner & 1)};
 }
 
-/// Mean gradient of the cell's four edges along each axis.
+/// Returns the normalised mean gradient of the four cell edges along each axis.
 Eigen::Vector3f CellNormal(const std::array<float, 8>& distance_m) {
   Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
   for (std::size_t edge = 0; edge < kCellEdges.size(); ++edge) {
@@ -154,7 +154,8 @@ Eigen::Vector3f CellNormal(const std::array<float, 8>& distance_m) {
   return norm > 0.0F ? Eigen::Vector3f(gradient / norm) : Eigen::Vector3f::UnitZ();
 }
 
-/// The vertex of the cell with lowest corner (`x`, `y`, `z`); false if no surface crosses it.
+/// Computes the vertex of the cell with lowest corner (`x`, `y`, `z`); false if the surface does
+/// not cross the cell.
 bool MakeCellVertex(
     const VoxelPatch& patch, float max_jump_m, int x, int y, int z, CellVertex* vertex) {
   std::array<float, 8> distance_m;
@@ -191,7 +192,7 @@ bool MakeCellVertex(
   return true;
 }
 
-// Leaves whose part of the mesh a core makes at a time: some 200 us of work.
+// Number of leaves per task of one core: about 200 us of work.
 constexpr std::size_t kPartLeaves = 32;
 
 constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
@@ -199,15 +200,14 @@ constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
 /// Index of the vertex of each cell of a leaf.
 using CellVertices = std::array<std::uint32_t, kLeafVoxels>;
 
-/// The vertices of some leaves, and the quads that begin there. What one core makes; parts are put
-/// together in the order of their leaves.
+/// The vertices of some leaves and the quads that start there, the result of one task. Parts are
+/// joined in the order of their leaves.
 struct MeshPart {
   Mesh mesh;
   bool any_color = false;
-  /// For the leaves that have vertices, by the leaf of the cell's lowest corner; indices within
-  /// this part.
+  /// By the leaf of the cell's lowest corner, for leaves with vertices. Indices within this part.
   std::vector<std::pair<LeafOrigin, CellVertices>> cells;
-  std::uint32_t first_vertex = 0;  ///< Place of the part's first vertex in the whole.
+  std::uint32_t first_vertex = 0;  ///< Index of the part's first vertex in the joined mesh.
 };
 
 /// Builds the mesh leaf by leaf: first all vertices, then the quads between them.
@@ -242,14 +242,15 @@ class SurfaceNet {
     std::uint32_t first_vertex;
   };
 
-  /// Asks once a leaf, and never again after a yes. Any thread.
+  /// Queries the cancellation until it is set, then returns true without further queries. Any
+  /// thread.
   bool IsCancelled() {
     if (!is_cancelled_ && cancellation_.IsCancelled()) is_cancelled_ = true;
     return is_cancelled_;
   }
 
-  /// Calls `add(origin, part)` for every leaf: one after the other within a part, parts at the same
-  /// time.
+  /// Calls `add(origin, part)` for every leaf: sequentially within a part, in parallel over the
+  /// parts.
   template <typename Add>
   void ForEachLeafByParts(const Add& add) {
     ParallelFor(parts_.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -288,7 +289,7 @@ class SurfaceNet {
     part->any_color = part->any_color || (cells != nullptr && patch.has_color());
   }
 
-  /// Gives the vertices their places in the whole.
+  /// Assigns the indices of the vertices in the joined mesh.
   void IndexVertices() {
     for (MeshPart& part : parts_) {
       part.first_vertex = vertex_count_;
@@ -314,7 +315,8 @@ class SurfaceNet {
     });
   }
 
-  /// Two triangles for every edge from a voxel of this leaf along +x, +y or +z that changes sign.
+  /// Adds two triangles for every edge with a change of sign from a voxel of this leaf along +x, +y
+  /// or +z.
   void AddQuadsAt(const VoxelPatch& patch,
                   LeafOrigin origin,
                   const Eigen::Vector3i& voxel,
@@ -330,8 +332,8 @@ class SurfaceNet {
     }
   }
 
-  /// The quad around the edge from `voxel` along `axis`; `inside` says that the voxel lies behind
-  /// the surface, which sets the winding.
+  /// Adds the quad around the edge from `voxel` along `axis`. `inside` is true if the voxel lies
+  /// behind the surface, and determines the winding.
   void AddQuad(const Eigen::Vector3i& voxel, int axis, bool inside, MeshPart* part) const {
     const Eigen::Vector3i side = -Eigen::Vector3i::Unit((axis + 1) % 3);
     const Eigen::Vector3i other = -Eigen::Vector3i::Unit((axis + 2) % 3);

@@ -8,18 +8,17 @@
 
 namespace steadymap {
 
-/// The zero surface of a volume, as triangles in the volume's frame.
+/// Extracts the zero surface of a volume as triangles in the frame of the volume.
 ///
-/// One vertex a cell of 2 x 2 x 2 voxels that the surface crosses, at the mean of its crossings
-/// (surface nets: Gibson 1998, "Constrained Elastic Surface Nets"), two triangles an edge between
+/// Surface nets (Gibson 1998, "Constrained Elastic Surface Nets"): one vertex per cell of 2 x 2 x 2
+/// voxels crossed by the surface, at the mean of the crossings, and two triangles per edge between
 /// voxels of opposite sign. Cells with an unobserved voxel have no surface, so the back of a
-/// truncation band never shows; nor has it any where the distance jumps (`kMaxSurfaceSlope`).
-/// Colours are given if any voxel of the volume has one; vertices without a coloured voxel near are
+/// truncation band gives none. Jumps of the distance give none either (`kMaxSurfaceSlope`). The
+/// mesh has colours if any leaf with a vertex has; vertices without an adjacent coloured voxel are
 /// then mid-grey.
 ///
-/// `box`, where given, keeps the cells whose vertex lies within it. The result depends on the
-/// volume's voxels alone. Cost: about 10 us a leaf with surface. Ends early once `cancellation`
-/// says so; the mesh is then of no use.
+/// `box`, if not null, selects the cells whose vertex is in the box. The result depends only on the
+/// voxels. Cost: about 10 us per leaf with surface. Returns an empty mesh after cancellation.
 Mesh ExtractMesh(const VoxelReader& reader,
                  const VoxelScale& scale,
                  const Box* box,

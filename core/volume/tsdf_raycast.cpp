@@ -7,12 +7,13 @@
 namespace steadymap {
 namespace {
 
-// The share of a distance that a ray may go: fused distances can be a little too long.
+// Step length as a share of the sampled distance. Fused distances can be slightly too long.
 constexpr double kSafeShare = 0.8;
 
 constexpr int kBisections = 12;
 
-/// Narrows a sign change between `near_m` (positive) and `far_m` (not positive) along the ray.
+/// Bisects the interval between `near_m` (positive distance) and `far_m` (not positive) along the
+/// ray.
 double FindZero(TsdfSampler& sampler,
                 const Eigen::Vector3d& origin_m,
                 const Eigen::Vector3d& direction,

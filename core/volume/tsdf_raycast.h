@@ -7,26 +7,27 @@
 
 namespace steadymap {
 
-/// A ray takes no shorter steps, in voxels: small enough not to step over the front of a thin wall,
-/// which is two voxels of positive distance.
+/// Minimum step of a ray, voxels. It is small enough not to step over the front of a thin wall, two
+/// voxels of positive distance.
 inline constexpr double kStepVoxels = 0.5;
 
-/// Where a ray met a surface.
+/// The intersection of a ray with a surface.
 struct RayHit {
-  bool hit = false;      ///< Whether it met one; the other fields are zero if not.
-  double range_m = 0.0;  ///< From the ray's origin.
+  bool hit = false;      ///< True if a surface was hit. If not, all other fields are zero.
+  double range_m = 0.0;  ///< From the origin of the ray.
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Unit, towards the side that was observed.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< Unit length, towards the observed side.
 };
 
-/// The first surface that a ray meets from its front, in the volume's frame. `unit_direction` must
-/// have length one (asserted). Neither unknown space nor a jump of the distance
-/// (`kMaxSurfaceSlope`) stops a ray.
+/// Returns the first surface that a ray hits from its observed side, in the frame of the volume.
+/// `unit_direction` must have length one (asserted). Unobserved space and jumps of the distance
+/// (`kMaxSurfaceSlope`) do not stop the ray.
 ///
-/// Each step is taken from `work`, where given; once it allows none, the ray has met nothing.
+/// Takes one step from `work`, if not null, per step of the ray. Returns no hit if `work` is
+/// exhausted.
 ///
 /// Accuracy: the zero of the interpolated distance, to a thousandth of a voxel. Cost: about 0.1 us
-/// an empty cube that the ray crosses (`VoxelReader::EmptySideAt`), 0.1 us a voxel within leaves.
+/// per empty cube on the ray (`VoxelReader::EmptySideAt`), 0.1 us per voxel within leaves.
 RayHit CastRay(TsdfSampler& sampler,
                const Eigen::Vector3d& origin_m,
                const Eigen::Vector3d& unit_direction,

@@ -8,16 +8,16 @@
 namespace steadymap {
 namespace {
 
-// Voxel indices must stay well inside 32 bits.
+// Voxel indices must fit in 32 bits with a margin.
 constexpr double kMaxVoxelIndex = 1e9;
 
-/// Whether a point can be indexed. NaN fails the comparison; maxCoeff() could miss it.
+/// True if a point can be indexed. NaN fails the comparison; maxCoeff() could ignore it.
 bool IsInRange(const Eigen::Vector3d& voxel) {
   return (voxel.array().abs() < kMaxVoxelIndex).all();
 }
 
-/// The largest integer that is not above `value`, which must lie within 32 bits. Without SSE 4.1
-/// std::floor is a call.
+/// Returns the largest integer <= `value`, which must fit in 32 bits. Without SSE 4.1, std::floor
+/// is a function call.
 std::int32_t FloorToInteger(double value) {
   const std::int32_t truncated = static_cast<std::int32_t>(value);
   return truncated - static_cast<std::int32_t>(value < static_cast<double>(truncated));
@@ -35,7 +35,7 @@ double Interpolate(const std::array<float, 8>& corners, const Eigen::Vector3d& f
   return low * (1.0 - fraction.z()) + high * fraction.z();
 }
 
-/// The exact gradient of the trilinear interpolant, per voxel.
+/// Returns the exact gradient of the trilinear interpolant, per voxel.
 Eigen::Vector3d InterpolantGradient(const std::array<float, 8>& corners,
                                     const Eigen::Vector3d& fraction) {
   const auto corner = [&corners](std::size_t i) { return static_cast<double>(corners[i]); };
@@ -91,7 +91,7 @@ bool TsdfSampler::LoadCellOfOneLeaf(const Eigen::Vector3i& base, bool with_weigh
   const LeafView& leaf = LeafAt(LeafOf(base.x(), base.y(), base.z()));
   if (!leaf) return false;
   const std::size_t first = OffsetInLeaf(base.x(), base.y(), base.z());
-  // Voxels z and z + 1 of rows y and y + 1 in a word of the mask.
+  // Bits of the voxels z and z + 1 of rows y and y + 1 in a word of the mask.
   const std::uint64_t square = std::uint64_t{0x303} << (first & 63);
   const std::size_t word = first >> 6;
   if ((leaf.observed[word] & leaf.observed[word + 1] & square) != square) return false;

@@ -9,50 +9,53 @@
 
 namespace steadymap {
 
-/// The distance from a surface changes by a metre a metre, and a little more by noise. Where its
-/// sign changes faster than this, there is no surface, but the space behind a thin thing, seen from
-/// one side, meets the space before it, seen from another.
+/// Maximum slope of the distance at a surface. The ideal slope is 1; noise increases it slightly.
+/// Where the sign changes faster than this, there is no surface: the space behind a thin object,
+/// observed from one side, adjoins the space in front of it, observed from the other side.
 inline constexpr double kMaxSurfaceSlope = 2.0;
 
-/// A volume at one point.
+/// The interpolated values of a volume at one point.
 struct DistanceSample {
-  bool known = false;       ///< Whether all eight voxels around the point were observed.
-  double distance_m = 0.0;  ///< Positive in front of the surface. 0 where not known.
-  /// Gradient of the distance, unit length, in the volume's frame: points away from the surface.
-  /// Zero where not known or where the field is flat.
+  bool known = false;       ///< True if all eight surrounding voxels are observed.
+  double distance_m = 0.0;  ///< Positive in front of the surface. 0 if not known.
+  /// Gradient of the distance, unit length, frame of the volume; points away from the surface. Zero
+  /// if not known or if the field is constant.
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double slope = 0.0;   ///< Length of the gradient, about 1 at a surface. 0 where not known.
+  double slope = 0.0;   ///< Length of the gradient, about 1 at a surface. 0 if not known.
   double weight = 0.0;  ///< Interpolated weight of the evidence.
 };
 
-/// Samples one volume by trilinear interpolation. Keeps the leaves it looked at, so points among
-/// four leaves in each direction cost little (about 20 ns; a leaf seen first 0.2 us).
+/// Trilinear interpolation of one volume. Caches leaves: a sample takes about 20 ns within a range
+/// of four leaves per axis, and 0.2 us at the first access to a leaf.
 ///
-/// The volume must outlive the sampler and not change meanwhile. One sampler a thread.
+/// The volume must outlive the sampler and must not change during its lifetime. One sampler per
+/// thread.
 class TsdfSampler {
  public:
   TsdfSampler(const VoxelReader& reader, const VoxelScale& scale);
 
-  /// The volume at a point of its frame, metres. A point further than 10^9 voxels from the origin
-  /// or not finite is unknown.
+  /// Samples the volume at a point of its frame, metres. A point is unknown if it is not finite or
+  /// further than 10^9 voxels from the origin.
   DistanceSample Sample(const Eigen::Vector3d& point_m);
 
-  /// The distance alone; false where not known.
+  /// Computes the distance alone; returns false if it is not known.
   bool SampleDistance(const Eigen::Vector3d& point_m, double* distance_m);
 
-  /// The distance at the voxel nearest to a point, for the rim of what was observed; false where
-  /// that voxel was not.
+  /// Computes the distance of the voxel nearest to a point, for points at the edge of the observed
+  /// voxels; returns false if that voxel is not observed.
   bool SampleNearest(const Eigen::Vector3d& point_m, double* distance_m);
 
-  /// How far a ray may go from `point_m`, which must be unknown, along `unit_direction` before it
-  /// leaves what is unknown with it, metres: the largest cube without leaves that the volume tells
-  /// of, or where the leaf at the point exists the cube between eight voxels. 0 out of range.
+  /// Returns the length of the ray from `point_m`, which must be unknown, along `unit_direction` to
+  /// the border of an unknown cube, metres. The cube is the largest known empty cube
+  /// (`VoxelReader::EmptySideAt`), or the cell of eight voxels if the leaf at the point exists. 0
+  /// out of range.
   double EmptyRun(const Eigen::Vector3d& point_m, const Eigen::Vector3d& unit_direction);
 
   const VoxelScale& scale() const { return scale_; }
 
  private:
-  /// The eight voxels around a point, corner `x * 4 + y * 2 + z`, and the point's place among them.
+  /// The eight voxels around a point, corner `x * 4 + y * 2 + z`, and the position of the point
+  /// among them.
   struct Cell {
     std::array<float, 8> distance_m;
     std::array<float, 8> weight;
@@ -70,8 +73,8 @@ class TsdfSampler {
   static constexpr std::size_t kCachedSide = 4;
   static constexpr std::size_t kCachedLeaves = kCachedSide * kCachedSide * kCachedSide;
 
-  /// The leaves looked at last, at their positions modulo `kCachedSide`: those around any point and
-  /// those of a small object fall on different places.
+  /// Recently read leaves, stored by their position modulo `kCachedSide` on each axis. The leaves
+  /// around a point, and those of an object of up to four leaves per axis, use different entries.
   struct CachedLeaf {
     LeafOrigin origin;
     LeafView view;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the tsdf_*.cpp and vdb_*.cpp files: the one header that includes OpenVDB.
+// Private to the tsdf_*.cpp and vdb_*.cpp files: the only header that includes OpenVDB.
 
 #include <openvdb/openvdb.h>
 
@@ -12,7 +12,7 @@ using FloatTree = openvdb::tree::Tree4<float, 3, 3, 3>::Type;
 using ColorTree = openvdb::tree::Tree4<openvdb::Int32, 3, 3, 3>::Type;
 
 /// The trees of one volume. `distance` and `weight` have the same leaves with the same active
-/// voxels; `color` has a leaf where colour was recorded. Inactive voxels hold zeros.
+/// voxels. `color` has a leaf wherever colour was recorded. Inactive voxels are zero.
 struct TsdfGrid::Trees {
   FloatTree distance{0.0F};
   FloatTree weight{0.0F};

@@ -8,36 +8,36 @@
 #include <cstdint>
 #include <functional>
 
-/// The smallest unit of a volume: 8 x 8 x 8 voxels. A volume changes, is stored and is sent leaf by
-/// leaf.
+/// A leaf: 8 x 8 x 8 voxels, the unit of change, storage and transfer of a volume.
 ///
 /// Voxel convention: voxel (i, j, k) of a volume has its centre at (i, j, k) times the voxel size
-/// in the volume's frame (the world frame for the background). Within a leaf, voxel (x, y, z)
-/// counted from the leaf's origin stands at offset `x * 64 + y * 8 + z`, as in an OpenVDB leaf
+/// in the frame of the volume (the world frame for the background). Within a leaf, the voxel at (x,
+/// y, z) from the origin of the leaf has the offset `x * 64 + y * 8 + z`, as in an OpenVDB leaf
 /// node.
 ///
-/// Canonical voxel (decisions.md 1): a distance is a whole multiple of a step, a weight of
-/// `kWeightUnit`, so memory, disk and wire hold the same bits. They are no finer than needed: what
-/// settles stops changing the sooner, and noise is not sent and stored to its last digit.
+/// Canonical voxel: a distance is a multiple of a step, a weight a multiple of `kWeightUnit`, so
+/// memory, disk and wire have the same bits. The steps are coarse on purpose: converged voxels stop
+/// changing earlier, and digits below the noise are neither stored nor sent.
 namespace steadymap {
 
 inline constexpr int kLeafSide = 8;
 inline constexpr std::size_t kLeafVoxels = 512;
 
-/// Steps from the surface to the truncation distance: 0.3 mm each where it is 15 cm, a seventeenth
-/// of the noise that settled voxels ignore.
+/// Number of steps from the surface to the truncation distance: 0.3 mm each at 15 cm, 1/17 of the
+/// noise that converged voxels ignore.
 inline constexpr int kMaxDistanceSteps = 511;
 
-/// Weights are fixed-point: 1.0 is one look from one metre, straight on. What weighs less than a
-/// unit, such as the far end of the band behind a surface seen aslant, is not fused.
+/// Unit of the fixed-point weights. The weight 1.0 is one measurement from 1 m at normal incidence.
+/// Weights below the unit, such as at the far end of the band behind an oblique surface, are not
+/// fused.
 inline constexpr float kWeightUnit = 1.0F / 256.0F;
 
-/// The voxel size of a map and what follows from it.
+/// The voxel size and truncation distance of a map, with derived values.
 struct VoxelScale {
   double voxel_size_m = 0.05;
   double truncation_m = 0.15;
 
-  /// Metres that one step of a stored distance stands for.
+  /// Returns the step of stored distances, metres.
   float distance_step_m() const {
     return static_cast<float>(truncation_m / static_cast<double>(kMaxDistanceSteps));
   }
@@ -47,7 +47,7 @@ struct VoxelScale {
   friend bool operator==(const VoxelScale&, const VoxelScale&) = default;
 };
 
-/// Index of a leaf's lowest voxel; every coordinate is a multiple of `kLeafSide`.
+/// The index of the lowest voxel of a leaf; every coordinate is a multiple of `kLeafSide`.
 struct LeafOrigin {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -56,18 +56,18 @@ struct LeafOrigin {
   friend constexpr auto operator<=>(const LeafOrigin&, const LeafOrigin&) = default;
 };
 
-/// The leaf that holds voxel (`x`, `y`, `z`).
+/// Returns the leaf that contains voxel (`x`, `y`, `z`).
 constexpr LeafOrigin LeafOf(std::int32_t x, std::int32_t y, std::int32_t z) {
   return {x & ~(kLeafSide - 1), y & ~(kLeafSide - 1), z & ~(kLeafSide - 1)};
 }
 
-/// Place of a voxel in its leaf's arrays, from its index in the volume.
+/// Returns the offset in the leaf's arrays of the voxel with index (`x`, `y`, `z`) in the volume.
 constexpr std::size_t OffsetInLeaf(std::int32_t x, std::int32_t y, std::int32_t z) {
   return static_cast<std::size_t>(((x & (kLeafSide - 1)) << 6) | ((y & (kLeafSide - 1)) << 3) |
                                   (z & (kLeafSide - 1)));
 }
 
-/// One bit a voxel; word `x` holds bits `y * 8 + z`. Set where the voxel was observed.
+/// One bit per voxel, set if the voxel is observed; word `x` holds bits `y * 8 + z`.
 using LeafMask = std::array<std::uint64_t, kLeafSide>;
 
 constexpr bool IsSet(const LeafMask& mask, std::size_t offset) {
@@ -99,39 +99,40 @@ constexpr void ForEachBit(const LeafMask& mask, Visit visit) {
   }
 }
 
-/// The voxels of one leaf, by value. Voxels that are not observed hold zeros.
+/// The voxels of one leaf, by value. Unobserved voxels are zero.
 struct LeafVoxels {
   alignas(32) std::array<float, kLeafVoxels> distance_m{};
   alignas(32) std::array<float, kLeafVoxels> weight{};
-  /// Red, green, blue and the number of looks (at most 255) in bytes 0 to 3; 0 looks: not known.
+  /// Red, green, blue and the number of measurements (at most 255) in bytes 0 to 3; number 0:
+  /// unknown.
   alignas(32) std::array<std::uint32_t, kLeafVoxels> color{};
   LeafMask observed{};
-  bool has_color = false;  ///< Whether any voxel has a colour.
+  bool has_color = false;  ///< True if any voxel has a colour.
 
   friend bool operator==(const LeafVoxels&, const LeafVoxels&) = default;
 };
 
-/// Write access to the arrays of one leaf. Null where there is no leaf.
+/// Write access to the arrays of one leaf. Null if the leaf does not exist.
 struct LeafEdit {
   float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
   float* weight = nullptr;         ///< `kLeafVoxels` values.
-  std::uint32_t* color = nullptr;  ///< As in LeafVoxels; null where the leaf has no colour.
-  LeafMask observed{};             ///< A copy: what is observed before the edit.
+  std::uint32_t* color = nullptr;  ///< See `LeafVoxels::color`; null if the leaf has none.
+  LeafMask observed{};             ///< A copy of the mask before the edit.
 
   explicit operator bool() const { return distance_m != nullptr; }
 };
 
-/// Read access to one leaf of a volume, valid as long as the volume. Null where there is no leaf.
+/// Read access to one leaf of a volume, valid as long as the volume. Null if it does not exist.
 struct LeafView {
   const float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
   const float* weight = nullptr;         ///< `kLeafVoxels` values.
-  const std::uint32_t* color = nullptr;  ///< As in LeafVoxels; null where the leaf has no colour.
+  const std::uint32_t* color = nullptr;  ///< See `LeafVoxels::color`; null if the leaf has none.
   LeafMask observed{};
 
   explicit operator bool() const { return distance_m != nullptr; }
 };
 
-/// Valid as long as `leaf`.
+/// Returns a view that is valid as long as `leaf`.
 inline LeafView ViewOf(const LeafVoxels& leaf) {
   return {leaf.distance_m.data(),
           leaf.weight.data(),
@@ -139,7 +140,7 @@ inline LeafView ViewOf(const LeafVoxels& leaf) {
           leaf.observed};
 }
 
-/// Copies a leaf to `voxels`; zeros where there is none.
+/// Copies a leaf to `voxels`; zeros if the leaf is null.
 inline void CopyLeaf(const LeafView& leaf, LeafVoxels* voxels) {
   if (!leaf) {
     *voxels = LeafVoxels{};

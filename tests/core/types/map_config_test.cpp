@@ -39,7 +39,7 @@ TEST(ValidateMapConfig, ReportsAllViolationsAndTheFirstField) {
   EXPECT_EQ(FieldOf(status), "truncation_m");
   EXPECT_THAT(MessageOf(status), HasSubstr("truncation_m must lie in [0.1, 0.8], got 1"));
   EXPECT_THAT(MessageOf(status), HasSubstr("max_depth_m must lie in [0.1, 100], got nan"));
-  EXPECT_THAT(MessageOf(status), HasSubstr("classes[3].id 2 is there already"));
+  EXPECT_THAT(MessageOf(status), HasSubstr("classes[3].id 2 is a duplicate"));
   EXPECT_THAT(MessageOf(status), HasSubstr("classes[4].name must have 1 to 64 bytes, got 0"));
 }
 
@@ -63,7 +63,7 @@ TEST(ValidateMapConfig, NamesTheFirstOfVeryManyViolations) {
   MapConfig config;
   config.classes.assign(1000, {ClassId(1), "twice", ClassMotion::kStatic});
   const std::string message = MessageOf(ValidateMapConfig(config));
-  EXPECT_THAT(message, HasSubstr("classes[1].id 1 is there already"));
+  EXPECT_THAT(message, HasSubstr("classes[1].id 1 is a duplicate"));
   EXPECT_THAT(message, HasSubstr("; and 989 more"));
   EXPECT_LT(message.size(), 1000U);
 }
