@@ -7,51 +7,53 @@
 
 namespace steadymap {
 
-/// How long to wait between tries.
+/// Parameters of the delays between attempts.
 struct BackoffOptions {
   std::chrono::milliseconds first_delay{100};  ///< Before the first retry.
 
-  /// No delay is longer, jitter aside, where a server had answered.
+  /// Longest delay, before jitter, after an attempt that a server answered.
   std::chrono::milliseconds max_delay{5'000};
 
-  /// No delay is longer, jitter aside, where none had: a try that nobody hears costs little, and
-  /// who waits long between two comes back late to a server that is there again.
+  /// Longest delay, before jitter, after an attempt without an answer. It is shorter than
+  /// `max_delay`: such an attempt costs no server time, and a long delay postpones the reconnection
+  /// to a restarted server.
   std::chrono::milliseconds max_unanswered_delay{500};
 
-  double factor = 2.0;  ///< Each delay against the one before, >= 1.
+  double factor = 2.0;  ///< Ratio of each delay to the previous one, >= 1.
 
-  /// Delays vary by this share of themselves, in [0, 1): a fleet's robots lose their server at the
-  /// same moment, and must not all come back to it at the same moment.
+  /// Each delay is multiplied by a random factor in [1 - jitter, 1 + jitter]; jitter is in [0, 1).
+  /// Robots of a fleet lose their server at the same moment; jitter spreads their reconnections.
   double jitter = 0.5;
 
-  /// Without any success for this long, the retrying ends.
+  /// Retrying ends after this time without a success.
   std::chrono::milliseconds give_up_after{60'000};
 };
 
-/// What a try that failed says about the next one.
+/// Result of a failed attempt, input of the next delay.
 struct FailedTry {
-  /// Whether a server answered; otherwise it was not reached, or went away.
+  /// True if a server answered; false if it was unreachable or the connection broke.
   bool was_answered = true;
-  std::chrono::milliseconds asked{0};  ///< The wait that the server asked for.
-  std::chrono::milliseconds took{0};   ///< What the try took of the time to give up after.
+  std::chrono::milliseconds asked{0};  ///< Delay that the server requested.
+  std::chrono::milliseconds took{0};  ///< Duration of the attempt, counted against `give_up_after`.
 };
 
-/// Exponentially growing, jittered delays. Knows no clock: it counts the delays it gave, and what
-/// tries are said to have taken.
+/// Computes exponentially growing, jittered delays. Uses no clock: the elapsed time is the sum of
+/// the returned delays and of `FailedTry::took`.
 class Backoff {
  public:
   /// Equal seeds give equal delays.
   Backoff(const BackoffOptions& options, std::uint64_t seed);
 
-  /// The next delay, on top of what the server asked for, so that its clients do not all come back
-  /// at once; none once the time since the last success is `give_up_after` or more.
+  /// Returns the next delay, or none once `give_up_after` has passed since the last success. The
+  /// delay requested by the server is added to the jittered delay, so the clients of one server do
+  /// not reconnect at the same moment.
   std::optional<std::chrono::milliseconds> NextDelay(const FailedTry& failed = {});
 
-  /// Notes a success: the delays and the time to give up after start over.
+  /// Records a success: resets the delays and the time counted against `give_up_after`.
   void Reset();
 
-  /// Notes that there is a server, though nothing came of it: the time to give up after starts
-  /// over, the delays go on growing.
+  /// Records that a server was reached without a success: resets the time counted against
+  /// `give_up_after`; the delays keep growing.
   void NoteReached() { waited_ms_ = 0.0; }
 
  private:

@@ -6,8 +6,8 @@
 
 namespace steadymap {
 
-/// The error of a server that breaks the protocol: `Internal` with reason `INTERNAL`; `what` says
-/// what it did.
+/// Returns the error for a server that violates the protocol: `Internal` with reason `INTERNAL` and
+/// the message `what`, which describes the violation.
 inline absl::Status ProtocolError(const char* what) {
   return MakeError(absl::StatusCode::kInternal, reason::kInternal, what);
 }

@@ -11,7 +11,7 @@ bool IsServerAnswer(const absl::Status& status) {
     case absl::StatusCode::kCancelled:
     case absl::StatusCode::kInternal:
     case absl::StatusCode::kUnknown:
-      // The service always gives a reason.
+      // Every error of the service has a reason; errors made by gRPC have none.
       return !ReasonOf(status).empty();
     default:
       return true;

@@ -4,8 +4,8 @@
 
 namespace steadymap {
 
-/// Whether the service itself ended a call with `status`. Otherwise it came from gRPC or from a
-/// deadline of the client: the server could not be reached, did not answer, or went away.
+/// True if the service itself ended a call with `status`. False if `status` comes from gRPC or a
+/// client deadline: the server was unreachable, did not answer, or closed the connection.
 bool IsServerAnswer(const absl::Status& status);
 
 }  // namespace steadymap

@@ -12,12 +12,11 @@
 
 namespace steadymap {
 
-/// Hands out the frames of a source and knows which of them an upload has got, so that the uploader
-/// can have any of them again: `UploaderOptions::read_again`. Thread-safe, as the source need not
-/// be.
+/// Delivers the frames of a source and records their positions, so that an uploader can read any
+/// pushed frame again (`UploaderOptions::read_again`). Thread-safe, even if the source is not.
 class FrameReplay final : public FrameSource {
  public:
-  /// `source` must outlive this and have no other reader.
+  /// `source` must outlive this object and have no other reader.
   explicit FrameReplay(FrameSource* source) : source_(source) {}
 
   std::size_t frame_count() const override { return source_->frame_count(); }
@@ -26,15 +25,16 @@ class FrameReplay final : public FrameSource {
 
   absl::StatusOr<v1::Frame> Read(std::size_t index) override;
 
-  /// The frame with this client sequence, where all frames that `Next` gave were pushed.
-  /// Errors: `OutOfRange` for one that it has not given; what the source says.
+  /// Reads the frame with this client sequence again. Requires that every frame returned by `Next`
+  /// was pushed, in order. Errors: `OutOfRange` for a frame that `Next` has not returned; errors of
+  /// the source.
   absl::StatusOr<v1::Frame> ReadPushed(std::uint64_t client_seq);
 
  private:
   FrameSource* source_;
-  std::mutex mutex_;                 ///< Guards what follows and the use of the source.
-  std::size_t calls_ = 0;            ///< Of `Next`.
-  std::vector<std::size_t> pushed_;  ///< The index of each frame that `Next` gave.
+  std::mutex mutex_;                 ///< Guards the members below and all calls of the source.
+  std::size_t calls_ = 0;            ///< Number of calls of `Next`.
+  std::vector<std::size_t> pushed_;  ///< Source index of each frame returned by `Next`.
 };
 
 }  // namespace steadymap

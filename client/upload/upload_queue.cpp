@@ -14,8 +14,7 @@
 namespace steadymap {
 namespace {
 
-// Enough to see what goes wrong; a robot that sends nothing but broken frames must not fill the
-// memory with reports.
+// Enough for a diagnosis; bounds the memory for a robot that sends only invalid frames.
 constexpr std::size_t kMaxKeptRefusals = 1000;
 
 // Tag and length of the batch within UploadFramesRequest, rounded up.
@@ -23,17 +22,17 @@ constexpr std::uint64_t kEnvelopeBytes = 16;
 
 constexpr std::uint64_t kChecksumBytes = 5;
 
-// For a server that names no limit.
+// Used for a server that reports no limit.
 constexpr std::uint64_t kUnlimitedBytes = std::numeric_limits<std::uint64_t>::max();
 
 using google::protobuf::io::CodedOutputStream;
 
-// Serialized bytes of a batch without its frames.
+// Returns the serialized bytes of a batch without its frames.
 std::uint64_t EmptyBatchBytes(std::uint64_t first_client_seq) {
   return 1 + CodedOutputStream::VarintSize64(first_client_seq) + kChecksumBytes;
 }
 
-// Serialized bytes that a frame adds to its batch.
+// Returns the serialized bytes that a frame adds to its batch.
 std::uint64_t BytesInBatch(std::size_t frame_bytes) {
   return 1 + CodedOutputStream::VarintSize64(frame_bytes) + frame_bytes;
 }
@@ -58,7 +57,7 @@ OutgoingBatch::OutgoingBatch(OutgoingBatch&& other) noexcept
   other.frames_.clear();
 }
 
-// The message must let go of frames that it does not own before it dies.
+// The message does not own its frames and must release them before its destruction.
 void OutgoingBatch::ReleaseFrames() {
   if (frames_.empty()) return;
   auto& frames = *message_.mutable_batch()->mutable_frames();
@@ -74,7 +73,8 @@ UploadQueue::UploadQueue(std::size_t max_batch_bytes,
 
 void UploadQueue::Push(v1::Frame frame) {
   ++last_pushed_;
-  if (last_pushed_ <= durable_) return;  // An earlier run of this session brought it here.
+  // An earlier run of this session already uploaded this frame.
+  if (last_pushed_ <= durable_) return;
   const std::size_t bytes = frame.ByteSizeLong();
   pending_.push_back({std::make_shared<v1::Frame>(std::move(frame)), bytes});
   buffered_bytes_ += bytes;
@@ -95,7 +95,7 @@ absl::StatusOr<std::optional<LostFrames>> UploadQueue::Open(const v1::UploadOpen
                      {},
                      absl::StrCat("the server acknowledged frames up to ",
                                   durable_,
-                                  " of this session as durable, but now knows only ",
+                                  " of this session as durable, but now has only frames up to ",
                                   resume));
   }
   next_to_send_ = durable_ + 1;
@@ -106,7 +106,7 @@ absl::StatusOr<std::optional<LostFrames>> UploadQueue::Open(const v1::UploadOpen
   return lost;
 }
 
-// What is lost is pending again, to be read when it is sent.
+// Marks the lost frames as pending; they are read again when they are sent.
 void UploadQueue::MissAgain(std::uint64_t resume_client_seq) {
   const std::uint64_t last_missing = std::min(durable_, last_pushed_);
   if (last_missing > resume_client_seq) {
@@ -126,7 +126,7 @@ void UploadQueue::SetBackIntegrated(std::uint64_t client_seq) {
   integrated_ = std::min(integrated_, client_seq);
 }
 
-// Goes on behind what was durable. None if all of it was given up already.
+// Continues after the last durable frame. Returns none if all lost frames were given up before.
 std::optional<LostFrames> UploadQueue::GiveUp(std::uint64_t resume_client_seq) {
   const LostFrames lost{resume_client_seq + 1, durable_};
   if (!given_up_.empty() && given_up_.back().frames == lost) return std::nullopt;
@@ -200,7 +200,7 @@ void UploadQueue::Settle(std::uint64_t durable_client_seq) {
 }
 
 void UploadQueue::NoteIntegrated(std::uint64_t integrated_client_seq) {
-  // What is lost need not be waited for.
+  // Frames that were given up count as processed.
   for (const GivenUp& given_up : given_up_) {
     if (integrated_client_seq + 1 < given_up.frames.first) break;
     integrated_client_seq = std::max(integrated_client_seq, given_up.frames.last);
@@ -213,7 +213,7 @@ void UploadQueue::NoteIntegrated(std::uint64_t integrated_client_seq) {
 }
 
 void UploadQueue::NoteRefused(const v1::RefusedFrame& refused) {
-  // Reported again after a reconnection, or a number that we never gave.
+  // Ignores a repeated report after a reconnection and a sequence that was never sent.
   if (refused.client_seq() <= integrated_ || refused.client_seq() >= next_to_send_) return;
   if (!refused_ahead_.insert(refused.client_seq()).second) return;
   if (was_refused_.size() < refused.client_seq()) was_refused_.resize(refused.client_seq());
@@ -261,7 +261,8 @@ absl::StatusOr<std::optional<OutgoingBatch>> UploadQueue::TakeBatch() {
   return batch;
 }
 
-// How many frames fit the next batch; 0 if not even the first fits a message of this server.
+// Returns the number of frames for the next batch; 0 if the first frame exceeds the message limit
+// of the server.
 std::size_t UploadQueue::ChooseFrameCount(std::uint64_t* batch_bytes) const {
   const std::uint64_t available = last_pushed_ + 1 - next_to_send_;
   const std::uint64_t most_frames =

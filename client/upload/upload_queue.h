@@ -17,10 +17,10 @@
 
 namespace steadymap {
 
-/// A message on its way: a batch that shares its frames with the queue, so nothing is copied.
+/// A batch ready to send. Shares its frames with the queue without a copy.
 class OutgoingBatch {
  public:
-  /// `first_client_seq` is that of `frames[0]`; the others follow without gap.
+  /// `frames` have consecutive client sequences; `first_client_seq` belongs to `frames[0]`.
   OutgoingBatch(std::uint64_t first_client_seq, std::vector<std::shared_ptr<v1::Frame>> frames);
   ~OutgoingBatch();
   OutgoingBatch(OutgoingBatch&& other) noexcept;
@@ -31,61 +31,62 @@ class OutgoingBatch {
  private:
   void ReleaseFrames();
 
-  std::vector<std::shared_ptr<v1::Frame>> frames_;  ///< Own what `message_` points to.
+  std::vector<std::shared_ptr<v1::Frame>> frames_;  ///< Own the frames referenced by `message_`.
   v1::UploadFramesRequest message_;
 };
 
-/// What becomes of frames that the server had acknowledged as durable and no longer has.
+/// Policy for frames that the server had acknowledged as durable and no longer has.
 enum class LossRecovery {
-  kNone,       ///< Their loss is an error.
-  kGoOn,       ///< They are given up.
-  kSendAgain,  ///< They are read and sent again.
+  kNone,       ///< The loss is an error.
+  kGoOn,       ///< The frames are given up.
+  kSendAgain,  ///< The frames are read and sent again.
 };
 
-/// The memory of an upload session: frames that are not durable yet, what the server has
-/// acknowledged, and how much may be sent. Pure state: no threads, clock or network.
+/// The state of an upload session: frames that are not durable yet, acknowledgements and
+/// flow-control credit. Pure state: no threads, clock or network.
 ///
-/// Bounded by its user: push only while `buffered_bytes()` allows it.
+/// The caller bounds its memory: push only while `buffered_bytes()` is below a limit.
 class UploadQueue {
  public:
-  /// A batch holds at most so many bytes and frames, unless one frame alone has more bytes.
+  /// A batch holds at most this many bytes and frames, unless a single frame exceeds
+  /// `max_batch_bytes`.
   UploadQueue(std::size_t max_batch_bytes,
               std::size_t max_batch_frames,
               LossRecovery recovery = LossRecovery::kNone);
 
-  /// Appends a frame and gives it the next client sequence.
+  /// Appends a frame and assigns it the next client sequence.
   void Push(v1::Frame frame);
 
-  /// Starts over on a new stream at the server's resume point: what lies behind it will be sent, in
-  /// order. Returns the frames that turn out to be lost now and were not known to be.
-  /// Errors: `DataLoss` if frames that were acknowledged are lost and there is no recovery.
+  /// Restarts on a new stream at the server's resume point: all later frames are sent again, in
+  /// order. Returns the frames newly detected as lost. Errors: `DataLoss` if acknowledged frames
+  /// are lost and there is no recovery.
   absl::StatusOr<std::optional<LostFrames>> Open(const v1::UploadOpened& opened);
 
-  /// Adds credit.
+  /// Adds flow-control credit.
   void Grant(const v1::UploadCredit& credit);
 
-  /// Notes an acknowledgement. Errors: `Internal` if it names a frame that was never sent.
+  /// Records an acknowledgement. Errors: `Internal` if it names a frame that was never sent.
   absl::Status Acknowledge(const v1::UploadAck& ack);
 
-  /// The first frame for the next batch that must be read again before it can be sent; none where
+  /// Returns the first frame of the next batch that must be read again before it is sent; none if
   /// there is no such frame or no credit.
   std::optional<std::uint64_t> FrameToReadAgain() const;
 
-  /// Gives back the frame that `FrameToReadAgain` named.
+  /// Supplies the frame named by `FrameToReadAgain`.
   void FillIn(std::uint64_t client_seq, v1::Frame frame);
 
-  /// The next batch, as large as limits and credit allow, or none if there is nothing to send or
-  /// too little credit. Errors: `ResourceExhausted` with reason `MESSAGE_TOO_LARGE` for a frame
-  /// that no message of this server can hold.
+  /// Returns the next batch, as large as limits and credit allow, or none if no frame is pending or
+  /// the credit is too small. Errors: `ResourceExhausted` with reason `MESSAGE_TOO_LARGE` for a
+  /// frame larger than the largest message of this server.
   absl::StatusOr<std::optional<OutgoingBatch>> TakeBatch();
 
-  /// Whether `TakeBatch` would give a batch or an error.
+  /// True if `TakeBatch` would return a batch or an error.
   bool CanTakeBatch() const;
 
-  /// Whether everything that was pushed is sent on this stream or was durable before it.
+  /// True if every pushed frame was sent on this stream or was durable before it.
   bool all_sent() const { return next_to_send_ > last_pushed_; }
 
-  /// Whether everything that was pushed is integrated or refused.
+  /// True if every pushed frame is integrated or refused.
   bool all_integrated() const { return integrated_ >= last_pushed_; }
 
   /// Serialized bytes of the frames in memory.
@@ -96,21 +97,21 @@ class UploadQueue {
 
   UploadProgress progress() const;
 
-  /// Frames refused so far, each once, in the order they were reported; the first 1 000 of them.
+  /// Refused frames, each once, in the order of the reports; the first 1000 only.
   const std::vector<RefusedUpload>& refused() const { return refused_; }
 
-  /// Frames that were given up, by rising sequences.
+  /// Frames that were given up, in ascending order.
   std::vector<LostFrames> lost() const;
 
  private:
   struct PendingFrame {
     std::shared_ptr<v1::Frame> frame;  ///< Null: must be read again.
-    std::size_t bytes = 0;             ///< Serialized.
+    std::size_t bytes = 0;             ///< Serialized size.
   };
 
   struct GivenUp {
     LostFrames frames;
-    std::uint64_t count = 0;  ///< Of those that had not been refused.
+    std::uint64_t count = 0;  ///< Excludes frames refused before.
   };
 
   void MissAgain(std::uint64_t resume_client_seq);
@@ -126,25 +127,25 @@ class UploadQueue {
   std::size_t max_batch_bytes_;
   std::size_t max_batch_frames_;
   LossRecovery recovery_;
-  std::uint64_t max_message_bytes_ = 0;  ///< Of the server.
+  std::uint64_t max_message_bytes_ = 0;  ///< Limit of the server.
 
   std::deque<PendingFrame> pending_;  ///< Client sequences `durable_ + 1` to `last_pushed_`.
   std::size_t buffered_bytes_ = 0;
   std::uint64_t last_pushed_ = 0;
   std::uint64_t next_to_send_ = 1;
   std::uint64_t highest_sent_ = 0;
-  std::uint64_t durable_ = 0;     ///< All up to it are durable or refused.
-  std::uint64_t integrated_ = 0;  ///< All up to it are integrated or refused.
+  std::uint64_t durable_ = 0;     ///< All frames up to it are durable or refused.
+  std::uint64_t integrated_ = 0;  ///< All frames up to it are integrated or refused.
 
   std::uint64_t credit_bytes_ = 0;
   std::uint64_t credit_frames_ = 0;
 
   std::vector<RefusedUpload> refused_;
   std::set<std::uint64_t> refused_ahead_;  ///< Refused sequences above `integrated_`.
-  std::uint64_t refused_behind_ = 0;       ///< How many there were up to it.
-  std::vector<bool> was_refused_;          ///< By client sequence; up to the last refused one.
-  std::vector<GivenUp> given_up_;          ///< By rising sequences, few.
-  UploadProgress progress_;                ///< The counts that nothing above implies.
+  std::uint64_t refused_behind_ = 0;       ///< Number of refused sequences up to `integrated_`.
+  std::vector<bool> was_refused_;  ///< Indexed by client sequence - 1; up to the last refused one.
+  std::vector<GivenUp> given_up_;  ///< In ascending order, few.
+  UploadProgress progress_;        ///< Counts that the members above do not imply.
 };
 
 }  // namespace steadymap

@@ -14,13 +14,13 @@ bool IsWorthRetrying(const absl::Status& status) {
     case absl::StatusCode::kResourceExhausted:
       return ReasonOf(status) != reason::kMessageTooLarge;
     case absl::StatusCode::kDataLoss:
-      // A batch that was damaged on its way; not a map that was damaged on disk.
+      // A batch damaged in transit; a map damaged on disk has another reason.
       return ReasonOf(status) == reason::kChecksum;
     case absl::StatusCode::kInternal:
     case absl::StatusCode::kUnknown:
     case absl::StatusCode::kCancelled:
-      // gRPC reports connections that break in mid-message so; the service itself always gives a
-      // reason.
+      // gRPC reports a connection that breaks within a message with these codes; errors of the
+      // service always have a reason.
       return ReasonOf(status).empty();
     default:
       return false;

@@ -4,9 +4,9 @@
 
 namespace steadymap {
 
-/// Whether a failed upload stream may succeed when it is opened anew (service.md section 2). False
-/// for OK, for what the caller must fix first, and for `UPLOAD_SUPERSEDED`: going on would take the
-/// session back from the one that superseded it, and so for ever.
+/// True if a failed upload stream may succeed on a new stream. False for OK, for errors that the
+/// caller must fix first, and for `UPLOAD_SUPERSEDED`: a retry would take the session back, and the
+/// two uploaders would supersede each other endlessly.
 bool IsWorthRetrying(const absl::Status& status);
 
 }  // namespace steadymap

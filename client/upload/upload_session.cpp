@@ -38,7 +38,7 @@ LossRecovery RecoveryOf(const UploaderOptions& options) {
   return options.on_lost ? LossRecovery::kGoOn : LossRecovery::kNone;
 }
 
-// How far the upload has come, to see whether a stream achieved anything.
+// Returns a measure of the upload's progress, to decide whether a stream achieved anything.
 std::uint64_t Advance(const UploadProgress& progress) {
   return progress.durable + progress.integrated + progress.refused;
 }
@@ -67,7 +67,7 @@ absl::Status FrameUploader::Session::Push(v1::Frame frame) {
   const absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(this, &Session::HasRoom));
   if (done_ && !result_.ok()) return result_;
-  if (finishing_) return absl::FailedPreconditionError("the upload is finished already");
+  if (finishing_) return absl::FailedPreconditionError("the upload is already finished");
   queue_.Push(std::move(frame));
   return absl::OkStatus();
 }
@@ -112,12 +112,13 @@ FailedTry FrameUploader::Session::DescribeFailure(const absl::Status& status,
   FailedTry failed;
   failed.was_answered = stream_.closed || IsServerAnswer(status);
   failed.asked = std::chrono::milliseconds(RetryDelayMsOf(status));
-  // Who was let in may have had nothing to upload for hours. A replaced sleep replaces the clock.
+  // An opened stream may have been idle for hours, so its duration does not count. A replaced
+  // `sleep` also replaces the clock.
   if (!stream_.opened && !options_.sleep) failed.took = took;
   return failed;
 }
 
-// Returns whether to try again.
+// Returns true if the upload shall be tried again.
 bool FrameUploader::Session::WaitBeforeRetry(const absl::Status& status,
                                              const FailedTry& failed,
                                              Backoff* backoff) {
@@ -135,7 +136,7 @@ bool FrameUploader::Session::WaitBeforeRetry(const absl::Status& status,
 
 absl::Status FrameUploader::Session::RunStream() {
   grpc::ClientContext context;
-  if (!BeginStream(&context)) return absl::CancelledError("the upload was given up");
+  if (!BeginStream(&context)) return absl::CancelledError("the upload was cancelled");
   const std::shared_ptr<grpc::ChannelInterface> channel = open_channel_();
   const auto stub = v1::IngestService::NewStub(channel);
   const std::unique_ptr<Stream> stream = stub->UploadFrames(&context);
@@ -148,7 +149,7 @@ absl::Status FrameUploader::Session::RunStream() {
     const absl::MutexLock lock(&mutex_);
     stream_.context = nullptr;
     stream_.closed = status.ok();
-    if (cancelled_) return absl::CancelledError("the upload was given up");
+    if (cancelled_) return absl::CancelledError("the upload was cancelled");
     if (!stream_.error.ok()) return stream_.error;
   }
   return status.ok() ? ConfirmIntegration(channel) : status;
@@ -208,13 +209,14 @@ void FrameUploader::Session::WriteBatches(Stream* stream) {
       if (!next.ok()) return FailStream(next.status());
       if (next->has_value()) batch.emplace(std::move(**next));
     }
-    if (!batch) break;  // Everything is sent, and there will be no more.
+    // All frames are sent and no more will be pushed.
+    if (!batch) break;
     if (!stream->Write(batch->message())) return;
   }
   stream->WritesDone();
 }
 
-// Returns whether the stream can go on.
+// Returns true if the stream can continue.
 bool FrameUploader::Session::ReadAgain(std::uint64_t client_seq) {
   absl::StatusOr<v1::Frame> frame = options_.read_again(client_seq);
   const absl::MutexLock lock(&mutex_);
@@ -270,20 +272,21 @@ absl::Status FrameUploader::Session::Take(const v1::UploadFramesResponse& respon
       queue_.Grant(response.credit());
       return absl::OkStatus();
     case v1::UploadFramesResponse::KIND_NOT_SET:
-      return absl::OkStatus();  // A newer server; nothing that we asked for.
+      // A message kind of a newer server; not requested.
+      return absl::OkStatus();
   }
   return absl::OkStatus();
 }
 
-// After the stream ended with OK. The acknowledgement of frames that an earlier, broken stream
-// brought may have been lost with it, so the server is asked where the session stands.
+// Called after the stream ended with OK. The acknowledgement of frames that an earlier, broken
+// stream uploaded may be lost, so the session's state is requested from the server.
 absl::Status FrameUploader::Session::ConfirmIntegration(
     const std::shared_ptr<grpc::ChannelInterface>& channel) {
   {
     const absl::MutexLock lock(&mutex_);
     if (finishing_ && queue_.all_integrated()) return absl::OkStatus();
     if (!finishing_ || !queue_.all_sent()) {
-      return absl::UnavailableError("the server ended the upload before everything was sent");
+      return absl::UnavailableError("the server ended the upload before all frames were sent");
     }
   }
   grpc::ClientContext context;
@@ -304,10 +307,11 @@ absl::Status FrameUploader::Session::ConfirmIntegration(
   const absl::MutexLock lock(&mutex_);
   absl::Status taken = queue_.Acknowledge(ack);
   if (!taken.ok() || queue_.all_integrated()) return taken;
-  return absl::UnavailableError("the server ended the upload before everything was integrated");
+  return absl::UnavailableError("the server ended the upload before all frames were integrated");
 }
 
-// The map's revision, after its integration was confirmed; 0 where this client may not ask.
+// Returns the revision of the map after its integration was confirmed; 0 if this client lacks the
+// permission to read it.
 std::uint64_t FrameUploader::Session::AskForRevision(
     const std::shared_ptr<grpc::ChannelInterface>& channel) const {
   grpc::ClientContext context;

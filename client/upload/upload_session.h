@@ -23,8 +23,8 @@
 
 namespace steadymap {
 
-/// What is behind a FrameUploader: a queue, and a thread that keeps a stream open until everything
-/// is integrated. Each stream has a second thread that reads it.
+/// Implementation of FrameUploader: a queue, and a thread that keeps a stream open until every
+/// frame is integrated. Each stream has a second thread that reads it.
 class FrameUploader::Session {
  public:
   Session(ChannelOpener open_channel, const MapName& map, UploaderOptions options);
@@ -43,13 +43,13 @@ class FrameUploader::Session {
   using Stream =
       grpc::ClientReaderWriterInterface<v1::UploadFramesRequest, v1::UploadFramesResponse>;
 
-  /// What the writing and the reading thread share of the stream that is open.
+  /// State of the open stream, shared by the writing and the reading thread.
   struct StreamState {
-    grpc::ClientContext* context = nullptr;  ///< Null while there is none.
+    grpc::ClientContext* context = nullptr;  ///< Null without a stream.
     bool opened = false;                     ///< The server has answered the opening.
     bool ended = false;                      ///< Nothing more will be read.
     bool closed = false;                     ///< The server ended it with OK.
-    absl::Status error;                      ///< Of ours; goes before the stream's own status.
+    absl::Status error;  ///< Client-side error; overrides the status of the stream.
   };
 
   void Run() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -85,12 +85,12 @@ class FrameUploader::Session {
   UploadQueue queue_ ABSL_GUARDED_BY(mutex_);
   StreamState stream_ ABSL_GUARDED_BY(mutex_);
   bool finishing_ ABSL_GUARDED_BY(mutex_) = false;  ///< No more frames will be pushed.
-  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;  ///< The owner is going away.
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;  ///< The owner is being destroyed.
   bool done_ ABSL_GUARDED_BY(mutex_) = false;       ///< `result_` is final.
   absl::Status result_ ABSL_GUARDED_BY(mutex_);
   std::uint64_t reconnections_ ABSL_GUARDED_BY(mutex_) = 0;
 
-  std::thread thread_;  ///< Last: it uses everything above.
+  std::thread thread_;  ///< Last member: it uses all members above.
 };
 
 }  // namespace steadymap
