@@ -14,7 +14,7 @@
 namespace steadymap {
 namespace {
 
-// Somebody who changes a map all the time is a fault, and must not keep this program for ever.
+// Bounds the retries if another client changes the map continuously.
 constexpr int kMaxReads = 10;
 
 std::string NewRequestId() {
@@ -29,7 +29,7 @@ void AddClasses(const std::vector<v1::SemanticClass>& added, v1::MapConfig* conf
     auto& table = *config->mutable_classes();
     const auto present = std::find_if(
         table.begin(), table.end(), [&row](const auto& entry) { return entry.id() == row.id(); });
-    // In the place of another row, so that the server says which row cannot be changed.
+    // Overwrites a row with the same id, so that the server reports which row cannot be changed.
     *(present == table.end() ? table.Add() : &*present) = row;
   }
 }
@@ -60,7 +60,7 @@ v1::UpdateMapRequest ChangeRequest(const MapChange& change, const v1::Map& prese
   return request;
 }
 
-// Sends one request until a server has answered it.
+// Sends one request until a server answers it.
 absl::StatusOr<v1::Map> SendUntilAnswered(const ChannelOpener& open_channel,
                                           const v1::UpdateMapRequest& request,
                                           const MapChangeOptions& options) {
@@ -91,7 +91,7 @@ absl::StatusOr<v1::Map> ChangeMap(const ChannelOpener& open_channel,
                                   const MapChange& change,
                                   const MapChangeOptions& options) {
   if (change.is_empty()) {
-    return absl::InvalidArgumentError("expected something to change: labels, world frame, classes");
+    return absl::InvalidArgumentError("expected a change of labels, world frame or classes");
   }
   for (int reads = 1;; ++reads) {
     const absl::StatusOr<v1::Map> present = MapClient(open_channel()).GetMap(name);

@@ -27,7 +27,7 @@ constexpr std::uint32_t kPosesPerPage = 10'000;
 constexpr std::uint32_t kObjectsPerPage = 1000;
 constexpr std::uint32_t kEventsPerPage = 10'000;
 
-// A call with one answer.
+// Makes a unary call.
 template <typename Stub, typename Request, typename Response>
 absl::StatusOr<Response> Call(Stub* stub,
                               grpc::Status (Stub::*method)(grpc::ClientContext*,
@@ -57,13 +57,13 @@ absl::Status DamagedExport(const std::string& what) {
   return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
 }
 
-// The file that comes in an export stream.
+// Receives a file from an export stream.
 class ExportReader {
  public:
   explicit ExportReader(const MapClient::ChunkSink& sink) : sink_(sink) {}
 
   absl::Status Take(const v1::ExportMapResponse& message) {
-    if (trailer_) return ProtocolError("the server sent more behind the end of a file");
+    if (trailer_) return ProtocolError("the server sent data after the trailer of a file");
     if (message.has_header() == header_.has_value()) {
       return ProtocolError("the server sent a file that does not begin with one header");
     }
@@ -79,21 +79,21 @@ class ExportReader {
     return absl::OkStatus();
   }
 
-  // Once the stream has ended with OK.
+  // Called after the stream ended with OK.
   absl::StatusOr<ExportSummary> Finish() const {
     if (!trailer_) {
-      return DamagedExport(absl::StrCat(
-          "the file was cut off: ", received_bytes_, " bytes came, and not the trailer"));
+      return DamagedExport(
+          absl::StrCat("the file is incomplete: ", received_bytes_, " bytes received, no trailer"));
     }
     if (trailer_->file_bytes() != received_bytes_) {
-      return DamagedExport(absl::StrCat("the server made a file of ",
+      return DamagedExport(absl::StrCat("the file is incomplete: expected ",
                                         trailer_->file_bytes(),
-                                        " bytes, of which ",
+                                        " bytes, received ",
                                         received_bytes_,
-                                        " came"));
+                                        " bytes"));
     }
     if (trailer_->crc32c() != received_crc32c_) {
-      return DamagedExport("the file that came is not the one that the server made");
+      return DamagedExport("the checksum of the received file differs from the server's");
     }
     return ExportSummary{Revision(header_->revision()), received_bytes_, header_->triangles()};
   }
@@ -168,7 +168,7 @@ absl::StatusOr<v1::SampleDistanceResponse> MapClient::SampleDistance(
   for (const Eigen::Vector3d& point : points_world) *request.add_points_m() = ToProto(point);
   auto response = Call(queries_.get(), &QueryStub::SampleDistance, request, options_.call_timeout);
   if (response.ok() && response->samples_size() != request.points_m_size()) {
-    return ProtocolError("the server answered with another number of samples than points");
+    return ProtocolError("the server returned a different number of samples than points");
   }
   return response;
 }
@@ -186,7 +186,7 @@ absl::StatusOr<v1::CastRaysResponse> MapClient::CastRays(const MapName& name,
   }
   auto response = Call(queries_.get(), &QueryStub::CastRays, request, options_.call_timeout);
   if (response.ok() && response->hits_size() != request.rays_size()) {
-    return ProtocolError("the server answered with another number of hits than rays");
+    return ProtocolError("the server returned a different number of hits than rays");
   }
   return response;
 }

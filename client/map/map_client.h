@@ -26,17 +26,18 @@
 
 namespace steadymap {
 
-/// How long calls may take before they end with `DeadlineExceeded`.
+/// Timeouts of the calls, which end with `DeadlineExceeded`.
 struct MapClientOptions {
-  std::chrono::milliseconds call_timeout{30'000};     ///< Calls with one answer.
-  std::chrono::milliseconds stream_timeout{600'000};  ///< Exports and sections, which stream.
+  std::chrono::milliseconds call_timeout{30'000};  ///< Unary calls.
+  std::chrono::milliseconds stream_timeout{
+      600'000};  ///< Streaming calls: exports and map sections.
 };
 
-/// What a new map has beside its configuration. All of it can be changed later.
+/// Settings of a new map besides its configuration. All of them can be changed later.
 struct MapSettings {
-  std::chrono::milliseconds max_commit_delay{};  ///< 0: as the server is configured.
-  std::map<std::string, std::string> labels{};   ///< As `v1::Map.labels`.
-  std::optional<v1::WorldFrame> world_frame{};   ///< As `v1::Map.world_frame`.
+  std::chrono::milliseconds max_commit_delay{};  ///< 0: the server's default.
+  std::map<std::string, std::string> labels{};   ///< See `v1::Map.labels`.
+  std::optional<v1::WorldFrame> world_frame{};   ///< See `v1::Map.world_frame`.
 };
 
 /// A ray in the world frame.
@@ -45,114 +46,115 @@ struct WorldRay {
   Eigen::Vector3d direction_world = Eigen::Vector3d::UnitX();  ///< Any length but zero.
 };
 
-/// Which objects of a map are asked for: those that pass every filter.
+/// Selects the objects of a map that pass every filter.
 struct ObjectQuery {
-  std::vector<ClassId> classes{};            ///< Empty: of any class.
-  std::optional<Box> box_world{};            ///< Whose cuboid touches it.
+  std::vector<ClassId> classes{};            ///< Empty: any class.
+  std::optional<Box> box_world{};            ///< Overlapped by the object's cuboid.
   double min_stationarity = 0.0;             ///< In [0, 1].
-  Revision changed_since{};                  ///< That changed after it; 0: all.
-  bool with_archived_and_tentative = false;  ///< Else only those that are part of the map.
+  Revision changed_since{};                  ///< Changed after it; 0: all.
+  bool with_archived_and_tentative = false;  ///< False: only objects that are part of the map.
 };
 
-/// Which events of a map are asked for: those that pass every filter.
+/// Selects the events of a map that pass every filter.
 struct EventQuery {
-  std::vector<v1::EventType> types{};  ///< Empty: of any type.
-  std::vector<ObjectId> objects{};     ///< Empty: of any object.
-  std::vector<ClassId> classes{};      ///< Empty: of any class.
-  EventNumber first{};                 ///< From this number on; 0: from the first.
-  Revision changed_since{};            ///< That came after it; 0: all.
-  std::optional<Timestamp> start{};    ///< Of frames captured then or later.
-  std::optional<Timestamp> end{};      ///< Of frames captured before; not below `start`.
+  std::vector<v1::EventType> types{};  ///< Empty: any type.
+  std::vector<ObjectId> objects{};     ///< Empty: any object.
+  std::vector<ClassId> classes{};      ///< Empty: any class.
+  EventNumber first{};                 ///< Smallest event number; 0: no limit.
+  Revision changed_since{};            ///< Recorded after it; 0: all.
+  std::optional<Timestamp> start{};    ///< Earliest capture time, included.
+  std::optional<Timestamp> end{};      ///< Latest capture time, excluded; >= `start`.
 };
 
-/// A list, however many pages it took, and the revision of the last one.
+/// A list collected from all its pages, and the revision of the last page.
 template <typename Message>
 struct MapList {
   Revision revision;
   std::vector<Message> entries;
 };
 
-/// Which part of a map's volumes is asked for.
+/// Selects a part of a map's volumes.
 struct VolumeSelection {
   std::optional<Box> box_world{};   ///< World frame, metres; none: everywhere.
-  std::vector<ObjectId> objects{};  ///< 0 is the background. Empty: what the map shows.
+  std::vector<ObjectId> objects{};  ///< 0: background. Empty: the whole current map.
 };
 
-/// What was exported.
+/// Result of an export.
 struct ExportSummary {
-  Revision revision;             ///< At which the map was read.
+  Revision revision;             ///< Of the exported map.
   std::uint64_t file_bytes = 0;  ///< Length of the file.
   std::uint64_t triangles = 0;   ///< Of the surface; 0 for volumes.
 };
 
 /// Creates, reads and queries maps on a server.
 ///
-/// Every error carries the service's code and message, and where the service gave them the reason
-/// and the field path (`ReasonOf`, `FieldOf` in core/types/error.h). Nothing is retried.
-/// Thread-safe.
+/// Every error has the service's code and message and, if the service sent them, the reason and the
+/// field path (`ReasonOf`, `FieldOf` in core/types/error.h). No call is retried. Thread-safe.
 class MapClient {
  public:
   explicit MapClient(const std::shared_ptr<grpc::ChannelInterface>& channel,
                      const MapClientOptions& options = {});
 
-  /// Creates a map; what `config` leaves out takes the server's defaults.
+  /// Creates a map. Fields missing in `config` take the server's defaults.
   absl::StatusOr<v1::Map> CreateMap(const MapName& name,
                                     const v1::MapConfig& config,
                                     const MapSettings& settings = {});
 
   absl::StatusOr<v1::Map> GetMap(const MapName& name);
 
-  /// All maps of a tenant in the order of their names, however many pages that takes.
+  /// Returns all maps of a tenant, sorted by name. Reads all pages.
   absl::StatusOr<std::vector<v1::Map>> ListMaps(const std::string& tenant);
 
-  /// Changes the fields of a map that the paths in `request.update_mask` name; `ChangeMap` in
-  /// client/map/map_change.h says the same in terms of labels and classes. Errors: `Aborted` with
-  /// reason `ETAG_MISMATCH` where `request.map.etag` is not the map's present one.
+  /// Changes the fields named by the paths in `request.update_mask`. `ChangeMap` in
+  /// client/map/map_change.h is the same operation in terms of labels and classes. Errors:
+  /// `Aborted` with reason `ETAG_MISMATCH` if `request.map.etag` is not the current etag of the
+  /// map.
   absl::StatusOr<v1::Map> UpdateMap(const v1::UpdateMapRequest& request);
 
   absl::Status DeleteMap(const MapName& name);
 
-  /// State of each point (world frame, metres) and its signed distance, at most 100 000 points.
+  /// Returns the state and the signed distance of each point (world frame, metres). At most 100 000
+  /// points.
   absl::StatusOr<v1::SampleDistanceResponse> SampleDistance(
       const MapName& name, std::span<const Eigen::Vector3d> points_world);
 
-  /// First surface along each ray and how far it is free, at most 100 000 rays. `max_range_m` 0:
-  /// the server's default.
+  /// Returns the first surface along each ray and the length of its free part. At most 100 000
+  /// rays. `max_range_m` 0: the server's default.
   absl::StatusOr<v1::CastRaysResponse> CastRays(const MapName& name,
                                                 std::span<const WorldRay> rays,
                                                 double max_range_m = 0.0);
 
-  /// One object, whatever its standing. Errors: `NotFound` with the field `object_id`.
+  /// Returns one object in any state, including archived and tentative. Errors: `NotFound` with the
+  /// field `object_id`.
   absl::StatusOr<v1::Object> GetObject(const MapName& name, ObjectId object);
 
-  /// Objects by rising id, however many pages that takes.
+  /// Returns objects in ascending order of id. Reads all pages.
   absl::StatusOr<MapList<v1::Object>> ListObjects(const MapName& name,
                                                   const ObjectQuery& query = {});
 
-  /// Events by rising number, however many pages that takes.
+  /// Returns events in ascending order of number. Reads all pages.
   absl::StatusOr<MapList<v1::ObjectEvent>> ListEvents(const MapName& name,
                                                       const EventQuery& query = {});
 
-  /// The part of the map whose leaves touch the selection, with the server's bits, and the objects
-  /// they belong to. Its last capture time and what only a mapper needs are left out.
-  /// Errors beside the service's: `DataLoss` for a leaf that does not unpack, `InvalidArgument` for
-  /// an object that makes no sense, `Internal` for an answer that breaks the protocol.
+  /// Returns the leaves that overlap the selection, bit for bit as on the server, and the objects
+  /// they belong to. Omits the last capture time and the mapper's internal state. Errors besides
+  /// the service's: `DataLoss` for a leaf that cannot be unpacked, `InvalidArgument` for an invalid
+  /// object, `Internal` for a protocol violation.
   absl::StatusOr<MapSnapshot> GetMapSection(const MapName& name,
                                             const VolumeSelection& selection = {});
 
-  /// Takes the next piece of a file; an error ends the export and is its result.
+  /// Receives the next chunk of a file. An error ends the export and becomes its result.
   using ChunkSink = std::function<absl::Status(std::string_view chunk)>;
 
-  /// Streams the map as a file of `format` to `sink`, piece by piece. What `sink` got is the file
-  /// only where this returns OK. Errors beside the service's and the sink's: `DataLoss` if the file
-  /// is cut off or differs from what the server made; `Internal` for an answer that breaks the
-  /// protocol.
+  /// Streams the map as a file of `format` to `sink`, chunk by chunk. The received file is valid
+  /// only if this function returns OK. Errors besides the service's and the sink's: `DataLoss` if
+  /// the file is incomplete or its checksum differs; `Internal` for a protocol violation.
   absl::StatusOr<ExportSummary> ExportMap(const MapName& name,
                                           v1::ExportFormat format,
                                           const VolumeSelection& selection,
                                           const ChunkSink& sink);
 
-  /// Where the integrated frames were taken, in map_seq order, however many pages that takes.
+  /// Returns the camera poses of the integrated frames in map_seq order. Reads all pages.
   absl::StatusOr<std::vector<v1::FramePose>> ListFramePoses(const MapName& name);
 
  private:

@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-/// Patches go to who has the leaves that they are for.
+/// Returns `options` with patches enabled if the mirror will hold the leaves to patch.
 MirrorOptions WithPatches(MirrorOptions options) {
   options.takes_patches = options.start == WatchOpening::kSnapshot;
   return options;
@@ -21,7 +21,7 @@ MirrorOptions WithPatches(MirrorOptions options) {
 
 }  // namespace
 
-/// Builds the map from what the watch brings, and shows it.
+/// Builds the map from the content of the watch and publishes it.
 class MapMirror::Follower final : public WatchConsumer {
  public:
   explicit Follower(MirrorCallbacks callbacks) : callbacks_(std::move(callbacks)) {}
@@ -121,7 +121,7 @@ class MapMirror::Follower final : public WatchConsumer {
     expects_snapshot_ = true;
   }
 
-  /// The step that is on its way, begun if need be.
+  /// Returns the assembly of the current step; begins it if needed.
   MirrorAssembly& Assembly() {
     if (!assembly_) assembly_.emplace(expects_snapshot_ ? MapSnapshot(scale_) : *snapshot());
     return *assembly_;
@@ -131,16 +131,17 @@ class MapMirror::Follower final : public WatchConsumer {
       ABSL_LOCKS_EXCLUDED(mutex_) {
     has_begun_ = true;
     const absl::MutexLock lock(&mutex_);
-    shown_.swap(map);  // The old one goes when the lock is gone.
+    // The previous map is destroyed after the mutex is released.
+    shown_.swap(map);
     resume_token_ = token;
   }
 
   const MirrorCallbacks callbacks_;
 
-  // Of the watch's thread alone.
+  // Used by the watch's thread only.
   VoxelScale scale_;
-  bool has_begun_ = false;         ///< There is a map to go on from.
-  bool expects_snapshot_ = false;  ///< The next step is not on top of the map before.
+  bool has_begun_ = false;         ///< A map to continue from exists.
+  bool expects_snapshot_ = false;  ///< The next step replaces the map.
   std::optional<MirrorAssembly> assembly_;
 
   mutable absl::Mutex mutex_;

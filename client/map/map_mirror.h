@@ -20,77 +20,79 @@
 
 namespace steadymap {
 
-/// How a mirror follows its map.
+/// Options of a mirror, those of its watch.
 using MirrorOptions = WatchOptions;
 
-/// Whom a mirror tells of what it does. Called from its thread, one call at a time, without locks
-/// held; each may be empty. They may ask the mirror anything, but not destroy it; while one runs
-/// nothing arrives, and a server drops a watcher that stands still for long.
+/// Callbacks of a mirror, called from its thread, one call at a time, without locks held; each may
+/// be empty. They may call every function of the mirror, but must not destroy it. A running
+/// callback delays all messages; the server ends a watch that makes no progress for too long.
 struct MirrorCallbacks {
-  /// The mirror shows another revision.
+  /// The mirror shows a new revision.
   std::function<void(const MirrorStep&)> on_step;
 
-  /// What happened in a step, after `on_step` and only where anything did.
+  /// The events of a step, after `on_step`. Not called for a step without events.
   std::function<void(std::span<const NumberedEvent>)> on_events;
 
   std::function<void(const WatchStateChange&)> on_state;
 };
 
-/// A map of a server, or what a filter shows of it, kept up to date in this process.
+/// A local copy of a server's map, or of the part selected by a filter, kept up to date in this
+/// process.
 ///
-/// What it shows is always one whole revision: at revision R the mirror holds the leaves, bit for
-/// bit, and the objects that the server's map holds at R and the filter lets pass. A new revision
-/// appears once all of it has arrived. Broken connections and server restarts are survived; the
-/// mirror goes on where it was. What arrives is checked; what makes no sense never becomes visible
-/// and is followed by a fresh snapshot.
+/// The copy always shows one complete revision: at revision R the mirror holds the leaves, bit for
+/// bit, and the objects of the server's map at R that pass the filter. A new revision becomes
+/// visible once it has arrived completely. The mirror survives broken connections and server
+/// restarts and resumes after its last revision. Received content is validated; invalid content
+/// never becomes visible, and a new snapshot follows.
 ///
-/// A mirror that starts with `kNow`, or behind a token of another one, holds what has changed
-/// since. Of an object it has what the wire has: no evidence of single leaves, and no
+/// A mirror started with `kNow`, or with a token of another mirror, holds only the changes since
+/// then. Its objects contain the fields of the wire format: no evidence of single leaves and no
 /// `in_place_since`.
 ///
-/// Runs one thread. All functions are thread-safe. A step costs what it changes.
+/// Runs one thread. All functions are thread-safe. The cost of a step is proportional to its
+/// changes.
 class MapMirror {
  public:
-  /// Starts; what goes wrong shows in `status` and `on_state`. Each stream has a channel of its own
-  /// from `open_channel`.
+  /// Starts the mirror. Errors are reported by `status` and `on_state`. Each stream uses a new
+  /// channel from `open_channel`.
   static std::unique_ptr<MapMirror> Start(ChannelOpener open_channel,
                                           const MapName& map,
                                           const MirrorOptions& options = {},
                                           const MirrorCallbacks& callbacks = {});
 
-  /// Stops; returns once the callback that runs, if any, has returned.
+  /// Stops the mirror; waits for a running callback.
   ~MapMirror();
 
   MapMirror(const MapMirror&) = delete;
   MapMirror& operator=(const MapMirror&) = delete;
 
-  /// The map at the newest revision that is whole; empty, at revision 0, before the first. Never
-  /// null, and never changes.
+  /// Returns the map at the newest complete revision; empty, at revision 0, before the first. Never
+  /// null; the returned map is immutable.
   std::shared_ptr<const MapSnapshot> snapshot() const;
 
-  /// That revision.
+  /// Revision of `snapshot()`.
   Revision revision() const { return snapshot()->revision; }
 
-  /// Where another watch with the same filter can go on behind the newest whole revision; empty
-  /// before the first.
+  /// Token with which another watch with an equal filter can resume after the newest complete
+  /// revision; empty before the first.
   std::string resume_token() const;
 
-  /// OK as long as the mirror follows its map or tries to; afterwards why it ended.
+  /// OK while the mirror follows its map or reconnects; afterwards the error that ended it.
   absl::Status status() const;
 
-  /// Waits until the mirror shows `revision` or a newer one. Errors: `DeadlineExceeded`; what the
-  /// mirror ended with.
+  /// Waits until the mirror shows `revision` or a newer one. Errors: `DeadlineExceeded`; the error
+  /// that ended the mirror.
   absl::Status AwaitRevision(Revision revision, std::chrono::milliseconds timeout) const;
 
-  /// The map at each point (world frame, metres), all of one revision. A mirror holds no space that
-  /// was looked through: points and rays are free within the truncation of a surface alone.
+  /// Samples the map at each point (world frame, metres), all at one revision. A mirror holds no
+  /// observed free space: points and rays are free only within the truncation band of a surface.
   std::vector<MapDistance> SampleDistance(std::span<const Eigen::Vector3d> points_world) const;
 
-  /// The first surface along each ray, and how far it is free, all of one revision. A direction of
-  /// zero, or one that is not finite, meets none.
+  /// Casts each ray to the first surface and returns the length of its free part, all at one
+  /// revision. A ray with a zero or non-finite direction hits nothing.
   std::vector<MapRayHit> CastRays(std::span<const WorldRay> rays, double max_range_m) const;
 
-  /// The objects by rising id, archived ones included where the filter lets them pass.
+  /// Returns the objects in ascending order of id, including archived ones that pass the filter.
   std::vector<std::shared_ptr<const MapObject>> Objects() const;
 
  private:
@@ -102,7 +104,7 @@ class MapMirror {
             const MirrorCallbacks& callbacks);
 
   std::unique_ptr<Follower> follower_;
-  std::unique_ptr<MapWatch> watch_;  ///< Last: its thread uses the follower.
+  std::unique_ptr<MapWatch> watch_;  ///< Last member: its thread uses the follower.
 };
 
 }  // namespace steadymap

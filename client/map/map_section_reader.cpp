@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-/// A section that grows message by message.
+/// A map section, built message by message.
 class SectionBuilder {
  public:
   absl::Status Take(const v1::GetMapSectionResponse& message) {
@@ -36,7 +36,7 @@ class SectionBuilder {
   absl::Status TakeHeader(const v1::GetMapSectionResponse::Header& header) {
     if (has_header_) return ProtocolError("the server sent a map section with two headers");
     if (!(header.voxel_size_m() > 0.0 && header.truncation_m() > 0.0)) {
-      return ProtocolError("the server sent a map section with voxels of no size");
+      return ProtocolError("the server sent a map section with an invalid voxel size");
     }
     section_ = MapSnapshot({header.voxel_size_m(), header.truncation_m()});
     section_.revision = Revision(header.revision());
@@ -69,7 +69,7 @@ class SectionBuilder {
       }
       const auto object = objects_.find(ObjectId(leaf.object_id()));
       if (object == objects_.end()) {
-        return ProtocolError("the server sent a leaf of an object that it did not send");
+        return ProtocolError("the server sent a leaf of an unknown object");
       }
       object->second.first->StoreLeaf(origin, voxels);
     }
@@ -78,7 +78,7 @@ class SectionBuilder {
 
   bool has_header_ = false;
   MapSnapshot section_;
-  /// The volumes that grow, with the states that they belong to.
+  /// The volumes under construction and the states they belong to.
   std::map<ObjectId, std::pair<std::shared_ptr<TsdfGrid>, MapObject>> objects_;
 };
 

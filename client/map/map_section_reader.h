@@ -9,8 +9,8 @@
 
 namespace steadymap {
 
-/// Reads the stream of `GetMapSection` to its end or to the first error, which `MapClient`
-/// documents. Blocks; one thread a stream.
+/// Reads the stream of `GetMapSection` to its end or to the first error; `MapClient` documents the
+/// errors. Blocks; one thread per stream.
 absl::StatusOr<MapSnapshot> ReadMapSection(
     grpc::ClientReaderInterface<v1::GetMapSectionResponse>* stream);
 

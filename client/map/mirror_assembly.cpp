@@ -15,13 +15,13 @@
 namespace steadymap {
 namespace {
 
-// What does not convert is the server's fault, not the caller's.
+// A conversion error here is the server's fault, so it must not stay `InvalidArgument`.
 absl::Status BadContent(const char* what, std::uint64_t number, const absl::Status& status) {
   return MakeError(
       absl::StatusCode::kInternal,
       reason::kInternal,
       absl::StrCat(
-          "the server sent ", what, " ", number, " that makes no sense: ", status.message()));
+          "the server sent an invalid ", what, " with number ", number, ": ", status.message()));
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ MirrorStep MirrorAssembly::Finish(const WatchStep& step) {
   edits_.Finish();
   map_.revision = step.revision;
   map_.last_capture_time = step.last_capture_time.value_or(Timestamp());
-  // Leaves of an object that was removed after they had come are not there.
+  // Drops leaves of objects that were removed after the leaves had arrived.
   std::erase_if(leaves_, [this](const LeafKey& key) {
     return key.object != kBackgroundId && !map_.objects.contains(key.object);
   });

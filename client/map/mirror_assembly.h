@@ -15,14 +15,14 @@
 
 namespace steadymap {
 
-/// One step of a mirrored map, put together from its parts on a copy of the map before it. The
-/// content of the parts is hostile until checked; their order is not looked at.
+/// Assembles one step of a mirrored map from its parts, on a copy of the previous map. The content
+/// of the parts is untrusted until checked; their order is not checked here.
 ///
-/// Errors of all: `DataLoss` for damaged leaves and those of objects that are not there, `Internal`
-/// for what else makes no sense. The assembly is of no use then.
+/// Errors of all functions: `DataLoss` for damaged leaves and leaves of missing objects, `Internal`
+/// for other invalid content. The assembly must be discarded after an error.
 class MirrorAssembly {
  public:
-  /// On top of `before`, which is copied (and shares its volumes).
+  /// Starts from a copy of `before`, which shares its volumes.
   explicit MirrorAssembly(const MapSnapshot& before) : map_(before), edits_(&map_) {}
 
   MirrorAssembly(const MirrorAssembly&) = delete;
@@ -32,7 +32,7 @@ class MirrorAssembly {
   absl::Status TakeDelta(const v1::DeltaFragment& delta);
   absl::Status TakeEvents(const v1::EventBatch& batch);
 
-  /// The whole step. To be called once, last.
+  /// Returns the complete step. Call once, after all parts.
   MirrorStep Finish(const WatchStep& step);
 
  private:
@@ -42,7 +42,7 @@ class MirrorAssembly {
   MapSnapshot map_;
   MapEdits edits_;
   std::set<ObjectId> objects_;
-  std::vector<LeafKey> leaves_;  ///< In the order they came.
+  std::vector<LeafKey> leaves_;  ///< In order of arrival.
   std::vector<NumberedEvent> events_;
 };
 

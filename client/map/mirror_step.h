@@ -11,7 +11,7 @@
 
 namespace steadymap {
 
-/// An event with its place in the map's history.
+/// An event with its number in the map's history.
 struct NumberedEvent {
   EventNumber number;
   ObjectEvent event;
@@ -19,15 +19,15 @@ struct NumberedEvent {
   friend bool operator==(const NumberedEvent&, const NumberedEvent&) = default;
 };
 
-/// One whole step of a mirrored map.
+/// One complete step of a mirrored map.
 struct MirrorStep {
-  Revision previous_revision;         ///< What the mirror had.
-  std::uint64_t commits = 0;          ///< That the step covers; 0 where nothing passed the filter.
-  bool is_snapshot = false;           ///< Everything before was dropped.
-  std::vector<ObjectId> objects;      ///< New, changed or gone; by rising id, no id twice.
-  std::vector<LeafKey> leaves;        ///< New, changed or gone, but for those of objects that are
-                                      ///< gone; sorted, no key twice.
-  std::vector<NumberedEvent> events;  ///< By rising number.
+  Revision previous_revision;     ///< Before the step.
+  std::uint64_t commits = 0;      ///< Covered by the step; 0 if none passed the filter.
+  bool is_snapshot = false;       ///< The step replaces the whole map.
+  std::vector<ObjectId> objects;  ///< Added, changed or removed; ascending, unique.
+  /// Leaves that were added, changed or removed, except those of removed objects; sorted, unique.
+  std::vector<LeafKey> leaves;
+  std::vector<NumberedEvent> events;  ///< In ascending order of number.
   std::string resume_token;
   std::shared_ptr<const MapSnapshot> map;  ///< After the step, never null.
 };

@@ -26,11 +26,11 @@ WatchOptions WithSeed(WatchOptions options) {
   return options;
 }
 
-// Why a snapshot takes the place of what the watcher has.
+// Returns the reason of a resync, reported to the consumer.
 absl::Status ResyncReason(const v1::WatchResync& resync) {
   return MakeError(absl::StatusCode::kOutOfRange,
                    resync.reason(),
-                   "the server no longer has what happened since the watcher's last revision");
+                   "the server no longer has the changes since the watcher's last revision");
 }
 
 v1::WatchStart StartOf(WatchOpening opening) {
@@ -81,14 +81,15 @@ void MapWatch::Run() {
     status = end.violation.ok() ? end.status : end.violation;
     if (status.ok()) status = absl::UnavailableError("the server ended the watch");
     opening = NextOpening(end, *opening);
-    // A step that the server cannot finish must not be asked for again and again.
+    // A step that the server repeatedly fails to complete must not be requested forever.
     if (end.was_created && !end.has_progressed && IsServerAnswer(end.status))
       sequence_.ForgetPart();
-    // What has come of a step is kept for a stream that may go on within it.
+    // The received part of a step is kept for a stream that may resume within it.
     if (opening != WatchOpening::kResume || !sequence_.is_within_step()) consumer_->Discard();
     if (!opening) break;
     if (end.was_created && end.violation.ok()) backoff.NoteReached();
-    // One whose streams go wrong again and again must not be asked for snapshots all the time.
+    // A watch whose streams repeatedly violate the protocol must not request snapshots at a high
+    // rate.
     if (end.has_progressed && end.violation.ok()) backoff.Reset();
     if (!WaitBeforeRetry(status, DescribeFailure(end), &backoff)) break;
   }
@@ -99,16 +100,16 @@ void MapWatch::Run() {
 absl::Status MapWatch::CheckOptions() const {
   const MapFilter& filter = options_.filter;
   if (!filter.events && !filter.states && !filter.volumes) {
-    return absl::InvalidArgumentError("a watch must want events, objects or volumes");
+    return absl::InvalidArgumentError("a watch must select events, objects or volumes");
   }
   for (const Box& box : filter.boxes_world) {
     if (box.isEmpty()) return absl::InvalidArgumentError("a watched box must not be empty");
   }
   if ((options_.start == WatchOpening::kResume) == options_.resume_token.empty()) {
-    return absl::InvalidArgumentError("a resume token goes with resuming, and only with that");
+    return absl::InvalidArgumentError("a resume token is required to resume, and only then");
   }
   if (options_.takes_patches && options_.start == WatchOpening::kNow) {
-    return absl::InvalidArgumentError("a watch from now on has no leaves to patch");
+    return absl::InvalidArgumentError("leaf patches require a start with a snapshot or a token");
   }
   return absl::OkStatus();
 }
@@ -120,7 +121,7 @@ MapWatch::StreamEnd MapWatch::RunStream(WatchOpening opening) {
   const v1::WatchMapRequest request = RequestFor(opening);
   if (opening == WatchOpening::kNow && sequence_.revision() && resync_reason_.ok()) {
     resync_reason_ = absl::UnavailableError(
-        absl::StrCat("the watch broke off before its first step; what happened since revision ",
+        absl::StrCat("the watch was interrupted before its first step; changes since revision ",
                      sequence_.revision()->value(),
                      " may be missing"));
   }
@@ -131,7 +132,8 @@ MapWatch::StreamEnd MapWatch::RunStream(WatchOpening opening) {
       stub->WatchMap(&context, request);
   v1::WatchMapResponse message;
   while (stream->Read(&message)) {
-    if (!end.violation.ok()) continue;  // What was on its way already.
+    // Messages still in flight after the violation.
+    if (!end.violation.ok()) continue;
     end.violation = Take(message);
     if (!end.violation.ok()) context.TryCancel();
     end.was_created = true;
@@ -179,7 +181,8 @@ absl::Status MapWatch::Take(const v1::WatchMapResponse& message) {
       consumer_->Discard();
       return consumer_->Resync(message.resync());
     default:
-      return absl::OkStatus();  // A goodbye is over once the stream ends.
+      // A goodbye needs no action before the stream ends.
+      return absl::OkStatus();
   }
 }
 
@@ -203,7 +206,7 @@ void MapWatch::Commit() {
   consumer_->OnState({WatchState::kResynced, std::exchange(resync_reason_, absl::OkStatus())});
 }
 
-// How the next stream begins; none if there is to be none.
+// Returns the start of the next stream; none if the watch ends.
 std::optional<WatchOpening> MapWatch::NextOpening(const StreamEnd& end, WatchOpening last) {
   const bool has_token = !sequence_.resume_token().empty();
   NextWatch next = NextWatchAfter(end.status, options_.resync_if_compacted, has_token);
@@ -215,7 +218,7 @@ std::optional<WatchOpening> MapWatch::NextOpening(const StreamEnd& end, WatchOpe
       return std::nullopt;
     case NextWatch::kResume:
       if (has_token) return WatchOpening::kResume;
-      // Nothing is left of the snapshot that it was to go on within.
+      // No part of the snapshot that the token refers to is left.
       if (last == WatchOpening::kResume && options_.resume_token.empty()) {
         return WatchOpening::kSnapshot;
       }
@@ -232,12 +235,13 @@ FailedTry MapWatch::DescribeFailure(const StreamEnd& end) const {
   failed.was_answered = end.status.ok() || !end.violation.ok() || IsServerAnswer(end.status);
   const std::chrono::milliseconds asked(RetryDelayMsOf(end.status));
   failed.asked = sequence_.reconnect_after().value_or(asked);
-  // A watch of a map that rests may have lasted for hours. A replaced sleep replaces the clock.
+  // A watch of an unchanged map may last for hours, so its duration does not count. A replaced
+  // `sleep` also replaces the clock.
   if (!end.was_created && !options_.sleep) failed.took = end.took;
   return failed;
 }
 
-// Returns whether to try again.
+// Returns true if the watch shall be tried again.
 bool MapWatch::WaitBeforeRetry(const absl::Status& status,
                                const FailedTry& failed,
                                Backoff* backoff) {

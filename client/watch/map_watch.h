@@ -24,66 +24,67 @@
 
 namespace steadymap {
 
-/// How a map is watched.
+/// Options of a watch.
 struct WatchOptions {
-  MapFilter filter;  ///< At least one kind must be wanted.
+  MapFilter filter;  ///< Must select at least one of events, states and volumes.
 
-  /// How the first stream begins; `kResume`: behind `resume_token`, which was given to the same
-  /// filter.
+  /// Start of the first stream. `kResume`: continues after `resume_token`, which must come from a
+  /// watch with an equal filter.
   WatchOpening start = WatchOpening::kSnapshot;
   std::string resume_token;
 
-  /// Where going on is not possible (the history behind the token is gone, or what arrived made no
-  /// sense), take a snapshot in place of what is there. Otherwise the watch ends.
+  /// If true and resuming is impossible (the history after the token was compacted, or the server
+  /// sent invalid content), the watch continues with a snapshot that replaces the consumer's state.
+  /// If false, the watch ends.
   bool resync_if_compacted = true;
 
-  /// Whether deltas may bring patches of leaves, for consumers that keep all leaves they get; not
-  /// with `kNow`. A mirror decides that itself.
+  /// True if deltas may contain leaf patches. For consumers that keep every received leaf; invalid
+  /// with `kNow`. `MapMirror` sets it itself.
   bool takes_patches = false;
 
-  /// Messages are not larger, in [65536, 4194304]; 0: as the server likes.
+  /// Upper limit of the message size, in [65536, 4194304]; 0: the server's default.
   std::uint32_t max_message_bytes = 0;
 
-  /// Waits between reconnections. A watch goes on until its owner ends it, if not told otherwise.
+  /// Delays between reconnections. By default a watch retries until its owner ends it.
   BackoffOptions backoff = {.give_up_after = std::chrono::milliseconds::max()};
 
   /// Seed of the jitter. 0: from the system's random device.
   std::uint64_t seed = 0;
 
-  /// Replaces the waiting between reconnections, and the clock: tries then take no time. For tests.
-  /// Empty: really waits.
+  /// Replaces the wait between reconnections and the clock; attempts then take no time. For tests.
+  /// Empty: waits in real time.
   std::function<void(std::chrono::milliseconds)> sleep;
 };
 
-/// Follows a map as it changes, over any number of streams: what breaks and may heal is opened
-/// again, with backoff and jitter, behind the last whole step or, of a long one, behind what has
-/// come of it. What arrives is checked and handed to a consumer, which sees each step once and
-/// whole.
+/// Watches the changes of a map over any number of streams. After a transient error it opens a new
+/// stream with backoff and jitter, which resumes after the last complete step or, in a long step,
+/// after the received part of it. Validates every message and passes it to a consumer, which
+/// receives each step completely and exactly once.
 ///
 /// Runs one thread.
 class MapWatch {
  public:
-  /// Starts. Each stream has a channel of its own from `open_channel`. `consumer` must outlive the
-  /// watch.
+  /// Starts the watch. Each stream uses a new channel from `open_channel`. `consumer` must outlive
+  /// the watch.
   MapWatch(ChannelOpener open_channel,
            const MapName& map,
            WatchOptions options,
            WatchConsumer* consumer);
 
-  /// Stops at once, whatever is under way but for calls to the consumer, which it waits for. Not
-  /// to be called from one of those.
+  /// Cancels the stream and joins the thread; waits for a running call of the consumer. Must not be
+  /// called from a consumer callback.
   ~MapWatch();
 
   MapWatch(const MapWatch&) = delete;
   MapWatch& operator=(const MapWatch&) = delete;
 
  private:
-  /// How a stream ended.
+  /// Result of a stream.
   struct StreamEnd {
-    absl::Status status;          ///< As the server or gRPC says.
-    absl::Status violation;       ///< What the server did wrong; OK if nothing.
-    bool was_created = false;     ///< Whether the server let the watch begin.
-    bool has_progressed = false;  ///< Whether any step was whole that brought something.
+    absl::Status status;          ///< From the server or gRPC.
+    absl::Status violation;       ///< Protocol violation of the server; OK if none.
+    bool was_created = false;     ///< The server has accepted the watch.
+    bool has_progressed = false;  ///< At least one step with changes was completed.
     std::chrono::milliseconds took{0};
   };
 
@@ -109,16 +110,15 @@ class MapWatch {
   const ChannelOpener open_channel_;
   WatchConsumer* const consumer_;
 
-  // Of the thread alone.
+  // Used by the thread only.
   WatchSequence sequence_;
-  absl::Status
-      resync_reason_;  ///< Why a snapshot is on its way; OK if it was asked for, or none is.
+  absl::Status resync_reason_;  ///< Of a running resync; else OK.
 
   mutable absl::Mutex mutex_;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   grpc::ClientContext* context_ ABSL_GUARDED_BY(mutex_) = nullptr;  ///< Of the open stream.
 
-  std::thread thread_;  ///< Last: it uses everything above.
+  std::thread thread_;  ///< Last member: it uses all members above.
 };
 
 }  // namespace steadymap

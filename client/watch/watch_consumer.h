@@ -10,46 +10,46 @@
 
 namespace steadymap {
 
-/// What becomes of a watch.
+/// State of a watch.
 enum class WatchState {
   kConnected,     ///< A stream is open.
-  kReconnecting,  ///< It broke off; another try follows.
-  kResynced,      ///< A snapshot took the place of everything, since going on was not possible.
-  kEnded,         ///< For good.
+  kReconnecting,  ///< The stream broke; a retry follows.
+  kResynced,      ///< Resuming was impossible; a snapshot replaced the state.
+  kEnded,         ///< The watch has ended permanently.
 };
 
-/// One change of it.
+/// A change of the state of a watch.
 struct WatchStateChange {
   WatchState state = WatchState::kConnected;
-  absl::Status status;                 ///< Why; OK where it is connected.
-  std::chrono::milliseconds delay{0};  ///< Until the next try, where one follows.
+  absl::Status status;                 ///< Reason; OK for `kConnected`.
+  std::chrono::milliseconds delay{0};  ///< Until the next attempt, if any.
 };
 
-/// Takes what a watch brings, checked as `WatchSequence` does. Called from the watch's thread, one
-/// call at a time, without locks held. A call must not destroy the watch.
+/// Receives the content of a watch after validation by `WatchSequence`. Called from the watch's
+/// thread, one call at a time, without locks held. A call must not destroy the watch.
 ///
-/// An error says that the content makes no sense; it is handled as a broken protocol.
+/// An error return marks the content as invalid; the watch handles it as a protocol violation.
 class WatchConsumer {
  public:
   virtual ~WatchConsumer() = default;
 
-  /// A stream is open. With `kResume` it goes on behind the last step; with `kNow` the watcher
-  /// begins anew with nothing, with `kSnapshot` with the snapshot that follows. Not called for a
-  /// stream that goes on within the step on its way.
+  /// A stream is open. With `kResume` it continues after the last step. With `kNow` the consumer
+  /// starts with an empty state; with `kSnapshot` it starts with the snapshot that follows. Not
+  /// called for a stream that continues an unfinished step.
   virtual absl::Status Begin(const v1::WatchCreated& created, WatchOpening opening) = 0;
 
-  /// A snapshot follows that takes the place of everything.
+  /// A snapshot follows that replaces the whole state.
   virtual absl::Status Resync(const v1::WatchResync& resync) = 0;
 
-  /// Parts of the step that is on its way, over several streams if one breaks off within it.
+  /// Parts of the current step. They may arrive over several streams.
   virtual absl::Status TakeSnapshot(const v1::SnapshotChunk& chunk) = 0;
   virtual absl::Status TakeDelta(const v1::DeltaFragment& delta) = 0;
   virtual absl::Status TakeEvents(const v1::EventBatch& batch) = 0;
 
-  /// The step is whole.
+  /// The current step is complete.
   virtual void Commit(const WatchStep& step) = 0;
 
-  /// The step will never be whole: its parts must be forgotten. No harm without any.
+  /// The current step will not be completed: drop its parts. No effect without parts.
   virtual void Discard() = 0;
 
   virtual void OnState(const WatchStateChange& change) = 0;

@@ -22,8 +22,8 @@ NextWatch NextWatchAfter(const absl::Status& status, bool may_resync, bool had_t
     case absl::StatusCode::kInternal:
     case absl::StatusCode::kUnknown:
     case absl::StatusCode::kCancelled:
-      // gRPC reports connections that break in mid-message so; the service itself always gives a
-      // reason.
+      // gRPC reports a connection that breaks within a message with these codes; errors of the
+      // service always have a reason.
       return resume_if(ReasonOf(status).empty());
     case absl::StatusCode::kOutOfRange:
       return afresh_if(may_resync);

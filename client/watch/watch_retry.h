@@ -4,18 +4,18 @@
 
 namespace steadymap {
 
-/// How a watch goes on when its stream has ended.
+/// Action after the end of a stream.
 enum class NextWatch {
-  kEnd,     ///< Not at all.
-  kResume,  ///< Behind the last step.
-  kAfresh,  ///< With a snapshot.
+  kEnd,     ///< The watch ends.
+  kResume,  ///< Resumes after the last step.
+  kAfresh,  ///< Starts again with a snapshot.
 };
 
-/// How it goes on after the status that the server, or the connection, ended the stream with.
+/// Returns the action after a stream ended with `status`, from the server or the connection.
 ///
-/// What may heal is tried again, OK included: a watch has no end of its own. OUT_OF_RANGE, and a
-/// token that the server gave and no longer takes (`had_token`), leave a snapshot, where one may
-/// take the place of what the watcher has (`may_resync`). What the caller must mend ends the watch.
+/// Transient errors are retried, and so is OK, because a watch has no regular end. OUT_OF_RANGE,
+/// and the rejection of a token issued by the server (`had_token`), lead to a snapshot if
+/// `may_resync` is true. Errors that the caller must fix end the watch.
 NextWatch NextWatchAfter(const absl::Status& status, bool may_resync, bool had_token);
 
 }  // namespace steadymap

@@ -31,7 +31,7 @@ bool IsSameMap(const v1::WatchCreated& a, const v1::WatchCreated& b) {
 }  // namespace
 
 void WatchSequence::BeginStream(WatchOpening opening) {
-  // A stream that ended before `created` leaves what it was to go on with.
+  // If the last stream ended before `created`, the step it should have continued stays stored.
   if (is_within_step() && !unfinished_) unfinished_ = UnfinishedStep{phase_, open_step_};
   opening_ = opening;
   phase_ = Phase::kOpening;
@@ -84,7 +84,8 @@ absl::Status WatchSequence::TakePartToken(const v1::WatchMapResponse& message) {
 absl::Status WatchSequence::TakeInOrder(const v1::WatchMapResponse& message) {
   const v1::WatchMapResponse::KindCase kind = message.kind_case();
   if (kind == v1::WatchMapResponse::KIND_NOT_SET) {
-    return absl::OkStatus();  // A newer server; nothing that was asked for.
+    // A message kind of a newer server; not requested.
+    return absl::OkStatus();
   }
   if (phase_ == Phase::kEnding) return BrokenProtocol("a message came after the goodbye");
   if ((phase_ == Phase::kOpening) != (kind == v1::WatchMapResponse::kCreated)) {
@@ -110,7 +111,7 @@ absl::Status WatchSequence::TakeInOrder(const v1::WatchMapResponse& message) {
 
 absl::Status WatchSequence::TakeCreated(const v1::WatchCreated& created) {
   if (!IsLength(created.voxel_size_m()) || !IsLength(created.truncation_m())) {
-    return BrokenProtocol("a map with voxels of no size");
+    return BrokenProtocol("invalid voxel size or truncation");
   }
   if (created.continues_step()) return ContinueStep(created);
   if (unfinished_) {
@@ -136,11 +137,11 @@ absl::Status WatchSequence::TakeCreated(const v1::WatchCreated& created) {
 }
 
 absl::Status WatchSequence::ContinueStep(const v1::WatchCreated& created) {
-  if (!unfinished_) return BrokenProtocol("it goes on within a step of which nothing is there");
+  if (!unfinished_) return BrokenProtocol("it continues a step, but none is unfinished");
   const bool is_snapshot = unfinished_->phase == Phase::kSnapshot;
   const Revision due = is_snapshot ? snapshot_revision_ : revision_.value_or(Revision());
   if (Revision(created.revision()) != due || !IsSameMap(created, created_)) {
-    return BrokenProtocol("it goes on within another step than the one at revision ", due.value());
+    return BrokenProtocol("it continues another step than the one at revision ", due.value());
   }
   phase_ = unfinished_->phase;
   open_step_ = unfinished_->step;
@@ -152,10 +153,10 @@ absl::Status WatchSequence::ContinueStep(const v1::WatchCreated& created) {
 
 absl::Status WatchSequence::TakeSnapshot(const v1::SnapshotChunk& snapshot) const {
   if (phase_ != Phase::kSnapshot) {
-    return BrokenProtocol("a snapshot came that was neither asked for nor announced");
+    return BrokenProtocol("a snapshot came that was neither requested nor announced");
   }
   if (Revision(snapshot.revision()) != snapshot_revision_) {
-    return BrokenProtocol("a piece of the snapshot at revision ",
+    return BrokenProtocol("a part of the snapshot at revision ",
                           snapshot_revision_.value(),
                           " is of revision ",
                           snapshot.revision());
@@ -165,7 +166,7 @@ absl::Status WatchSequence::TakeSnapshot(const v1::SnapshotChunk& snapshot) cons
 
 absl::Status WatchSequence::CheckStep(const char* what, Revision revision) {
   if (phase_ == Phase::kMustResync) {
-    return BrokenProtocol("it goes on from another map or revision than the watcher has, revision ",
+    return BrokenProtocol("it continues another map or revision than the watcher's revision ",
                           revision_->value());
   }
   if (phase_ != Phase::kFollowing) return BrokenProtocol(what, " came within a snapshot");
@@ -189,7 +190,7 @@ absl::Status WatchSequence::TakeDelta(const v1::DeltaFragment& delta) {
     return status;
   }
   if (Revision(delta.previous_revision()) != *revision_) {
-    return BrokenProtocol("a delta goes on from revision ",
+    return BrokenProtocol("a delta continues revision ",
                           delta.previous_revision(),
                           ", but the watcher has revision ",
                           revision_->value());
@@ -259,7 +260,7 @@ absl::Status WatchSequence::TakeProgress(const v1::WatchProgress& progress) {
   std::optional<Timestamp> last_capture_time;
   if (progress.has_last_capture_time()) {
     const absl::StatusOr<Timestamp> time = FromProto(progress.last_capture_time());
-    if (!time.ok()) return BrokenProtocol("a capture time: ", time.status().message());
+    if (!time.ok()) return BrokenProtocol("invalid capture time: ", time.status().message());
     last_capture_time = *time;
   }
   step_ = {.revision = revision,
@@ -276,7 +277,7 @@ absl::Status WatchSequence::TakeProgress(const v1::WatchProgress& progress) {
 }
 
 absl::Status WatchSequence::TakeResync(const v1::WatchResync& resync) {
-  if (!takes_resync_) return BrokenProtocol("a resync came that was not asked for");
+  if (!takes_resync_) return BrokenProtocol("a resync came that was not requested");
   phase_ = Phase::kSnapshot;
   snapshot_revision_ = Revision(resync.revision());
   open_step_.reset();

@@ -53,7 +53,7 @@ std::vector<HostileCase> BrokenOrder() {
   return {
       {"NoCreated", Progress(5, "t5"), internal, "`created` must come first"},
       {"CreatedTwice", AfterFirst(Created(FirstMap())), internal, "`created` must come first"},
-      {"SnapshotUnasked", AfterFirst(SnapshotOf(FirstMap())), internal, "neither asked for"},
+      {"SnapshotUnasked", AfterFirst(SnapshotOf(FirstMap())), internal, "neither requested"},
       {"DeltaWithinSnapshot",
        Join({Created(FirstMap()), DeltaOf(FirstMap(), SecondMap())}),
        internal,
@@ -192,17 +192,17 @@ std::vector<HostileCase> BrokenContent() {
   Messages odd_event = Events(6, {1});
   odd_event[0].mutable_events()->mutable_events(0)->clear_type();
   return {
-      {"NoVoxelSize", no_voxels, internal, "voxels of no size"},
+      {"NoVoxelSize", no_voxels, internal, "invalid voxel size"},
       {"OddObject",
        AlteredDelta(1,
                     [](Messages* delta) {
                       (*delta)[0].mutable_delta()->mutable_objects(0)->clear_belief();
                     }),
        internal,
-       "object 2 that makes no sense"},
-      {"OddCaptureTime", AfterFirst(odd_progress), internal, "a capture time"},
+       "invalid object with number 2"},
+      {"OddCaptureTime", AfterFirst(odd_progress), internal, "invalid capture time"},
       {"EventOfTheFuture", AfterFirst(future_event), internal, "an event of revision 7"},
-      {"OddEvent", AfterFirst(odd_event), internal, "event 1 that makes no sense"},
+      {"OddEvent", AfterFirst(odd_event), internal, "invalid event with number 1"},
   };
 }
 

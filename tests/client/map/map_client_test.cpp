@@ -103,7 +103,7 @@ TEST_F(MapClientTest, RaysAreAskedForAndTheirHitsCome) {
   EXPECT_EQ(queries_.rays_request.rays(0).origin_m().y(), 2.0);
   EXPECT_EQ(queries_.rays_request.rays(0).direction().z(), -2.0);
   EXPECT_EQ(client_.CastRays(kKitchen, {}).status().code(), absl::StatusCode::kInternal)
-      << "another number of hits than rays";
+      << "different number of hits than rays";
 }
 
 TEST_F(MapClientTest, ObjectsOfSeveralPagesAreWholeAndFiltersAreSent) {
@@ -257,7 +257,7 @@ TEST_F(MapClientTest, DamagedSectionsAreErrors) {
   queries_.section.assign(2, {});
   queries_.section[0].mutable_header()->set_revision(1);
   EXPECT_EQ(client_.GetMapSection(kKitchen).status().code(), absl::StatusCode::kInternal)
-      << "voxels of no size";
+      << "invalid voxel size";
 
   queries_.section[0].mutable_header()->set_voxel_size_m(0.05);
   queries_.section[0].mutable_header()->set_truncation_m(0.15);

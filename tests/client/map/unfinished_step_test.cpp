@@ -213,7 +213,7 @@ std::vector<WrongContinuation> WrongContinuations() {
   const Messages begun = Join({Created(FirstMap()), Head(parts, 1)});
   Messages other = Continued(FirstMap());
   other[0].mutable_created()->set_incarnation("another");
-  return {{"OfNothing", whole, Continued(FirstMap()), "of which nothing is there"},
+  return {{"OfNothing", whole, Continued(FirstMap()), "none is unfinished"},
           {"OfAnotherRevision", begun, Continued(SecondMap()), "within another step"},
           {"OfAnotherMap", begun, other, "within another step"},
           {"WithATokenThatIsTooLong", Messages(), long_token, "a resume token of 257 bytes"}};
