@@ -13,13 +13,13 @@
 namespace steadymap {
 namespace {
 
-// Room that titles and legends need whatever the map's shape.
+// Minimum size, so that titles and legends fit for every map.
 constexpr int kMinMapWidthPx = 400;
 constexpr int kMinMapHeightPx = 320;
 
 constexpr double kLegendGapPx = 20.0;
 
-// Where the map lies in the picture.
+// The position of the map in the picture.
 struct Layout {
   Eigen::Vector2i map_low_px;  // Top left corner.
   Eigen::Vector2i map_size_px;
@@ -42,7 +42,7 @@ Layout LayOut(const BirdsEyeScene& scene, int longest_side_px) {
   return layout;
 }
 
-// The view of the map's rectangle alone, its centre on the scene's.
+// Returns the view of the map's rectangle, centred on the scene.
 TopDownView MapView(const BirdsEyeScene& scene, const Layout& layout) {
   TopDownView view;
   view.metres_per_px = layout.metres_per_px;
@@ -54,13 +54,13 @@ TopDownView MapView(const BirdsEyeScene& scene, const Layout& layout) {
   return view;
 }
 
-/// What stands on top of the surface.
+/// Marks drawn on top of the surface.
 struct Marks {
   const std::vector<RobotPath>& paths;
   const std::vector<ObjectMark>& objects;
 };
 
-// The map's rectangle: grid, surface, objects, paths.
+// Draws the map's rectangle: grid, surface, objects, paths.
 Canvas DrawMap(const Mesh& mesh,
                const Marks& marks,
                const BirdsEyeScene& scene,
@@ -150,7 +150,7 @@ BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
   if (std::isfinite(scene.cut_height_m)) {
     result.cut_height_m = scene.cut_height_m;
     picture.WriteRightAligned(
-        "without what is above " + Decimal(std::round(scene.cut_height_m * 10.0) / 10.0) + " m",
+        "surface above " + Decimal(std::round(scene.cut_height_m * 10.0) / 10.0) + " m omitted",
         {kLeftPx + layout.map_size_px.x() - 90.0, bottom_px + 56.0},
         kSmallTextPx,
         kFaintInk);

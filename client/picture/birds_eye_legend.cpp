@@ -22,8 +22,8 @@ constexpr std::size_t kMaxPathRows = 8;
 constexpr double kSampleWidthPx = 26.0;
 constexpr double kTextOffsetPx = 36.0;
 
-// Told apart by people with any kind of colour vision, and from the ramp; the fleet's first robot
-// gets the strongest.
+// Distinguishable from each other and from the ramp with any kind of colour vision; the first robot
+// gets the strongest colour.
 constexpr std::array<Rgb, 8> kPathColors = {{{224, 82, 6},
                                              {200, 24, 130},
                                              {20, 20, 20},
@@ -45,7 +45,7 @@ void DrawEndMark(const Eigen::Vector2d& center_px, Canvas* canvas) {
   canvas->FillBox(center_px - inner, center_px + inner, kEndMark);
 }
 
-// Pixel coordinates of a path, without points that would not move the pen.
+// Returns the pixel coordinates of a path without points closer than half a pixel.
 Stroke StrokeOf(const RobotPath& path, const TopDownView& view) {
   Stroke stroke;
   for (const Eigen::Vector3d& position : path.positions_world) {
@@ -74,7 +74,7 @@ double RoundLength(double limit) {
 }
 
 std::string Decimal(double value) {
-  // Six digits: 0.30000000000000004 is 0.3 to a reader. Adding 0 turns -0 into 0.
+  // Six digits: prints 0.30000000000000004 as 0.3. Adding 0 turns -0 into 0.
   std::array<char, 32> text{};
   const double rounded = std::round(value * 1e6) / 1e6 + 0.0;
   const std::to_chars_result result =
@@ -112,7 +112,8 @@ void DrawPaths(const std::vector<RobotPath>& paths, const TopDownView& view, Can
   }
   for (const Stroke& stroke : strokes) {
     if (stroke.empty()) continue;
-    // The end first: where a robot came home, the smaller disc stays visible in the box.
+    // Draws the end first: if a robot returned to its start, the smaller disc stays visible in the
+    // box.
     DrawEndMark(stroke.back(), canvas);
     canvas->FillDisc(stroke.front(), kMarkRadiusPx * 0.75 + 1.5, kWhite);
     canvas->FillDisc(stroke.front(), kMarkRadiusPx * 0.75, kStartMark);

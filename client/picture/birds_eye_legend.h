@@ -7,22 +7,23 @@
 #include "client/picture/birds_eye_scene.h"
 #include "client/picture/canvas.h"
 
-/// Private to the bird's-eye picture: what stands around and on top of the surface.
+/// Private to the bird's-eye picture: elements around and on top of the surface.
 namespace steadymap {
 
-/// The largest of 1, 2 or 5 times a power of ten that is at most `limit`, which must be above 0.
+/// Returns the largest 1, 2 or 5 times a power of ten that is at most `limit`, which must be above
+/// 0.
 double RoundLength(double limit);
 
-/// A decimal number without trailing zeros.
+/// Returns a decimal number without trailing zeros.
 std::string Decimal(double value);
 
-/// Colour of the i-th path; repeats after eight.
+/// Returns the colour of the i-th path; the colours repeat after eight.
 Rgb PathColor(std::size_t path);
 
-/// Draws the lines of a grid whose cells are `step_m` wide, faintly, over the box of the view.
+/// Draws faint grid lines with a spacing of `step_m` over the box of the view.
 void DrawGrid(const TopDownView& view, double step_m, Canvas* canvas);
 
-/// Draws paths with a start disc and an end ring each.
+/// Draws each path with a disc at its start and a ring at its end.
 void DrawPaths(const std::vector<RobotPath>& paths, const TopDownView& view, Canvas* canvas);
 
 /// Draws a scale bar of `length_m` with its top left corner at `origin_px`.
@@ -34,19 +35,19 @@ void DrawScaleBar(double length_m,
 /// Draws the directions of the world's x and y axes from a corner at `origin_px`.
 void DrawAxes(const Eigen::Vector2d& origin_px, Canvas* canvas);
 
-/// Draws the height ramp downwards from `origin_px`; returns where it ends.
+/// Draws the height ramp downwards from `origin_px`; returns the y coordinate of its end.
 double DrawHeightLegend(const BirdsEyeScene& scene,
                         const Eigen::Vector2d& origin_px,
                         double ramp_height_px,
                         Canvas* canvas);
 
-/// Draws one row a path, at most eight, and the meaning of the marks.
+/// Draws one row per path, at most eight, and the meaning of the marks.
 void DrawPathLegend(const std::vector<RobotPath>& paths,
                     const Eigen::Vector2d& origin_px,
                     double width_px,
                     Canvas* canvas);
 
-/// `text`, cut to end in two dots where it would be wider than `width_px`.
+/// Returns `text`, truncated with two dots if it is wider than `width_px`.
 std::string Fit(std::string text, double cap_height_px, double width_px);
 
 }  // namespace steadymap

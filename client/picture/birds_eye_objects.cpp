@@ -25,7 +25,7 @@ bool IsFinite(const ObjectMark& object) {
          std::isfinite(object.cuboid.yaw_rad);
 }
 
-// The outline as seen from above, closed.
+// Returns the closed outline as seen from above.
 Stroke OutlineOf(const Cuboid& cuboid, const TopDownView& view) {
   Stroke outline;
   for (const Eigen::Vector2d& corner_world : cuboid.BaseCorners()) {
@@ -35,8 +35,8 @@ Stroke OutlineOf(const Cuboid& cuboid, const TopDownView& view) {
   return outline;
 }
 
-// A line broken into dashes, which begin anew at every corner; a line far longer than any view
-// stays whole.
+// Returns the dashes of a line; the pattern restarts at every corner. A segment far longer than any
+// view stays undivided, which bounds the cost.
 std::vector<Stroke> Dashes(const Stroke& line) {
   constexpr double kMaxLengthPx = 10'000.0;
   std::vector<Stroke> dashes;
@@ -66,7 +66,7 @@ Rgb StationarityColor(double stationarity) {
 }
 
 void ExtendToObjects(const std::vector<ObjectMark>& objects, Eigen::AlignedBox2d* extent_world) {
-  // Room for the outline itself.
+  // Space for the outline itself.
   constexpr double kMarginM = 0.05;
   for (const ObjectMark& object : objects) {
     if (!IsFinite(object)) continue;

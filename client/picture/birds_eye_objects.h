@@ -10,17 +10,19 @@
 /// Private to the bird's-eye picture: objects as cuboids.
 namespace steadymap {
 
-/// The colour of an expected stationarity, from orange (0: gone) over sand to blue (1: stays),
-/// which people with any kind of colour vision tell apart. `stationarity` is clamped to [0, 1].
+/// Returns the colour of an expected stationarity: from orange (0: absent) over sand to blue (1:
+/// stationary). Distinguishable with any kind of colour vision. `stationarity` is clamped to [0,
+/// 1].
 Rgb StationarityColor(double stationarity);
 
-/// Widens an extent so that it holds all objects; those that are not finite are left out.
+/// Extends `extent_world` to contain all objects with finite cuboids.
 void ExtendToObjects(const std::vector<ObjectMark>& objects, Eigen::AlignedBox2d* extent_world);
 
-/// Outlines objects, ghosts beneath the others. Cuboids that are not finite are left out.
+/// Draws the outlines of objects with finite cuboids, ghosts below the others.
 void DrawObjects(const std::vector<ObjectMark>& objects, const TopDownView& view, Canvas* canvas);
 
-/// Draws what the outlines mean, downwards from `origin_px`; returns where it ends.
+/// Draws the legend of the outlines downwards from `origin_px`; returns the y coordinate of its
+/// end.
 double DrawObjectLegend(const std::vector<ObjectMark>& objects,
                         const Eigen::Vector2d& origin_px,
                         Canvas* canvas);

@@ -10,12 +10,12 @@ constexpr double kLayerM = 0.1;
 constexpr int kCeilingLayers = 4;
 constexpr double kCeilingShare = 0.125;
 constexpr double kClearanceM = 0.1;
-// Maps reach from cellar to roof; a height beyond this is no building's.
+// Bounds the memory; no building is this high.
 constexpr int kMaxLayers = 10'000;
 
 constexpr float kDownward = -0.7F;
 
-// Share of vertices that the view may leave out on each side, and that the ramp may saturate.
+// Share of vertices that the view may omit on each side, and that the ramp may saturate.
 constexpr double kStrayShare = 0.0005;
 constexpr double kHeightShare = 0.01;
 constexpr double kMinHeightRangeM = 0.5;
@@ -36,14 +36,14 @@ bool IsFinite(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
   });
 }
 
-// The value below which `share` of the values lie; reorders them.
+// Returns the quantile `share` of the values; reorders them.
 double Quantile(std::vector<float>* values, double share) {
   const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
   std::nth_element(values->begin(), values->begin() + rank, values->end());
   return static_cast<double>((*values)[static_cast<std::size_t>(rank)]);
 }
 
-// Coordinates of the vertices of all triangles that are drawn, axis by axis.
+// Returns the coordinates of the vertices of all drawn triangles, by axis.
 std::array<std::vector<float>, 3> DrawnCoordinates(const Mesh& mesh, double cut_height_m) {
   std::vector<bool> drawn(mesh.vertices_world.size(), false);
   for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
@@ -60,12 +60,12 @@ std::array<std::vector<float>, 3> DrawnCoordinates(const Mesh& mesh, double cut_
   return coordinates;
 }
 
-// The rule of ChooseCutHeight, on areas by layers from `lowest_m` upwards.
+// Applies the rule of ChooseCutHeight to areas per layer, from `lowest_m` upwards.
 std::optional<double> CutBelowCeiling(const std::vector<double>& downward_m2,
                                       double upward_m2,
                                       double lowest_m,
                                       double robots_m) {
-  // An eighth of nothing is no ceiling.
+  // Without upward-facing surface every layer would satisfy the area condition.
   if (upward_m2 <= 0.0) return std::nullopt;
   const int layers = static_cast<int>(downward_m2.size());
   for (int first = layers / 2; first < layers; ++first) {

@@ -6,19 +6,19 @@
 
 #include "client/picture/birds_eye.h"
 
-/// Private to the bird's-eye picture: what of a map is worth showing.
+/// Private to the bird's-eye picture: selection of the visible part of a map.
 namespace steadymap {
 
-/// What a picture shows.
+/// The visible part of a map.
 struct BirdsEyeScene {
   bool has_surface = false;
   double cut_height_m = std::numeric_limits<double>::infinity();
-  Eigen::AlignedBox2d extent_world;  ///< Never empty, metres; all sides longer than 0.
-  double lowest_m = 0.0;             ///< Height that gets the ramp's first colour.
-  double highest_m = 1.0;            ///< Height that gets its last; above `lowest_m`.
+  Eigen::AlignedBox2d extent_world;  ///< Metres, never empty; all sides longer than 0.
+  double lowest_m = 0.0;             ///< Height of the ramp's first colour.
+  double highest_m = 1.0;            ///< Height of its last colour; above `lowest_m`.
 };
 
-/// Chooses it as `DrawBirdsEye` documents.
+/// Chooses the visible part as documented at `DrawBirdsEye`.
 BirdsEyeScene ChooseScene(const Mesh& mesh,
                           const std::vector<RobotPath>& paths,
                           const BirdsEyeOptions& options);

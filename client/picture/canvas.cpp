@@ -6,10 +6,10 @@
 namespace steadymap {
 namespace {
 
-// The pen's width in a text is this share of its capitals' height.
+// Pen width of text, as a share of the capitals' height.
 constexpr double kPenShare = 0.13;
 
-// The pixels that a shape may touch: columns and rows from `low` up to but without `high`.
+// Pixels that a shape may touch: columns and rows in [low, high).
 struct PixelBox {
   Eigen::Vector2i low;
   Eigen::Vector2i high;
@@ -27,15 +27,16 @@ double DistanceToSegment(const Eigen::Vector2d& point,
   return (point - from - share * along).norm();
 }
 
-// How much of a pixel lies within `reach` of a line at `distance`, as if its edge were straight.
+// Returns the covered share of a pixel at `distance_px` from a line with half-width `reach_px`, for
+// a straight edge.
 double Coverage(double distance_px, double reach_px) {
   return std::clamp(reach_px - distance_px + 0.5, 0.0, 1.0);
 }
 
 Eigen::Vector2d PixelCenter(int u, int v) { return {u + 0.5, v + 0.5}; }
 
-// What the picture shows of the box from `low` to `high`. Clamps before it rounds: strokes may lie
-// anywhere.
+// Returns the visible part of the box from `low` to `high`. Clamps before rounding, since strokes
+// may have any coordinates.
 PixelBox Clip(const Eigen::Vector2d& low, const Eigen::Vector2d& high, const Image<Rgb>& image) {
   const Eigen::Vector2d size(image.width_px(), image.height_px());
   const Eigen::Vector2d zero = Eigen::Vector2d::Zero();

@@ -10,9 +10,9 @@
 
 namespace steadymap {
 
-/// A picture and the few anti-aliased shapes that diagrams need. Coordinates are pixels, x right, y
-/// down; the centre of the top left pixel is (0.5, 0.5). What lies outside the picture is clipped.
-/// Colours mix in sRGB. One thread at a time.
+/// A picture with anti-aliased drawing functions. Coordinates are pixels, x right, y down; the
+/// centre of the top left pixel is (0.5, 0.5). Shapes are clipped to the picture. Colours are mixed
+/// in sRGB. Not thread-safe.
 class Canvas {
  public:
   Canvas(int width_px, int height_px, const Rgb& background);
@@ -23,7 +23,7 @@ class Canvas {
 
   const Image<Rgb>& image() const { return image_; }
 
-  /// Mixes `color` into a pixel; `opacity` in [0, 1]. Outside the picture nothing happens.
+  /// Mixes `color` into a pixel; `opacity` in [0, 1]. No effect outside the picture.
   void Blend(int u, int v, const Rgb& color, double opacity);
 
   /// Fills the box between two corners.
@@ -32,19 +32,19 @@ class Canvas {
   /// Outlines the box between two corners, one pixel wide.
   void DrawBox(const Eigen::Vector2d& low_px, const Eigen::Vector2d& high_px, const Rgb& color);
 
-  /// Draws lines of a round pen. Where they cross each other they do not darken.
+  /// Draws lines with a round pen. Crossings within one call do not darken.
   void DrawStrokes(const std::vector<Stroke>& strokes, double width_px, const Rgb& color);
 
   /// Fills a disc.
   void FillDisc(const Eigen::Vector2d& center_px, double radius_px, const Rgb& color);
 
-  /// Writes a line of text whose baseline starts at `origin_px`.
+  /// Writes a line of text with its baseline starting at `origin_px`.
   void Write(std::string_view text,
              const Eigen::Vector2d& origin_px,
              double cap_height_px,
              const Rgb& color);
 
-  /// As Write, with the end of the line at `end_px`.
+  /// Writes a line of text with its baseline ending at `end_px`.
   void WriteRightAligned(std::string_view text,
                          const Eigen::Vector2d& end_px,
                          double cap_height_px,
@@ -54,7 +54,7 @@ class Canvas {
   Image<Rgb> image_;
 };
 
-/// `weight` of the way from `from` to `to`, a channel each; `weight` in [0, 1].
+/// Interpolates linearly per channel from `from` (weight 0) to `to` (weight 1).
 Rgb Mix(const Rgb& from, const Rgb& to, double weight);
 
 }  // namespace steadymap

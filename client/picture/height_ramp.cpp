@@ -29,7 +29,7 @@ double GammaEncode(double linear) {
   return clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * std::pow(clamped, 1.0 / 2.4) - 0.055;
 }
 
-// Oklab to sRGB; the matrices are those of its definition (B. Ottosson, 2020).
+// Converts Oklab to sRGB; matrices from its definition (B. Ottosson, 2020).
 Rgb ToRgb(const PolarColor& color) {
   const double hue_rad = color.hue_deg * M_PI / 180.0;
   const Eigen::Vector3d lab(

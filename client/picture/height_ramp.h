@@ -4,11 +4,12 @@
 
 namespace steadymap {
 
-/// The colour of a height: `share` is 0 at the lowest and 1 at the highest and is clamped.
+/// Returns the colour of a height; `share` is 0 at the lowest and 1 at the highest height and is
+/// clamped.
 ///
-/// Lightness falls and hue turns steadily from pale sand over green and blue to deep violet, in a
-/// space (Oklab) where equal steps look equal, so that heights also read in grey and for the
-/// colour-blind.
+/// Lightness decreases and hue changes steadily from pale sand over green and blue to deep violet,
+/// in the perceptually uniform space Oklab. The ramp is readable in greyscale and with any kind of
+/// colour vision.
 Rgb HeightColor(double share);
 
 }  // namespace steadymap

@@ -2,7 +2,8 @@
 
 #include "core/frame/frame.h"
 
-/// How pictures look: a map's rectangle on a page, a title above it and legends to its right.
+/// Colours and layout of pictures: the map's rectangle on a page, a title above it, legends to its
+/// right.
 namespace steadymap {
 
 inline constexpr Rgb kPage = {247, 247, 245};
@@ -21,7 +22,7 @@ inline constexpr int kBottomPx = 78;
 inline constexpr double kTitlePx = 19.0;
 inline constexpr double kSmallTextPx = 11.0;
 
-/// From one row of a legend to the next, pixels.
+/// Distance between rows of a legend, pixels.
 inline constexpr double kLegendRowPx = 22.0;
 
 }  // namespace steadymap

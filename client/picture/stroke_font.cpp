@@ -8,7 +8,7 @@ namespace {
 
 // Glyphs from space to tilde. Each is its width, then strokes separated by blanks; a point is a
 // digit (x) and a letter (y): `a` is the lowest descender, `e` the baseline, `m` the height of
-// small letters, `q` that of capitals.
+// small letters, `q` the height of capitals.
 constexpr std::array<std::string_view, 95> kGlyphs = {
     "3",                                      // space
     "2 1q1i 1f1e",                            // !
@@ -117,7 +117,7 @@ std::string_view GlyphOf(char character) {
 
 double WidthOf(std::string_view glyph) { return glyph.front() - '0'; }
 
-// One byte a character: a run of bytes beyond ASCII, such as a UTF-8 letter, shrinks to its first.
+// Replaces each run of bytes beyond ASCII, such as a UTF-8 letter, by its first byte.
 std::string Printable(std::string_view text) {
   std::string printable;
   bool in_run = false;

@@ -9,22 +9,22 @@
 namespace steadymap {
 namespace {
 
-// The surface is drawn this much larger and averaged down.
+// The surface is drawn at this multiple of the resolution and averaged down.
 constexpr int kOversampling = 2;
 
-// How much a pixel darkens for every metre that its dependencies stand above it, averaged over the
-// neighbours at this distance; a neighbour counts at most kMaxStepM.
+// Darkening per metre that the neighbours at distance kNeighbourPx are higher than a pixel,
+// averaged over the neighbours; each contributes at most kMaxStepM.
 constexpr int kNeighbourPx = 3;
 constexpr double kDarkeningPerM = 1.6;
 constexpr double kMaxStepM = 0.6;
 
-// Light that reaches a surface turned away from the lamp, and what the lamp adds to one that faces
-// it: together a level floor keeps about its own colour.
+// Light on a surface facing away from the lamp, and additional light on a surface facing it. With
+// both, a level floor keeps about its own colour.
 constexpr double kAmbientLight = 0.62;
 constexpr double kDirectLight = 0.475;
 
-// Share of its light that a pixel keeps among its neighbours: what stands beside something tall
-// lies in its shade, which is what makes steps in height visible from above.
+// Returns the share of light that a pixel receives. Surface beside a taller object is shaded, which
+// makes steps in height visible from above.
 double Openness(const TopDownRaster& raster, int u, int v) {
   static constexpr std::array<std::array<int, 2>, 8> kDirections = {
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
@@ -40,7 +40,7 @@ double Openness(const TopDownRaster& raster, int u, int v) {
   return std::exp(-kDarkeningPerM * above_m / static_cast<double>(kDirections.size()));
 }
 
-// The height ramp, computed once: a look-up a pixel instead of a conversion of colour spaces.
+// The height ramp as a table: one look-up per pixel instead of a colour-space conversion.
 class HeightTable {
  public:
   HeightTable() {

@@ -5,12 +5,12 @@
 #include "client/picture/top_down_raster.h"
 #include "core/volume/mesh.h"
 
-/// Private to the bird's-eye picture: the surface in colour, with the light and shade that let a
-/// reader see steps in height from straight above.
+/// Private to the bird's-eye picture: the coloured surface, shaded so that steps in height are
+/// visible from above.
 namespace steadymap {
 
-/// Paints what the scene shows of a mesh over a canvas of the view's size, in the mesh's colours
-/// or, with `use_mesh_colors` unset, in those of its heights.
+/// Paints the visible part of a mesh onto a canvas of the view's size, in the mesh's colours or, if
+/// `use_mesh_colors` is false, in the colours of its heights.
 void PaintSurface(const Mesh& mesh,
                   const BirdsEyeScene& scene,
                   const TopDownView& view,

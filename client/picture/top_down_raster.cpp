@@ -9,12 +9,12 @@
 namespace steadymap {
 namespace {
 
-// Less than 30 degrees off the vertical counts as a wall.
+// Surface less than 30 degrees off the vertical counts as a wall.
 constexpr float kSteepCosine = 0.5F;
 
 const Eigen::Vector3f kTowardsLamp = Eigen::Vector3f(-0.45F, 0.55F, 0.70F).normalized();
 
-// What every corner of a triangle brings to its pixels; all of it varies linearly in between.
+// Values at a corner of a triangle; they are interpolated linearly in between.
 struct Corner {
   Eigen::Vector2f position_px;
   float height_m;
@@ -51,13 +51,13 @@ class Painter {
     corner.color.setZero();
     if (!mesh_.colors.empty()) {
       const Rgb& rgb = mesh_.colors[vertex];
-      // Half a step up, so that the later cut to whole numbers rounds.
+      // Adds half a step so that the later truncation rounds.
       corner.color = Eigen::Vector3f(rgb[0], rgb[1], rgb[2]).array() + 0.5F;
     }
     return corner;
   }
 
-  // Takes a point of the surface to the pixel (`u`, `v`) unless a higher one is there.
+  // Writes a surface point to the pixel (`u`, `v`) unless the pixel holds a higher one.
   void Put(int u, int v, const Corner& point) {
     if (u < 0 || v < 0 || u >= view_.width_px || v >= view_.height_px) return;
     float& height_m = raster_.height_m.At(u, v);
@@ -85,7 +85,7 @@ class Painter {
     return point;
   }
 
-  // Fills the pixels whose centres lie within the triangle's projection.
+  // Fills the pixels with centres inside the triangle's projection.
   void FillTriangle(const std::array<Corner, 3>& corners) {
     const Eigen::Vector2f& a = corners[0].position_px;
     const Eigen::Vector2f ab = corners[1].position_px - a;
@@ -113,7 +113,7 @@ class Painter {
   void DrawEdge(const Corner& from, const Corner& to) {
     const Eigen::Vector2f along_px = to.position_px - from.position_px;
     const float length_px = along_px.cwiseAbs().maxCoeff();
-    // An edge longer than the picture is wide is no surface that a sensor has seen.
+    // An edge longer than the picture cannot come from observed surface.
     if (!(length_px <= static_cast<float>(view_.width_px + view_.height_px))) return;
     const int steps = std::max(1, static_cast<int>(std::ceil(length_px)));
     for (int step = 0; step <= steps; ++step) {

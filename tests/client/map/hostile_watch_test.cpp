@@ -99,7 +99,7 @@ std::vector<HostileCase> BrokenDeltas() {
        AlteredDelta(1,
                     [](Messages* delta) { (*delta)[0].mutable_delta()->set_previous_revision(4); }),
        internal,
-       "goes on from revision 4, but the watcher has revision 5"},
+       "continues revision 4, but the watcher has revision 5"},
       {"RevisionFalls",
        AlteredDelta(1, [](Messages* delta) { (*delta)[0].mutable_delta()->set_revision(5); }),
        internal,
