@@ -1,4 +1,4 @@
-"""Makes the private subpackage `steadymap._generated` from the .proto files of the project.
+"""Generates the private subpackage `steadymap._generated` from the project's .proto files.
 
     python3 generate_stubs.py PROTO_FOLDER OUTPUT_FOLDER [--protoc FILE] [--plugin FILE]
 
@@ -15,14 +15,14 @@ import tempfile
 from pathlib import Path
 from typing import List, Optional
 
-# `from steadymap.v1 import frame_pb2`: generated code takes the proto's package for Python's.
+# `from steadymap.v1 import frame_pb2`: generated code uses the proto package as Python package.
 GENERATED_IMPORT = re.compile(r"^(from|import) steadymap\.v1\b", re.MULTILINE)
 
 PACKAGE_TEXT = '"""Generated from the .proto files; private to steadymap."""\n'
 
 
 def find_compiler(protoc: Optional[str], plugin: Optional[str]) -> List[str]:
-    """The command that starts protoc with a gRPC plugin for Python: Debian's, or grpcio-tools'."""
+    """Returns the command of protoc with a gRPC plugin for Python: Debian's or grpcio-tools'."""
     protoc = protoc or shutil.which("protoc")
     plugin = plugin or shutil.which("grpc_python_plugin")
     if protoc and plugin:
@@ -36,7 +36,7 @@ def find_compiler(protoc: Optional[str], plugin: Optional[str]) -> List[str]:
 
 
 def find_protos(proto_folder: Path) -> List[str]:
-    """The paths of the public .proto files, relative to `proto_folder`."""
+    """Returns the paths of the public .proto files, relative to `proto_folder`."""
     names = sorted(
         source.relative_to(proto_folder).as_posix()
         for source in (proto_folder / "steadymap/v1").glob("*.proto")
@@ -64,7 +64,7 @@ def generate(
             text = source.read_text(encoding="utf-8")
             text = GENERATED_IMPORT.sub(r"\1 steadymap._generated.v1", text)
             if source.name.endswith("_grpc.py") and "channel.unary" not in text:
-                continue  # Messages only: the plugin wrote a file without a service.
+                continue  # No services: the plugin wrote an empty file.
             target = output_folder / source.relative_to(made / "steadymap")
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")

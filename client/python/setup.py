@@ -1,9 +1,9 @@
-"""Builds the package, and with it the stubs of the wire format from ../../proto.
+"""Builds the package and the stubs of the wire format from ../../proto.
 
     pip install --no-build-isolation client/python
 
-needs setuptools, wheel, and protoc with grpc_python_plugin (Debian: protobuf-compiler-grpc) or
-grpcio-tools. Everything else stands in pyproject.toml.
+requires setuptools, wheel, and protoc with grpc_python_plugin (Debian: protobuf-compiler-grpc) or
+grpcio-tools. All other settings are in pyproject.toml.
 """
 
 import sys
@@ -19,16 +19,16 @@ from generate_stubs import generate  # noqa: E402  pylint: disable=wrong-import-
 
 
 class BuildWithStubs(build_py):
-    """Adds the generated subpackage to what is built."""
+    """Adds the generated subpackage to the build."""
 
     def run(self) -> None:
         super().run()
-        # An editable install imports from the source folder, so the stubs must lie there.
+        # An editable install imports from the source folder, so the stubs must be written there.
         target = FOLDER if self.editable_mode else Path(self.build_lib)
         generate(FOLDER.parents[1] / "proto", target / "steadymap" / "_generated")
 
     def get_outputs(self, include_bytecode: bool = True) -> list:
-        """The generated files as well, so that all of them reach the wheel."""
+        """Adds the generated files to the outputs, so that the wheel contains all of them."""
         made = Path(self.build_lib, "steadymap", "_generated").rglob("*.py")
         return [*super().get_outputs(include_bytecode), *(str(file) for file in made)]
 

@@ -82,7 +82,7 @@ class AMap(DaemonTest):
         self.assertEqual(raised.exception.field, "map.world_frame.description")
         with self.assertRaises(errors.InvalidArgumentError):
             self.client.create_map("labelled", steadymap.MapOptions(labels={"1": ""}))
-        with self.assertRaisesRegex(ValueError, "something to change"):
+        with self.assertRaisesRegex(ValueError, "at least one change"):
             self.client.update_map(name)
         with self.assertRaises(errors.NotFoundError):
             self.client.update_map("nowhere", labels={"a": "1"})

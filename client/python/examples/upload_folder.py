@@ -5,10 +5,10 @@
     steadymap simulate --write /tmp/route --route 1-5
     python3 client/python/examples/upload_folder.py depot /tmp/route --picture objects.png
 
-The folder holds a recording, or several that are played in the order of their names, each in the
-layout of TorWIC-Mapping (poses.txt, calibration.txt, Depth/, Segmentation/, Instances/, RGB/) or of
-7-Scenes (frame-000000.depth.png and so on). Images travel as the files they are. --picture needs
-matplotlib.
+The folder contains one recording, or several that are uploaded in the order of their names. Each
+has the layout of TorWIC-Mapping (poses.txt, calibration.txt, Depth/, Segmentation/, Instances/,
+RGB/) or of 7-Scenes (frame-000000.depth.png and so on). Images are uploaded as the files they are.
+--picture requires matplotlib.
 """
 
 import argparse
@@ -22,8 +22,8 @@ import numpy as np
 
 import steadymap
 
-# 7-Scenes carries no calibration of its own and no times: the published camera at 30 frames a
-# second, from an arbitrary fixed day on. Its world has y down.
+# 7-Scenes contains no calibration and no times: use the published camera at 30 frames per second,
+# from an arbitrary fixed day on. Its world frame has y down.
 SEVEN_SCENES_CAMERA = steadymap.Intrinsics(640, 480, 585.0, 585.0, 320.0, 240.0)
 SEVEN_SCENES_PERIOD_NS = 33_333_333
 SEVEN_SCENES_START_NS = 1_356_998_400_000_000_000
@@ -35,7 +35,7 @@ Beliefs = Dict[int, List[Tuple[int, float]]]
 
 
 def read_calibration(file: Path) -> Tuple[steadymap.Intrinsics, np.ndarray, float]:
-    """Intrinsics, T_base_camera and metres per unit of depth of a calibration.txt."""
+    """Reads the intrinsics, T_base_camera and the metres per depth unit from a calibration.txt."""
     lines = [line for line in file.read_text().splitlines() if line and not line.startswith("#")]
     camera = dict(part.split("=") for part in lines[0].split())
     numbers = np.array(lines[1].split(), float)
@@ -48,7 +48,7 @@ def read_calibration(file: Path) -> Tuple[steadymap.Intrinsics, np.ndarray, floa
 
 
 def torwic_frames(folder: Path) -> Iterator[steadymap.Frame]:
-    """The frames of a recording in the TorWIC layout."""
+    """Yields the frames of a recording in the TorWIC layout."""
     intrinsics, T_base_camera, metres_per_unit = read_calibration(folder / "calibration.txt")
     kinds = {"depth": "Depth", "labels": "Segmentation", "instances": "Instances", "color": "RGB"}
     files = {kind: sorted((folder / name).glob("*.*g")) for kind, name in kinds.items()}
@@ -65,7 +65,7 @@ def torwic_frames(folder: Path) -> Iterator[steadymap.Frame]:
 
 
 def seven_scenes_frames(folder: Path) -> Iterator[steadymap.Frame]:
-    """The frames of a recording in the 7-Scenes layout; those without a pose are left out."""
+    """Yields the frames with a pose of a recording in the 7-Scenes layout."""
     intrinsics = SEVEN_SCENES_CAMERA
     camera_file = folder / "camera-intrinsics.txt"
     if camera_file.exists():
@@ -89,7 +89,7 @@ def seven_scenes_frames(folder: Path) -> Iterator[steadymap.Frame]:
 
 
 def read_folder(folder: Path) -> Iterator[steadymap.Frame]:
-    """The frames of the recording in `folder`, or of all recordings in it by name."""
+    """Yields the frames of the recording in `folder`, or of all its subfolders in order of name."""
     if (folder / "poses.txt").exists():
         yield from torwic_frames(folder)
     elif any(folder.glob("frame-*.depth.png")):
@@ -105,8 +105,11 @@ def read_folder(folder: Path) -> Iterator[steadymap.Frame]:
 def upload(
     client: steadymap.Client, name: str, frames: Iterator[steadymap.Frame], step: int
 ) -> Beliefs:
-    """Uploads frames, and after every `step` of them notes how stationary each object is believed
-    to be: (capture time in nanoseconds, E[v]) by object id."""
+    """Uploads frames and records the expected stationarity after every `step` frames.
+
+    Returns:
+        Lists of (capture time in nanoseconds, E[v]) by object id.
+    """
     beliefs: Beliefs = collections.defaultdict(list)
     frame_count = 0
     while chunk := list(itertools.islice(frames, step)):
@@ -116,12 +119,12 @@ def upload(
             print(f"frame {frame_count - len(chunk) + refused.index} was refused: {refused.error}")
         for thing in client.objects(name):
             beliefs[thing.id].append((chunk[-1].capture_time_ns, thing.stationarity))
-    print(f"{frame_count} frames uploaded, {len(beliefs)} objects seen")
+    print(f"{frame_count} frames uploaded, {len(beliefs)} objects observed")
     return beliefs
 
 
 def draw(client: steadymap.Client, name: str, beliefs: Beliefs, picture: Path) -> None:
-    """Draws E[v] over time, a line an object, with a mark where it moved, went or came back."""
+    """Draws E[v] over time, one line per object, and marks its moves, removals and returns."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -140,7 +143,7 @@ def draw(client: steadymap.Client, name: str, beliefs: Beliefs, picture: Path) -
         position = ((event.capture_time_ns - start_ns) * 1e-9, event.after.stationarity)
         axes.plot(*position, "k" + marks[event.type.value])
         axes.annotate(f" {event.object_id}", position, fontsize="small", rotation=60)
-    for label, style in (("stands at the end", "tab:blue"), ("does not", "tab:orange")):
+    for label, style in (("present at the end", "tab:blue"), ("removed", "tab:orange")):
         axes.plot([], [], color=style, label=label)
     for label, mark in marks.items():
         axes.plot([], [], "k" + mark, label=f"{label}, with the object's id")
@@ -152,11 +155,11 @@ def draw(client: steadymap.Client, name: str, beliefs: Beliefs, picture: Path) -
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("map", help="the map to create and to upload to")
+    parser.add_argument("map", help="the map to create and upload to")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--server", default="localhost:7443", metavar="HOST:PORT")
-    parser.add_argument("--policy", default="pocd", help="of the map")
-    parser.add_argument("--step", type=int, default=10, help="frames from one look to the next")
+    parser.add_argument("--policy", default="pocd", help="update policy of the map")
+    parser.add_argument("--step", type=int, default=10, help="frames between two queries")
     parser.add_argument("--picture", type=Path, metavar="FILE")
     arguments = parser.parse_args()
     with steadymap.connect(arguments.server) as client:

@@ -1,7 +1,7 @@
-"""Object-level maps of places that do not stand still: a client of steadymapd, numpy in and out.
+"""Object-level maps of changing places: a client of steadymapd, numpy in and out.
 
     import steadymap
-
+    
     with steadymap.connect("localhost:7443") as client:
         client.create_map("hall", steadymap.MapOptions(policy="pocd"))
         client.upload("hall", frames)
@@ -9,7 +9,7 @@
             print(thing.id, thing.cuboid.center_m, thing.stationarity)
 
 Frames: `world` (z up, right-handed, metres) and `camera` (optical: x right, y down, z forward).
-Times are integers, nanoseconds since 1970. Arrays in answers are read-only.
+Times are integers, nanoseconds since 1970. Returned arrays are read-only.
 """
 
 from steadymap import errors

@@ -1,4 +1,4 @@
-"""How long to wait between tries."""
+"""Delays between attempts."""
 
 import dataclasses
 import random
@@ -10,15 +10,16 @@ class BackoffOptions:
     """Exponentially growing, jittered delays; all times in seconds.
 
     Attributes:
-        first_delay_s: before the first retry.
-        max_delay_s: no delay is longer, jitter aside, where a server had answered.
-        max_unanswered_delay_s: no delay is longer, jitter aside, where none had: a try that nobody
-            hears costs little, and who waits long between two comes back late to a server that is
-            there again.
-        factor: each delay against the one before, at least 1.
-        jitter: delays vary by this share of themselves, in [0, 1): a fleet loses its server at the
-            same moment, and must not come back to it at the same moment.
-        give_up_after_s: without any success for this long, the retrying ends.
+        first_delay_s: Delay before the first retry.
+        max_delay_s: Longest delay, before jitter, after an attempt that a server answered.
+        max_unanswered_delay_s: Longest delay, before jitter, after an attempt without an answer. It
+            is shorter than `max_delay_s`: such an attempt costs no server time, and a long delay
+            postpones the reconnection to a restarted server.
+        factor: Ratio of each delay to the previous one, at least 1.
+        jitter: Each delay is multiplied by a random factor in [1 - jitter, 1 + jitter]; in [0, 1).
+            Robots of a fleet lose their server at the same moment; jitter spreads their
+            reconnections.
+        give_up_after_s: Retrying ends after this time without a success.
     """
 
     first_delay_s: float = 0.1
@@ -42,36 +43,40 @@ class BackoffOptions:
 
 
 class Backoff:
-    """Gives the delays; knows no clock: it counts the delays it gave, and what tries are said to
-    have taken. The same rules as client/transport/backoff.h of the C++ client."""
+    """Computes the delays. Same rules as client/transport/backoff.h.
+
+    Uses no clock: the elapsed time is the sum of the returned delays and of `took_s`.
+    """
 
     def __init__(self, options: BackoffOptions, seed: Optional[int] = None) -> None:
-        """Equal seeds give equal delays; None takes one from the system."""
+        """Equal seeds give equal delays; None takes a seed from the system."""
         self._options = options
         self._random = random.Random(seed)
         self._next_s = options.first_delay_s
         self._waited_s = 0.0
 
     def reset(self) -> None:
-        """Notes a success: the delays and the time to give up after start over."""
+        """Records a success: resets the delays and the time counted against `give_up_after_s`."""
         self._next_s = self._options.first_delay_s
         self._waited_s = 0.0
 
     def note_reached(self) -> None:
-        """Notes that there is a server, though nothing came of it: the time to give up after starts
-        over, the delays go on growing."""
+        """Records that a server was reached without a success.
+
+        Resets the time counted against `give_up_after_s`; the delays keep growing.
+        """
         self._waited_s = 0.0
 
     def next_delay_s(
         self, *, was_answered: bool = True, asked_s: float = 0.0, took_s: float = 0.0
     ) -> Optional[float]:
-        """The next delay, or None once the time since the last success exceeds the limit.
+        """Returns the next delay, or None if the time since the last success exceeds the limit.
 
         Args:
-            was_answered: whether a server answered the try that failed.
-            asked_s: the wait that it asked for; the delay comes on top, so that not all come back
-                at once.
-            took_s: what the try took of the time to give up after.
+            was_answered: True if a server answered the failed attempt.
+            asked_s: Delay requested by the server. The jittered delay is added to it, so that the
+                clients of one server do not reconnect at the same moment.
+            took_s: Duration of the attempt, counted against `give_up_after_s`.
         """
         self._waited_s += took_s
         if self._waited_s > self._options.give_up_after_s:

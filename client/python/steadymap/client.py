@@ -1,4 +1,4 @@
-"""The service, seen from a program."""
+"""The client of a steadymapd daemon."""
 
 import dataclasses
 import os
@@ -63,19 +63,20 @@ _MAPS_PER_PAGE = 1000
 
 
 def connect(address: str, timeout_s: float = 30.0) -> "Client":
-    """A client of the daemon at `address` (`HOST:PORT`), plain text. Connects when first used.
+    """Returns a client of the daemon at `address` (`HOST:PORT`), plain text.
 
-    `timeout_s` bounds calls with one answer; exports take 20 times as long at most.
+    Connects on first use. `timeout_s` bounds unary calls; exports may take 20 times as long.
     """
     return Client(address, timeout_s)
 
 
 class Client:
-    """Creates, feeds and reads maps. Made by `connect`; a context manager that closes the channel.
+    """Creates, uploads to and reads maps; returned by `connect`.
 
-    A map is named by its id in the tenant `default`, or by `tenants/TENANT/maps/MAP`. Points, boxes
-    and poses are in the map's world frame, metres. Every error of the service is a
-    `steadymap.errors.SteadymapError`; but for uploads and watches nothing is retried. Thread-safe.
+    As a context manager it closes its channels. A map is named by its id in the tenant `default`,
+    or by `tenants/TENANT/maps/MAP`. Points, boxes and poses are in the map's world frame, metres.
+    Every error of the service is a `steadymap.errors.SteadymapError`. Only uploads, watches and
+    `update_map` are retried. Thread-safe.
     """
 
     def __init__(self, address: str, timeout_s: float) -> None:
@@ -91,11 +92,11 @@ class Client:
         self.close()
 
     def close(self) -> None:
-        """Closes the channels; what still runs over them ends with an error."""
+        """Closes the channels; running calls end with an error."""
         self._connection.close()
 
     def create_map(self, map_name: str, options: MapOptions = MapOptions()) -> Map:
-        """Creates a map. AlreadyExistsError if there is one of that name."""
+        """Creates a map. AlreadyExistsError if a map of that name exists."""
         parent, map_id = split_map_name(map_name)
         request = map_service_pb2.CreateMapRequest(
             parent=parent, map_id=map_id, map=map_to_proto(options)
@@ -103,12 +104,12 @@ class Client:
         return map_from_proto(self._connection.call(self._maps.CreateMap, request))
 
     def get_map(self, map_name: str) -> Map:
-        """The map as it is now. NotFoundError if there is none."""
+        """Returns the current state of the map. NotFoundError if it does not exist."""
         request = map_service_pb2.GetMapRequest(name=full_map_name(map_name))
         return map_from_proto(self._connection.call(self._maps.GetMap, request))
 
     def list_maps(self, tenant: str = "default") -> List[Map]:
-        """A tenant's maps in the order of their names."""
+        """Returns a tenant's maps, sorted by name."""
         maps: List[Map] = []
         request = map_service_pb2.ListMapsRequest(
             parent=f"tenants/{tenant}", page_size=_MAPS_PER_PAGE
@@ -132,23 +133,24 @@ class Client:
         add_classes: Sequence[SemanticClass] = (),
         etag: Optional[str] = None,
     ) -> Map:
-        """Changes what is named here and leaves the rest; the map as it is then.
+        """Changes the named properties, keeps all others, and returns the changed map.
 
-        Where somebody else changes the map at the same time, both changes are made, unless `etag`
-        is given. A request whose answer is lost is sent again, for about 10 s, and counts once.
+        If another client changes the map at the same time, both changes take effect, unless `etag`
+        is given. A request with a lost response is sent again, for about 10 s, and takes effect
+        once.
 
         Args:
-            map_name: the map's name.
-            labels: to add, or to give another value.
-            remove_labels: keys to take away; one that the map lacks is no error.
-            world_frame: in place of the present one; a string: its description alone.
-            display_name: for people, at most 128 characters.
-            byte_budget: most bytes of the map in memory. 0: no limit.
-            add_classes: rows for the class table, which hold for the frames that come after. A row
-                that is there already may be among them; InvalidArgumentError for one that differs
-                from the row of its id.
-            etag: of the only state that may be changed, as `Map.etag` has it; AbortedError /
-                ETAG_MISMATCH where the map has another. None: whichever it has.
+            map_name: The map's name.
+            labels: Labels to add or overwrite.
+            remove_labels: Keys to remove; unknown keys are ignored.
+            world_frame: Replaces the current one; a string replaces only its description.
+            display_name: Name for display, at most 128 characters.
+            byte_budget: Memory limit of the map in bytes. 0: no limit.
+            add_classes: Rows for the class table, valid for all later frames. Rows that already
+                exist are allowed; InvalidArgumentError for a row that differs from the row with its
+                id.
+            etag: Required etag of the map, from `Map.etag`; AbortedError / ETAG_MISMATCH if the map
+                has another one. None: any.
         """
         change = MapChange(
             labels=labels or {},
@@ -169,7 +171,7 @@ class Client:
         )
 
     def delete_map(self, map_name: str) -> None:
-        """Deletes a map with its log and its history. NotFoundError if there is none."""
+        """Deletes a map with its log and its history. NotFoundError if it does not exist."""
         self._connection.call(
             self._maps.DeleteMap, map_service_pb2.DeleteMapRequest(name=full_map_name(map_name))
         )
@@ -179,9 +181,9 @@ class Client:
     ) -> UploadSummary:
         """Uploads frames and waits until all have reached `options.wait_for` or were refused.
 
-        Broken connections and restarted servers are outlasted. A refused frame is no error of the
-        upload: look at `refused` of the summary. Frames of a sequence, such as a list, that the
-        service lost after it had acknowledged them are sent again.
+        Survives broken connections and server restarts. A refused frame is no error of the upload;
+        it is listed in `refused` of the summary. If the service loses frames that it had
+        acknowledged, frames from a sequence, such as a list, are sent again.
         """
         if isinstance(frames, Sequence) and options.read_again is None:
             options = dataclasses.replace(options, read_again=frames.__getitem__)
@@ -191,7 +193,7 @@ class Client:
             return uploader.finish()
 
     def uploader(self, map_name: str, options: UploadOptions = UploadOptions()) -> Uploader:
-        """An upload session to push frames into as they come."""
+        """Opens an upload session, to push frames as they are recorded."""
         return Uploader(self._connection.open_channel, full_map_name(map_name), options)
 
     def objects(
@@ -205,16 +207,17 @@ class Client:
         include_archived: bool = False,
         include_tentative: bool = False,
     ) -> Listing[Object]:
-        """The objects that pass every filter, by rising id.
+        """Lists the objects that pass every filter, in ascending order of id.
 
         Args:
-            map_name: the map's name.
-            class_ids: of one of these classes; empty: of any.
-            box: whose cuboid touches this box: lowest and highest corner, shape (2, 3), metres.
-            min_stationarity: whose expected stationarity is not below this, in [0, 1].
-            changed_since: that changed after this revision; 0: all.
-            include_archived: those that are gone, too.
-            include_tentative: those seen too seldom to be believed, too.
+            map_name: The map's name.
+            class_ids: Classes to select; empty: any.
+            box: Selects objects with a cuboid that touches this box: lowest and highest corner,
+                shape (2, 3), metres.
+            min_stationarity: Lower limit of the expected stationarity, in [0, 1].
+            changed_since: Selects objects changed after this revision; 0: all.
+            include_archived: True to include removed objects.
+            include_tentative: True to include objects with too few observations to be confirmed.
         """
         request = query_service_pb2.ListObjectsRequest(
             map=full_map_name(map_name),
@@ -239,7 +242,7 @@ class Client:
         return Listing(fetch)
 
     def get_object(self, map_name: str, object_id: int) -> Object:
-        """One object, whatever its standing. NotFoundError if there never was one of that id."""
+        """Returns one object in any state. NotFoundError if the id was never used."""
         request = query_service_pb2.GetObjectRequest(
             map=full_map_name(map_name), object_id=object_id
         )
@@ -257,18 +260,18 @@ class Client:
         start_time_ns: Optional[int] = None,
         end_time_ns: Optional[int] = None,
     ) -> Listing[Event]:
-        """The events that pass every filter, by rising number.
+        """Lists the events that pass every filter, in ascending order of number.
 
         Args:
-            map_name: the map's name.
-            types: of one of these types, such as `"removed"`; empty: of any.
-            object_ids: of, or related to, one of these objects; empty: of any. Events of robots
-                concern none: they pass where object_ids and class_ids are both empty.
-            class_ids: of objects of one of these classes; empty: of any.
-            first_number: from this number on; 0: from the first.
-            changed_since: that came after this revision; 0: all.
-            start_time_ns: of frames captured at or after this time, nanoseconds since 1970.
-            end_time_ns: of frames captured before this time, likewise.
+            map_name: The map's name.
+            types: Types to select, such as `"removed"`; empty: any.
+            object_ids: Selects events of, or related to, these objects; empty: any. Events of
+                robots have no object: they pass only if object_ids and class_ids are both empty.
+            class_ids: Classes of the objects to select; empty: any.
+            first_number: Smallest event number; 0: no limit.
+            changed_since: Selects events recorded after this revision; 0: all.
+            start_time_ns: Earliest capture time of the frames, included, nanoseconds since 1970.
+            end_time_ns: Latest capture time of the frames, excluded, nanoseconds since 1970.
         """
         request = query_service_pb2.ListEventsRequest(
             map=full_map_name(map_name),
@@ -292,31 +295,32 @@ class Client:
         return Listing(fetch)
 
     def sample_distance(self, map_name: str, points_m: Any) -> DistanceSamples:
-        """State of points of shape (N, 3), at most 100 000, and distance to the nearest surface."""
+        """Returns state and signed distance at points of shape (N, 3); at most 100 000 points."""
         request = sample_request(full_map_name(map_name), points_m)
         return samples_from_proto(self._connection.call(self._queries.SampleDistance, request))
 
     def cast_rays(
         self, map_name: str, origins_m: Any, directions: Any, max_range_m: float = 20.0
     ) -> RayHits:
-        """First surface along rays, at most 100 000, and how far they are free.
+        """Returns the first surface along at most 100 000 rays, and the length of their free part.
 
         Args:
-            map_name: the map's name.
-            origins_m: shape (N, 3), or (3,) for all rays alike; metres.
-            directions: shape (N, 3); any length but zero.
-            max_range_m: rays end here, metres, in (0, 1000].
+            map_name: The map's name.
+            origins_m: Shape (N, 3), or (3,) for a common origin; metres.
+            directions: Shape (N, 3); any length but zero.
+            max_range_m: Length of the rays, metres, in (0, 1000].
         """
         request = ray_request(full_map_name(map_name), origins_m, directions, max_range_m)
         return hits_from_proto(self._connection.call(self._queries.CastRays, request))
 
     def mesh(self, map_name: str, *, box: Any = None, object_ids: Sequence[int] = ()) -> Mesh:
-        """The map's surface as triangles.
+        """Returns the map's surface as triangles.
 
         Args:
-            map_name: the map's name.
-            box: surface within it: lowest and highest corner, shape (2, 3), metres; None: all.
-            object_ids: of these objects, 0 being the background; empty: what the map shows.
+            map_name: The map's name.
+            box: Selects the surface inside: lowest and highest corner, shape (2, 3), metres; None:
+                all.
+            object_ids: Objects to select, 0 is the background; empty: the whole current map.
         """
         request = export_request(full_map_name(map_name), ExportFormat.PLY, box, object_ids)
         chunks: List[bytes] = []
@@ -325,7 +329,10 @@ class Client:
         return parse_ply(b"".join(chunks), summary.revision)
 
     def section(self, map_name: str, *, box: Any = None, object_ids: Sequence[int] = ()) -> Section:
-        """The volumes of a part of the map, for `unpack_leaves`; arguments as for `mesh`."""
+        """Returns the volumes of a part of the map, for `unpack_leaves`.
+
+        `box` and `object_ids` are those of `mesh`.
+        """
         request = query_service_pb2.GetMapSectionRequest(
             map=full_map_name(map_name), box=box_to_proto(box), object_ids=object_ids
         )
@@ -340,9 +347,10 @@ class Client:
         box: Any = None,
         object_ids: Sequence[int] = (),
     ) -> ExportSummary:
-        """Writes the map to a file, which appears when it is whole.
+        """Writes the map to a file, which appears once it is complete.
 
-        `file_format` None: by the ending of `path`. `box` and `object_ids` as for `mesh`.
+        `file_format` None: chosen by the extension of `path`. `box` and `object_ids` are those of
+        `mesh`.
         """
         target = Path(path)
         chosen = choose_format(target, file_format)
@@ -350,13 +358,16 @@ class Client:
         return write_export(self._connection.stream(self._queries.ExportMap, request), target)
 
     def watch(self, map_name: str, options: WatchOptions = WatchOptions()) -> Watch:
-        """Follows the map as it changes: an iterator of Created, Snapshot, Delta, Events, Progress
-        and Resync items. Broken connections and restarted servers are outlasted."""
+        """Watches the changes of the map.
+
+        Returns an iterator of Created, Snapshot, Delta, Events, Progress and Resync items. Survives
+        broken connections and server restarts.
+        """
         return Watch(self._connection.open_channel, full_map_name(map_name), options)
 
     def watch_async(
         self, map_name: str, options: WatchOptions = WatchOptions()
     ) -> AsyncIterator[WatchItem]:
-        """The same for asyncio: `async for item in client.watch_async("hall")`."""
+        """Watches the changes with asyncio: `async for item in client.watch_async("hall")`."""
         name = full_map_name(map_name)
         return watch_asynchronously(self._connection.open_asynchronously, name, options)

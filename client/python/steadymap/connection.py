@@ -1,4 +1,4 @@
-"""Channels to a daemon, and calls over them that end in errors of ours."""
+"""Channels to a daemon, and calls over them that raise SteadymapError."""
 
 import threading
 import weakref
@@ -8,8 +8,9 @@ import grpc
 
 from steadymap.errors import CancelledError, error_from_rpc
 
-# As client/transport/channel.cpp: pings during long uploads, a connection of its own for each channel, 2 s to
-# connect, no compression by gRPC (the server refuses it), messages as large as the server sends.
+# Same settings as client/transport/channel.cpp: keepalive pings during long uploads, a separate
+# connection per channel, 2 s to connect, no gRPC compression (the server rejects it), no limit on
+# received messages.
 _CHANNEL_OPTIONS = (
     ("grpc.keepalive_time_ms", 30_000),
     ("grpc.keepalive_timeout_ms", 10_000),
@@ -19,27 +20,27 @@ _CHANNEL_OPTIONS = (
     (
         "grpc.http2.max_pings_without_data",
         0,
-    ),  # Or a watch of a quiet map would not see a dead link.
+    ),  # Otherwise a watch of an unchanged map would not detect a lost connection.
     ("grpc.use_local_subchannel_pool", 1),
     ("grpc.max_receive_message_length", -1),
 )
 
 
 class Connection:
-    """Plain-text channels to `address`, which connect when first used. Thread-safe."""
+    """Plain-text channels to `address`, which connect on first use. Thread-safe."""
 
     def __init__(self, address: str, timeout_s: float) -> None:
-        """Calls with one answer take `timeout_s` at most, streams of answers 20 times as long."""
+        """Unary calls take at most `timeout_s`, streaming calls 20 times as long."""
         self._address = address
         self._timeout_s = timeout_s
         self._stream_timeout_s = 20 * timeout_s
         self._lock = threading.Lock()
         self._channels: "weakref.WeakSet[grpc.Channel]" = weakref.WeakSet()  # Guarded by the lock.
-        self._closed = False  # Likewise.
-        self.channel = self.open_channel()  # For calls that are made once.
+        self._closed = False  # Guarded by the lock.
+        self.channel = self.open_channel()  # For single calls.
 
     def close(self) -> None:
-        """Closes all channels but those for asyncio; there will be no more."""
+        """Closes all channels except asyncio channels; no new channels can be opened."""
         with self._lock:
             self._closed = True
             channels = list(self._channels)
@@ -47,10 +48,10 @@ class Connection:
             channel.close()
 
     def open_channel(self) -> grpc.Channel:
-        """A channel for one try to reach the daemon; its user closes it.
+        """Opens a channel for one attempt to reach the daemon; the caller closes it.
 
-        A new one knows nothing of failures before it, so the one who tries decides alone when to
-        try again. Raises CancelledError once the connection is closed.
+        A new channel has no backoff from earlier failures, so the caller alone decides the time of
+        the next attempt. Raises CancelledError once the connection is closed.
         """
         with self._lock:
             if self._closed:
@@ -60,22 +61,22 @@ class Connection:
             return channel
 
     def open_asynchronously(self) -> "grpc.aio.Channel":
-        """The same for asyncio."""
+        """Opens a channel for asyncio."""
         return grpc.aio.insecure_channel(self._address, options=_CHANNEL_OPTIONS)
 
     def call(self, method: Any, request: Any) -> Any:
-        """The answer of a call that has one. Raises SteadymapError."""
+        """Makes a unary call and returns its response. Raises SteadymapError."""
         try:
             return method(request, timeout=self._timeout_s)
         except grpc.RpcError as error:
             raise error_from_rpc(error) from None
 
     def stream(self, method: Any, request: Any) -> Iterator[Any]:
-        """The answers of a call that streams them. Raises SteadymapError."""
+        """Yields the responses of a streaming call. Raises SteadymapError."""
         call = method(request, timeout=self._stream_timeout_s)
         try:
             yield from call
         except grpc.RpcError as error:
             raise error_from_rpc(error) from None
         finally:
-            call.cancel()  # Of no effect but where the reader stopped early.
+            call.cancel()  # Has an effect only if the reader stopped early.

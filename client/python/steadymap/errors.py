@@ -1,8 +1,8 @@
-"""What can go wrong, one exception a status family.
+"""Errors of the service, one exception per status code.
 
-Every error of the service has a `code`, and where the service gave them a stable `reason` and the
-path of the `field` to blame. Arguments that cannot even be sent (an array of the wrong shape) are a
-plain `ValueError` or `TypeError`.
+Every error of the service has a `code` and, if the service sent them, a stable `reason` and the
+path of the offending `field`. Arguments that cannot be sent at all (e.g. an array of the wrong
+shape) raise a plain `ValueError` or `TypeError`.
 """
 
 from types import MappingProxyType
@@ -15,19 +15,19 @@ from steadymap._generated.v1 import status_pb2
 
 _DOMAIN = "steadymap"
 _DETAILS_TRAILER = "grpc-status-details-bin"
-_TOO_LARGE_TEXT = "larger than max"  # How gRPC itself refuses a message beyond its limit.
+_TOO_LARGE_TEXT = "larger than max"  # gRPC's own error for a message beyond its limit.
 
 
 class SteadymapError(Exception):
-    """A call that failed.
+    """A failed call.
 
     Attributes:
         code: gRPC's name of the status, such as `"INVALID_ARGUMENT"`.
-        message: one sentence for a person, as the service wrote it.
-        reason: the stable reason, such as `"NON_FINITE_POSE"`; `""` where none was given.
-        field: path of the field to blame, such as `"frames[0].depth.data"`; `""` where none was.
-        metadata: further facts by name; read-only.
-        retry_delay_s: seconds that the service asks to wait before another try, or None.
+        message: One sentence for humans, written by the service.
+        reason: The stable reason, such as `"NON_FINITE_POSE"`; `""` if none was sent.
+        field: Path of the offending field, such as `"frames[0].depth.data"`; `""` if none was sent.
+        metadata: Further facts by name; read-only.
+        retry_delay_s: Delay before the next attempt that the service requests, seconds, or None.
     """
 
     code = "UNKNOWN"
@@ -56,79 +56,79 @@ class SteadymapError(Exception):
 
 
 class InvalidArgumentError(SteadymapError, ValueError):
-    """The request is wrong: fix it."""
+    """The request is invalid and must be corrected."""
 
     code = "INVALID_ARGUMENT"
 
 
 class NotFoundError(SteadymapError):
-    """There is no such map or object."""
+    """The map or the object does not exist."""
 
     code = "NOT_FOUND"
 
 
 class AlreadyExistsError(SteadymapError):
-    """There is a map of that name."""
+    """A map of that name exists already."""
 
     code = "ALREADY_EXISTS"
 
 
 class UnauthenticatedError(SteadymapError):
-    """The service does not know who asks."""
+    """The client could not be authenticated."""
 
     code = "UNAUTHENTICATED"
 
 
 class PermissionDeniedError(SteadymapError):
-    """Who asks may not."""
+    """The client lacks the permission."""
 
     code = "PERMISSION_DENIED"
 
 
 class FailedPreconditionError(SteadymapError):
-    """Not in this state: something else must happen first."""
+    """The operation is impossible in the current state."""
 
     code = "FAILED_PRECONDITION"
 
 
 class OutOfRangeError(SteadymapError):
-    """A revision that is no longer, or not yet, there: start anew from a snapshot."""
+    """The requested revision no longer exists or does not exist yet: restart from a snapshot."""
 
     code = "OUT_OF_RANGE"
 
 
 class AbortedError(SteadymapError):
-    """Something else came in between (UPLOAD_SUPERSEDED, SLOW_CONSUMER, ETAG_MISMATCH)."""
+    """A concurrent operation took precedence (UPLOAD_SUPERSEDED, SLOW_CONSUMER, ETAG_MISMATCH)."""
 
     code = "ABORTED"
 
 
 class ResourceExhaustedError(SteadymapError):
-    """Too much, too fast or too large: back off. MESSAGE_TOO_LARGE never passes by waiting."""
+    """A limit is exceeded: back off. MESSAGE_TOO_LARGE is permanent."""
 
     code = "RESOURCE_EXHAUSTED"
 
 
 class UnavailableError(SteadymapError):
-    """The service cannot be reached, or is about to stop: try again later."""
+    """The service is unreachable or shutting down: retry later."""
 
     code = "UNAVAILABLE"
 
 
 class DeadlineExceededError(SteadymapError):
-    """No answer in time."""
+    """The service did not answer in time."""
 
     code = "DEADLINE_EXCEEDED"
 
 
 class DataLossError(SteadymapError):
-    """Data is damaged or gone: tell somebody."""
+    """Data is damaged or missing: report it to the operator."""
 
     code = "DATA_LOSS"
 
 
 class InternalError(SteadymapError):
-    """A fault of the service: tell somebody."""
+    """A fault of the service: report it to the operator."""
 
     code = "INTERNAL"
 
@@ -140,7 +140,7 @@ class UnimplementedError(SteadymapError):
 
 
 class CancelledError(SteadymapError):
-    """Given up before there was an answer."""
+    """The call was cancelled before its response."""
 
     code = "CANCELLED"
 
@@ -159,7 +159,7 @@ _DETAILS = {
 
 
 def error_from_status(status: status_pb2.Status) -> SteadymapError:
-    """The error that a `google.rpc.Status` tells; details of other domains are ignored."""
+    """Converts a `google.rpc.Status`; ignores details of other domains."""
     reason, field, metadata, retry_delay_s = "", "", {}, None
     for detail in status.details:
         kind = detail.type_url.rpartition("/")[2]
@@ -177,13 +177,13 @@ def error_from_status(status: status_pb2.Status) -> SteadymapError:
 
 
 def error_from_rpc(error: grpc.RpcError) -> SteadymapError:
-    """The error that a gRPC call ended with, its trailing details included."""
+    """Converts the error of a gRPC call, including its trailing details."""
     code = error.code().value[0]
     status = status_pb2.Status(code=code, message=error.details() or "no message was given")
     for key, value in error.trailing_metadata() or ():
         if key != _DETAILS_TRAILER:
             continue
-        # Proxies put what they like there: it counts only where it says the same as the status.
+        # Proxies may change the trailer: use it only if its code equals the code of the status.
         details = _parse(status_pb2.Status, value)
         if details is not None and details.code == code:
             del status.details[:]
@@ -199,7 +199,7 @@ def error_from_rpc(error: grpc.RpcError) -> SteadymapError:
 
 
 def _parse(kind: Any, value: bytes) -> Any:
-    """The message in the bytes, or None where they are damaged."""
+    """Parses a message, or returns None if the bytes are damaged."""
     try:
         return kind.FromString(value)
     except DecodeError:
@@ -212,12 +212,12 @@ _BY_GRPC_WITHOUT_REASON = frozenset(
 
 
 def is_server_answer(error: SteadymapError) -> bool:
-    """Whether the service itself ended the call so.
+    """True if the service itself ended the call with `error`.
 
-    Otherwise it was gRPC or a deadline of ours: the server could not be reached, did not answer, or
-    went away. The same rule as the C++ client's.
+    False if the error comes from gRPC or a client deadline: the server was unreachable, did not
+    answer, or closed the connection. Same rule as in the C++ client.
     """
-    # The service always gives a reason.
+    # Every error of the service has a reason.
     return error.code not in _BY_GRPC_WITHOUT_REASON or bool(error.reason)
 
 
@@ -226,10 +226,10 @@ _RETRIED_WITHOUT_REASON = frozenset(("INTERNAL", "UNKNOWN", "CANCELLED"))
 
 
 def is_worth_retrying(error: SteadymapError) -> bool:
-    """Whether a stream that ended so may succeed when it is opened anew.
+    """True if a stream that ended with `error` may succeed on a new stream.
 
-    The same rule as the C++ client's: never for what the caller must fix first, nor after
-    UPLOAD_SUPERSEDED, where going on would take the session back and forth for ever.
+    Same rule as in the C++ client: false for errors that the caller must fix first, and for
+    UPLOAD_SUPERSEDED, because two uploaders would supersede each other endlessly.
     """
     if error.code in _RETRIED_WHATEVER_THE_REASON:
         return True
@@ -238,6 +238,7 @@ def is_worth_retrying(error: SteadymapError) -> bool:
     if error.code == "RESOURCE_EXHAUSTED":
         return error.reason != "MESSAGE_TOO_LARGE"
     if error.code == "DATA_LOSS":
-        return error.reason == "CHECKSUM"  # A batch damaged on its way, not a map on disk.
-    # gRPC reports connections that break in mid-message so; the service always gives a reason.
+        return error.reason == "CHECKSUM"  # A batch damaged in transit, not a map damaged on disk.
+    # gRPC reports a connection that breaks within a message with these codes; errors of the service
+    # always have a reason.
     return error.code in _RETRIED_WITHOUT_REASON and not error.reason

@@ -1,4 +1,4 @@
-"""A map as a file."""
+"""Exports of a map to a file."""
 
 import dataclasses
 import enum
@@ -13,7 +13,7 @@ from steadymap.geometry import box_to_proto
 
 
 class ExportFormat(str, enum.Enum):
-    """File formats: PLY and GLB hold the surface, VDB the volumes."""
+    """File formats: PLY and GLB contain the surface, VDB the volumes."""
 
     PLY = "ply"
     VDB = "vdb"
@@ -22,12 +22,12 @@ class ExportFormat(str, enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class ExportSummary:
-    """What was exported.
+    """Result of an export.
 
     Attributes:
-        revision: at which the map was read.
-        file_bytes: length of the file.
-        triangles: of the surface; 0 for volumes.
+        revision: Revision of the exported map.
+        file_bytes: Length of the file.
+        triangles: Number of triangles of the surface; 0 for volumes.
     """
 
     revision: int
@@ -38,7 +38,7 @@ class ExportSummary:
 def export_request(
     map_name: str, file_format: ExportFormat, box: Any, object_ids: Sequence[int]
 ) -> query_service_pb2.ExportMapRequest:
-    """The request for a part of a map as a file."""
+    """Builds the request for a part of a map as a file."""
     return query_service_pb2.ExportMapRequest(
         map=map_name,
         format=query_service_pb2.ExportFormat.Value(f"EXPORT_FORMAT_{file_format.name}"),
@@ -48,14 +48,14 @@ def export_request(
 
 
 def choose_format(path: Path, file_format: Optional[Union[ExportFormat, str]]) -> ExportFormat:
-    """The format asked for, or that of the path's ending. ValueError for one that is unknown."""
+    """Returns the requested format, or the one of the extension. ValueError if it is unknown."""
     return ExportFormat(file_format if file_format is not None else path.suffix.lstrip(".").lower())
 
 
 def take_export(messages: Any, take_chunk: Callable[[bytes], Any]) -> ExportSummary:
     """Reads an export to its end.
 
-    DataLossError if it is cut off or is not what the server made.
+    DataLossError if the file is incomplete or its checksum differs.
     """
     header = trailer = None
     file_bytes, crc32c = 0, 0
@@ -71,20 +71,20 @@ def take_export(messages: Any, take_chunk: Callable[[bytes], Any]) -> ExportSumm
             crc32c = extend_crc32c(crc32c, message.chunk)
     if header is None or trailer is None:
         raise DataLossError(
-            f"the file was cut off: {file_bytes} bytes came, and not all around them",
+            f"the file is incomplete: {file_bytes} bytes received, no header or no trailer",
             reason="CHECKSUM",
         )
     if (trailer.file_bytes, trailer.crc32c) != (file_bytes, crc32c):
         raise DataLossError(
-            f"the server made a file of {trailer.file_bytes} bytes; the {file_bytes} that came are "
-            "not the same",
+            f"the received file differs from the server's: expected {trailer.file_bytes} bytes, "
+            f"received {file_bytes}, or the checksum differs",
             reason="CHECKSUM",
         )
     return ExportSummary(header.revision, file_bytes, header.triangles)
 
 
 def write_export(messages: Any, path: Path) -> ExportSummary:
-    """Writes an export to a file, which appears when it is whole."""
+    """Writes an export to a file, which appears once it is complete."""
     partial = path.with_name(path.name + ".partial")
     try:
         with open(partial, "wb") as file:

@@ -1,4 +1,4 @@
-"""What one robot saw at one moment."""
+"""One observation of a robot: images, pose and capture time."""
 
 import dataclasses
 from typing import Any, Optional, Union
@@ -10,20 +10,20 @@ from steadymap.geometry import Pose, as_pose, pose_to_proto
 from steadymap.images import PixelEncoding, check_image, encode_color, encode_depth, encode_labels
 from steadymap.timestamps import timestamp_to_proto
 
-_MAX_SIDE_PX = 4096  # The service's own limit at most.
+_MAX_SIDE_PX = 4096  # Upper bound of the service's own limit.
 
 
 @dataclasses.dataclass(frozen=True)
 class Intrinsics:
-    """A pinhole camera without distortion: undistort before the upload.
+    """A pinhole camera without distortion: rectify images before the upload.
 
-    A camera-frame point (x, y, z) appears at pixel (fx x / z + cx, fy y / z + cy); integer
+    A camera-frame point (x, y, z) projects to the pixel (fx x / z + cx, fy y / z + cy); integer
     coordinates are pixel centres.
 
     Attributes:
-        width_px, height_px: size of every image of the frame, pixels, in [1, 4096].
-        fx, fy: focal lengths, pixels, above 0.
-        cx, cy: principal point, pixels.
+        width_px, height_px: Size of every image of the frame, pixels, in [1, 4096].
+        fx, fy: Focal lengths, pixels, above 0.
+        cx, cy: Principal point, pixels.
     """
 
     width_px: int
@@ -42,25 +42,26 @@ class Intrinsics:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Frame:
-    """A frame to upload. ValueError for images that do not have the size of the intrinsics.
+    """A frame to upload. ValueError for images that do not match the size of the intrinsics.
 
-    What else is wrong (a pose that is not finite, a label without a class) the service finds: it
-    refuses that frame alone, and the upload's summary names it.
+    All other errors (e.g. a non-finite pose or a label without a class) are detected by the
+    service: it refuses that frame alone, and the upload's summary names it.
 
     Attributes:
-        depth: distance along the camera's z axis: (H, W) uint16 in units of `metres_per_unit`, 0
-            and 65535 being no return; or (H, W) floating point in metres, what is not finite or not
-            above 0 being no return; or the bytes of a 16-bit greyscale PNG file.
-        intrinsics: of every image of the frame.
-        T_world_camera: a Pose, or a 4x4 homogeneous matrix, from the camera's optical frame (x
-            right, y down, z forward) to the world (z up), metres. Kept as a Pose.
-        capture_time_ns: when the images were taken, nanoseconds since 1970, as `time.time_ns()`.
-        labels: class of each pixel, (H, W) integers of the map's class table, or the bytes of a PNG
+        depth: Distance along the camera's z axis: (H, W) uint16 in units of `metres_per_unit`, 0
+            and 65535 mean no return; or (H, W) floating point in metres, non-finite values and
+            values <= 0 mean no return; or the bytes of a 16-bit greyscale PNG file.
+        intrinsics: Camera of every image of the frame.
+        T_world_camera: A Pose, or a 4x4 homogeneous matrix, from the camera's optical frame (x
+            right, y down, z forward) to the world (z up), metres. Stored as a Pose.
+        capture_time_ns: Capture time, nanoseconds since 1970, as from `time.time_ns()`.
+        labels: Class of each pixel, (H, W) integers of the map's class table, or the bytes of a PNG
             file. None: class 0.
-        instances: instance of each pixel, 0 for none, likewise. None: unknown.
-        color: (H, W, 3) uint8 RGB, or the bytes of a JPEG or PNG file. An array costs some 20 ms to
-            pack. None: the map's surface keeps the colour it has.
-        metres_per_unit: metres that one unit of depth stands for, in [1e-6, 0.1].
+        instances: Instance of each pixel, 0 for none, (H, W) integers or the bytes of a PNG file.
+            None: unknown.
+        color: (H, W, 3) uint8 RGB, or the bytes of a JPEG or PNG file. Packing an array costs about
+            20 ms. None: the map's surface keeps its colour.
+        metres_per_unit: Metres per unit of depth, in [1e-6, 0.1].
     """
 
     depth: Union[np.ndarray, bytes]
@@ -88,7 +89,7 @@ class Frame:
 
 
 def frame_to_proto(frame: Frame, encoding: PixelEncoding) -> frame_pb2.Frame:
-    """The message of a frame, with copies of its images: the arrays may change afterwards."""
+    """Converts a frame; copies its images, so the arrays may change afterwards."""
     camera = frame.intrinsics
     message = frame_pb2.Frame(
         capture_time=timestamp_to_proto(frame.capture_time_ns),

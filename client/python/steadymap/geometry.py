@@ -1,8 +1,8 @@
 """Poses, boxes and arrays of points.
 
 Frames are those of the service: `world` (z up, right-handed, metres) and `camera` (optical: x
-right, y down, z forward). `T_world_camera` takes points of the camera frame to the world:
-`p_world = T_world_camera @ p_camera`.
+right, y down, z forward). `T_world_camera` transforms points from the camera frame to the world
+frame: `p_world = T_world_camera @ p_camera`.
 """
 
 import dataclasses
@@ -12,19 +12,19 @@ import numpy as np
 
 from steadymap._generated.v1 import geometry_pb2
 
-# Entries of a 4x4 matrix may differ by this from a rigid transform's; what is worse was not meant
-# as one. As tight as the service is with the norm of quaternions.
+# Largest deviation of the entries of a 4x4 matrix from a rigid transform. Same tolerance as the
+# service's for the norm of quaternions.
 _RIGID_TOLERANCE = 1e-3
 
 
 def read_only(array: np.ndarray) -> np.ndarray:
-    """The array itself, no longer writeable."""
+    """Makes the array read-only and returns it."""
     array.flags.writeable = False
     return array
 
 
 def as_points(value: Any, name: str) -> np.ndarray:
-    """An N x 3 float64 array, or ValueError naming `name`. One point of shape (3,) is N = 1."""
+    """Returns an N x 3 float64 array, or raises ValueError naming `name`. (3,) means N = 1."""
     array = np.asarray(value, dtype=np.float64)
     if array.shape == (3,):
         array = array.reshape(1, 3)
@@ -34,12 +34,12 @@ def as_points(value: Any, name: str) -> np.ndarray:
 
 
 def vector_from_proto(message: geometry_pb2.Vector3) -> np.ndarray:
-    """A read-only float64 array of shape (3,)."""
+    """Returns a read-only float64 array of shape (3,)."""
     return read_only(np.array((message.x, message.y, message.z)))
 
 
 def box_to_proto(box: Any) -> Optional[geometry_pb2.Box]:
-    """`((x, y, z), (x, y, z))`, the lowest and the highest corner in the world frame, metres."""
+    """Converts `((x, y, z), (x, y, z))`: lowest and highest corner, world frame, metres."""
     if box is None:
         return None
     corners = np.asarray(box, dtype=np.float64)
@@ -77,15 +77,15 @@ class Pose:
 
     @staticmethod
     def from_matrix(matrix: Any) -> "Pose":
-        """From a 4x4 homogeneous matrix; ValueError for one that is no rigid transform.
+        """Converts a 4x4 homogeneous matrix; ValueError if it is not a rigid transform.
 
-        NaN and infinity pass: the service refuses them, and names the frame that has them.
+        NaN and infinity are accepted: the service refuses them and names the frame.
         """
         T = np.array(matrix, dtype=np.float64)
         if T.shape != (4, 4):
             raise ValueError(f"pose: expected a 4x4 matrix, got shape {T.shape}")
         if not np.isfinite(T).all():
-            # As much of the fault as a pose can carry.
+            # Keeps a non-finite component, so that the service refuses the frame.
             return Pose(
                 T[:3, 3], np.full(4, np.nan) if np.isfinite(T[:3, 3]).all() else [0, 0, 0, 1]
             )
@@ -103,7 +103,7 @@ class Pose:
         return Pose(T[:3, 3], _quaternion_of_rotation(R))
 
     def matrix(self) -> np.ndarray:
-        """The 4x4 homogeneous matrix, float64."""
+        """Returns the 4x4 homogeneous matrix, float64."""
         x, y, z, w = self.quaternion_xyzw / np.linalg.norm(self.quaternion_xyzw)
         T = np.eye(4)
         T[:3, 3] = self.position_m
@@ -116,12 +116,12 @@ class Pose:
 
 
 def as_pose(value: Union[Pose, Any]) -> Pose:
-    """A Pose as it is, anything else as a 4x4 matrix."""
+    """Returns a Pose unchanged and converts anything else as a 4x4 matrix."""
     return value if isinstance(value, Pose) else Pose.from_matrix(value)
 
 
 def pose_to_proto(pose: Pose) -> geometry_pb2.Pose:
-    """The message; components as they are, NaN included."""
+    """Converts a pose without checks; NaN is kept."""
     px, py, pz = pose.position_m.tolist()
     x, y, z, w = pose.quaternion_xyzw.tolist()
     return geometry_pb2.Pose(
@@ -131,14 +131,15 @@ def pose_to_proto(pose: Pose) -> geometry_pb2.Pose:
 
 
 def pose_from_proto(message: geometry_pb2.Pose) -> Pose:
-    """A pose that the service sent."""
+    """Converts a pose from the service."""
     q = message.orientation
     return Pose(vector_from_proto(message.position_m), np.array((q.x, q.y, q.z, q.w)))
 
 
 def _quaternion_of_rotation(R: np.ndarray) -> np.ndarray:
-    # The largest eigenvector of Bar-Itzhack's symmetric matrix is the quaternion (x, y, z, w) of
-    # the rotation nearest to R: no case distinctions, and slight errors of R are evened out.
+    # The eigenvector of the largest eigenvalue of Bar-Itzhack's symmetric matrix is the quaternion
+    # (x, y, z, w) of the rotation nearest to R. It needs no case distinctions and averages out
+    # small errors of R.
     K = np.array(
         (
             (R[0, 0] - R[1, 1] - R[2, 2], R[1, 0] + R[0, 1], R[2, 0] + R[0, 2], R[2, 1] - R[1, 2]),

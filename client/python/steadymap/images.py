@@ -1,4 +1,4 @@
-"""Images as the wire format packs them."""
+"""Image encodings of the wire format."""
 
 import enum
 import struct
@@ -11,24 +11,25 @@ from steadymap._generated.v1 import frame_pb2
 
 try:
     import zstandard
-except ImportError:  # Needed for PixelEncoding.ZSTD alone.
+except ImportError:  # Required for PixelEncoding.ZSTD only.
     zstandard = None
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_SIGNATURE = b"\xff\xd8\xff"
 _NO_RETURN = 0
-_MAX_DEPTH_UNITS = 65534  # 65535 means no return, too.
+_MAX_DEPTH_UNITS = 65534  # 65535 also means no return.
 
-# The quickest of each: more effort gains a tenth of the bytes and costs several times the time.
+# The fastest level of each: higher levels save a tenth of the bytes for several times the time.
 _ZLIB_LEVEL = 1
 _ZSTD_LEVEL = 1
 
 
 class PixelEncoding(str, enum.Enum):
-    """How depth and label arrays travel. Files that come packed travel as they are.
+    """Wire encoding of depth and label arrays. Encoded files are sent unchanged.
 
-    ZSTD takes about a quarter of the bytes of RAW and is the quickest, as every byte goes through
-    the daemon's log, too; it needs the package zstandard. PNG takes fewest bytes and most time.
+    ZSTD takes about a quarter of the bytes of RAW and is the fastest overall, since every byte also
+    passes through the daemon's log; it requires the package zstandard. PNG takes the fewest bytes
+    and the most time.
     """
 
     RAW = "raw"
@@ -37,12 +38,12 @@ class PixelEncoding(str, enum.Enum):
 
 
 def default_encoding() -> PixelEncoding:
-    """The quickest that is there."""
+    """Returns the fastest available encoding."""
     return PixelEncoding.RAW if zstandard is None else PixelEncoding.ZSTD
 
 
 def check_image(value: Any, name: str, height_px: int, width_px: int, channels: int = 1) -> None:
-    """ValueError or TypeError for what cannot be an image of this size; bytes are not opened."""
+    """Raises ValueError or TypeError unless the value is an image of this size or bytes."""
     if isinstance(value, bytes):
         return
     if not isinstance(value, np.ndarray):
@@ -56,8 +57,11 @@ def check_image(value: Any, name: str, height_px: int, width_px: int, channels: 
 
 
 def depth_in_units(depth: np.ndarray, metres_per_unit: float) -> np.ndarray:
-    """Depth as little-endian uint16. Floats are metres: what is not finite, not above 0 or too far
-    for 16 bits becomes 0, no return."""
+    """Converts depth to little-endian uint16.
+
+    Floats are metres: values that are not finite, not above 0 or too large for 16 bits become 0,
+    which means no return.
+    """
     if depth.dtype.kind == "u" and depth.dtype.itemsize == 2:
         return np.ascontiguousarray(depth, dtype="<u2")
     if depth.dtype.kind != "f":
@@ -69,7 +73,7 @@ def depth_in_units(depth: np.ndarray, metres_per_unit: float) -> np.ndarray:
 
 
 def labels_as_unsigned(labels: np.ndarray, name: str) -> np.ndarray:
-    """Class or instance ids as uint8, or as little-endian uint16 where they need it."""
+    """Converts class or instance ids to uint8, or to little-endian uint16 if needed."""
     if labels.dtype == np.uint8:
         return np.ascontiguousarray(labels)
     if labels.dtype.kind not in "ui":
@@ -83,7 +87,7 @@ def labels_as_unsigned(labels: np.ndarray, name: str) -> np.ndarray:
 def encode_depth(
     depth: Union[np.ndarray, bytes], metres_per_unit: float, encoding: PixelEncoding
 ) -> frame_pb2.DepthImage:
-    """The message of a depth image."""
+    """Encodes a depth image."""
     if isinstance(depth, bytes):
         require_png(depth, "depth")
         kind, data = frame_pb2.DEPTH_ENCODING_PNG_UINT16, depth
@@ -101,7 +105,7 @@ def encode_depth(
 def encode_labels(
     labels: Union[np.ndarray, bytes], name: str, encoding: PixelEncoding
 ) -> frame_pb2.LabelImage:
-    """The message of a label or instance image."""
+    """Encodes a label or instance image."""
     if isinstance(labels, bytes):
         require_png(labels, name)
         return frame_pb2.LabelImage(encoding=frame_pb2.LABEL_ENCODING_PNG, data=labels)
@@ -125,7 +129,7 @@ def encode_labels(
 
 
 def encode_color(color: Union[np.ndarray, bytes]) -> frame_pb2.ColorImage:
-    """The message of a colour image; an array becomes a PNG, as the wire has no raw colour."""
+    """Encodes a colour image; an array becomes a PNG, as the wire format has no raw colour."""
     if not isinstance(color, bytes):
         if color.dtype != np.uint8:
             raise ValueError(f"color: expected uint8, got {color.dtype}")
@@ -139,26 +143,26 @@ def encode_color(color: Union[np.ndarray, bytes]) -> frame_pb2.ColorImage:
 
 
 def require_png(data: bytes, name: str) -> None:
-    """ValueError for bytes that are no PNG file."""
+    """Raises ValueError for bytes that are not a PNG file."""
     if not data.startswith(_PNG_SIGNATURE):
         raise ValueError(f"{name}: expected the bytes of a PNG file, got {data[:8]!r}...")
 
 
 def compress_zstd(pixels: np.ndarray) -> bytes:
-    """A zstd frame of the raw pixels."""
+    """Returns a zstd frame of the raw pixels."""
     if zstandard is None:
         raise RuntimeError("PixelEncoding.ZSTD needs the Python package zstandard")
     return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(pixels.reshape(-1).view(np.uint8))
 
 
 def encode_png(pixels: np.ndarray) -> bytes:
-    """A PNG file: (H, W) uint8 or uint16 as greyscale, (H, W, 3) uint8 as RGB."""
+    """Returns a PNG file: (H, W) uint8 or uint16 as greyscale, (H, W, 3) uint8 as RGB."""
     height_px, width_px = pixels.shape[:2]
     bit_depth = 8 * pixels.dtype.itemsize
     color_type = 2 if pixels.ndim == 3 else 0
     rows = np.frombuffer(pixels.astype(pixels.dtype.newbyteorder(">")).tobytes(), np.uint8)
     rows = rows.reshape(height_px, -1)
-    # Filter "up" for every row: each byte less the one above it.
+    # Filter "up" for every row: each byte minus the byte above it.
     filtered = np.full((height_px, 1 + rows.shape[1]), 2, np.uint8)
     filtered[0, 1:] = rows[0]
     np.subtract(rows[1:], rows[:-1], out=filtered[1:, 1:])

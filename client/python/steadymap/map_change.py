@@ -1,4 +1,4 @@
-"""Changes of a map that is there."""
+"""Changes of existing maps."""
 
 import dataclasses
 import secrets
@@ -10,7 +10,7 @@ from steadymap.backoff import Backoff, BackoffOptions
 from steadymap.errors import AbortedError, SteadymapError, is_server_answer
 from steadymap.maps import SemanticClass, WorldFrame, set_class, set_world_frame
 
-# Somebody who changes a map all the time is a fault, and must not keep this program for ever.
+# Bounds the retries if another client changes the map continuously.
 _MAX_READS = 10
 
 _BACKOFF = BackoffOptions(give_up_after_s=10.0)
@@ -18,7 +18,7 @@ _BACKOFF = BackoffOptions(give_up_after_s=10.0)
 
 @dataclasses.dataclass(frozen=True)
 class MapChange:
-    """What to change of a map; what is None or empty stays as it is. See `Client.update_map`."""
+    """Changes to a map; None and empty fields keep their values. See `Client.update_map`."""
 
     labels: Mapping[str, str]
     removed_labels: Sequence[str]
@@ -35,16 +35,16 @@ def change_map(
     send: Callable[[map_service_pb2.UpdateMapRequest], map_pb2.Map],
     sleep: Callable[[float], Any] = time.sleep,
 ) -> map_pb2.Map:
-    """Reads the map, changes it and returns it as it is then.
+    """Reads the map, changes it and returns the changed map.
 
-    The same rules as client/map/map_change.h of the C++ client: where somebody else changed the map in
-    between it is read again, unless the change has an etag; a request whose answer is lost is sent
-    again with its request id, and counts once. `sleep` replaces the waiting, and the clock.
+    Same rules as client/map/map_change.h: if another client changed the map in between, it is read
+    again, unless the change has an etag; a request with a lost response is sent again with its
+    request id and takes effect once. `sleep` replaces the wait and the clock.
     """
     for reads in range(1, _MAX_READS + 1):
         request = _request(change, read())
         if not request.update_mask.paths:
-            raise ValueError("update_map: expected something to change")
+            raise ValueError("update_map: expected at least one change")
         try:
             return _send_until_answered(request, send, sleep)
         except AbortedError as error:
@@ -55,7 +55,7 @@ def change_map(
 
 
 def _request(change: MapChange, present: map_pb2.Map) -> map_service_pb2.UpdateMapRequest:
-    """The whole change against the state that was read."""
+    """Builds the request for the change of the state that was read."""
     request = map_service_pb2.UpdateMapRequest(request_id=f"change-{secrets.token_hex(16)}")
     changed, paths = request.map, request.update_mask.paths
     changed.name = present.name
@@ -88,7 +88,7 @@ def _request(change: MapChange, present: map_pb2.Map) -> map_service_pb2.UpdateM
 
 
 def _add_classes(rows: Sequence[SemanticClass], config: map_pb2.MapConfig) -> None:
-    # In the place of a row with its id, so that the server says which row cannot be changed.
+    # Overwrites a row with the same id, so that the server reports which row cannot be changed.
     table = {row.id: row for row in config.classes}
     for row in rows:
         set_class(row, table[row.id] if row.id in table else config.classes.add())

@@ -1,4 +1,4 @@
-"""Maps, and how they are built."""
+"""Maps and their configuration."""
 
 import dataclasses
 import enum
@@ -9,10 +9,10 @@ from steadymap.timestamps import time_ns_from_proto
 
 
 class UpdatePolicy(str, enum.Enum):
-    """How a map decides what to believe. Fixed when the map is created.
+    """Policy that updates a map from frames. Fixed when the map is created.
 
-    STATIC fuses every frame and removes nothing. POCD keeps objects with a belief each, whether
-    they still stand where they stood. The others are there to compare with.
+    STATIC fuses every frame and removes nothing. POCD keeps a belief for each object whether it is
+    still in place. The others are baselines for comparison.
     """
 
     STATIC = "static"
@@ -24,8 +24,10 @@ class UpdatePolicy(str, enum.Enum):
 
 
 class ClassMotion(str, enum.Enum):
-    """Whether things of a class move: STATIC not until somebody rebuilds the place, SEMI_STATIC
-    within hours or days, DYNAMIC while they are looked at (their pixels are never fused).
+    """Motion of the objects of a class.
+
+    STATIC: only moved by a reconstruction of the place. SEMI_STATIC: moved within hours or days.
+    DYNAMIC: moves during observation; its pixels are never fused.
     """
 
     STATIC = "static"
@@ -38,10 +40,11 @@ class SemanticClass:
     """One row of a map's class table.
 
     Attributes:
-        id: the value in label images, in [0, 65535].
-        name: for people, 1 to 64 characters.
-        motion: whether things of the class move on their own.
-        in_background: whether its surfaces belong to the background instead of forming objects.
+        id: Value in label images, in [0, 65535].
+        name: Name for display, 1 to 64 characters.
+        motion: Motion of the objects of the class.
+        in_background: True if surfaces of the class belong to the background instead of forming
+            objects.
     """
 
     id: int
@@ -54,11 +57,12 @@ class SemanticClass:
 
 
 class MapCondition(str, enum.Enum):
-    """How a map fares, whatever becomes of the others.
+    """Condition of a map, independent of other maps.
 
-    OPENING: being read from disk. READY: takes frames and answers. READ_ONLY: answers, and takes no
-    frames for now. QUARANTINED: answers, and takes no frames until an operator has seen to it.
-    DAMAGED: what is stored of it cannot be read. UNKNOWN: the server is older or newer than that.
+    OPENING: is being read from disk. READY: accepts frames and answers queries. READ_ONLY: answers
+    queries, accepts no frames for now. QUARANTINED: answers queries, accepts no frames until an
+    operator has intervened. DAMAGED: its stored data is unreadable. UNKNOWN: the server does not
+    report it or reports a newer value.
     """
 
     UNKNOWN = "unknown"
@@ -71,12 +75,12 @@ class MapCondition(str, enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class GeoAnchor:
-    """Where a world frame is on the Earth, WGS 84.
+    """Position of a world frame on the Earth, WGS 84.
 
     Attributes:
-        latitude_deg, longitude_deg: of the origin, degrees, in [-90, 90] and [-180, 180].
-        altitude_m: of the origin, above the ellipsoid, metres, in [-1000, 10000].
-        heading_deg: where x points, degrees clockwise from true north, in [0, 360).
+        latitude_deg, longitude_deg: Origin, degrees, in [-90, 90] and [-180, 180].
+        altitude_m: Height of the origin above the ellipsoid, metres, in [-1000, 10000].
+        heading_deg: Direction of the x axis, degrees clockwise from true north, in [0, 360).
     """
 
     latitude_deg: float
@@ -87,12 +91,12 @@ class GeoAnchor:
 
 @dataclasses.dataclass(frozen=True)
 class WorldFrame:
-    """What the coordinates of a map mean: z is up, right-handed, metres.
+    """Description of a map's world frame (z up, right-handed, metres).
 
     Attributes:
-        description: for people: where the origin is and where x points, at most 512 bytes.
-        floor: of the building that z = 0 lies on, at most 64 bytes.
-        anchor: where on the Earth it is; None: not known.
+        description: Text about origin and x axis, at most 512 bytes.
+        floor: Floor of the building at z = 0, at most 64 bytes.
+        anchor: Position on the Earth; None: unknown.
     """
 
     description: str = ""
@@ -102,20 +106,19 @@ class WorldFrame:
 
 @dataclasses.dataclass(frozen=True)
 class MapOptions:
-    """How a map is built. Fixed when it is created, but for what `Client.update_map` changes.
+    """Options of a new map. Fixed at creation, except those that `Client.update_map` changes.
 
     Attributes:
-        voxel_size_m: edge of a voxel, metres, in [0.001, 1]. 0: the server's default, 0.05.
-        truncation_m: distances are kept within this of a surface, metres, in [2, 16] voxels.
-            0: three voxels.
-        max_depth_m: depth beyond this is not fused, metres, in [0.1, 100]. 0: 3.
-        policy: how the map decides what to believe.
-        classes: that label images may hold. Empty: the server's default, the TorWIC table.
-        display_name: for people, at most 128 characters.
-        byte_budget: most bytes of the map in memory. 0: no limit.
-        labels: for those who have many maps: at most 64; keys match `[a-z][a-z0-9-]{0,62}`, values
+        voxel_size_m: Edge of a voxel, metres, in [0.001, 1]. 0: the server's default, 0.05.
+        truncation_m: Half width of the truncation band, metres, in [2, 16] voxels. 0: three voxels.
+        max_depth_m: Depth beyond this is not fused, metres, in [0.1, 100]. 0: 3.
+        policy: Policy that updates the map.
+        classes: Classes of label images. Empty: the server's default, the TorWIC table.
+        display_name: Name for display, at most 128 characters.
+        byte_budget: Memory limit of the map in bytes. 0: no limit.
+        labels: Labels to organise many maps: at most 64; keys match `[a-z][a-z0-9-]{0,62}`, values
             have at most 256 bytes.
-        world_frame: what the coordinates mean.
+        world_frame: Description of the world frame.
     """
 
     voxel_size_m: float = 0.0
@@ -136,29 +139,29 @@ class MapOptions:
 
 @dataclasses.dataclass(frozen=True)
 class Map:
-    """A map as it was when it was asked for.
+    """State of a map at the time of the request.
 
     Attributes:
         name: `tenants/{tenant}/maps/{map}`.
-        options: how it is built, the server's defaults filled in. Of a map that is OPENING or
-            DAMAGED it may be unknown: then all of it is as in `MapOptions()`.
-        create_time_ns: when it was created, nanoseconds since 1970, by the server's clock.
-        etag: changes whenever something of the map but its content does; see `update_map`.
-        incarnation: changes when the map's history can no longer be continued.
-        condition: how the map fares.
-        condition_reason: for people: why the condition is another than READY.
-        revision: newest revision; 0: nothing committed yet.
-        durable_map_seq: sequence number of the newest durable entry of the map's log, a frame or
-            classes that were added; 0: none yet.
-        integrated_map_seq: of the newest entry that is part of the newest revision; 0: none yet.
-        lag_frames: durable entries that wait for integration.
-        refused_frames: frames refused since the server started.
+        options: Options of the map with the server's defaults filled in. Unknown, and equal to
+            `MapOptions()`, if the map is OPENING or DAMAGED and its configuration was not read.
+        create_time_ns: Creation time by the server's clock, nanoseconds since 1970.
+        etag: Changes with every change of the map except its content; see `update_map`.
+        incarnation: Changes when the map's history can no longer be continued.
+        condition: Condition of the map.
+        condition_reason: Text for humans: reason of a condition other than READY.
+        revision: Newest revision; 0: nothing committed yet.
+        durable_map_seq: Sequence number of the newest durable entry of the map's log, a frame or
+            added classes; 0: none yet.
+        integrated_map_seq: Sequence number of the newest entry in the newest revision; 0: none yet.
+        lag_frames: Durable entries that wait for integration.
+        refused_frames: Frames refused since the start of the server.
         leaves: 8 x 8 x 8 blocks with at least one observed voxel, background and present objects.
-        voxels: observed voxels of background and present objects.
-        memory_bytes: bytes of the map in memory: volumes, surfaces and free space.
-        last_capture_time_ns: of the newest frame in the map; None: none yet.
-        present_objects: objects that are part of the map.
-        archived_objects: objects that were, kept for history.
+        voxels: Observed voxels of background and present objects.
+        memory_bytes: Bytes of the map in memory: volumes, surfaces and free space.
+        last_capture_time_ns: Capture time of the newest frame in the map; None: none yet.
+        present_objects: Objects that are part of the map.
+        archived_objects: Objects that were part of the map, kept for history.
     """
 
     name: str
@@ -182,14 +185,14 @@ class Map:
 
 
 def full_map_name(name: str) -> str:
-    """`hall` is `tenants/default/maps/hall`; what has a slash stays as it is."""
+    """Expands `hall` to `tenants/default/maps/hall`; returns a name with a slash unchanged."""
     if not isinstance(name, str):
         raise TypeError(f"map: expected a map's name, got {type(name)}")
     return name if "/" in name else f"tenants/default/maps/{name}"
 
 
 def split_map_name(name: str) -> Tuple[str, str]:
-    """The parent `tenants/{tenant}` and the id of the map. ValueError for any other form."""
+    """Returns the parent `tenants/{tenant}` and the map's id. ValueError for any other form."""
     parts = full_map_name(name).split("/")
     if len(parts) != 4 or parts[0] != "tenants" or parts[2] != "maps":
         raise ValueError(f"map: expected an id or tenants/TENANT/maps/MAP, got {name!r}")
@@ -197,7 +200,7 @@ def split_map_name(name: str) -> Tuple[str, str]:
 
 
 def map_to_proto(options: MapOptions) -> map_pb2.Map:
-    """The map to create."""
+    """Builds the message of a map to create."""
     message = map_pb2.Map(
         display_name=options.display_name, byte_budget=options.byte_budget, labels=options.labels
     )
@@ -221,7 +224,7 @@ def set_class(row: SemanticClass, message: map_pb2.SemanticClass) -> None:
 
 
 def set_world_frame(frame: WorldFrame, message: map_pb2.Map) -> None:
-    """Writes the world frame of a map; none where nothing of it is known."""
+    """Writes the world frame of a map; clears the field if the frame is empty."""
     message.ClearField("world_frame")
     if frame == WorldFrame():
         return
@@ -232,7 +235,7 @@ def set_world_frame(frame: WorldFrame, message: map_pb2.Map) -> None:
 
 
 def map_from_proto(message: map_pb2.Map) -> Map:
-    """A map that the service described."""
+    """Converts a map from the service."""
     config, state = message.config, message.state
     return Map(
         name=message.name,
@@ -267,7 +270,7 @@ def map_from_proto(message: map_pb2.Map) -> Map:
 
 
 def _policy_from_proto(number: int) -> UpdatePolicy:
-    """Of a map whose configuration is not known, the one that `MapOptions()` has."""
+    """Converts a policy; for a map with unknown configuration, returns that of `MapOptions()`."""
     if number == map_pb2.UPDATE_POLICY_UNSPECIFIED:
         return UpdatePolicy.STATIC
     return UpdatePolicy[map_pb2.UpdatePolicy.Name(number).replace("UPDATE_POLICY_", "")]

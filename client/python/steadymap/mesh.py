@@ -1,4 +1,4 @@
-"""A map's surface as triangles."""
+"""The surface of a map as triangles."""
 
 import dataclasses
 import re
@@ -15,11 +15,11 @@ class Mesh:
     """Triangles in the world frame.
 
     Attributes:
-        revision: at which the map was read.
+        revision: Revision of the exported map.
         vertices: float32 (V, 3), metres.
         normals: float32 (V, 3), unit length, away from the surface.
         triangles: int32 (T, 3), indices into the vertices, counter-clockwise from the front.
-        colors: uint8 (V, 3), sRGB; None where the map has no colour.
+        colors: uint8 (V, 3), sRGB; None if the map has no colour.
     """
 
     revision: int
@@ -36,8 +36,10 @@ _COLOR_PROPERTIES = ["red", "green", "blue"]
 
 
 def parse_ply(data: bytes, revision: int) -> Mesh:
-    """The mesh of a PLY file as the service writes it (core/query/mesh_file.h); DataLossError for any
-    other."""
+    """Parses a PLY file written by the service (core/query/mesh_file.h).
+
+    DataLossError for any other data.
+    """
     header_bytes = data.find(_HEADER_END)
     if header_bytes < 0 or not data.startswith(b"ply\nformat binary_little_endian 1.0\n"):
         raise DataLossError("the exported mesh is no binary PLY file")
@@ -52,7 +54,7 @@ def parse_ply(data: bytes, revision: int) -> Mesh:
     vertex_count, face_count = int(counts.get("vertex", 0)), int(counts.get("face", 0))
     body = memoryview(data)[header_bytes + len(_HEADER_END) :]
     if len(body) != vertex_count * vertex.itemsize + face_count * _FACE.itemsize:
-        raise DataLossError(f"the exported mesh has {len(body)} bytes, not what its header says")
+        raise DataLossError(f"the exported mesh has {len(body)} bytes, contrary to its header")
     vertices = np.frombuffer(body, vertex, count=vertex_count)
     faces = np.frombuffer(body, _FACE, count=face_count, offset=vertices.nbytes)
     if not (faces["corners"] == 3).all():

@@ -1,4 +1,4 @@
-"""Objects of a map, what is believed of them, and what happened to them."""
+"""Objects of a map, their beliefs and their events."""
 
 import dataclasses
 import enum
@@ -12,8 +12,11 @@ from steadymap.timestamps import time_ns_from_proto
 
 
 class ObjectStanding(str, enum.Enum):
-    """What an object is to its map: TENTATIVE was seen too seldom to be believed, PRESENT is part
-    of the map, ARCHIVED is gone from its place and kept for history."""
+    """Status of an object.
+
+    TENTATIVE: too few observations to be confirmed. PRESENT: part of the map. ARCHIVED: removed
+    from the map and kept for history.
+    """
 
     UNSPECIFIED = "unspecified"
     TENTATIVE = "tentative"
@@ -22,8 +25,10 @@ class ObjectStanding(str, enum.Enum):
 
 
 class EventType(str, enum.Enum):
-    """What happened. The last two concern robots, all others objects. UNSPECIFIED is what a newer
-    server sends and this package does not know."""
+    """Type of an event. The last two concern robots, all others objects.
+
+    UNSPECIFIED: a type of a newer server, unknown to this package.
+    """
 
     UNSPECIFIED = "unspecified"
     CREATED = "created"
@@ -38,7 +43,7 @@ class EventType(str, enum.Enum):
 
 
 class EventReason(str, enum.Enum):
-    """Why the map decided so; see `EventReason` in proto/steadymap/v1/event.proto."""
+    """Reason of an event; see `EventReason` in proto/steadymap/v1/event.proto."""
 
     UNSPECIFIED = "unspecified"
     NEW_SURFACE = "new_surface"
@@ -54,13 +59,13 @@ class EventReason(str, enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class Belief:
-    """The Gaussian-Beta state of an object.
+    """The Gaussian-Beta belief of an object.
 
     Attributes:
-        change_mean_m: expected change, metres: how far its surface has moved since it was mapped.
-        change_std_m: standard deviation of the change, metres, above 0.
-        alpha: weight of what spoke for the object standing where it stood, above 0.
-        beta: weight of what spoke against it, above 0.
+        change_mean_m: Expected displacement of the object's surface since it was mapped, metres.
+        change_std_m: Standard deviation of the change, metres, above 0.
+        alpha: Weight of the evidence for stationarity, above 0.
+        beta: Weight of the evidence against stationarity, above 0.
     """
 
     change_mean_m: float
@@ -70,18 +75,18 @@ class Belief:
 
     @property
     def stationarity(self) -> float:
-        """Expected stationarity in [0, 1]: how probably the object stands where it stood."""
+        """Expected stationarity in [0, 1]: alpha / (alpha + beta)."""
         return self.alpha / (self.alpha + self.beta)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Cuboid:
-    """A box that stands upright: turned about the world's z axis only.
+    """An upright box: rotated about the world's z axis only.
 
     Attributes:
         center_m: float64 (3,), world frame, metres.
         size_m: float64 (3,), full side lengths along the box's own axes, metres.
-        yaw_rad: from the world's x axis to the box's, counter-clockwise from above, radians.
+        yaw_rad: Angle from the world's x axis to the box's, counter-clockwise from above, radians.
     """
 
     center_m: np.ndarray
@@ -89,8 +94,10 @@ class Cuboid:
     yaw_rad: float
 
     def corners_m(self) -> np.ndarray:
-        """The corners, float64 (8, 3), world frame, metres: the bottom four, then the top four,
-        each counter-clockwise from above."""
+        """Returns the corners, float64 (8, 3), world frame, metres.
+
+        The bottom four come first, then the top four, each counter-clockwise as seen from above.
+        """
         signs = np.array([(x, y, z) for z in (-1, 1) for x, y in _CORNERS_FROM_ABOVE])
         cosine, sine = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
         rotation = np.array(((cosine, -sine, 0.0), (sine, cosine, 0.0), (0.0, 0.0, 1.0)))
@@ -102,24 +109,24 @@ _CORNERS_FROM_ABOVE = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Object:
-    """What is known of an object besides its volume, at one revision.
+    """State of an object, except its volume, at one revision.
 
     Attributes:
-        id: unique in its map, never used again, above 0.
-        standing: what it is to its map.
-        class_id: the class with the most votes; 0 where the frames had no labels.
-        class_confidence: share of the votes for that class, in [0, 1].
-        votes: weight of the votes by class.
-        cuboid: around its surface; of an archived object, where it stood last.
-        T_world_object: float64 (4, 4), the frame of its volume in the world, metres.
-        belief: whether it still stands where it stood.
-        stationarity: expected stationarity in [0, 1].
-        first_seen_ns, last_seen_ns: capture times of the first and the last frame that agreed with
-            it, nanoseconds since 1970.
-        views: frames that agreed with it.
-        absences: times that the evidence spoke against it.
-        revision: of the last frame that changed it.
-        leaves: size of its volume, 8 x 8 x 8 blocks of voxels.
+        id: Unique in its map, never reused, above 0.
+        standing: Status of the object.
+        class_id: Class with the most votes; 0 if the frames had no labels.
+        class_confidence: Share of the votes for that class, in [0, 1].
+        votes: Weight of the votes by class.
+        cuboid: Bounding box of its surface; for an archived object at its last position.
+        T_world_object: float64 (4, 4), frame of its volume in the world, metres.
+        belief: Belief that the object is still in place.
+        stationarity: Expected stationarity in [0, 1].
+        first_seen_ns, last_seen_ns: Capture times of the first and the last supporting frame,
+            nanoseconds since 1970.
+        views: Number of supporting frames.
+        absences: Number of updates with evidence of absence.
+        revision: Revision of the last frame that changed it.
+        leaves: Size of its volume, 8 x 8 x 8 blocks of voxels.
     """
 
     id: int
@@ -141,26 +148,27 @@ class Object:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Event:
-    """One entry of a map's history, which never changes once it is there.
+    """One immutable entry of a map's history.
 
     Attributes:
-        number: place in the history, gap-free from 1.
-        type: what happened.
-        reason: why the map decided so.
+        number: Position in the history, without gaps from 1.
+        type: Type of the event.
+        reason: Reason of the event.
         object_id: 0 for events of robots.
-        class_id: of the object when it happened.
-        capture_time_ns: of the frame that decided, nanoseconds since 1970.
-        revision: the first that shows what the event tells.
+        class_id: Class of the object at the time of the event.
+        capture_time_ns: Capture time of the frame that caused the event, nanoseconds since 1970.
+        revision: First revision that includes the event.
         center_m: float64 (3,), centre of the cuboid after the event, world frame, metres.
-        old_center_m: for moves the centre before, likewise; else None.
-        T_world_object_before, T_world_object_after: for moves recognised by the shape, float64
-            (4, 4): where the object's frame stood, and where the same frame stands now; else None.
-        confidence: for moves how sure the map is that it is the same thing, in [0, 1]; else None.
-        before, after: beliefs before and after the event; None for events of robots.
-        related_object_id: the other object of a move, merge or split; None: there is none.
-        views: frames that had agreed with the object by then.
-        absences: times that the evidence had spoken against it by then.
-        robot, sensor: for events of robots, the ids of the robot and of its sensor; else "".
+        old_center_m: float64 (3,), for moves: centre before the event, world frame, metres; else
+            None.
+        T_world_object_before, T_world_object_after: float64 (4, 4), for moves recognised by shape:
+            the pose of the object's frame before and after the move; else None.
+        confidence: For moves: confidence in [0, 1] that it is the same object; else None.
+        before, after: Beliefs before and after the event; None for events of robots.
+        related_object_id: The other object of a move, merge or split; None: none.
+        views: Number of supporting frames at the time of the event.
+        absences: Number of updates with evidence of absence at the time of the event.
+        robot, sensor: For events of robots: ids of the robot and its sensor; else "".
     """
 
     number: int
@@ -190,17 +198,17 @@ _REASONS = dict(enumerate(EventReason))
 
 
 def event_type_to_proto(value: object) -> int:
-    """The wire's number for an EventType or its name, such as "removed"."""
+    """Returns the wire number of an EventType or its name, such as "removed"."""
     return list(EventType).index(EventType(value))
 
 
 def belief_from_proto(message: object_pb2.Belief) -> Belief:
-    """A belief that the service sent."""
+    """Converts a belief from the service."""
     return Belief(message.change_mean_m, message.change_std_m, message.alpha, message.beta)
 
 
 def object_from_proto(message: object_pb2.Object) -> Object:
-    """An object that the service sent."""
+    """Converts an object from the service."""
     cuboid = message.cuboid
     return Object(
         id=message.id,
@@ -224,7 +232,7 @@ def object_from_proto(message: object_pb2.Object) -> Object:
 
 
 def event_from_proto(message: event_pb2.ObjectEvent) -> Event:
-    """An event that the service sent."""
+    """Converts an event from the service."""
     has = message.HasField
     return Event(
         number=message.number,

@@ -1,4 +1,4 @@
-"""Answers to queries about a map's surface. Every answer names the revision it was read at."""
+"""Responses to queries of a map's surface. Every response names the revision it was read at."""
 
 import dataclasses
 import enum
@@ -13,14 +13,14 @@ _Entry = TypeVar("_Entry")
 
 
 class Listing(Generic[_Entry], Iterator[_Entry]):
-    """The entries of a list, fetched page by page as they are iterated over.
+    """The entries of a list, fetched page by page during iteration.
 
     Attributes:
-        revision: at which the page of the last entry was read; 0 before the first.
+        revision: Revision of the page of the last returned entry; 0 before the first.
     """
 
     def __init__(self, fetch: Callable[[str], Tuple[int, List[_Entry], str]]) -> None:
-        """`fetch` takes a page token and gives revision, entries and the next page's token."""
+        """`fetch` takes a page token and returns revision, entries and the next page's token."""
         self.revision = 0
         self._entries = self._iterate(fetch)
 
@@ -37,31 +37,31 @@ class Listing(Generic[_Entry], Iterator[_Entry]):
 
 
 class PointState(enum.IntEnum):
-    """What a map says of a point or of a ray. It says what was seen, not what is."""
+    """State of a point or a ray in a map, based on observations."""
 
     UNKNOWN = query_service_pb2.POINT_STATE_UNKNOWN
-    """A point that was not seen, or not since something came to stand there; a ray that meets no
-    surface and is not known to be free all along."""
+    """A point that was not observed, or not since an object was placed there; a ray that hits no
+    surface and is not observed as free along its whole length."""
     FREE = query_service_pb2.POINT_STATE_FREE
-    """A point in front of all surfaces, or looked through; a ray that is free to its end."""
+    """A point in front of all surfaces or in observed free space; a ray that is free to its end."""
     SURFACE = query_service_pb2.POINT_STATE_SURFACE
-    """A point at a surface or right behind it; a ray that meets one from its front."""
+    """A point at a surface or directly behind it; a ray that hits a surface from its front."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class DistanceSamples:
-    """What a map shows at N points.
+    """State and signed distance of a map at N points.
 
     Attributes:
-        revision: at which the map was read.
+        revision: Revision of the map.
         state: uint8 (N,), values of PointState.
         distance_m: float64 (N,), metres; positive in front of the surface, negative behind it; NaN
-            further than the truncation from any surface that was seen.
-        gradient: float64 (N, 3), world frame, unit length, away from the surface; zero where a
-            neighbour is unknown, NaN where the distance is.
-        object_id: uint64 (N,), whose volume answered; 0 is the background.
+            outside the truncation band of every observed surface.
+        gradient: float64 (N, 3), world frame, unit length, away from the surface; zero if a
+            neighbour is unknown, NaN if the distance is.
+        object_id: uint64 (N,), owner of the volume; 0 is the background.
         class_id: uint32 (N,), class of that object; 0 for the background.
-        weight: float64 (N,), evidence: 1 is one look from 1 m; 0 where there is no distance.
+        weight: float64 (N,), evidence: 1 is one observation from 1 m; 0 without a distance.
     """
 
     revision: int
@@ -75,17 +75,17 @@ class DistanceSamples:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class RayHits:
-    """Where N rays met the first surface from its front.
+    """First surfaces that N rays hit from their front.
 
     Attributes:
-        revision: at which the map was read.
+        revision: Revision of the map.
         state: uint8 (N,), values of PointState: SURFACE is a hit.
-        free_until_m: float64 (N,), metres; so far the ray is free, without a gap from its origin
-            on: up to the surface or to its greatest range at most.
+        free_until_m: float64 (N,), metres; length of the observed free part of the ray, without
+            gaps from its origin; at most up to the surface or the greatest range.
         range_m: float64 (N,), distance from the ray's origin, metres; NaN without a hit.
         point_m: float64 (N, 3), world frame, metres; NaN without a hit.
-        normal: float64 (N, 3), unit normal, towards the side it was seen from; NaN without a hit.
-        object_id: uint64 (N,), whose surface it is; 0 is the background.
+        normal: float64 (N, 3), unit normal, towards the observed side; NaN without a hit.
+        object_id: uint64 (N,), owner of the surface; 0 is the background.
         class_id: uint32 (N,), class of that object; 0 for the background.
     """
 
@@ -100,7 +100,7 @@ class RayHits:
 
 
 def sample_request(map_name: str, points_m: Any) -> query_service_pb2.SampleDistanceRequest:
-    """The request for points of shape (N, 3)."""
+    """Builds the request for points of shape (N, 3)."""
     request = query_service_pb2.SampleDistanceRequest(map=map_name)
     for x, y, z in as_points(points_m, "points_m").tolist():
         request.points_m.add(x=x, y=y, z=z)
@@ -110,7 +110,7 @@ def sample_request(map_name: str, points_m: Any) -> query_service_pb2.SampleDist
 def ray_request(
     map_name: str, origins_m: Any, directions: Any, max_range_m: float
 ) -> query_service_pb2.CastRaysRequest:
-    """The request for origins and directions of shape (N, 3); a single origin serves all."""
+    """Builds the request for rays of shape (N, 3); a single origin is used for all."""
     rays_directions = as_points(directions, "directions")
     rays_origins = as_points(origins_m, "origins_m")
     if len(rays_origins) == 1:
@@ -129,7 +129,7 @@ def ray_request(
 
 
 def samples_from_proto(message: query_service_pb2.SampleDistanceResponse) -> DistanceSamples:
-    """The answer as arrays."""
+    """Converts the response to arrays."""
     samples = message.samples
     known = _column(samples, bool, lambda sample: sample.HasField("distance_m"))
     gradient = _vectors(samples, lambda sample: sample.gradient)
@@ -148,7 +148,7 @@ def samples_from_proto(message: query_service_pb2.SampleDistanceResponse) -> Dis
 
 
 def hits_from_proto(message: query_service_pb2.CastRaysResponse) -> RayHits:
-    """The answer as arrays."""
+    """Converts the response to arrays."""
     hits = message.hits
     state = _column(hits, np.uint8, lambda entry: entry.state)
     range_m = _column(hits, np.float64, lambda entry: entry.range_m)

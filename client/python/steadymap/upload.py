@@ -1,4 +1,4 @@
-"""Uploads frames of one robot to one map, through whatever may heal on the way."""
+"""Uploads frames of one robot to one map, with retries after transient errors."""
 
 import secrets
 import threading
@@ -44,31 +44,31 @@ class _Stream:
         self.ended = False
         self.closed = False  # By the server, with OK.
         self.reached_goal = False
-        self.error: Optional[SteadymapError] = None  # Of ours; goes before the call's own status.
+        self.error: Optional[SteadymapError] = None  # Client-side; overrides the call's status.
 
     def fail(self, error: SteadymapError) -> None:
-        """Ends the stream with an error of ours."""
+        """Ends the stream with a client-side error."""
         self.error = self.error or error
         if self.call is not None:
             self.call.cancel()
 
 
 class Uploader:
-    """An upload session; made by `Client.uploader`.
+    """An upload session; returned by `Client.uploader`.
 
-    Frames get the indices 0, 1, ... in the order they are pushed. What fails and may heal (a lost
-    connection, a restarted or draining server, a full disk) is retried with backoff; only frames
-    that are not durable are sent again, and the server counts each once. What will not heal ends
-    the upload, and the next `push` or `finish` raises it.
+    Frames get the indices 0, 1, ... in the order they are pushed. Transient errors (a lost
+    connection, a restarted or draining server, a full disk) are retried with backoff. Only frames
+    that are not durable are sent again, and the server integrates each frame once. A permanent
+    error ends the upload, and the next `push` or `finish` raises it.
 
-    As a context manager it finishes at the end of the block, or gives up where the block raises.
-    One thread of its own, and one of gRPC's, do the work. Thread-safe.
+    As a context manager it finishes at the end of the block, or cancels if the block raises. Uses
+    one thread of its own and one of gRPC. Thread-safe.
     """
 
     def __init__(
         self, open_channel: Callable[[], grpc.Channel], map_name: str, options: UploadOptions
     ) -> None:
-        """Each stream has a channel of its own from `open_channel`."""
+        """Each stream uses a new channel from `open_channel`."""
         self._open_channel = open_channel
         self._map_name = map_name
         self._options = options
@@ -104,15 +104,15 @@ class Uploader:
 
     @property
     def progress(self) -> UploadProgress:
-        """Where the upload stands."""
+        """Current progress of the upload."""
         with self._changed:
             return self._queue.progress(self._reconnections)
 
     def push(self, frame: Frame) -> None:
-        """Takes a frame, whose arrays may change afterwards; waits while the buffer is full.
+        """Accepts a frame and copies its arrays; blocks while the buffer is full.
 
-        Raises what ended the upload; FailedPreconditionError after `finish`; ValueError for images
-        that cannot be packed.
+        Raises the error that ended the upload; FailedPreconditionError after `finish`; ValueError
+        for images that cannot be encoded.
         """
         message = frame_to_proto(frame, self._options.encoding)
         with self._changed:
@@ -120,14 +120,15 @@ class Uploader:
             if self._error is not None:
                 raise self._error
             if self._finishing or self._done:
-                raise FailedPreconditionError("the upload is finished already")
+                raise FailedPreconditionError("the upload is already finished")
             self._queue.push(message)
             self._changed.notify_all()
 
     def finish(self) -> UploadSummary:
         """Waits until every frame has reached `wait_for` or was refused, and ends the upload.
 
-        A refused frame is no error of the upload. Raises what ended it before that.
+        A refused frame is no error of the upload. Raises the error that ended the upload before
+        that.
         """
         with self._changed:
             self._finishing = True
@@ -141,7 +142,7 @@ class Uploader:
             return UploadSummary(progress, refused, self._queue.lost)
 
     def close(self) -> None:
-        """Ends the upload at once. Frames that are not durable by then may be lost."""
+        """Ends the upload at once. Frames that are not durable yet may be lost."""
         with self._changed:
             self._cancelled = True
             if self._stream.call is not None:
@@ -153,7 +154,7 @@ class Uploader:
         error: Optional[BaseException] = None
         try:
             error = self._run_streams()
-        except Exception as unexpected:  # A callback's, say; `finish` raises it.
+        except Exception as unexpected:  # E.g. from a callback; `finish` raises it.
             error = unexpected
         with self._changed:
             self._error = error
@@ -171,7 +172,7 @@ class Uploader:
                 backoff.reset()
             if error is None or not is_worth_retrying(error):
                 return error
-            # Who was let in may have had nothing to upload for hours.
+            # An opened stream may have been idle for hours, so its duration does not count.
             counts = not self._stream.opened and self._options.sleep is None
             took_s = time.monotonic() - start_s if counts else 0.0
             delay_s = backoff.next_delay_s(
@@ -187,7 +188,7 @@ class Uploader:
         return progress.durable + progress.integrated + progress.refused
 
     def _wait_before_retry(self, error: SteadymapError, delay_s: float) -> bool:
-        """Returns whether to try again."""
+        """Returns True if the upload shall be tried again."""
         if self._options.on_retry is not None:
             self._options.on_retry(error, delay_s)
         if self._options.sleep is not None:
@@ -199,14 +200,14 @@ class Uploader:
             return not self._cancelled
 
     def _run_stream(self, channel: grpc.Channel) -> Optional[SteadymapError]:
-        """One stream from opening to end; returns what ended it, or None when all is done."""
+        """Runs one stream; returns the error that ended it, or None if the upload is complete."""
         stream = _Stream()
         stub = ingest_service_pb2_grpc.IngestServiceStub(channel)
         call = stub.UploadFrames(self._requests(stream))
         with self._changed:
             stream.call = call
             self._stream = stream
-            if self._cancelled or stream.error is not None:  # Before there was a call to cancel.
+            if self._cancelled or stream.error is not None:  # Cancelled before the call existed.
                 call.cancel()
         error: Optional[SteadymapError] = None
         try:
@@ -218,10 +219,10 @@ class Uploader:
         finally:
             with self._changed:
                 stream.ended = True
-                call.cancel()  # Of no effect but where a callback of the user's raised.
+                call.cancel()  # Has an effect only if a callback raised.
                 self._changed.notify_all()
         if self._cancelled:
-            return CancelledError("the upload was given up")
+            return CancelledError("the upload was cancelled")
         if stream.reached_goal:
             return None
         if stream.error is not None or error is not None:
@@ -229,7 +230,7 @@ class Uploader:
         return self._confirm(channel)
 
     def _requests(self, stream: _Stream) -> Iterator[ingest_service_pb2.UploadFramesRequest]:
-        """What the stream sends; runs in a thread of gRPC."""
+        """Yields the messages to send; runs in a thread of gRPC."""
         yield self._open_message()
         with self._changed:
             if not self._changed.wait_for(
@@ -257,16 +258,16 @@ class Uploader:
                 if not self._read_again(stream, missing):
                     return
             elif request is None:
-                return  # Everything is sent, and there will be no more.
+                return  # All frames are sent and no more will be pushed.
             else:
                 yield request
 
     def _read_again(self, stream: _Stream, index: int) -> bool:
-        """Returns whether the stream can go on."""
+        """Reads a lost frame again; returns True if the stream can continue."""
         error: Optional[SteadymapError] = None
         try:
             message = frame_to_proto(self._options.read_again(index), self._options.encoding)
-        except Exception as cause:  # Whatever the user's function raises.
+        except Exception as cause:  # Any exception of the caller's function.
             error = DataLossError(
                 f"the server lost frame {index}, which it had acknowledged as durable, and it could "
                 f"not be read again: {cause!r}"
@@ -285,7 +286,7 @@ class Uploader:
         request.open.robot = self._options.robot
         request.open.sensor = self._options.sensor
         request.open.session = self._session
-        # The first level is the one that reports refused frames.
+        # The first level reports the refused frames.
         levels = [AckLevel.DURABLE, AckLevel.INTEGRATED]
         if self._options.wait_for is AckLevel.RECEIVED:
             levels.insert(0, AckLevel.RECEIVED)
@@ -321,16 +322,17 @@ class Uploader:
             return
         stream.reached_goal = True
         if self._options.wait_for is not AckLevel.INTEGRATED:
-            stream.call.cancel()  # Else the server would integrate before it ends the stream.
+            # Otherwise the server integrates all frames before it ends the stream.
+            stream.call.cancel()
 
     def _confirm(self, channel: grpc.Channel) -> Optional[SteadymapError]:
-        """After a stream that ended with OK: asks where the session stands.
+        """Requests the session's state after a stream that ended with OK.
 
-        The acknowledgement of frames that an earlier, broken stream brought may have been lost.
+        The acknowledgement of frames that an earlier, broken stream uploaded may be lost.
         """
         with self._changed:
             if not self._finishing or not self._queue.all_sent:
-                return UnavailableError("the server ended the upload before everything was sent")
+                return UnavailableError("the server ended the upload before all frames were sent")
         request = ingest_service_pb2.GetUploadStateRequest(
             map=self._map_name,
             robot=self._options.robot,
@@ -354,10 +356,10 @@ class Uploader:
                 return error
             if self._has_reached_goal():
                 return None
-        return UnavailableError("the server ended the upload before everything was integrated")
+        return UnavailableError("the server ended the upload before all frames were integrated")
 
     def _ask_for_revision(self, channel: grpc.Channel) -> int:
-        """The map's revision, after its integration was confirmed; 0 where this client may not ask."""
+        """Returns the revision of the map; 0 if this client lacks the permission to read it."""
         request = map_service_pb2.GetMapRequest(name=self._map_name)
         request.read_mask.paths.append("state.revision")
         stub = map_service_pb2_grpc.MapServiceStub(channel)
@@ -367,7 +369,7 @@ class Uploader:
             return 0
 
     def _has_reached_goal(self) -> bool:
-        """Whether every pushed frame has the level asked for, or was refused."""
+        """True if every pushed frame has the requested level or was refused."""
         reached = {
             AckLevel.RECEIVED: max(self._queue.received, self._queue.durable),
             AckLevel.DURABLE: self._queue.durable,

@@ -1,4 +1,4 @@
-"""How frames are uploaded, and what became of them."""
+"""Options and results of uploads."""
 
 import dataclasses
 import enum
@@ -12,10 +12,10 @@ from steadymap.upload_queue import LostFrames, RefusedFrame, UploadProgress
 
 
 class AckLevel(str, enum.Enum):
-    """How far a frame has come.
+    """Processing level of a frame.
 
     RECEIVED: validated, in memory. DURABLE: in the log; survives kill -9 and power loss.
-    INTEGRATED: part of a committed revision; every later read shows it.
+    INTEGRATED: part of a committed revision; visible to every later read.
     """
 
     RECEIVED = "received"
@@ -25,37 +25,38 @@ class AckLevel(str, enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class UploadOptions:
-    """How frames are uploaded.
+    """Options of an upload.
 
     Attributes:
-        robot: id of the robot that the frames come from, matching `[a-z][a-z0-9-]{0,62}`.
-        sensor: id of the sensor on it; two sensors of a robot upload at the same time, each in its
-            own session.
-        session: id of the upload session, of the same form; None: a random one. Naming it lets a
-            later process that pushes the same frames in the same order go on where this one
-            stopped.
-        encoding: how depth and label arrays travel. None: ZSTD where the package zstandard is
+        robot: Id of the robot that recorded the frames; matches `[a-z][a-z0-9-]{0,62}`.
+        sensor: Id of the sensor on the robot; two sensors of one robot upload concurrently, each in
+            its own session.
+        session: Id of the upload session, of the same form as `robot`; None: a random id. With a
+            fixed id, a later process that pushes the same frames in the same order continues the
+            upload.
+        encoding: Wire encoding of depth and label arrays. None: ZSTD if the package zstandard is
             installed, else RAW.
-        wait_for: the level that every frame must have reached when the upload is finished.
-        max_batch_bytes, max_batch_frames: a message holds no more, unless one frame is larger.
-        max_buffered_bytes: frames that are not durable yet take no more memory; `push` waits.
-        open_timeout_s: a server that does not answer the opening for so long counts as unavailable.
-        backoff: waits between reconnections.
-        seed: of the jitter. None: from the system.
-        sleep: replaces the waiting between reconnections, and the clock: tries then take no time. For
-            tests. None: really waits.
-        on_progress: called after each acknowledgement, from the uploader's thread; it must not call
+        wait_for: Level that every frame must reach before the upload is finished.
+        max_batch_bytes, max_batch_frames: Limits of a message, unless a single frame is larger.
+        max_buffered_bytes: Memory limit of frames that are not durable yet; `push` blocks above it.
+        open_timeout_s: A server that does not answer the opening within this time counts as
+            unavailable.
+        backoff: Delays between reconnections.
+        seed: Seed of the jitter. None: from the system.
+        sleep: Replaces the wait between reconnections and the clock; attempts then take no time.
+            For tests. None: waits in real time.
+        on_progress: Called after each acknowledgement, from the uploader's thread. Must not call
             the uploader.
-        read_again: gives a frame once more, by its index among those that were pushed: for frames of
-            a recording. If the service has lost frames that it had acknowledged, they are read and
-            sent again, in their order and before those behind. Called from a thread of the uploader;
-            it must not call the uploader. What it raises ends the upload. None: they are gone.
-        on_lost: called from the uploader's thread when the service turns out to have lost frames.
-            Without `read_again` and with this, as a robot that uploads what it sees has it, the
-            upload goes on behind them and counts them as lost. Without both it ends with
-            DataLossError.
-        on_retry: called likewise before each wait for a reconnection, with what went wrong and the
-            seconds to wait.
+        read_again: Returns a pushed frame again, by its index. For frames of a recording. If the
+            service has lost frames that it had acknowledged, the uploader reads and resends them in
+            order, before all later frames. Called from a thread of the uploader; must not call the
+            uploader. An exception ends the upload. None: lost frames cannot be resent.
+        on_lost: Called from the uploader's thread when the service has lost frames that it had
+            acknowledged. With `on_lost` but without `read_again` (a robot that uploads live
+            frames), the upload continues after the lost frames and counts them as lost. Without
+            both it ends with DataLossError.
+        on_retry: Called from the uploader's thread before each wait for a reconnection with the
+            error and the delay in seconds.
     """
 
     robot: str = "robot"
@@ -86,12 +87,12 @@ class UploadOptions:
 
 @dataclasses.dataclass(frozen=True)
 class UploadSummary:
-    """What became of an upload.
+    """Result of an upload.
 
     Attributes:
-        progress: at the end.
-        refused: frames that the service refused, in the order of their indices; the first 1000.
-        lost: frames that the service lost and that were not sent again, by rising indices.
+        progress: Progress at the end.
+        refused: Frames refused by the service, in the order of their indices; the first 1000.
+        lost: Frames that the service lost and that were not resent, in ascending order.
     """
 
     progress: UploadProgress

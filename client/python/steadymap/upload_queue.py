@@ -1,6 +1,6 @@
-"""The memory of an upload session: what is under way, and what the service has acknowledged.
+"""State of an upload session: pending frames, acknowledgements and flow-control credit.
 
-Pure state: no threads, clock or network. The same rules as client/upload/upload_queue.h of the C++ client.
+Pure state: no threads, clock or network. Same rules as client/upload/upload_queue.h.
 """
 
 import collections
@@ -18,24 +18,24 @@ from steadymap.errors import (
     error_from_status,
 )
 
-# Enough to see what goes wrong; a robot that sends nothing but broken frames must not fill the
-# memory with reports.
+# Enough for a diagnosis; bounds the memory for a robot that sends only invalid frames.
 _MAX_KEPT_REFUSALS = 1000
 
-# Most that tags, lengths, the sequence and the checksum add to a message and to each frame in it.
+# Upper bounds of the bytes that tags, lengths, sequence and checksum add to a message and to each
+# of its frames.
 _ENVELOPE_BYTES = 32
 _FRAME_ENVELOPE_BYTES = 6
 
-_UNLIMITED_BYTES = 1 << 62  # For a server that names no limit.
+_UNLIMITED_BYTES = 1 << 62  # For a server without a limit.
 
 
 @dataclasses.dataclass(frozen=True)
 class RefusedFrame:
-    """A frame that the service refused.
+    """A frame refused by the service.
 
     Attributes:
-        index: its place among the frames of the upload, from 0.
-        error: why, with reason and field path.
+        index: Index among the frames of the upload, from 0.
+        error: Error with reason and field path.
     """
 
     index: int
@@ -44,11 +44,12 @@ class RefusedFrame:
 
 @dataclasses.dataclass(frozen=True)
 class LostFrames:
-    """Frames that the service had acknowledged as durable and no longer has, as after its disk was
-    set back to an older copy.
+    """Frames that the service had acknowledged as durable and no longer has.
+
+    This happens, for example, after its disk was restored from an older copy.
 
     Attributes:
-        first, last: indices among the frames of the upload, from 0, both included.
+        first, last: Indices among the frames of the upload, from 0, both included.
     """
 
     first: int
@@ -56,7 +57,7 @@ class LostFrames:
 
 
 class LossRecovery(enum.Enum):
-    """What becomes of such frames: their loss is an error; they are given up; they are sent again."""
+    """Policy for lost frames: NONE is an error, GO_ON gives them up, SEND_AGAIN resends them."""
 
     NONE = "none"
     GO_ON = "go_on"
@@ -65,26 +66,26 @@ class LossRecovery(enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class UploadProgress:
-    """Where an upload stands: counts of frames since its start.
+    """Progress of an upload: counts of frames since its start.
 
-    A refused frame counts as `refused` and nowhere behind `pushed` and `sent`. Only the levels may
-    fall: when the service has lost frames that it had acknowledged.
+    A refused frame is counted in `pushed`, `sent` and `refused` only. Only the levels can decrease,
+    when the service has lost frames that it had acknowledged.
 
     Attributes:
-        pushed: given to the uploader.
-        sent: sent at least once.
-        received: validated and held in the server's memory; known only where `wait_for` is
-            RECEIVED, else as `durable`.
-        durable: would survive the server's death.
-        integrated: part of a committed revision.
-        refused: refused by the service.
-        lost: were durable, are no more and were not sent again.
-        sent_again: sendings beyond the first, after reconnections.
-        reconnections: streams opened after the first.
-        bytes_sent: of serialized batches.
-        revision: newest revision that an acknowledgement named; where frames were integrated by an
-            earlier stream, whose acknowledgements did not come, that of the map when this was
-            found out.
+        pushed: Passed to the uploader.
+        sent: Sent at least once.
+        received: Validated and held in the server's memory; known only if `wait_for` is RECEIVED,
+            else equal to `durable`.
+        durable: Stored on the server's disk.
+        integrated: Part of a committed revision.
+        refused: Refused by the service.
+        lost: Were durable, are missing on the server and were not resent.
+        sent_again: Repeated transmissions after reconnections.
+        reconnections: Streams opened after the first.
+        bytes_sent: Bytes of serialized batches.
+        revision: Newest revision named by an acknowledgement. If an earlier stream integrated the
+            frames and its acknowledgements were lost: the revision of the map when the client
+            confirmed the integration.
     """
 
     pushed: int = 0
@@ -101,8 +102,10 @@ class UploadProgress:
 
 
 class UploadQueue:
-    """Frames by client sequence, credit, and batches. Bounded by its user, who pushes only while
-    `buffered_bytes` allows it."""
+    """Frames by client sequence, credit, and batches.
+
+    The caller bounds its memory: it pushes only while `buffered_bytes` is below a limit.
+    """
 
     def __init__(
         self,
@@ -114,7 +117,7 @@ class UploadQueue:
         self._max_batch_bytes = max_batch_bytes
         self._max_batch_frames = max_batch_frames
         self._max_message_bytes = _UNLIMITED_BYTES
-        # Client sequences `durable + 1` to `last_pushed`, with their serialized bytes. None: to be
+        # Client sequences `durable + 1` to `last_pushed` with their serialized bytes. None: must be
         # read again.
         self._pending: Deque[Tuple[Optional[frame_pb2.Frame], int]] = collections.deque()
         self.buffered_bytes = 0
@@ -122,14 +125,15 @@ class UploadQueue:
         self._next_to_send = 1
         self._highest_sent = 0
         self.received = 0
-        self.durable = 0  # All up to it are durable or refused; the others likewise.
+        # All frames up to `received`, `durable` and `integrated` have this level or are refused.
+        self.durable = 0
         self.integrated = 0
         self._credit_bytes = 0
         self._credit_frames = 0
         self._refused_ahead: Set[int] = set()  # Refused sequences above `integrated`.
-        self._refused_behind = 0  # How many there were up to it.
-        self._was_refused = bytearray()  # By client sequence, up to the last refused one.
-        self._given_up: List[Tuple[LostFrames, int]] = []  # With how many had not been refused.
+        self._refused_behind = 0  # Number of refused sequences up to `integrated`.
+        self._was_refused = bytearray()  # By client sequence - 1, up to the last refused one.
+        self._given_up: List[Tuple[LostFrames, int]] = []  # With the number of frames not refused.
         self.refused: List[RefusedFrame] = []
         self._sent_again = 0
         self._bytes_sent = 0
@@ -137,28 +141,28 @@ class UploadQueue:
 
     @property
     def all_sent(self) -> bool:
-        """Whether everything pushed is sent on this stream or was durable before it."""
+        """True if every pushed frame was sent on this stream or was durable before it."""
         return self._next_to_send > self.last_pushed
 
     def push(self, frame: frame_pb2.Frame) -> None:
-        """Appends a frame and gives it the next client sequence."""
+        """Appends a frame and assigns it the next client sequence."""
         self.last_pushed += 1
         if self.last_pushed <= self.durable:
-            return  # An earlier run of this session brought it here.
+            return  # An earlier run of this session uploaded it.
         frame_bytes = frame.ByteSize()
         self._pending.append((frame, frame_bytes))
         self.buffered_bytes += frame_bytes
 
     @property
     def lost(self) -> List[LostFrames]:
-        """Frames that were given up, by rising indices."""
+        """Frames that were given up, in ascending order."""
         return [frames for frames, _ in self._given_up]
 
     def open(self, opened: ingest_service_pb2.UploadOpened) -> Optional[LostFrames]:
-        """Starts over at the server's resume point.
+        """Restarts at the server's resume point.
 
-        The frames that turn out to be lost now and were not known to be, or None. DataLossError where
-        frames are lost and there is no recovery.
+        Returns the frames newly detected as lost, or None. DataLossError if frames are lost and
+        there is no recovery.
         """
         resume = opened.resume_client_seq
         lost: Optional[LostFrames] = None
@@ -172,7 +176,7 @@ class UploadQueue:
         else:
             raise DataLossError(
                 f"the server acknowledged frames up to {self.durable} of this session as durable, "
-                f"but now knows only {resume}"
+                f"but now has only frames up to {resume}"
             )
         self._next_to_send = self.durable + 1
         self._credit_bytes = opened.credit.bytes
@@ -181,8 +185,10 @@ class UploadQueue:
         return lost
 
     def frame_to_read_again(self) -> Optional[int]:
-        """Index of the first frame for the next batch that must be read again, or None where there
-        is no such frame or no credit."""
+        """Returns the index of the first frame of the next batch that must be read again.
+
+        None if there is no such frame or no credit.
+        """
         end = self._next_to_send + min(self._credit_frames, self._max_batch_frames)
         batch_bytes = 0
         for client_seq in range(self._next_to_send, min(end, self.last_pushed + 1)):
@@ -195,18 +201,18 @@ class UploadQueue:
         return None
 
     def fill_in(self, index: int, frame: frame_pb2.Frame) -> None:
-        """Gives back the frame that `frame_to_read_again` named."""
+        """Supplies the frame named by `frame_to_read_again`."""
         frame_bytes = frame.ByteSize()
         self._pending[index - self.durable] = (frame, frame_bytes)
         self.buffered_bytes += frame_bytes
 
     def grant(self, credit: ingest_service_pb2.UploadCredit) -> None:
-        """Adds credit."""
+        """Adds flow-control credit."""
         self._credit_bytes += credit.bytes
         self._credit_frames += credit.frames
 
     def acknowledge(self, ack: ingest_service_pb2.UploadAck) -> None:
-        """Notes an acknowledgement. InternalError if it names a frame that was never sent."""
+        """Records an acknowledgement. InternalError if it names a frame that was never sent."""
         if ack.client_seq >= self._next_to_send:
             raise InternalError(
                 f"the server acknowledged frame {ack.client_seq}, "
@@ -224,7 +230,7 @@ class UploadQueue:
         self._revision = max(self._revision, ack.revision)
 
     def can_take_batch(self) -> bool:
-        """Whether `take_batch` would give a batch or an error."""
+        """True if `take_batch` would return a batch or raise."""
         if self.all_sent or self._pending[self._next_to_send - self.durable - 1][0] is None:
             return False
         frame_bytes = self._bytes_at(self._next_to_send)
@@ -232,9 +238,9 @@ class UploadQueue:
         return has_credit or frame_bytes > self._max_message_bytes
 
     def take_batch(self) -> Optional[ingest_service_pb2.UploadFramesRequest]:
-        """The next message, as large as limits and credit allow, or None.
+        """Returns the next message, as large as limits and credit allow, or None.
 
-        ResourceExhaustedError / MESSAGE_TOO_LARGE for a frame that no message can hold.
+        ResourceExhaustedError / MESSAGE_TOO_LARGE for a frame larger than the largest message.
         """
         if not self.can_take_batch():
             return None
@@ -262,7 +268,7 @@ class UploadQueue:
         return request
 
     def progress(self, reconnections: int) -> UploadProgress:
-        """Where the upload stands."""
+        """Returns the current progress."""
         lost = sum(count for _, count in self._given_up)
         lost_behind = sum(c for frames, c in self._given_up if frames.last < self.integrated)
         return UploadProgress(
@@ -286,7 +292,7 @@ class UploadQueue:
                 self.buffered_bytes -= self._pending.popleft()[1]
 
     def _miss_again(self, resume: int) -> None:
-        """What is lost is pending again, to be read when it is sent."""
+        """Marks the lost frames as pending; they are read again when they are sent."""
         missing = max(0, min(self.durable, self.last_pushed) - resume)
         self._pending.extendleft([(None, 0)] * missing)
         self.durable = resume
@@ -294,7 +300,7 @@ class UploadQueue:
         self._set_back_integrated(resume)
 
     def _give_up(self, resume: int) -> Optional[LostFrames]:
-        """Goes on behind what was durable; None if all of it was given up already."""
+        """Continues after the last durable frame; None if all lost frames were given up before."""
         lost = LostFrames(resume, self.durable - 1)
         if self._given_up and self._given_up[-1][0] == lost:
             return None
@@ -314,7 +320,7 @@ class UploadQueue:
         self.integrated = min(self.integrated, client_seq)
 
     def _note_integrated(self, client_seq: int) -> None:
-        for frames, _ in self._given_up:  # What is lost need not be waited for.
+        for frames, _ in self._given_up:  # Lost frames count as processed.
             if client_seq >= frames.first:
                 client_seq = max(client_seq, frames.last + 1)
         self.integrated = max(self.integrated, client_seq)
@@ -324,7 +330,7 @@ class UploadQueue:
 
     def _note_refused(self, refused: ingest_service_pb2.RefusedFrame) -> None:
         client_seq = refused.client_seq
-        # Reported again after a reconnection, or a number that we never gave.
+        # Ignores a repeated report after a reconnection and a sequence that was never sent.
         if client_seq in self._refused_ahead:
             return
         if not self.integrated < client_seq < self._next_to_send:
@@ -340,7 +346,7 @@ class UploadQueue:
         return min(client_seq, self.last_pushed) - self._refused_behind - ahead
 
     def _bytes_at(self, client_seq: int) -> int:
-        """Bytes of a message with this frame alone, at most."""
+        """Returns an upper bound of the bytes of a message with this frame alone."""
         frame_bytes = self._pending[client_seq - self.durable - 1][1]
         return frame_bytes + _FRAME_ENVELOPE_BYTES + _ENVELOPE_BYTES
 

@@ -1,4 +1,4 @@
-"""The volumes of a map: leaves of 8 x 8 x 8 voxels, packed as core/volume/tsdf_codec.h says."""
+"""The volumes of a map: leaves of 8 x 8 x 8 voxels in the format of core/volume/tsdf_codec.h."""
 
 import dataclasses
 from typing import Any, Iterable, List, Optional, Sequence, Tuple
@@ -12,7 +12,7 @@ from steadymap.objects import Object, object_from_proto
 
 try:
     import zstandard
-except ImportError:  # Needed to unpack leaves alone.
+except ImportError:  # Required to unpack leaves only.
     zstandard = None
 
 _SIDE = 8
@@ -21,9 +21,9 @@ _MASK_BYTES = _VOXELS // 8
 _VERSION = 2
 _COLOR_FLAG = 0x10
 _ZSTD_FLAG = 0x20
-_GEOMETRY_BYTES = 4  # Of an observed voxel; as many more where it has colour.
+_GEOMETRY_BYTES = 4  # Per observed voxel; twice as many with colour.
 _MAX_BODY_BYTES = _MASK_BYTES + _VOXELS * 2 * _GEOMETRY_BYTES
-_MAX_DISTANCE_STEPS = 511  # That the truncation distance has.
+_MAX_DISTANCE_STEPS = 511  # Steps of the truncation distance.
 _WEIGHT_UNIT = 1.0 / 256.0
 
 
@@ -32,12 +32,12 @@ class Leaf:
     """8 x 8 x 8 voxels of a volume.
 
     Attributes:
-        object_id: whose volume it is; 0 is the background, whose grid frame is the world frame.
+        object_id: Owner of the volume; 0 is the background, with the world frame as its grid frame.
         origin: int32 (3,), index of the lowest voxel in the volume's grid frame, multiples of 8.
             Voxel (i, j, k) has its centre at (i, j, k) times the voxel size.
-        packed: the voxels, for `unpack_leaves`; empty: the leaf is gone.
-        is_patch: `packed` holds new voxels of a leaf that is known, and the leaf keeps its others.
-            Only where a watch was asked for patches.
+        packed: The voxels, for `unpack_leaves`; empty: the leaf was removed.
+        is_patch: True if `packed` contains only the changed voxels of a known leaf; the others keep
+            their values. Only in a watch with `takes_patches`.
     """
 
     object_id: int
@@ -52,10 +52,10 @@ class LeafVoxels:
 
     Attributes:
         observed: bool (L, 8, 8, 8).
-        distance_m: float32 (L, 8, 8, 8), metres, positive in front of the surface; NaN where not
+        distance_m: float32 (L, 8, 8, 8), metres, positive in front of the surface; NaN if not
             observed.
-        weight: float32 (L, 8, 8, 8), evidence: 1 is one look from 1 m; 0 where not observed.
-        colors: uint8 (L, 8, 8, 8, 3), sRGB; zeros where there is none.
+        weight: float32 (L, 8, 8, 8), evidence: 1 is one observation from 1 m; 0 if not observed.
+        colors: uint8 (L, 8, 8, 8, 3), sRGB; zeros without colour.
     """
 
     observed: np.ndarray
@@ -69,10 +69,10 @@ class Section:
     """The volumes of a part of a map.
 
     Attributes:
-        revision: at which the map was read.
-        voxel_size_m, truncation_m: of the map, metres.
-        objects: whose leaves follow; `T_world_object` says where these stand.
-        leaves: of background and objects.
+        revision: Revision of the map.
+        voxel_size_m, truncation_m: Scale of the map, metres.
+        objects: Owners of the leaves; `T_world_object` is the pose of their grid frame.
+        leaves: Leaves of background and objects.
     """
 
     revision: int
@@ -83,7 +83,7 @@ class Section:
 
 
 def leaf_from_proto(entry: volume_pb2.PackedLeaf) -> Leaf:
-    """A leaf that the service sent."""
+    """Converts a leaf from the service."""
     origin = np.array((entry.origin_x, entry.origin_y, entry.origin_z), np.int32)
     return Leaf(entry.object_id, read_only(origin), entry.packed, entry.is_patch)
 
@@ -106,10 +106,10 @@ def take_section(messages: Iterable[Any]) -> Section:
 
 
 def unpack_leaves(leaves: Sequence[Leaf], truncation_m: float) -> LeafVoxels:
-    """The voxels of leaves of a map with this truncation distance, metres.
+    """Unpacks leaves of a map with this truncation distance, metres.
 
-    Takes some 0.1 s and some microseconds a leaf more: unpack many at once. Needs the package
-    zstandard. DataLossError for a leaf that is damaged.
+    Takes about 0.1 s per call and some microseconds per leaf: unpack many leaves at once. Requires
+    the package zstandard. DataLossError for a damaged leaf.
     """
     bodies = [_body_of(leaf.packed) for leaf in leaves]
     masks = b"".join(body[:_MASK_BYTES] or bytes(_MASK_BYTES) for body, _ in bodies)
@@ -138,12 +138,12 @@ def _damaged(what: str) -> DataLossError:
 
 
 def _body_of(packed: bytes) -> Tuple[bytes, bool]:
-    """The unpacked bytes behind the format byte, and whether there are colours among them."""
+    """Returns the unpacked bytes after the format byte, and True if they contain colours."""
     if not packed:
         return b"", False
     flags = packed[0] & ~0x0F
     if packed[0] & 0x0F != _VERSION or flags & ~(_COLOR_FLAG | _ZSTD_FLAG):
-        raise _damaged("its format byte is not one of ours")
+        raise _damaged("its format byte is unknown")
     body = packed[1:]
     if flags & _ZSTD_FLAG:
         if zstandard is None:
@@ -153,12 +153,12 @@ def _body_of(packed: bytes) -> Tuple[bytes, bool]:
         except zstandard.ZstdError as error:
             raise _damaged(str(error)) from None
     if len(body) < _MASK_BYTES:
-        raise _damaged("it is cut short")
+        raise _damaged("it is truncated")
     return body, bool(flags & _COLOR_FLAG)
 
 
 def _planes(bodies: List[Tuple[bytes, bool]], counts: np.ndarray) -> List[np.ndarray]:
-    """The eight bytes of every observed voxel, a plane a byte, leaf after leaf in offset order."""
+    """Returns the eight bytes of every observed voxel, one plane per byte, in offset order."""
     parts: List[np.ndarray] = [np.empty((8, 0), np.uint8)]
     for (body, has_color), count in zip(bodies, counts.tolist()):
         plane_count = 2 * _GEOMETRY_BYTES if has_color else _GEOMETRY_BYTES
@@ -177,14 +177,14 @@ def _from_zigzag(zigzag: np.ndarray) -> np.ndarray:
 
 
 def _undo_differences(observed: np.ndarray, residuals: np.ndarray, wrap: int) -> np.ndarray:
-    """Values that were stored as differences from the observed voxel before; 0 elsewhere."""
+    """Restores values stored as differences to the previous observed voxel; 0 elsewhere."""
     differences = np.zeros(observed.shape, np.int32)
     differences[observed] = residuals
     return np.where(observed, np.cumsum(differences, axis=1, dtype=np.int32) & wrap, 0)
 
 
 def _undo_prediction(observed: np.ndarray, residuals: np.ndarray) -> np.ndarray:
-    """Distances in steps, offset by offset in all leaves at once; 0 where not observed."""
+    """Restores distances in steps, offset by offset in all leaves at once; 0 if not observed."""
     has = np.ascontiguousarray(observed.T)
     steps = np.zeros(has.shape, np.int32)
     differences = np.zeros(observed.shape, np.int32)
@@ -198,7 +198,7 @@ def _undo_prediction(observed: np.ndarray, residuals: np.ndarray) -> np.ndarray:
 
 
 def _predict(has: np.ndarray, steps: np.ndarray, offset: int) -> np.ndarray:
-    """As PredictDistance in core/volume/tsdf_codec.cpp: the last rule here that holds is the one."""
+    """Implements PredictDistance of core/volume/tsdf_codec.cpp; the last matching rule wins."""
     x, y, z = offset - 64, offset - 8, offset - 1
     along_x, along_y, depth = offset >> 6 > 0, offset >> 3 & 7 > 0, offset & 7
     prediction = np.zeros(has.shape[1], np.int32)

@@ -1,4 +1,4 @@
-"""Follows a map as it changes, through whatever cuts the stream."""
+"""Watches the changes of a map, with retries after transient errors."""
 
 import asyncio
 import dataclasses
@@ -23,16 +23,20 @@ from steadymap.watch_items import Created, Progress, Resync, Snapshot, WatchItem
 
 
 class WatchStart(str, enum.Enum):
-    """Where a watch without a token begins: NOW, with what happens from now on; SNAPSHOT, with all
-    that the filter shows of the present, then what happens."""
+    """Start of a watch without a token.
+
+    NOW: changes from now on. SNAPSHOT: the current state that passes the filter, then its changes.
+    """
 
     NOW = "now"
     SNAPSHOT = "snapshot"
 
 
 class WatchKind(str, enum.Enum):
-    """What a watcher wants to hear of: EVENTS, what happened; OBJECTS, the states of objects;
-    VOLUMES, the leaves of background and objects, and with them the states of the objects.
+    """Content of a watch.
+
+    EVENTS: the events. OBJECTS: the states of objects. VOLUMES: the leaves of background and
+    objects, and the states of the objects.
     """
 
     EVENTS = "events"
@@ -42,28 +46,29 @@ class WatchKind(str, enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class WatchOptions:
-    """Where a watch begins, and what of the map it sees: what passes every filter that is set.
+    """Start and filter of a watch. An item must pass every filter that is set.
 
     Attributes:
-        start: where to begin without a token.
-        resume_token: of a Progress: the watch goes on behind it, with the same filter. None: see
-            `start`.
-        kinds: what to hear of.
-        boxes: what touches one of these boxes, shape (2, 3) each: lowest and highest corner, world
-            frame, metres. Empty: wherever it is.
-        class_ids: objects and events of one of these classes; empty: of any.
-        object_ids: these objects, and events that concern one of them; empty: any. Events of robots
-            concern none: they pass where boxes, class_ids and object_ids are all empty.
-        include_archived: objects that are gone pass, too.
-        resync_if_compacted: where the history behind the token is gone, go on with a Resync and a
-            snapshot; else the watch ends with OutOfRangeError.
-        takes_patches: you keep all leaves you get, so a Delta may bring patches of them: half as
-            many bytes or less in a place that is known. Not with NOW.
-        max_message_bytes: messages are not larger, in [65536, 4194304]; 0: the server's default.
-        backoff: waits between reconnections.
-        seed: of the jitter. None: from the system.
-        on_retry: called before each wait for a reconnection, with what went wrong and the seconds
-            to wait.
+        start: Start without a token.
+        resume_token: Token of a Progress with the same filter: the watch continues after it. None:
+            see `start`.
+        kinds: Content to receive.
+        boxes: Selects items that touch one of these boxes, shape (2, 3) each: lowest and highest
+            corner, world frame, metres. Empty: anywhere.
+        class_ids: Selects objects and events of these classes; empty: any.
+        object_ids: Selects these objects and events that concern one of them; empty: any. Events of
+            robots have no object: they pass only if boxes, class_ids and object_ids are all empty.
+        include_archived: True to include removed objects.
+        resync_if_compacted: If the history after the token was compacted, continue with a Resync
+            and a snapshot; otherwise the watch ends with OutOfRangeError.
+        takes_patches: True if the caller keeps every received leaf: a Delta may then contain leaf
+            patches, with half the bytes or less in a known place. Invalid with NOW.
+        max_message_bytes: Upper limit of the message size, in [65536, 4194304]; 0: the server's
+            default.
+        backoff: Delays between reconnections.
+        seed: Seed of the jitter. None: from the system.
+        on_retry: Called before each wait for a reconnection with the error and the delay in
+            seconds.
     """
 
     start: Union[WatchStart, str] = WatchStart.SNAPSHOT
@@ -86,7 +91,7 @@ class WatchOptions:
         if not self.kinds:
             raise ValueError("kinds: expected at least one of events, objects and volumes")
         if self.takes_patches and self.start == WatchStart.NOW and self.resume_token is None:
-            raise ValueError("takes_patches: a watch from now on has no leaves to patch")
+            raise ValueError("takes_patches: requires a start with a snapshot or a token")
 
 
 _STARTS = {
@@ -96,7 +101,7 @@ _STARTS = {
 
 
 class _WatchState:
-    """What a watch remembers from stream to stream; knows no network."""
+    """State of a watch across its streams. Does no network I/O."""
 
     def __init__(self, map_name: str, options: WatchOptions) -> None:
         self.token = options.resume_token
@@ -106,15 +111,18 @@ class _WatchState:
         self._step: List[WatchItem] = []
         self._revision: Optional[int] = None  # Of the last Progress.
         self._goodbye_delay_s = 0.0
-        self._start_s = 0.0  # When the stream was opened, on the monotonic clock.
+        self._start_s = 0.0  # Start of the stream, monotonic clock.
         self._was_created = False
-        self._got_part = False  # On this stream, with a token for going on behind it.
-        self._part_token = b""  # Of the newest part of the step on its way.
+        self._got_part = False  # This stream sent a part with a resume token.
+        self._part_token = b""  # Of the newest part of the current step.
         self._part_is_snapshot = False
 
     def request(self) -> watch_service_pb2.WatchMapRequest:
-        """Opens the next stream, behind the last token where there is one: within the step that the
-        stream before left unfinished, or else behind the last whole one."""
+        """Builds the request for the next stream.
+
+        It resumes within the step that the last stream left unfinished, or else after the last
+        complete step.
+        """
         options = self._options
         self._start_s = time.monotonic()
         self._was_created = False
@@ -141,12 +149,12 @@ class _WatchState:
         return request
 
     def take(self, response: watch_service_pb2.WatchMapResponse) -> List[WatchItem]:
-        """The items that may be handed out after this message.
+        """Returns the items that may be yielded after this message.
 
-        A step is held back until its Progress: were it handed out in parts and the stream cut in
-        between, its events would come twice. Snapshots may be large and are handed out as they
-        come: if one is cut and cannot be gone on with, the next one begins with Created or Resync
-        again.
+        A step is held back until its Progress: if it were yielded in parts and the stream broke in
+        between, its events would be yielded twice. Snapshots may be large and are yielded as they
+        arrive: if the stream breaks and the snapshot cannot be continued, the next one begins with
+        Created or Resync again.
         """
         if response.HasField("goodbye"):
             delay = response.goodbye.reconnect_after
@@ -180,7 +188,7 @@ class _WatchState:
         return [item] if begins_anew else []
 
     def _note_part(self, response: watch_service_pb2.WatchMapResponse, is_snapshot: bool) -> None:
-        """Keeps the token for going on behind this message, which all of a step have or none."""
+        """Stores the resume token of this message; all parts of a step have one, or none has."""
         message = getattr(response, response.WhichOneof("kind"))
         is_part = not isinstance(
             message, (watch_service_pb2.WatchProgress, watch_service_pb2.WatchResync)
@@ -192,15 +200,17 @@ class _WatchState:
             self._backoff.reset()
 
     def _forget_part(self) -> None:
-        """The step that is on its way comes again from its beginning."""
+        """Drops the current step; it will be sent again from its beginning."""
         self._part_token = b""
         self._step = []
 
     def delay_after(self, error: Optional[SteadymapError]) -> float:
-        """Seconds to wait before the next stream; raises what waiting does not heal. None: the
-        server ended the stream with OK."""
+        """Returns the seconds to wait before the next stream; raises a permanent error.
+
+        `error` None: the server ended the stream with OK.
+        """
         was_answered = error is None or is_server_answer(error)
-        # A step that the server cannot finish must not be asked for again and again.
+        # A step that the server repeatedly fails to complete must not be requested forever.
         if not self._part_token or (self._was_created and was_answered and not self._got_part):
             self._forget_part()
         error = error or UnavailableError("the server ended the watch")
@@ -209,7 +219,7 @@ class _WatchState:
         delay_s = self._backoff.next_delay_s(
             was_answered=was_answered,
             asked_s=max(self._goodbye_delay_s, error.retry_delay_s or 0.0),
-            # A watch of a map that rests may have lasted for hours.
+            # A watch of an unchanged map may last for hours.
             took_s=0.0 if self._was_created else time.monotonic() - self._start_s,
         )
         self._goodbye_delay_s = 0.0
@@ -221,20 +231,20 @@ class _WatchState:
 
 
 class Watch(Iterator[WatchItem]):
-    """An iterator over what happens to a map; made by `Client.watch`. Begins with the first `next`,
-    and ends when it is closed.
+    """An iterator over the changes of a map; returned by `Client.watch`.
 
-    Yields Created, Snapshot chunks where they were asked for, and a Progress; then steps: Delta and
-    Events items, closed by a Progress. A cut stream is opened anew behind the last Progress, or
-    behind what has come of a long step, and nothing is yielded twice or left out; where that cannot be, Created or Resync tells to start
-    over. What retrying does not heal is raised. A context manager; `close` may be called from any
-    thread.
+    Starts with the first `next`, and ends when it is closed. Yields Created, Snapshot chunks if
+    requested, and a Progress; then steps: Delta and Events items, completed by a Progress. After a
+    broken stream it resumes after the last Progress, or after the received part of a long step, and
+    yields no item twice and omits none. If that is impossible, it yields Created or Resync: the
+    caller must drop its state. Permanent errors are raised. A context manager; `close` may be
+    called from any thread.
     """
 
     def __init__(
         self, open_channel: Callable[[], grpc.Channel], map_name: str, options: WatchOptions
     ) -> None:
-        """Each stream has a channel of its own from `open_channel`."""
+        """Each stream uses a new channel from `open_channel`."""
         self._open_channel = open_channel
         self._state = _WatchState(map_name, options)
         self._closed = threading.Event()
@@ -253,11 +263,11 @@ class Watch(Iterator[WatchItem]):
 
     @property
     def resume_token(self) -> Optional[bytes]:
-        """The token of the last whole step; None before the first."""
+        """Token of the last complete step; None before the first."""
         return self._state.token
 
     def close(self) -> None:
-        """Ends the watch; a `next` that waits ends with StopIteration."""
+        """Ends the watch; a waiting `next` ends with StopIteration."""
         self._closed.set()
         with self._lock:
             if self._call is not None:
@@ -286,8 +296,10 @@ class Watch(Iterator[WatchItem]):
 async def watch_asynchronously(
     open_channel: Callable[[], grpc.aio.Channel], map_name: str, options: WatchOptions
 ) -> AsyncIterator[WatchItem]:
-    """The same for asyncio: yields what `Watch` does. Closing or cancelling the iteration ends
-    it."""
+    """Watches a map with asyncio; yields the items that `Watch` yields.
+
+    Closing or cancelling the iteration ends the watch.
+    """
     state = _WatchState(map_name, options)
     while True:
         error: Optional[SteadymapError] = None

@@ -1,4 +1,4 @@
-"""What a watch yields."""
+"""Items yielded by a watch."""
 
 import dataclasses
 from typing import Optional, Tuple, Union
@@ -11,12 +11,12 @@ from steadymap.volumes import Leaf, leaf_from_proto
 
 @dataclasses.dataclass(frozen=True)
 class Created:
-    """The watch begins, or begins anew with nothing to resume from: forget what you have.
+    """The watch starts, or restarts without a resume position: drop the previous state.
 
     Attributes:
-        revision: what the watcher has, or is about to get as a snapshot.
-        voxel_size_m, truncation_m: of the map, metres.
-        incarnation: another one than before means that the map's history was replaced.
+        revision: Revision of the watcher, or of the snapshot that follows.
+        voxel_size_m, truncation_m: Scale of the map, metres.
+        incarnation: A new value means that the map's history was replaced.
     """
 
     revision: int
@@ -27,7 +27,7 @@ class Created:
 
 @dataclasses.dataclass(frozen=True)
 class Snapshot:
-    """Part of what the filter shows at one revision; whole with the next Progress."""
+    """Part of the filtered map at one revision; complete with the next Progress."""
 
     revision: int
     objects: Tuple[Object, ...]
@@ -36,16 +36,16 @@ class Snapshot:
 
 @dataclasses.dataclass(frozen=True)
 class Delta:
-    """Part of what changed, as states: apply the removals, then the objects, then the leaves.
+    """Part of a change: apply the removals first, then the objects, then the leaves.
 
     Attributes:
-        revision: the map after the step.
-        previous_revision: the map before it, as the Progress before said.
-        commits: that the step covers; more than one: this watcher was slower than the map.
-        removed_object_ids: no longer shown; nothing of them is to be kept.
-        objects: new states.
-        leaves: new leaves, and patches of known ones if WatchOptions.takes_patches; an empty one is
-            gone.
+        revision: Revision of the map after the step.
+        previous_revision: Revision before the step, that of the last Progress.
+        commits: Commits covered by the step; more than one if this watcher was slower than the map.
+        removed_object_ids: Objects to remove completely.
+        objects: New states.
+        leaves: New leaves, and patches of known ones if WatchOptions.takes_patches; an empty leaf
+            is removed.
     """
 
     revision: int
@@ -58,7 +58,7 @@ class Delta:
 
 @dataclasses.dataclass(frozen=True)
 class Events:
-    """Part of what happened up to `revision`, by rising number, no number twice."""
+    """Part of the events up to `revision`, in ascending order of number, each once."""
 
     revision: int
     events: Tuple[Event, ...]
@@ -66,11 +66,13 @@ class Events:
 
 @dataclasses.dataclass(frozen=True)
 class Progress:
-    """You have everything up to `revision` that passes the filter; `resume_token` goes on from
-    here, whenever and in whatever process.
+    """Everything up to `revision` that passes the filter was received.
+
+    A later watch, also in another process, can resume here with `resume_token`.
 
     Attributes:
-        last_capture_time_ns: of the newest frame in the map, nanoseconds since 1970; None: none yet.
+        last_capture_time_ns: Capture time of the newest frame in the map, nanoseconds since 1970;
+            None: none yet.
     """
 
     revision: int
@@ -80,12 +82,12 @@ class Progress:
 
 @dataclasses.dataclass(frozen=True)
 class Resync:
-    """The history in between is gone: forget what you have, a snapshot of `revision` follows.
+    """The history was compacted: drop the state; a snapshot of `revision` follows.
 
     Attributes:
-        revision: of the snapshot.
+        revision: Revision of the snapshot.
         reason: REVISION_COMPACTED, REVISION_IN_FUTURE or BAD_RESUME_TOKEN. Events in between are
-            lost to the watch; `Client.events` may still have them.
+            missing in the watch; `Client.events` may still return them.
     """
 
     revision: int
@@ -96,7 +98,7 @@ WatchItem = Union[Created, Snapshot, Delta, Events, Progress, Resync]
 
 
 def item_from_proto(response: watch_service_pb2.WatchMapResponse) -> Optional[WatchItem]:
-    """The item of a message; None for `goodbye`, and for a kind that only a newer server knows."""
+    """Converts a message; None for `goodbye` and for kinds of a newer server."""
     kind = response.WhichOneof("kind")
     if kind == "created":
         message = response.created
