@@ -18,14 +18,15 @@
 namespace steadymap {
 namespace {
 
-/// The name of a map whose own name is lost.
+/// Returns the name given to a map whose own name is lost.
 MapName NameOfLost(MapKey key) { return {"lost", absl::StrCat("map-", key.value())}; }
 
 absl::StatusOr<StoreCatalog> ReadCatalog(const MirroredFile& catalog_file) {
   const absl::StatusOr<std::string> bytes = catalog_file.Read();
   if (bytes.ok()) return StoreCatalog::Unpack(*bytes);
   if (!absl::IsNotFound(bytes.status())) {
-    spdlog::error("{}; the maps are found by their folders", std::string(bytes.status().message()));
+    spdlog::error("{}; the list of maps is rebuilt from the map folders",
+                  std::string(bytes.status().message()));
   }
   return StoreCatalog();
 }
@@ -33,7 +34,7 @@ absl::StatusOr<StoreCatalog> ReadCatalog(const MirroredFile& catalog_file) {
 MapRecord LoadRecord(const MapFolder& folder, const StoreCatalog::Map& map) {
   absl::StatusOr<MapRecord> record = folder.ReadRecord();
   if (record.ok() && folder.IsCopy()) {
-    spdlog::warn("map {}: its folder is a copy; it gets another incarnation",
+    spdlog::warn("map {}: its folder is a copy; the map gets a new incarnation",
                  record->name.ToString());
     record = folder.Adopt(*std::move(record));
   }
@@ -48,7 +49,7 @@ MapRecord LoadRecord(const MapFolder& folder, const StoreCatalog::Map& map) {
   return loaded;
 }
 
-/// The key that the name of a map's folder gives; none for another folder.
+/// Returns the key encoded in the name of a map's folder; none for any other folder.
 std::optional<MapKey> KeyOfFolder(const std::filesystem::path& folder) {
   std::uint64_t number = 0;
   const std::string name = folder.filename().string();
@@ -75,7 +76,7 @@ void AddFolder(const std::filesystem::path& path, DiscoveredMaps* maps) {
   }
   const std::optional<MapKey> key = KeyOfFolder(path);
   if (!key) {
-    spdlog::warn("{} is no map's folder; it is left alone", path.string());
+    spdlog::warn("{} is not the folder of a map; it is ignored", path.string());
     return;
   }
   const MapFolder folder(path, *key);
@@ -88,7 +89,7 @@ void AddFolder(const std::filesystem::path& path, DiscoveredMaps* maps) {
   if (maps->records.contains(*key)) return;
   const absl::StatusOr<MapRecord> stored = folder.ReadRecord();
   MapRecord record = LoadRecord(folder, {*key, stored.ok() ? stored->name : NameOfLost(*key)});
-  // Its name may have been given to another map since.
+  // Another map may have received the same name since.
   if (IsNameTaken(*maps, record.name)) record.name = NameOfLost(*key);
   maps->records.emplace(*key, std::move(record));
 }

@@ -13,28 +13,28 @@
 
 namespace steadymap {
 
-/// The folder in the data folder that holds a folder for each map.
+/// The name of the folder that contains the folders of the maps, inside the data folder.
 inline constexpr char kMapsFolderName[] = "maps";
 
-/// Suffix of a map's folder until the map is complete.
+/// Suffix of the folder of a map whose creation is not complete.
 inline constexpr char kUnfinishedSuffix[] = ".new";
 
-/// The maps of a data folder.
+/// The maps found in a data folder.
 struct DiscoveredMaps {
-  /// By key. The `condition` of a record says why its map cannot be used.
+  /// By key. The `condition` of a record reports why its map cannot be used.
   std::map<MapKey, MapRecord> records{};
-  std::vector<MapKey> deleted{};  ///< Their folders are still there.
-  MapKey next_key{1};             ///< Greater than every key that is or was in use.
+  std::vector<MapKey> deleted{};  ///< Deleted maps whose folders still exist.
+  MapKey next_key{1};             ///< Greater than every key that is or was used.
 };
 
-/// The folder of the map `key` in the data folder `folder`.
+/// Returns the folder of the map `key` in the data folder `folder`.
 MapFolder MapFolderOf(const std::filesystem::path& folder, MapKey key);
 
-/// Finds the maps of the data folder `folder`: those that the catalog names, and those whose
-/// folders exist although no catalog names them, as after its loss. A damaged catalog or record is
-/// no error. Removes folders of maps whose creation a crash interrupted, and gives copies of a
-/// map's folder an incarnation of their own. Errors: `DataLoss` for a catalog that cannot be
-/// understood; those of the file system.
+/// Finds the maps of the data folder `folder`: all maps listed in the catalog, and all maps with a
+/// folder that the catalog does not list, for example after the loss of the catalog. A damaged
+/// catalog file or record is not an error. Removes folders of maps whose creation was interrupted
+/// by a crash, and gives a copied map folder a new incarnation. Errors: `DataLoss` for a catalog
+/// whose content cannot be parsed; those of the file system.
 absl::StatusOr<DiscoveredMaps> DiscoverMaps(const std::filesystem::path& folder,
                                             const MirroredFile& catalog_file);
 

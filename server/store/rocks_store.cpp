@@ -28,7 +28,7 @@ absl::Status NotOpen(MapKey map) {
                    absl::StrCat("map ", map.value(), " is not open"));
 }
 
-/// Names the map in an error that so far names a place only.
+/// Adds the name of the map to an error whose message contains only a location.
 absl::Status OfMap(const MapRecord& record, const absl::Status& status) {
   return MakeError(
       status.code(),
@@ -111,7 +111,7 @@ absl::Status RocksStore::WriteCatalog() {
   return catalog_file_.Write(catalog.Pack());
 }
 
-/// Gives the space of deleted maps back, as far as nobody uses them any more.
+/// Removes the folders of deleted maps whose databases are no longer in use.
 void RocksStore::RemoveDeleted() {
   const absl::MutexLock catalog_lock(&catalog_mutex_);
   std::vector<MapKey> unused;
@@ -122,7 +122,7 @@ void RocksStore::RemoveDeleted() {
     }
   }
   if (unused.empty()) return;
-  // The catalog first: a map that it names and that has no folder is a loss.
+  // The catalog is written first: a map in the catalog without a folder would be reported as lost.
   absl::Status status = WriteCatalog();
   for (const MapKey key : unused) {
     if (status.ok()) status = MapFolderOf(folder_, key).Remove();
@@ -131,14 +131,14 @@ void RocksStore::RemoveDeleted() {
     deleted_.remove_if([key](const auto& deleted) { return deleted.first == key; });
   }
   if (!status.ok()) {
-    spdlog::warn("the space of a deleted map is not given back yet: {}",
+    spdlog::warn("the files of a deleted map cannot be removed yet; removal is retried later: {}",
                  std::string(status.message()));
   }
 }
 
 absl::StatusOr<MapRecord> RocksStore::CreateMap(const MapRecord& record) {
   if (!IsValidId(record.name.tenant) || !IsValidId(record.name.map)) {
-    return InvalidField(reason::kBadName, "name", "a map's name must be made of two valid ids");
+    return InvalidField(reason::kBadName, "name", "a map's name must consist of two valid ids");
   }
   if (absl::Status status = CheckDisk(); !status.ok()) return status;
   const absl::MutexLock catalog_lock(&catalog_mutex_);
@@ -155,7 +155,7 @@ absl::StatusOr<MapRecord> RocksStore::CreateMap(const MapRecord& record) {
     entry.record.key = next_key_;
     next_key_ = next_key_.Next();
   }
-  // Whole under another name first.
+  // The folder is completed under a temporary name, so a crash leaves no incomplete map.
   const std::filesystem::path place = MapFolderOf(folder_, entry.record.key).path();
   const MapFolder unfinished(place.string() + kUnfinishedSuffix, entry.record.key);
   absl::Status status = unfinished.Create(entry.record);
@@ -204,12 +204,12 @@ absl::Status RocksStore::DeleteMap(MapKey map) {
     }
     absl::Status status = folder.MarkDeleted();
     if (ReasonOf(status) == reason::kDiskLow) {
-      // What is deleted makes room for the mark.
+      // The mark needs disk space: removing the log of the deleted map frees some.
       std::error_code ignored;
       std::filesystem::remove_all(folder.path() / "log", ignored);
       status = folder.MarkDeleted();
     }
-    // A folder that is gone needs no mark.
+    // A missing folder needs no mark.
     if (!status.ok() && !absl::IsNotFound(status)) return status;
     const absl::MutexLock lock(&mutex_);
     const auto entry = maps_.find(map);
@@ -259,7 +259,7 @@ absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::OpenDatabase(const MapR
     entry->second.database.reset();
     closing = entry->second.closed;
   }
-  // One database a folder: those who still read the old one finish first.
+  // Only one database may be open per folder: wait until all users of the old one release it.
   if (closing != nullptr) closing->WaitForNotification();
   absl::StatusOr<std::unique_ptr<MapDatabase>> opened =
       MapDatabase::Open(MapFolderOf(folder_, record.key).path(), record, DatabaseDependencies());
@@ -364,7 +364,7 @@ StateDatabase& RocksStore::state_for_test(MapKey map) {
 absl::StatusOr<std::uint64_t> RocksStore::FreeDiskBytes(const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
-  if (error) return SystemError(error.value(), "tell the free space of", folder);
+  if (error) return SystemError(error.value(), "read the free space of", folder);
   return space.available;
 }
 

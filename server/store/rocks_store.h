@@ -24,26 +24,28 @@
 
 namespace steadymap {
 
-/// The store on disk. Private to the server: everybody else uses `Store`.
+/// The implementation of `Store` on disk. Only the store and its tests use it directly; all other
+/// code uses `Store`.
 ///
-/// The folder holds `lock`, `schema`, `catalog` (which maps there are), and `maps/KEY/` for each
-/// map (`map_folder.h`). In memory it keeps each map's record, and an open map's database.
+/// The data folder contains `lock`, `schema`, `catalog` (the list of maps), and `maps/KEY/` for
+/// each map (`map_folder.h`). In memory, the store keeps the record of each map and the
+/// `MapDatabase` of each open map.
 class RocksStore final : public Store {
  public:
-  /// What a test may put in place of the machine's own.
+  /// The parts of the operating system that a test may replace.
   struct Platform {
     std::shared_ptr<rocksdb::FileSystem> file_system = rocksdb::FileSystem::Default();
-    /// Free bytes for the daemon's user on a folder's disk.
+    /// Returns the bytes available to the daemon's user on the disk of a folder.
     std::function<absl::StatusOr<std::uint64_t>(const std::filesystem::path&)> free_disk_bytes =
         FreeDiskBytes;
   };
 
-  /// `Store::Open` on another platform.
+  /// Opens a store as `Store::Open` does, with the given platform.
   static absl::StatusOr<std::unique_ptr<RocksStore>> Open(const std::filesystem::path& folder,
                                                           const StoreOptions& options,
                                                           const Platform& platform);
 
-  /// Waits for everybody who still reads a map.
+  /// Waits until no thread uses a map's database any more.
   ~RocksStore() override;
 
   absl::StatusOr<MapRecord> CreateMap(const MapRecord& record) override;
@@ -75,15 +77,16 @@ class RocksStore final : public Store {
   bool IsWaitingForDisk() const override;
   void StopWaitingForDisk() override;
 
-  /// For tests that damage what is stored; the map must be open.
+  /// Returns the database of an open map, for tests that damage the stored data.
   StateDatabase& state_for_test(MapKey map);
 
  private:
-  /// A map as the store holds it.
+  /// A map and its database.
   struct MapEntry {
     MapRecord record;
-    std::shared_ptr<MapDatabase> database;  ///< Null until it is opened.
-    /// Notified once the last user of the database that was open has let go of it; null: none was.
+    std::shared_ptr<MapDatabase> database;  ///< Null until the map is opened.
+    /// Notified when the last user of the most recently opened database releases it; null: no
+    /// database was opened yet.
     std::shared_ptr<absl::Notification> closed;
     std::shared_ptr<WriterMutex> opening = std::make_shared<WriterMutex>();
   };
@@ -98,10 +101,10 @@ class RocksStore final : public Store {
   void RemoveDeleted();
   absl::Status WriteCatalog() ABSL_EXCLUSIVE_LOCKS_REQUIRED(catalog_mutex_);
 
-  /// The database of an open map. Errors: `NotFound`; `DataLoss` for a quarantined map.
+  /// Returns the database of an open map. Errors: `NotFound`; `DataLoss` for a quarantined map.
   absl::StatusOr<std::shared_ptr<MapDatabase>> Find(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The database of a map, opened if it is not open or has failed.
+  /// Returns the database of a map. Opens it if it is not open or has failed.
   absl::StatusOr<std::shared_ptr<MapDatabase>> OpenDatabase(const MapRecord& record)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -116,15 +119,15 @@ class RocksStore final : public Store {
   const SharedResources shared_;
   const MirroredFile catalog_file_;
 
-  /// Whoever creates, changes or deletes a map; held while the disk syncs, by nobody who is in a
-  /// hurry.
+  /// Serialises creation, update and deletion of maps. Held during disk syncs, so never acquired on
+  /// the upload path.
   absl::Mutex catalog_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
 
   mutable absl::Mutex mutex_;
   std::map<MapKey, MapEntry> maps_ ABSL_GUARDED_BY(mutex_);
   std::map<MapName, MapKey> names_ ABSL_GUARDED_BY(mutex_);
   MapKey next_key_ ABSL_GUARDED_BY(mutex_){1};
-  /// Maps that are deleted, whose folders go once nobody uses them.
+  /// Deleted maps. The folder of each is removed when its database is no longer in use.
   std::list<std::pair<MapKey, std::shared_ptr<absl::Notification>>> deleted_
       ABSL_GUARDED_BY(mutex_);
 };

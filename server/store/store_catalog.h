@@ -10,8 +10,8 @@
 
 namespace steadymap {
 
-/// Which maps a store has, by key, so that one whose folder is damaged or gone keeps its name, and
-/// the next key to give away.
+/// The keys and names of the maps of a store, and the next unused key. It preserves the name of a
+/// map whose folder is damaged or missing.
 struct StoreCatalog {
   struct Map {
     MapKey key;
@@ -21,7 +21,7 @@ struct StoreCatalog {
   MapKey next_key{1};
   std::vector<Map> maps{};
 
-  /// As bytes, and back. Errors of the latter: `DataLoss`.
+  /// Converts the catalog to bytes. `Unpack` converts back. Error of `Unpack`: `DataLoss`.
   std::string Pack() const;
   static absl::StatusOr<StoreCatalog> Unpack(std::string_view bytes);
 };

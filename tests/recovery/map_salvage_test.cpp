@@ -208,7 +208,7 @@ TEST_F(MapSalvageTest, DamagedDatabaseIsMadeAnewFromTheWholeLog) {
   EXPECT_THAT(ProblemsOfBad(), Contains(HasSubstr("state")));
   EXPECT_FALSE(LoadBad().ok());
   store_.reset();
-  EXPECT_THAT(Salvage().remarks, Contains(HasSubstr("made anew from the log")));
+  EXPECT_THAT(Salvage().remarks, Contains(HasSubstr("rebuilt from the log")));
   const absl::StatusOr<StoredState> state = LoadBad();
   ASSERT_TRUE(state.ok()) << state.status();
   EXPECT_EQ(state->snapshot.revision, Revision(0));
@@ -250,8 +250,9 @@ TEST_F(MapSalvageTest, MapBeginsAnewWhereNeitherDatabaseNorLogTellItsBeginning) 
   EXPECT_FALSE(ProblemsOfBad().empty());
   EXPECT_FALSE(LoadBad().ok());
   store_.reset();
-  EXPECT_THAT(Salvage().remarks,
-              Contains(HasSubstr("the map begins anew with entry " + std::to_string(first))));
+  EXPECT_THAT(
+      Salvage().remarks,
+      Contains(HasSubstr("the map is rebuilt starting with entry " + std::to_string(first))));
   const absl::StatusOr<StoredState> state = LoadBad();
   ASSERT_TRUE(state.ok()) << state.status();
   EXPECT_EQ(state->snapshot.integrated(), MapSequence(first - 1));

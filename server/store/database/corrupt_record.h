@@ -8,8 +8,8 @@
 
 namespace steadymap {
 
-/// The error of a record whose envelope is whole and whose content nobody can have written:
-/// `DataLoss` with reason `CHECKSUM`; `what` says what it holds.
+/// Returns the error for a record that passes its checksum but has impossible content: `DataLoss`
+/// with reason `CHECKSUM`. `what` describes the invalid content.
 inline absl::Status CorruptRecord(std::string_view what) {
   return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, what);
 }

@@ -63,12 +63,12 @@ absl::StatusOr<LeafEvidence> LeafFromProto(const storage::v1::LeafEvidence& prot
   LeafEvidence leaf;
   for (const std::int32_t index : {proto.x(), proto.y(), proto.z()}) {
     if (index < -kMaxLeafIndex || index >= kMaxLeafIndex) {
-      return CorruptRecord("an object record names an impossible leaf");
+      return CorruptRecord("an object record contains a leaf index that is out of range");
     }
   }
   leaf.origin = {proto.x() * kLeafSide, proto.y() * kLeafSide, proto.z() * kLeafSide};
   if (proto.scores().size() > leaf.score.size()) {
-    return CorruptRecord("an object record has too many scores of a leaf");
+    return CorruptRecord("an object record contains too many scores for a leaf");
   }
   std::transform(proto.scores().begin(), proto.scores().end(), leaf.score.begin(), [](char score) {
     return static_cast<std::int8_t>(score);
@@ -83,14 +83,14 @@ absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence*
   evidence->absent_streak_cells = proto.evidence_cells(2);
   evidence->change_sum_m = proto.evidence_cells(3);
   if (!std::isfinite(evidence->change_sum_m)) {
-    return CorruptRecord("an object record holds an impossible change");
+    return CorruptRecord("an object record contains a change that is not finite");
   }
   evidence->leaves.reserve(static_cast<std::size_t>(proto.evidence_size()));
   for (const storage::v1::LeafEvidence& leaf : proto.evidence()) {
     absl::StatusOr<LeafEvidence> read = LeafFromProto(leaf);
     if (!read.ok()) return read.status();
     if (!evidence->leaves.empty() && !(evidence->leaves.back().origin < read->origin)) {
-      return CorruptRecord("the evidence of an object record is not in order");
+      return CorruptRecord("the evidence leaves of an object record are not sorted");
     }
     evidence->leaves.push_back(*std::move(read));
   }
@@ -132,7 +132,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   if (proto.standing() < 1 || proto.standing() > kStandings || proto.class_id() > kMaxClassId ||
       proto.pose_size() != 4 || proto.cuboid_size() != 7 ||
       proto.evidence_cells_size() != kEvidenceNumbers) {
-    return CorruptRecord("an object record holds no object");
+    return CorruptRecord("an object record does not contain a valid object");
   }
   ObjectState state;
   state.id = id;
@@ -142,14 +142,14 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   state.votes.reserve(static_cast<std::size_t>(proto.votes_size()));
   for (const storage::v1::ClassVote& vote : proto.votes()) {
     if (vote.class_id() > kMaxClassId)
-      return CorruptRecord("an object record has an impossible vote");
+      return CorruptRecord("an object record contains a vote for an invalid class");
     state.votes.push_back({ClassId{static_cast<std::uint16_t>(vote.class_id())}, vote.weight()});
   }
   state.T_world_object = {VectorAt(proto.pose(), 0), proto.pose(3)};
   state.cuboid = {VectorAt(proto.cuboid(), 0), VectorAt(proto.cuboid(), 3), proto.cuboid(6)};
   state.belief = BeliefFromProto(proto.belief());
   if (!IsPossible(state.belief))
-    return CorruptRecord("an object record holds an impossible belief");
+    return CorruptRecord("an object record contains an invalid belief");
   if (absl::Status status = ReadEvidence(proto, &state.evidence); !status.ok()) return status;
   state.first_seen = Timestamp::FromNanoseconds(proto.first_seen_ns());
   state.in_place_since = Timestamp::FromNanoseconds(proto.standing_since_ns());
@@ -191,7 +191,7 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
       record.reason() > kEventReasons || record.class_id() > kMaxClassId ||
       record.center_size() != 3 || record.old_center_size() % 3 != 0 ||
       record.old_center_size() > 3 || (record.move_size() != 0 && record.move_size() != 8)) {
-    return CorruptRecord("an event record holds no event");
+    return CorruptRecord("an event record does not contain a valid event");
   }
   ObjectEvent event;
   event.type = static_cast<EventType>(record.type() - 1);
@@ -225,7 +225,7 @@ storage::v1::FreeBlockRecord ToProto(const LeafMask& cells) {
 absl::StatusOr<LeafMask> FromProto(const storage::v1::FreeBlockRecord& record) {
   LeafMask cells{};
   if (record.cells_size() != static_cast<int>(cells.size())) {
-    return CorruptRecord("a record of free space holds no block");
+    return CorruptRecord("a free-space record does not contain a valid block");
   }
   std::copy(record.cells().begin(), record.cells().end(), cells.begin());
   return cells;

@@ -12,8 +12,8 @@ class FreeBlockRecord;
 class ObjectState;
 }  // namespace steadymap::storage::v1
 
-/// What the store keeps of objects, as protobuf and back. Reading back gives bit for bit what was
-/// written. Errors of the latter: `DataLoss` for what the former cannot have written.
+/// Converts the stored records of objects to protobuf and back. A round trip preserves every bit.
+/// `FromProto` returns `DataLoss` for content that `ToProto` cannot have written.
 namespace steadymap {
 
 storage::v1::ObjectState ToProto(const ObjectState& state);

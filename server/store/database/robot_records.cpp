@@ -30,12 +30,12 @@ void PlaceToProto(const CameraPlace& place, storage::v1::CameraPlace* proto) {
 
 absl::StatusOr<CameraPlace> PlaceFromProto(const storage::v1::CameraPlace& proto) {
   if (proto.position_size() != 3 || proto.rotation_size() != 3) {
-    return CorruptRecord("a robot record holds no place");
+    return CorruptRecord("a robot record does not contain a camera pose");
   }
   const CameraPlace place{{proto.position(0), proto.position(1), proto.position(2)},
                           VectorAt(proto.rotation(), 0)};
   if (!place.position_world.allFinite() || !place.rotation_world.allFinite()) {
-    return CorruptRecord("a robot record holds an impossible place");
+    return CorruptRecord("a robot record contains a camera pose that is not finite");
   }
   return place;
 }
@@ -75,7 +75,7 @@ storage::v1::RobotRecord ToProto(const RobotState& state) {
 absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
   if (record.trust() < 1 || record.trust() > kTrusts ||
       (record.motion_size() != 0 && record.motion_size() != kMotionNumbers)) {
-    return CorruptRecord("a robot record holds no robot");
+    return CorruptRecord("a robot record does not contain a valid robot");
   }
   RobotState state;
   state.trust = static_cast<Trust>(record.trust() - 1);
@@ -93,12 +93,12 @@ absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
     state.turn_rad_per_s = VectorAt(record.motion(), 3);
   }
   if (!state.velocity_m_per_s.allFinite() || !state.turn_rad_per_s.allFinite()) {
-    return CorruptRecord("a robot record holds an impossible motion");
+    return CorruptRecord("a robot record contains a motion that is not finite");
   }
   for (const storage::v1::MovingCell& proto : record.moving()) {
     const MovingCell moving = MovingFromProto(proto);
     if (!state.moving.empty() && state.moving.back().cell >= moving.cell) {
-      return CorruptRecord("a robot record holds cells out of order");
+      return CorruptRecord("the cells of a robot record are not sorted");
     }
     state.moving.push_back(moving);
   }

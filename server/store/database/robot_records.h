@@ -8,8 +8,8 @@ namespace steadymap::storage::v1 {
 class RobotRecord;
 }  // namespace steadymap::storage::v1
 
-/// What the store keeps of robots, as protobuf and back. Reading back gives bit for bit what was
-/// written. Errors of the latter: `DataLoss` for what the former cannot have written.
+/// Converts the stored records of robots to protobuf and back. A round trip preserves every bit.
+/// `FromProto` returns `DataLoss` for content that `ToProto` cannot have written.
 namespace steadymap {
 
 storage::v1::RobotRecord ToProto(const RobotState& state);

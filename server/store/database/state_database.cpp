@@ -22,13 +22,13 @@ rocksdb::Slice ToSlice(std::string_view bytes) { return {bytes.data(), bytes.siz
 absl::Status ReadOnly(const std::string& cause) {
   return MakeError(absl::StatusCode::kUnavailable,
                    reason::kStoreReadOnly,
-                   "the map takes no more writes until it is opened anew: " + cause);
+                   "the map is read-only until it is reopened: " + cause);
 }
 
-// A memtable takes memory in such pieces: small, since most maps rest.
+// Unit of memory allocation of a memtable. Small, because most maps are idle.
 constexpr std::size_t kArenaBlockBytes = std::size_t{64} << 10;
 
-// A restart replays at most about so much of a map's write-ahead log.
+// Approximate upper bound of the write-ahead log of a map that a restart replays.
 constexpr std::uint64_t kMaxWalBytes = std::uint64_t{16} << 20;
 
 constexpr std::string_view kLeafColumnFamily = "leaf";
@@ -36,20 +36,21 @@ constexpr std::string_view kLeafColumnFamily = "leaf";
 rocksdb::DBOptions DatabaseOptions(const SharedResources& shared) {
   rocksdb::DBOptions result;
   result.env = shared.environment;
-  // Of the recovery modes, only this one fits a commit that was acknowledged. A torn end is a write
-  // that was under way when the power went: nobody was told that it is durable, so it may go. A bad
+  // This is the only recovery mode that is safe for acknowledged commits. A torn end is a write
+  // that was in progress at a power cut: it was never acknowledged, so it may be dropped. A bad
   // record before the end was synced and acknowledged; point-in-time recovery (RocksDB's default)
-  // would drop it and everything after it without a word. This mode refuses to open instead, and we
-  // say DATA_LOSS. It would refuse some torn ends as well; `CutTornLog` has cut those off before.
+  // would silently drop it and everything after it. This mode refuses to open the database instead,
+  // and the store reports DATA_LOSS. It would also refuse some torn ends; `CutTornLog` truncates
+  // those beforehand.
   result.wal_recovery_mode = rocksdb::WALRecoveryMode::kTolerateCorruptedTailRecords;
-  // Notices when a whole write-ahead log is missing or was cut short.
+  // Detects a write-ahead log that is missing or was truncated.
   result.track_and_verify_wals_in_manifest = true;
   result.paranoid_checks = true;
-  // A failed write is never retried, so not behind our back either.
+  // A failed write is never retried, so RocksDB must not retry in the background either.
   result.max_bgerror_resume_count = 0;
   result.write_buffer_manager = shared.write_buffers;
-  // A column family that is seldom written would else keep old write-ahead logs for ever; what they
-  // hold is what a restart has to replay.
+  // Otherwise a rarely written column family would keep old write-ahead logs without limit, and a
+  // restart replays their content.
   result.max_total_wal_size = kMaxWalBytes;
   result.max_open_files = 64;
   result.max_background_jobs = 2;
@@ -76,7 +77,7 @@ rocksdb::ColumnFamilyOptions FamilyOptions(const SharedResources& shared) {
 
 std::vector<rocksdb::ColumnFamilyDescriptor> Families(const SharedResources& shared) {
   rocksdb::ColumnFamilyOptions leaf = FamilyOptions(shared);
-  leaf.compression = rocksdb::kNoCompression;  // packed already
+  leaf.compression = rocksdb::kNoCompression;  // the leaf codec compresses already
   return {{rocksdb::kDefaultColumnFamilyName, FamilyOptions(shared)},
           {std::string(kLeafColumnFamily), leaf}};
 }
@@ -99,7 +100,7 @@ absl::Status FromRocksdb(const rocksdb::Status& status, std::string_view doing) 
   return MakeError(absl::StatusCode::kInternal, reason::kInternal, message);
 }
 
-/// Remembers what goes wrong in RocksDB's own threads.
+/// Records errors that occur in RocksDB's background threads.
 class StateDatabase::ErrorListener final : public rocksdb::EventListener {
  public:
   explicit ErrorListener(std::shared_ptr<Health> health) : health_(std::move(health)) {}
@@ -143,14 +144,13 @@ absl::StatusOr<std::unique_ptr<StateDatabase>> StateDatabase::Open(
   if (mode == Mode::kReadOnly) {
     status = rocksdb::DB::OpenForReadOnly(options, folder.string(), families, &handles, &database);
     const absl::MutexLock lock(&result->health_->mutex);
-    result->health_->status =
-        MakeError(absl::StatusCode::kResourceExhausted,
-                  reason::kDiskLow,
-                  "the map is open for reading alone until the disk has room");
+    result->health_->status = MakeError(absl::StatusCode::kResourceExhausted,
+                                        reason::kDiskLow,
+                                        "the map is open read-only until the disk has free space");
   } else {
     status = rocksdb::DB::Open(options, folder.string(), families, &handles, &database);
   }
-  // RocksDB calls a database that lacks its files an invalid argument.
+  // RocksDB reports missing files of a database as an invalid argument.
   if (status.IsInvalidArgument() || status.IsPathNotFound() || status.IsNotFound()) {
     return MakeError(absl::StatusCode::kDataLoss,
                      reason::kChecksum,
@@ -168,7 +168,7 @@ absl::StatusOr<std::unique_ptr<StateDatabase>> StateDatabase::Open(
 
 StateDatabase::~StateDatabase() {
   if (database_ == nullptr) return;
-  // Failing to let go of a handle leaks it, no more; there is nobody left to tell.
+  // A handle that cannot be destroyed is only leaked, and no caller is left to receive the error.
   database_->DestroyColumnFamilyHandle(leaf_handle_).PermitUncheckedError();
   database_->DestroyColumnFamilyHandle(state_handle_).PermitUncheckedError();
   database_->Close().PermitUncheckedError();
@@ -205,7 +205,7 @@ std::unique_ptr<rocksdb::Iterator> StateDatabase::Scan(Family family,
   rocksdb::ReadOptions options;
   options.snapshot = snapshot;
   options.iterate_upper_bound = upper_bound;
-  // A scan reads everything once; it must not push out what point reads use.
+  // A scan reads each block once, so it must not evict the blocks that point reads use.
   options.fill_cache = false;
   options.readahead_size = std::size_t{1} << 20;
   return std::unique_ptr<rocksdb::Iterator>(database_->NewIterator(options, handle(family)));

@@ -20,9 +20,9 @@
 
 namespace steadymap {
 
-/// What a map's database holds, by the names that checksums and errors have for it. All but the
-/// leaves share RocksDB's default column family, told apart by the first letter of their keys: a
-/// column family has its price, and there may be thousands of maps.
+/// The families of records in a map's database, named as in checksums and errors. All families
+/// except the leaves share RocksDB's default column family and are distinguished by the first
+/// letter of their keys: each column family costs memory, and a store may have thousands of maps.
 enum class Family : std::size_t {
   kLeaf,
   kSession,
@@ -42,31 +42,29 @@ constexpr std::string_view NameOf(Family family) {
   return kFamilyNames[static_cast<std::size_t>(family)];
 }
 
-/// What the databases of all maps share.
+/// The resources shared by the databases of all maps.
 struct SharedResources {
   explicit SharedResources(const StoreOptions& options, rocksdb::Env* environment = nullptr);
 
   std::shared_ptr<rocksdb::Cache> cache;
   std::shared_ptr<rocksdb::WriteBufferManager> write_buffers;
-  rocksdb::Env* environment;  ///< The file system; outlives everything.
+  rocksdb::Env* environment;  ///< The file system; outlives all databases.
 };
 
-/// RocksDB as a map's store uses it: its options, its column families, and what a failed write
-/// means.
-///
-/// Thread-safe.
+/// A RocksDB database of one map, with its options, its column families and its handling of failed
+/// writes.
 class StateDatabase {
  public:
   enum class Mode {
-    kCreate,     ///< There must be none.
-    kReadWrite,  ///< There must be one.
-    /// Likewise; writes nothing at all, so that it works on a full disk. What a power cut left of
-    /// the last write is overlooked, as the other mode cuts it off.
+    kCreate,     ///< The database must not exist.
+    kReadWrite,  ///< The database must exist.
+    /// The database must exist. Nothing is written, so this mode works on a full disk. Ignores a
+    /// torn write at the end of the write-ahead log, which `kReadWrite` truncates.
     kReadOnly,
   };
 
   /// Opens the database in `folder`. Errors: `DataLoss` with reason `CHECKSUM` if it is damaged or
-  /// missing; `Internal`.
+  /// missing; `Internal` for any other failure.
   static absl::StatusOr<std::unique_ptr<StateDatabase>> Open(const std::filesystem::path& folder,
                                                              Mode mode,
                                                              const SharedResources& shared);
@@ -74,32 +72,32 @@ class StateDatabase {
   StateDatabase(const StateDatabase&) = delete;
   StateDatabase& operator=(const StateDatabase&) = delete;
 
-  /// Reads every block of every table, and every value, and compares them with their checksums.
-  /// Errors: `DataLoss` with reason `CHECKSUM` for the first that does not match.
+  /// Reads every block of every table and every value, and verifies their checksums. Errors:
+  /// `DataLoss` with reason `CHECKSUM` for the first mismatch.
   absl::Status Verify() const;
 
-  /// Makes the database in `folder` one that opens, from the tables and the write-ahead logs that
-  /// can be read; what they held is lost where they cannot. Errors: as `Open`.
+  /// Repairs the database in `folder` from the readable tables and write-ahead logs, so that it can
+  /// be opened. The content of unreadable ones is lost. Errors: as `Open`.
   static absl::Status Repair(const std::filesystem::path& folder, const SharedResources& shared);
 
-  /// Writes `batch` and syncs it, as one. The first failure is remembered and no write is tried
-  /// after it: a sync that failed may have thrown the dirty pages away, so one that succeeds later
-  /// proves nothing. Errors: `Unavailable` with reason `STORE_READ_ONLY`; for a database that was
-  /// opened for reading alone `ResourceExhausted` with reason `DISK_LOW`.
+  /// Writes `batch` atomically and syncs it. Remembers the first failure and attempts no write
+  /// after it: a failed sync may have discarded the dirty pages, so a later successful sync proves
+  /// nothing. Errors: `Unavailable` with reason `STORE_READ_ONLY`; `ResourceExhausted` with reason
+  /// `DISK_LOW` for a database that was opened read-only.
   absl::Status Write(rocksdb::WriteBatch* batch);
 
-  /// The value of `key`; `NotFound` if there is none.
+  /// Returns the value of `key`; `NotFound` if the key does not exist.
   absl::StatusOr<std::string> Read(Family family,
                                    std::string_view key,
                                    const rocksdb::Snapshot* snapshot = nullptr) const;
 
-  /// An iterator over `snapshot` (null: now) that ends before `*upper_bound`, which must outlive
-  /// it.
+  /// Returns an iterator over `snapshot` (null: the newest state) that ends before `*upper_bound`,
+  /// which must outlive the iterator.
   std::unique_ptr<rocksdb::Iterator> Scan(Family family,
                                           const rocksdb::Slice* upper_bound,
                                           const rocksdb::Snapshot* snapshot = nullptr) const;
 
-  /// OK, or why nothing can be written.
+  /// Returns OK, or the error that prevents writes.
   absl::Status health() const;
 
   rocksdb::DB& database() { return *database_; }
@@ -111,7 +109,7 @@ class StateDatabase {
  private:
   class ErrorListener;
 
-  /// What the listener, which RocksDB may hold for longer than we live, shares with us.
+  /// The state shared with the listener, which RocksDB may keep longer than this object exists.
   struct Health {
     absl::Mutex mutex;
     absl::Status status ABSL_GUARDED_BY(mutex);
@@ -120,13 +118,13 @@ class StateDatabase {
   StateDatabase() = default;
 
   std::shared_ptr<Health> health_ = std::make_shared<Health>();
-  std::unique_ptr<rocksdb::Env> environment_;  ///< Where it is not the shared one.
+  std::unique_ptr<rocksdb::Env> environment_;  ///< Set if it differs from the shared one.
   std::unique_ptr<rocksdb::DB> database_;
   rocksdb::ColumnFamilyHandle* state_handle_ = nullptr;  ///< Owned by `database_`.
-  rocksdb::ColumnFamilyHandle* leaf_handle_ = nullptr;   ///< Likewise.
+  rocksdb::ColumnFamilyHandle* leaf_handle_ = nullptr;   ///< Owned by `database_`.
 };
 
-/// A status of RocksDB in our words; `doing` completes "the store failed ...".
+/// Converts a status of RocksDB; `doing` completes "the store failed ...".
 absl::Status FromRocksdb(const rocksdb::Status& status, std::string_view doing);
 
 }  // namespace steadymap

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kNumberKeyBytes = 9;
 constexpr std::size_t kOriginBytes = 12;
 
-/// By `Family`; leaves have none.
+/// The letter of each `Family`; leaves have none.
 constexpr std::array<char, kFamilyNames.size()> kLetters = {
     '\0', 's', 'o', 'e', 'f', 'r', 'c', 'p', 'm'};
 
@@ -46,7 +46,7 @@ void AppendOrigin(LeafOrigin origin, std::string* key) {
   AppendCoordinate(origin.z, key);
 }
 
-/// The origin in the first twelve bytes; none if it is no origin.
+/// Returns the origin in the first twelve bytes; none if they are not the origin of a leaf.
 std::optional<LeafOrigin> ReadOrigin(std::string_view bytes) {
   const LeafOrigin origin{
       ReadCoordinate(bytes), ReadCoordinate(bytes.substr(4)), ReadCoordinate(bytes.substr(8))};
@@ -111,7 +111,8 @@ std::optional<LeafOrigin> FreeBlockOfKey(std::string_view key) {
   return ReadOrigin(key.substr(1));
 }
 
-// A zero byte between the ids sorts "a" before "a-b" whatever follows, as comparing them does.
+// A zero byte between the ids sorts "a" before "a-b" whatever follows, as a comparison of the ids
+// does.
 std::string RobotKey(const SensorName& sensor) {
   return LetterOf(Family::kRobot) + sensor.robot + '\0' + sensor.sensor;
 }

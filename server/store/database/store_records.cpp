@@ -58,7 +58,7 @@ std::uint32_t ToNumber(ClassMotion motion) {
 
 absl::StatusOr<MapConfig> ConfigFromProto(const storage::v1::MapConfig& config) {
   if (config.policy() < 1 || config.policy() > 6) {
-    return CorruptRecord("a map record holds an unknown update policy");
+    return CorruptRecord("a map record contains an unknown update policy");
   }
   static constexpr std::array kPolicies = {UpdatePolicy::kStatic,
                                            UpdatePolicy::kVoxelChange,
@@ -93,7 +93,7 @@ std::string Seal(const ValuePlace& place, std::string_view payload) {
 }
 
 absl::StatusOr<std::string_view> Unseal(const ValuePlace& place, std::string_view value) {
-  if (value.size() < kEnvelopeBytes) return DamagedValue(place, "is cut off");
+  if (value.size() < kEnvelopeBytes) return DamagedValue(place, "is truncated");
   const std::string_view payload = value.substr(kEnvelopeBytes);
   std::uint32_t crc = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -235,7 +235,7 @@ storage::v1::PoseRecord ToProto(const FramePose& pose) {
 
 absl::StatusOr<FramePose> FromProto(MapSequence sequence, const storage::v1::PoseRecord& record) {
   if (record.t_world_camera_size() != kPoseNumbers) {
-    return CorruptRecord("a pose record holds no rigid transform");
+    return CorruptRecord("a pose record does not contain a rigid transform");
   }
   FramePose pose;
   pose.sequence = sequence;
@@ -258,7 +258,7 @@ storage::v1::SemanticClass ToProto(const SemanticClass& row) {
 
 absl::StatusOr<SemanticClass> FromProto(const storage::v1::SemanticClass& row) {
   if (row.motion() < 1 || row.motion() > 3 || row.id() > 0xFFFF) {
-    return CorruptRecord("a record holds an impossible class");
+    return CorruptRecord("a record contains an invalid class");
   }
   static constexpr std::array kMotions = {
       ClassMotion::kStatic, ClassMotion::kSemiStatic, ClassMotion::kDynamic};

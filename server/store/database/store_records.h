@@ -17,53 +17,55 @@ class SemanticClass;
 class SessionRecord;
 }  // namespace steadymap::storage::v1
 
-/// The values of the store: an envelope around each, and what stands inside.
+/// The values of the store: an envelope around each, and the payload.
 ///
 /// Envelope: u8 schema version, u32 CRC-32C (little-endian) over column family name, a zero byte,
-/// key, version and payload; then the payload. So a flipped bit is found, and so is a good value
-/// under a wrong key.
+/// key, version and payload; then the payload. The checksum detects a flipped bit, and also an
+/// intact value under a wrong key.
 namespace steadymap {
 
-/// Version of the records that this server writes; it reads this one and older ones. A store of
-/// another schema (`folder_lock.h`) may have others.
+/// Version of the records that this server writes. It reads this version and older ones. A store of
+/// another folder schema (`folder_lock.h`) may contain other versions.
 inline constexpr std::uint8_t kRecordVersion = 1;
 
-/// Where a value stands: what its checksum covers besides itself, and what an error names.
+/// The location of a value. The checksum of the value covers it, and errors contain it.
 struct ValuePlace {
   std::string_view column_family;
   std::string_view key;
 };
 
-/// The value for `payload`: the envelope, then the payload.
+/// Returns the stored value for `payload`: the envelope, then the payload.
 std::string Seal(const ValuePlace& place, std::string_view payload);
 
-/// The payload, which points into `value`.
-/// Errors: `DataLoss` with reason `CHECKSUM`, naming column family and key; `FailedPrecondition`
-/// for a newer version.
+/// Verifies a value and returns its payload, which points into `value`. Errors: `DataLoss` with
+/// reason `CHECKSUM` and the column family and key in the message; `FailedPrecondition` for a newer
+/// version.
 absl::StatusOr<std::string_view> Unseal(const ValuePlace& place, std::string_view value);
 
-/// `DataLoss` with reason `CHECKSUM`; `what` completes "the value of ... in ...".
+/// Returns `DataLoss` with reason `CHECKSUM`; `what` completes "the value of key ... in column
+/// family ...".
 absl::Status DamagedValue(const ValuePlace& place, std::string_view what);
 
-/// A protobuf message, sealed.
+/// Serialises and seals a protobuf message.
 template <typename Proto>
 std::string SealRecord(const ValuePlace& place, const Proto& record) {
   return Seal(place, record.SerializeAsString());
 }
 
-/// The message in a value made by `SealRecord`. Errors: as `Unseal`.
+/// Verifies and parses a value made by `SealRecord`. Errors: as `Unseal`, and `DamagedValue` for a
+/// payload that cannot be parsed.
 template <typename Proto>
 absl::Status UnsealRecord(const ValuePlace& place, std::string_view value, Proto* record) {
   const absl::StatusOr<std::string_view> payload = Unseal(place, value);
   if (!payload.ok()) return payload.status();
   if (!record->ParseFromArray(payload->data(), static_cast<int>(payload->size()))) {
-    return DamagedValue(place, "is no record");
+    return DamagedValue(place, "is not a valid record");
   }
   return absl::OkStatus();
 }
 
-/// Records to protobuf and back. Reading back gives bit for bit what was written.
-/// Errors of the latter: `DataLoss` for what the former cannot have written.
+/// Converts records to protobuf and back. A round trip preserves every bit. `FromProto` returns
+/// `DataLoss` for content that `ToProto` cannot have written.
 storage::v1::MapRecord ToProto(const MapRecord& record);
 absl::StatusOr<MapRecord> FromProto(const storage::v1::MapRecord& record);
 storage::v1::SessionRecord ToProto(const SessionRecord& record);

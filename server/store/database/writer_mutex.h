@@ -5,14 +5,14 @@
 
 namespace steadymap {
 
-/// Serialises writers. Only other writers wait for it, so it may be held while the disk syncs,
-/// which a mutex that guards state must not be. Thread-safe.
+/// Serialises writers. It never blocks a reader, so it may be held during disk syncs, unlike a
+/// mutex that guards state. Thread-safe.
 class WriterMutex {
  public:
   /// Holds the mutex from construction to destruction.
   class Lock {
    public:
-    /// Waits until no other writer holds it.
+    /// Blocks until no other writer holds the mutex.
     explicit Lock(WriterMutex* mutex) : mutex_(mutex) {
       const absl::MutexLock lock(&mutex_->mutex_,
                                  absl::Condition(

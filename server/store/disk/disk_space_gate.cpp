@@ -14,7 +14,7 @@ constexpr std::chrono::milliseconds kRetryInterval{200};
 
 }  // namespace
 
-/// Takes space before it writes.
+/// A file that reserves disk space before each write.
 class DiskSpaceGate::File final : public rocksdb::FSWritableFileOwnerWrapper {
  public:
   File(std::unique_ptr<rocksdb::FSWritableFile> file, DiskSpaceGate* gate)
@@ -47,7 +47,7 @@ class DiskSpaceGate::File final : public rocksdb::FSWritableFileOwnerWrapper {
     const std::uint64_t end = GetFileSize(options, debug);
     const rocksdb::IOStatus status =
         gate_->Await([&] { return Allocate(end, bytes, options, debug); });
-    // A file system that cannot take space ahead of a write has to do without.
+    // Reservation is optional: a file system that does not support it writes without one.
     return status.IsNoSpace() ? status : rocksdb::IOStatus::OK();
   }
 
@@ -62,14 +62,14 @@ rocksdb::IOStatus DiskSpaceGate::Await(const Attempt& attempt) {
   rocksdb::IOStatus status = attempt();
   if (!status.IsNoSpace()) return status;
   if (waiting_.fetch_add(1) == 0) {
-    spdlog::error("the disk of the data folder is full; writes wait until there is room");
+    spdlog::error("the disk of the data folder is full; writes wait for free space");
   }
   while (status.IsNoSpace() && !stopped_) {
     std::this_thread::sleep_for(kRetryInterval);
     status = attempt();
   }
   if (waiting_.fetch_sub(1) == 1 && status.ok()) {
-    spdlog::info("the disk of the data folder has room again; writes go on");
+    spdlog::info("the disk of the data folder has free space again; writes continue");
   }
   return status;
 }

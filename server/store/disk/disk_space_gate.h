@@ -9,23 +9,23 @@
 
 namespace steadymap {
 
-/// A file system for RocksDB in which nothing runs out of disk space: what finds none waits until
-/// there is some. RocksDB itself takes a full disk for an error that it cannot go on after, and
-/// Debian's build, which has its assertions on, sometimes ends the process.
+/// A file system for RocksDB in which no operation fails because the disk is full: the operation
+/// waits for free space instead. RocksDB itself treats a full disk as a fatal error, and Debian's
+/// build, which has assertions enabled, sometimes aborts the process.
 ///
-/// Space is taken for bytes before they are written, so that no write stops halfway. Threads that
-/// wait hold up nobody but the map whose files they write. Thread-safe.
+/// Reserves disk space before each write, so that no write stops halfway. A waiting thread delays
+/// only operations on the map whose files it writes. Thread-safe.
 class DiskSpaceGate final : public rocksdb::FileSystemWrapper {
  public:
-  /// Over `target`, the file system that really writes.
+  /// Wraps `target`, the file system that performs the writes.
   explicit DiskSpaceGate(const std::shared_ptr<rocksdb::FileSystem>& target);
 
   const char* Name() const override { return "DiskSpaceGate"; }
 
-  /// Threads that wait for space.
+  /// Returns the number of threads that wait for free space.
   int waiting() const { return waiting_.load(); }
 
-  /// Lets those who wait fail, now and from now on: the process is about to end.
+  /// Makes waiting operations fail, now and later. Called before the process ends.
   void Stop() { stopped_ = true; }
 
   rocksdb::IOStatus NewWritableFile(const std::string& name,
@@ -52,7 +52,7 @@ class DiskSpaceGate final : public rocksdb::FileSystemWrapper {
  private:
   class File;
 
-  /// Runs `attempt` until it ends with something else than a full disk.
+  /// Repeats `attempt` while it fails because the disk is full.
   template <typename Attempt>
   rocksdb::IOStatus Await(const Attempt& attempt);
 

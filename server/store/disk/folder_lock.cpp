@@ -37,7 +37,7 @@ std::error_code LastError() { return {errno, std::generic_category()}; }
 
 std::string SchemaText() { return absl::StrCat(Absl(kSchemaPrefix), kFolderSchema, "\n"); }
 
-/// The schema that a mark names; 0 if it names none.
+/// Returns the schema number in a mark; 0 if the mark contains none.
 int SchemaOf(std::string_view text) {
   int schema = 0;
   if (text.starts_with(kSchemaPrefix)) {
@@ -87,14 +87,14 @@ absl::Status CheckSchema(const std::filesystem::path& folder,
     if (absl::Status status = SyncFolder(folder); !status.ok()) return status;
     return mark.Write(SchemaText());
   }
-  // The first schema had its mark in a single file, as it stands.
+  // The first schema stored its mark in a single file without a checksum.
   if (!text.ok()) text = ReadWholeFile(mark.path());
   const int schema = text.ok() ? SchemaOf(*text) : 0;
   if (schema <= 0) {
     return MakeError(
         absl::StatusCode::kDataLoss,
         reason::kChecksum,
-        absl::StrCat("file ", mark.path().string(), " does not name the store's schema"));
+        absl::StrCat("file ", mark.path().string(), " does not contain the schema of a store"));
   }
   if (schema != kFolderSchema) {
     return absl::FailedPreconditionError(
@@ -103,7 +103,7 @@ absl::Status CheckSchema(const std::filesystem::path& folder,
                      schema > kFolderSchema ? " was written by a newer server: schema "
                                             : " was written before the first release: schema ",
                      schema,
-                     ", this one knows ",
+                     ", but this server reads schema ",
                      kFolderSchema));
   }
   if (has_content) return absl::OkStatus();

@@ -7,13 +7,13 @@
 
 namespace steadymap {
 
-/// Holds a data folder for one process, by `flock` on the file `lock` in it; the kernel lets go of
-/// it however the process ends.
+/// An exclusive lock on a data folder, held by one process through `flock` on the file `lock` in
+/// it. The kernel releases it however the process ends.
 class FolderLock {
  public:
-  /// Makes the folder if need be and takes it.
-  /// Errors: `FailedPrecondition` if somebody else holds it; `PermissionDenied` or `NotFound` if it
-  /// cannot be made or written.
+  /// Creates the folder if it does not exist, and acquires the lock. Errors: `FailedPrecondition`
+  /// if another process holds it; `PermissionDenied` or `NotFound` if the folder cannot be created
+  /// or written.
   static absl::StatusOr<FolderLock> Take(const std::filesystem::path& folder);
 
   ~FolderLock();
@@ -26,16 +26,16 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
-/// Checks that `folder` holds nothing or a store of this schema, and marks it as one of ours. Read
-/// before anything else in the folder, so that a newer store is left exactly as it is. `content` is
-/// the folder that a store cannot be without: made with the mark, and missed where the mark is.
-/// Errors: `FailedPrecondition` for another schema; `DataLoss` for a mark that says something else,
-/// and for a store without its content; `PermissionDenied` or `NotFound` if the mark cannot be
-/// written.
+/// Checks that the schema mark of `folder` contains this schema. Creates the mark, and the folder
+/// `content`, if there is no mark. Must be called before any other file in the folder is read, so
+/// that a store of a newer schema is left unchanged. `content` is the folder that every marked
+/// store must contain. Errors: `FailedPrecondition` for another schema; `DataLoss` for an invalid
+/// mark and for a marked folder without `content`; `PermissionDenied` or `NotFound` if the mark
+/// cannot be written.
 absl::Status CheckSchema(const std::filesystem::path& folder, const std::filesystem::path& content);
 
-/// Schema of the folder that this server writes. Rises when an older server could not read it.
-/// 1: one RocksDB for all maps, never released. 2: a folder a map.
+/// Schema of the data folder that this server writes. Incremented when an older server could not
+/// read the folder. 1: one RocksDB for all maps, never released. 2: one folder for each map.
 inline constexpr int kFolderSchema = 2;
 
 }  // namespace steadymap

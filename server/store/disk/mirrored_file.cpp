@@ -12,8 +12,8 @@
 namespace steadymap {
 namespace {
 
-// A line for people, so that `cat` shows what the file is, then the CRC-32C of the value in
-// hexadecimal, a newline and the value.
+// File format: a readable line, so that `cat` shows the purpose of the file. The line ends with the
+// CRC-32C of the value in hexadecimal. The value follows the newline.
 constexpr std::string_view kMark = "steadymap value, CRC-32C ";
 constexpr std::size_t kChecksumDigits = 8;
 
@@ -56,7 +56,8 @@ absl::StatusOr<std::string> MirroredFile::Read() const {
   if (!first.ok() && !second.ok()) {
     return absl::IsNotFound(first.status()) ? second.status() : first.status();
   }
-  // The copy is written last: where both are whole and differ, a crash fell between them.
+  // The copy is written last: if both files are valid and differ, a crash occurred between the two
+  // writes.
   if (!second.ok() || (first.ok() && *first != *second)) {
     Repair(CopyPath(), *first);
     return first;

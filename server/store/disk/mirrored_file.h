@@ -10,21 +10,22 @@
 
 namespace steadymap {
 
-/// A small value in a file and in a copy beside it (`NAME` and `NAME.copy`), each with a checksum:
-/// damage to one of them costs nothing. One thread at a time.
+/// A small value, stored in a file and in a copy beside it (`NAME` and `NAME.copy`), each with a
+/// checksum. Damage to one of the two files loses nothing. One thread at a time.
 class MirroredFile {
  public:
   explicit MirroredFile(std::filesystem::path path) : path_(std::move(path)) {}
 
-  /// The value. One that only one of the files still has is written to the other again, and the log
-  /// says so. Errors: `NotFound` if neither file is there; `DataLoss` with reason `CHECKSUM` if
-  /// none of those that are there is whole.
+  /// Returns the value. If only one of the files has a valid value, the other file is restored from
+  /// it and a warning is logged. Errors: `NotFound` if neither file exists; `DataLoss` with reason
+  /// `CHECKSUM` if no existing file is valid.
   absl::StatusOr<std::string> Read() const;
 
-  /// As `Read`, but changes nothing: what is wrong with either file is added to `problems`.
+  /// Reads as `Read` does, but changes nothing. Adds the error of each damaged or missing file to
+  /// `problems`.
   absl::StatusOr<std::string> Inspect(std::vector<std::string>* problems) const;
 
-  /// Replaces the value; on disk when it returns. A crash leaves the old value or the new one.
+  /// Replaces the value, synced before it returns. A crash leaves the old value or the new one.
   absl::Status Write(std::string_view value) const;
 
   const std::filesystem::path& path() const { return path_; }

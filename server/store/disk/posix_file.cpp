@@ -22,24 +22,24 @@ namespace {
 
 constexpr mode_t kFileMode = 0640;
 
-/// The parts as writev(2) takes them, without the first `skipped` bytes.
+/// Converts the parts to the argument of writev(2), without the first `skipped` bytes.
 std::vector<iovec> VectorOf(std::span<const std::string_view> parts, std::size_t skipped) {
   std::vector<iovec> vector;
   for (const std::string_view part : parts) {
     const std::size_t cut = std::min(skipped, part.size());
     skipped -= cut;
     if (cut == part.size()) continue;
-    // writev(2) reads only; its interface says otherwise.
+    // writev(2) only reads the bytes, although its interface takes a non-const pointer.
     vector.push_back({const_cast<char*>(part.data()) + cut, part.size() - cut});
     if (vector.size() == IOV_MAX) break;
   }
   return vector;
 }
 
-/// Null but in tests.
+/// Null except in tests.
 std::atomic<std::shared_ptr<const FileFaults>> faults_for_test;
 
-/// The errno of a fault that a test has put in; 0: none.
+/// Returns the errno of the fault that a test injects into `call`; 0: none.
 int FaultOf(FileCall call, const std::filesystem::path& path) {
   const std::shared_ptr<const FileFaults> faults = faults_for_test.load();
   return faults == nullptr ? 0 : (*faults)(call, path);
@@ -100,7 +100,7 @@ absl::StatusOr<PosixFile> PosixFile::Open(const std::filesystem::path& path, int
 absl::StatusOr<std::uint64_t> PosixFile::Size() const {
   struct stat info {};
 
-  if (::fstat(descriptor_, &info) != 0) return SystemError(errno, "look at", path_);
+  if (::fstat(descriptor_, &info) != 0) return SystemError(errno, "read the size of", path_);
   return static_cast<std::uint64_t>(info.st_size);
 }
 
@@ -141,7 +141,7 @@ absl::Status PosixFile::WriteAt(std::uint64_t offset,
 absl::Status PosixFile::Reserve(std::uint64_t offset, std::uint64_t size) const {
   if (size == 0) return absl::OkStatus();
   if (const int fault = FaultOf(FileCall::kReserve, path_)) {
-    return SystemError(fault, "take disk space for", path_);
+    return SystemError(fault, "reserve disk space for", path_);
   }
   int result = 0;
   do {
@@ -149,12 +149,12 @@ absl::Status PosixFile::Reserve(std::uint64_t offset, std::uint64_t size) const 
         descriptor_, FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset), static_cast<off_t>(size));
   } while (result != 0 && errno == EINTR);
   if (result == 0 || errno == EOPNOTSUPP || errno == ENOSYS) return absl::OkStatus();
-  return SystemError(errno, "take disk space for", path_);
+  return SystemError(errno, "reserve disk space for", path_);
 }
 
 absl::Status PosixFile::Truncate(std::uint64_t size) const {
   if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) return absl::OkStatus();
-  return SystemError(errno, "cut", path_);
+  return SystemError(errno, "truncate", path_);
 }
 
 absl::Status PosixFile::Sync() const {

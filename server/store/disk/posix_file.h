@@ -13,26 +13,27 @@
 #include <sys/types.h>
 #include <sys/uio.h>
 
-/// Files of the data folder that are not RocksDB's: opened, read, written and synced through the
-/// system's own calls, so that every failure is seen.
+/// Access to those files of the data folder that RocksDB does not manage. All operations are direct
+/// system calls, so that every failure is detected.
 ///
-/// Errors of all: `NotFound` (no such file), `PermissionDenied`, `ResourceExhausted` with reason
-/// `DISK_LOW` (no space, quota), else `Internal`; the message names the file.
+/// Errors of all functions: `NotFound` (no such file), `PermissionDenied`, `ResourceExhausted` with
+/// reason `DISK_LOW` (no space, quota), otherwise `Internal`. The message contains the path.
 namespace steadymap {
 
-/// What a test can make fail.
+/// The system calls that a test can make fail.
 enum class FileCall { kReserve, kWrite, kSync };
 
-/// Asked before such calls, from any thread: an errno that the call is to fail with, or 0.
+/// Called before each such system call, on any thread. Returns the errno with which the call must
+/// fail, or 0.
 using FileFaults = std::function<int(FileCall, const std::filesystem::path&)>;
 
-/// Puts faults into the calls of the process; empty: none any more. For tests.
+/// Injects faults into the system calls of the process; empty: none. For tests.
 void SetFileFaultsForTest(FileFaults faults);
 
 /// An open file; closed when it is destroyed.
 class PosixFile {
  public:
-  /// Opens `path` with `flags` of open(2); files that it makes are readable by owner and group.
+  /// Opens `path` with the `flags` of open(2). A file that it creates has mode 0640.
   static absl::StatusOr<PosixFile> Open(const std::filesystem::path& path, int flags);
 
   PosixFile() = default;
@@ -46,20 +47,21 @@ class PosixFile {
 
   absl::StatusOr<std::uint64_t> Size() const;
 
-  /// Reads up to `size` bytes from `offset` on; fewer only at the end of the file.
+  /// Reads `size` bytes from `offset`; fewer only at the end of the file.
   absl::StatusOr<std::string> ReadAt(std::uint64_t offset, std::size_t size) const;
 
-  /// Writes the parts one after another at `offset`.
+  /// Writes the parts consecutively, starting at `offset`.
   absl::Status WriteAt(std::uint64_t offset, std::span<const std::string_view> parts) const;
 
-  /// Takes disk space for bytes that are about to be written, so that the write cannot run out of
-  /// it halfway. The file's size stays. File systems that know no such thing: OK.
+  /// Reserves disk space for the next write, so that the write cannot run out of space halfway. The
+  /// size of the file does not change. Returns OK on a file system that does not support
+  /// reservation.
   absl::Status Reserve(std::uint64_t offset, std::uint64_t size) const;
 
-  /// Cuts the file to `size` bytes.
+  /// Truncates the file to `size` bytes.
   absl::Status Truncate(std::uint64_t size) const;
 
-  /// Returns when content and size are on disk.
+  /// Syncs the content and the size of the file to disk.
   absl::Status Sync() const;
 
  private:
@@ -69,24 +71,23 @@ class PosixFile {
   std::filesystem::path path_;
 };
 
-/// Returns when the names in `folder` (files made, renamed, removed) are on disk.
+/// Syncs the entries of `folder` (created, renamed and removed files) to disk.
 absl::Status SyncFolder(const std::filesystem::path& folder);
 
-/// Makes `folder` with its parents; a folder that is there is no error.
+/// Creates `folder` and its parents. An existing folder is not an error.
 absl::Status MakeFolder(const std::filesystem::path& folder);
 
-/// Renames a file or folder, replacing a file that is there; on disk when it returns.
+/// Renames a file or folder and syncs the change. Replaces an existing file.
 absl::Status RenameDurably(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Replaces the content of `path` so that a crash leaves the old one or the new one; on disk when
-/// it returns.
+/// Replaces the content of `path` and syncs it. A crash leaves the old content or the new one.
 absl::Status WriteFileDurably(const std::filesystem::path& path, std::string_view content);
 
-/// The whole content of `path`.
+/// Returns the whole content of `path`.
 absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path);
 
-/// The error for a system call on `path` that failed with `error` (an errno); `doing` completes
-/// "cannot ...".
+/// Returns the error for a system call on `path` that failed with `error` (an errno); `doing`
+/// completes "cannot ...".
 absl::Status SystemError(int error, std::string_view doing, const std::filesystem::path& path);
 
 }  // namespace steadymap

@@ -6,7 +6,7 @@
 
 namespace steadymap {
 
-/// Reads no further than its end.
+/// A file that appears to end after `size` bytes.
 class TruncatedViewFileSystem::File final : public rocksdb::FSSequentialFileOwnerWrapper {
  public:
   File(std::unique_ptr<rocksdb::FSSequentialFile> target, std::uint64_t size)
@@ -31,7 +31,7 @@ class TruncatedViewFileSystem::File final : public rocksdb::FSSequentialFileOwne
   }
 
  private:
-  std::uint64_t left_;  ///< Bytes up to the end.
+  std::uint64_t left_;  ///< Bytes that remain up to the apparent end.
 };
 
 TruncatedViewFileSystem::TruncatedViewFileSystem(const std::shared_ptr<rocksdb::FileSystem>& target,

@@ -8,12 +8,13 @@
 
 namespace steadymap {
 
-/// A file system in which one file seems to end earlier than it does, for readers from its start to
-/// its end. It lets RocksDB read a log without what a power cut left of its last write, where the
-/// log itself must not be changed. Thread-safe.
+/// A file system in which one file appears shorter than it is, for sequential readers. With it,
+/// RocksDB reads a write-ahead log without the torn last write that a power cut left, where the log
+/// itself must not be changed. Thread-safe.
 class TruncatedViewFileSystem final : public rocksdb::FileSystemWrapper {
  public:
-  /// Over `target`. `file` is the name without its folder: a database has no two of one name.
+  /// Wraps `target`. `file` is the file name without its folder; file names are unique within a
+  /// database.
   TruncatedViewFileSystem(const std::shared_ptr<rocksdb::FileSystem>& target,
                           std::string file,
                           std::uint64_t size);

@@ -20,7 +20,8 @@ namespace steadymap {
 namespace {
 
 // RocksDB's log format: blocks, each filled with fragments; a fragment is u32 masked CRC-32C over
-// type and data, u16 length of the data, u8 type, data. A rest too short for a header is padding.
+// type and data, u16 length of the data, u8 type, data. Remaining bytes of a block that are too few
+// for a header are padding.
 constexpr std::uint64_t kBlockBytes = 32768;
 constexpr std::uint64_t kHeaderBytes = 7;
 constexpr std::uint32_t kMaskDelta = 0xA282EAD8U;
@@ -29,7 +30,7 @@ enum class FragmentType : unsigned char { kFull = 1, kFirst = 2, kMiddle = 3, kL
 
 struct Fragment {
   FragmentType type = FragmentType::kFull;
-  std::uint64_t end = 0;  ///< Offset behind its data.
+  std::uint64_t end = 0;  ///< Offset of the end of its data.
 };
 
 std::uint64_t ReadLittleEndian(std::string_view bytes) {
@@ -44,7 +45,7 @@ std::uint64_t BlockEnd(std::string_view log, std::uint64_t place) {
   return std::min<std::uint64_t>(log.size(), (place / kBlockBytes + 1) * kBlockBytes);
 }
 
-// The intact fragment at `place`; none if there is none.
+// Returns the intact fragment at `place`; none if there is no intact fragment.
 std::optional<Fragment> ReadFragment(std::string_view log, std::uint64_t place) {
   const std::uint64_t block_end = BlockEnd(log, place);
   if (place + kHeaderBytes > block_end) return std::nullopt;
@@ -58,8 +59,9 @@ std::optional<Fragment> ReadFragment(std::string_view log, std::uint64_t place) 
   return Fragment{static_cast<FragmentType>(type), end};
 }
 
-// Whether some intact fragment behind `place` begins a record. Behind damage the places of
-// fragments are known again at the next block; in the rest of this one every place is tried.
+// True if an intact fragment behind `place` begins a record. Behind damage, the offsets of
+// fragments are known again only from the next block on, so every offset in the rest of this block
+// is tried.
 bool RecordBeginsBehind(std::string_view log, std::uint64_t place) {
   const auto begins = [](const std::optional<Fragment>& fragment) {
     return fragment &&
@@ -104,7 +106,7 @@ absl::Status Failed(const char* what, const std::filesystem::path& file) {
 
 std::optional<std::uint64_t> FindTornEnd(std::string_view log) {
   std::uint64_t place = 0;
-  std::uint64_t whole_end = 0;  // Behind the last record that is complete.
+  std::uint64_t whole_end = 0;  // End of the last complete record.
   bool within_record = false;
   while (place < log.size()) {
     const std::uint64_t block_end = (place / kBlockBytes + 1) * kBlockBytes;
@@ -148,8 +150,8 @@ absl::Status CutTornLog(const std::filesystem::path& folder) {
   const bool cut =
       ::ftruncate(descriptor, static_cast<off_t>(log.whole_end)) == 0 && ::fsync(descriptor) == 0;
   ::close(descriptor);
-  if (!cut) return Failed("cut", log.file);
-  spdlog::warn("dropped {} bytes of a write that a power cut tore before it was durable: {}",
+  if (!cut) return Failed("truncate", log.file);
+  spdlog::warn("dropped {} bytes of a write that a power cut interrupted before it was durable: {}",
                log.size - log.whole_end,
                log.file.string());
   return absl::OkStatus();

@@ -10,33 +10,35 @@
 
 namespace steadymap {
 
-/// A write-ahead log whose last write a power cut tore.
+/// A write-ahead log whose last write was torn by a power cut.
 struct TornLog {
   std::filesystem::path file;
-  std::uint64_t size = 0;       ///< Of the file.
-  std::uint64_t whole_end = 0;  ///< Behind the last record that is whole.
+  std::uint64_t size = 0;       ///< Size of the file in bytes.
+  std::uint64_t whole_end = 0;  ///< End of the last complete record.
 };
 
-/// Finds what a power cut left of the last write to RocksDB's write-ahead log in `folder`; none if
-/// there is no such rest.
+/// Detects a torn last write in RocksDB's write-ahead log in `folder`, left by a power cut; none if
+/// there is no torn write.
 ///
-/// Every write is one record of the log, synced before the next begins. A power cut may leave the
-/// last one with its length but without some of its disk sectors, which then read as zeros.
-/// RocksDB, told to refuse damage, would refuse this too, although nobody was ever told that the
-/// write is durable. So this looks for the first broken record, and calls the log torn there if all
-/// of these hold: it is the newest log, no later write begins behind it, and it lacks at least one
-/// sector. Anything else is real damage and is left for RocksDB to find.
+/// Every write is one record of the log, synced before the next write begins. A power cut may leave
+/// the last record with its full length but without some of its disk sectors, which then read as
+/// zeros. RocksDB, configured to refuse damage, would refuse this record too, although the write
+/// was never acknowledged as durable. This function finds the first broken record. It reports the
+/// log as torn there if all of these hold: the log is the newest one, no later record begins behind
+/// the broken one, and at least one sector is missing. Any other damage is real and is left for
+/// RocksDB to detect.
 ///
-/// Cost: one pass over the newest log, about 1 ms a megabyte. Errors: `Internal` if the log cannot
-/// be read.
+/// Cost: one pass over the newest log, about 1 ms per megabyte. Errors: `Internal` if the log
+/// cannot be read.
 absl::StatusOr<std::optional<TornLog>> FindTornLog(const std::filesystem::path& folder);
 
-/// Cuts such a rest off, and says so in the log. Call before the database is opened. Errors:
-/// `Internal` if the log cannot be read or cut.
+/// Truncates a torn last write found by `FindTornLog`, and logs a warning. Call before the database
+/// is opened. Errors: `Internal` if the log cannot be read or truncated.
 absl::Status CutTornLog(const std::filesystem::path& folder);
 
-/// Where `log`, the content of a write-ahead log, has to be cut; none if it is whole, ends within a
-/// record (which RocksDB drops on its own), or is damaged otherwise.
+/// Returns the offset at which a torn write-ahead log with content `log` must be truncated. Returns
+/// none if the log is complete, ends within a record (which RocksDB drops itself), or is damaged in
+/// another way.
 std::optional<std::uint64_t> FindTornEnd(std::string_view log);
 
 }  // namespace steadymap

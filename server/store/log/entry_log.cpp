@@ -22,7 +22,7 @@ namespace {
 
 constexpr char kExtension[] = ".log";
 
-// A group must fit into the length of a record; no group comes near.
+// Size of the length field before the header of a frame.
 constexpr std::size_t kHeaderLengthBytes = 4;
 
 absl::Status MissingEntry(MapKey map, MapSequence sequence) {
@@ -34,7 +34,7 @@ absl::Status MissingEntry(MapKey map, MapSequence sequence) {
 absl::Status UnreadableEntry(std::uint64_t number) {
   return MakeError(absl::StatusCode::kDataLoss,
                    reason::kChecksum,
-                   absl::StrCat("entry ", number, " of the log holds nothing that can be read"));
+                   absl::StrCat("entry ", number, " of the log cannot be decoded"));
 }
 
 LogRecordKind RecordKindOf(LogEntryKind kind) {
@@ -139,14 +139,14 @@ absl::StatusOr<std::unique_ptr<EntryLog>> EntryLog::Open(const std::filesystem::
     if (read_only) {
       log->health_ = MakeError(absl::StatusCode::kResourceExhausted,
                                reason::kDiskLow,
-                               "the map is open for reading alone until the disk has room");
+                               "the map is open read-only until the disk has free space");
     }
   }
   if (absl::Status status = log->ScanTail(known, read_only, found); !status.ok()) return status;
   return log;
 }
 
-/// Finds the files; their headers are read later.
+/// Lists the log files and reads their headers.
 absl::Status EntryLog::ListSegments() {
   const absl::MutexLock lock(&mutex_);
   std::error_code error;
@@ -158,12 +158,14 @@ absl::Status EntryLog::ListSegments() {
     absl::StatusOr<LogSegmentReader> reader = LogSegmentReader::Open(entry.path(), map_);
     if (!reader.ok()) return reader.status();
     if (reader->start().first_group != first_group) {
-      return MakeError(absl::StatusCode::kDataLoss,
-                       reason::kChecksum,
-                       absl::StrCat("log file ", entry.path().string(), " has a wrong name"));
+      return MakeError(
+          absl::StatusCode::kDataLoss,
+          reason::kChecksum,
+          absl::StrCat(
+              "log file ", entry.path().string(), " has a name that does not match its content"));
     }
     const std::uintmax_t bytes = entry.file_size(error);
-    if (error) return SystemError(error.value(), "look at", entry.path());
+    if (error) return SystemError(error.value(), "read the size of", entry.path());
     segments_.push_back({reader->start(), bytes});
   }
   if (error && error != std::errc::no_such_file_or_directory) {
@@ -175,7 +177,7 @@ absl::Status EntryLog::ListSegments() {
   return absl::OkStatus();
 }
 
-/// Reads the files that hold more than is known, and finds the end of the log.
+/// Reads the files with records newer than `known`, and finds the end of the log.
 absl::Status EntryLog::ScanTail(const Known& known, bool read_only, Found* found) {
   MapSequence last_entry;
   const absl::MutexLock lock(&mutex_);
@@ -207,7 +209,8 @@ absl::Status EntryLog::ScanTail(const Known& known, bool read_only, Found* found
     head_ = std::max(head_, scan->last_entry);
     group_ = std::max(group_, scan->last_group);
     segments_[i].bytes = scan->end;
-    // A file that ends before what the database knows gets no more entries: they would not follow.
+    // A file that ends before the recorded head gets no more entries, because they would not follow
+    // it.
     const bool goes_on = scan->last_entry == head_ && scan->last_group == group_;
     if (read_only) continue;
     if (absl::Status status = CutTornGroup(*scan); !status.ok()) return status;
@@ -218,7 +221,7 @@ absl::Status EntryLog::ScanTail(const Known& known, bool read_only, Found* found
     writer_ = *std::move(writer);
   }
   newest_uptime_ = found->uptime;
-  // What is not integrated yet must be there, up to the head that the database knows of.
+  // Every entry that is not integrated must exist, up to the head recorded in the database.
   if (last_entry < known.head && known.head.value() > known.revision.value()) {
     return MissingEntry(map_, std::max(last_entry, MapSequence(known.revision.value())).Next());
   }
@@ -256,7 +259,7 @@ absl::Status EntryLog::CheckSequence(const LogAppend& append) const {
     if (!IsValidId(name.sensor.robot) || !IsValidId(name.sensor.sensor) ||
         !IsValidId(name.session)) {
       return InvalidField(
-          reason::kBadName, "session", "a robot, sensor or session has no valid id");
+          reason::kBadName, "session", "a robot, sensor or session has an invalid id");
     }
   }
   return absl::OkStatus();
@@ -289,7 +292,7 @@ absl::Status EntryLog::Append(const LogAppend& append) {
   return absl::OkStatus();
 }
 
-/// Sees to it that there is a file to append to.
+/// Creates a file to append to if there is none or the newest is full.
 absl::Status EntryLog::BeginSegment(MapUptime uptime) {
   if (writer_ && writer_->size() < segment_bytes_) return absl::OkStatus();
   const SegmentStart start{map_, head().Next(), group() + 1, uptime};
@@ -332,7 +335,7 @@ absl::Status EntryLog::Read(MapSequence first,
       absl::StatusOr<LogEntry> entry = UnpackEntry(*std::move(*record));
       if (!entry.ok()) return entry.status();
       if (absl::Status status = visit(*std::move(entry)); !status.ok()) return status;
-      // Behind the head somebody may be writing.
+      // Another thread may be writing after the head.
       if (sequence == head) return absl::OkStatus();
     }
   }
@@ -362,7 +365,7 @@ absl::Status EntryLog::Drop(const Done& done,
     }
     if (segments_.empty()) writer_.reset();
   }
-  // Oldest first, so that a crash leaves no hole.
+  // Removed in order of age, so that a crash leaves no gap.
   for (const std::filesystem::path& path : dropped) {
     std::error_code error;
     std::filesystem::remove(path, error);

@@ -19,30 +19,31 @@
 namespace steadymap {
 
 /// The log of one map: its entries in the order of their sequence numbers, and the sessions that
-/// sent them, in files of about the same size (`log_segment.h`). What is integrated is dropped file
-/// by file.
+/// sent them, in files of similar size (`log_segment.h`). Integrated entries are dropped in whole
+/// files.
 ///
-/// `Append` and `Drop` are for one thread at a time; everything else for any thread.
+/// Thread-safe, except that only one thread at a time may call `Append` or `Drop`.
 class EntryLog {
  public:
-  /// What the map's database knows of the log: more than the log itself where files were dropped.
+  /// The state of the log that is recorded in the map's database. It covers more than the log
+  /// itself where files were dropped.
   struct Known {
-    MapSequence head;         ///< The log ends here at least.
+    MapSequence head;         ///< The newest entry of the log is at least this one.
     Revision revision;        ///< Entries up to here are integrated.
-    std::uint64_t group = 0;  ///< The sessions of the groups up to here are in the database.
+    std::uint64_t group = 0;  ///< The sessions of groups up to here are in the database.
   };
 
-  /// What opening found behind what was known.
+  /// The records found in the log that are newer than `Known`.
   struct Found {
-    std::map<SessionName, SessionRecord> sessions;  ///< The newest record of each.
-    std::vector<LogEntry> classes;                  ///< The entries of this kind, not integrated.
-    MapUptime uptime{0};                            ///< Of the last group that was read.
+    std::map<SessionName, SessionRecord> sessions;  ///< The newest record of each session.
+    std::vector<LogEntry> classes;  ///< Entries of kind `kClasses` that are not integrated.
+    MapUptime uptime{0};            ///< Uptime of the last group that was read.
   };
 
-  /// Opens the log in `folder`, which is made if need be. What a crash left of a group that was
-  /// never acknowledged is cut off, and the log says so. `found` is filled. `read_only`: nothing is
-  /// cut or made, and nothing can be appended.
-  /// Errors: `DataLoss` with reason `CHECKSUM` for a damaged file, or one that is missing.
+  /// Opens the log in `folder`, and creates the folder if it does not exist. A group that a crash
+  /// interrupted and that was never acknowledged is truncated, and a warning is logged. Fills
+  /// `found`. `read_only`: nothing is truncated or created, and appends fail. Errors: `DataLoss`
+  /// with reason `CHECKSUM` for a damaged or missing file.
   static absl::StatusOr<std::unique_ptr<EntryLog>> Open(const std::filesystem::path& folder,
                                                         MapKey map,
                                                         const Known& known,
@@ -52,38 +53,38 @@ class EntryLog {
 
   /// Makes entries and sessions durable; see `Store::Append`. Errors: `FailedPrecondition` if the
   /// entries do not follow the head; `ResourceExhausted` with reason `DISK_LOW`; `Unavailable` with
-  /// reason `STORE_READ_ONLY`, then and ever after.
+  /// reason `STORE_READ_ONLY`, and the same error for every later append.
   absl::Status Append(const LogAppend& append) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// See `Store::ReadLog`. Entries from `needed` on must be there.
+  /// Reads entries, see `Store::ReadLog`. Entries from `needed` on must exist.
   absl::Status Read(MapSequence first,
                     MapSequence needed,
                     const std::function<absl::Status(LogEntry)>& visit) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Entries and groups that the map's database can do without.
+  /// The entries and groups that the map's database no longer needs from the log.
   struct Done {
-    MapSequence entries;       ///< Integrated up to here, and the database knows that they were.
-    std::uint64_t groups = 0;  ///< Their sessions are in the database up to here.
+    MapSequence entries;       ///< Entries up to here are integrated in the stored state.
+    std::uint64_t groups = 0;  ///< Sessions of groups up to here are in the database.
   };
 
-  /// Removes the oldest files that are done with, as long as the log holds more than `kept_bytes`
-  /// or the oldest file's youngest entry is `max_age` old.
+  /// Removes the oldest files that contain only `done` entries and groups, while the log is larger
+  /// than `kept_bytes` or the newest entry of the oldest file is at least `max_age` old.
   absl::Status Drop(const Done& done,
                     std::uint64_t kept_bytes,
                     MapUptime uptime,
                     std::chrono::seconds max_age) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The newest entry; 0: there was none ever.
+  /// Returns the newest entry; 0: no entry was ever appended.
   MapSequence head() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The newest group.
+  /// Returns the number of the newest group.
   std::uint64_t group() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Bytes of all files.
+  /// Returns the total size of all files in bytes.
   std::uint64_t bytes() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// OK, or the error after which nothing can be appended.
+  /// Returns OK, or the error that prevents appends.
   absl::Status health() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -105,19 +106,20 @@ class EntryLog {
   const std::filesystem::path folder_;
   const MapKey map_;
   const std::uint64_t segment_bytes_;
-  /// Of the newest file, for `Append` and `Drop`; none: the next append makes one.
+  /// Writes to the newest file. Used by `Append` and `Drop`. None: the next append creates a file.
   std::optional<LogSegmentWriter> writer_;
 
   mutable absl::Mutex mutex_;
-  std::vector<Segment> segments_ ABSL_GUARDED_BY(mutex_);  ///< In their order.
+  std::vector<Segment> segments_ ABSL_GUARDED_BY(mutex_);  ///< In log order.
   MapSequence head_ ABSL_GUARDED_BY(mutex_);
   std::uint64_t group_ ABSL_GUARDED_BY(mutex_) = 0;
   MapUptime newest_uptime_ ABSL_GUARDED_BY(mutex_){0};
   absl::Status health_ ABSL_GUARDED_BY(mutex_);
 };
 
-/// A log entry as its record's payload holds it, and back. Errors of the latter: `DataLoss`.
-/// `header` keeps the bytes that are not the entry's own; the payload's parts point into both.
+/// Converts a log entry to the payload of its record. `header` stores the bytes that are not part
+/// of the entry itself; the returned parts point into `entry` and `header`. `UnpackEntry` converts
+/// back; its error is `DataLoss`.
 std::vector<std::string_view> PackEntry(const LogEntry& entry, std::string* header);
 absl::StatusOr<LogEntry> UnpackEntry(FoundRecord record);
 

@@ -21,8 +21,8 @@ constexpr std::size_t kSegmentSummedBytes = 40;
 constexpr std::size_t kRecordHeaderBytes = 32;
 constexpr std::size_t kRecordSummedBytes = 24;
 constexpr std::size_t kAlignment = 8;
-// Bytes that a segment takes of the disk for appends to come; no more than it has itself, so that
-// those of small maps stay small.
+// Largest disk space reserved for later appends. The reservation is also limited to the size of the
+// segment, so that the files of small maps stay small.
 constexpr std::uint64_t kMaxSpaceAhead = std::uint64_t{4} << 20;
 
 constexpr std::string_view kPadding{"\0\0\0\0\0\0\0", kAlignment - 1};
@@ -68,14 +68,14 @@ std::optional<SegmentStart> UnpackSegmentHeader(std::string_view header) {
                       MapUptime(static_cast<std::int64_t>(ReadInteger(header, 32, 8)))};
 }
 
-/// A record's header.
+/// The header of a record.
 struct RecordHeader {
   LogRecordKind kind = LogRecordKind::kFrame;
   std::uint64_t number = 0;
   std::uint64_t payload_bytes = 0;
   std::uint32_t payload_crc = 0;
 
-  /// Bytes of the whole record, filled up.
+  /// Returns the size of the whole record in bytes, with padding.
   std::uint64_t record_bytes() const {
     return kRecordHeaderBytes + (payload_bytes + kAlignment - 1) / kAlignment * kAlignment;
   }
@@ -110,8 +110,8 @@ absl::Status Damaged(const std::filesystem::path& path, std::uint64_t place) {
                    absl::StrCat("log file ", path.string(), " is damaged at byte ", place));
 }
 
-/// Whether what stands behind `end`, where the last complete group ends, is one write that a crash
-/// interrupted: it lacks a sector, and no group but its own begins or ends behind it.
+/// True if the bytes behind `end`, the end of the last complete group, are one write that a crash
+/// interrupted: at least one sector is missing, and no other group begins or ends there.
 bool IsTorn(std::string_view segment, const SegmentScan& scan) {
   if (!LacksASector(segment, scan.end)) return false;
   bool group_ended = false;
@@ -132,7 +132,7 @@ bool IsTorn(std::string_view segment, const SegmentScan& scan) {
   return true;
 }
 
-/// Collects what a scan reports, record by record.
+/// Builds a scan of a segment, record by record.
 class SegmentWalk {
  public:
   SegmentWalk(std::string_view segment, SegmentScan* scan)
@@ -140,7 +140,7 @@ class SegmentWalk {
 
   enum class Step { kRecord, kEnd, kCut, kDamaged };
 
-  /// Takes in the record at hand. `kCut`: the file ends within it.
+  /// Reads the next record. `kCut`: the file ends within it.
   Step Next() {
     if (place_ == segment_.size()) return Step::kEnd;
     if (place_ + kRecordHeaderBytes > segment_.size()) return Step::kCut;
@@ -186,7 +186,7 @@ class SegmentWalk {
   std::string_view segment_;
   SegmentScan* scan_;
   std::uint64_t place_;
-  std::vector<FoundRecord> entries_;  ///< Of the group whose end has not come yet.
+  std::vector<FoundRecord> entries_;  ///< Entries of the group whose end was not read yet.
 };
 
 }  // namespace
@@ -209,8 +209,8 @@ LogSegmentWriter& LogSegmentWriter::operator=(LogSegmentWriter&& other) noexcept
   return *this;
 }
 
-/// Takes more than is needed as the segment grows: to allocate with each sync makes it a fifth
-/// slower.
+/// Reserves more than is needed as the segment grows, because an allocation with each sync makes
+/// the sync a fifth slower.
 absl::Status LogSegmentWriter::TakeSpace(std::uint64_t bytes) {
   const std::uint64_t end = size_ + bytes;
   if (end <= space_end_) return absl::OkStatus();
@@ -231,7 +231,7 @@ void LogSegmentWriter::GiveSpaceBack() {
 
 absl::StatusOr<LogSegmentWriter> LogSegmentWriter::Create(const std::filesystem::path& path,
                                                           const SegmentStart& start) {
-  // Complete under another name first: a crash leaves no segment without its header.
+  // Written under a temporary name first, so that a crash leaves no segment without its header.
   const std::string header = PackSegmentHeader(start);
   if (absl::Status status = WriteFileDurably(path, header); !status.ok()) return status;
   return Reopen(path, header.size());
@@ -273,7 +273,7 @@ absl::Status LogSegmentWriter::Append(const std::vector<LogRecord>& records, Map
   if (cut.ok() && ReasonOf(status) == reason::kDiskLow) return status;
   return MakeError(absl::StatusCode::kUnavailable,
                    reason::kStoreReadOnly,
-                   absl::StrCat("the log takes no more frames: ", status.message()));
+                   absl::StrCat("the log accepts no more frames: ", status.message()));
 }
 
 LogSegmentReader::LogSegmentReader(PosixFile file, SegmentStart start, std::uint64_t size)

@@ -23,14 +23,14 @@
 namespace steadymap {
 namespace {
 
-/// Puts records into a snapshot: objects first, then their leaves.
+/// Inserts records into a snapshot: objects first, then their leaves.
 class ContentLoader {
  public:
   explicit ContentLoader(MapSnapshot* content) : content_(content) {}
 
   absl::Status LoadObject(const ValuePlace& place, std::string_view value) {
     const std::optional<ObjectId> id = ObjectOfKey(place.key);
-    if (!id) return DamagedValue(place, "is filed under no object");
+    if (!id) return DamagedValue(place, "has a key that is not an object key");
     storage::v1::ObjectRecord record;
     if (absl::Status status = UnsealRecord(place, value, &record); !status.ok()) return status;
     absl::StatusOr<ObjectState> state = FromProto(*id, record.state());
@@ -39,13 +39,14 @@ class ContentLoader {
     return absl::OkStatus();
   }
 
-  /// Leaves are gathered, and stored with the others by `StoreLeaves`.
+  /// Buffers a leaf. `StoreLeaves` stores the buffered leaves.
   absl::Status LoadLeaf(const ValuePlace& place, std::string_view value) {
     waiting_leaves_.push_back({std::string(place.key), std::string(value)});
     return waiting_leaves_.size() < kLeavesAtOnce ? absl::OkStatus() : StoreLeaves();
   }
 
-  /// Unpacks the gathered leaves on all cores, and stores them. The error is that of the first.
+  /// Unpacks the buffered leaves on all cores and stores them. Returns the error of the first
+  /// failed leaf.
   absl::Status StoreLeaves() {
     std::vector<LoadedLeaf> leaves(waiting_leaves_.size());
     ParallelFor(leaves.size(), kMinRangeLeaves, [&](std::size_t begin, std::size_t end) {
@@ -65,7 +66,7 @@ class ContentLoader {
 
   absl::Status LoadFreeBlock(const ValuePlace& place, std::string_view value) {
     const std::optional<LeafOrigin> origin = FreeBlockOfKey(place.key);
-    if (!origin) return DamagedValue(place, "is filed under no block of free space");
+    if (!origin) return DamagedValue(place, "has a key that is not a free-space key");
     storage::v1::FreeBlockRecord record;
     if (absl::Status status = UnsealRecord(place, value, &record); !status.ok()) return status;
     const absl::StatusOr<LeafMask> cells = FromProto(record);
@@ -76,7 +77,7 @@ class ContentLoader {
 
   absl::Status LoadRobot(const ValuePlace& place, std::string_view value) {
     const std::optional<SensorName> sensor = SensorOfRobotKey(place.key);
-    if (!sensor) return DamagedValue(place, "is filed under no robot");
+    if (!sensor) return DamagedValue(place, "has a key that is not a robot key");
     storage::v1::RobotRecord record;
     if (absl::Status status = UnsealRecord(place, value, &record); !status.ok()) return status;
     const absl::StatusOr<RobotState> state = FromProto(record);
@@ -98,13 +99,13 @@ class ContentLoader {
     std::shared_ptr<TsdfGrid> volume;
   };
 
-  // Some megabytes of unpacked leaves, and several ranges for each core.
+  // Some megabytes of unpacked leaves, which give each core several ranges.
   static constexpr std::size_t kLeavesAtOnce = 512;
 
-  // Leaves that a core unpacks at a time: some 500 us of work.
+  // Smallest number of leaves in a core's range: about 500 us of work.
   static constexpr std::size_t kMinRangeLeaves = 16;
 
-  /// A leaf as it is stored.
+  /// The stored key and value of a leaf.
   struct LeafValue {
     std::string key;
     std::string value;
@@ -121,7 +122,7 @@ class ContentLoader {
   absl::Status Unpack(const LeafValue& stored, LoadedLeaf* leaf) const {
     const ValuePlace place = PlaceOf(stored.key);
     const std::optional<LeafKey> key = UnpackLeafKey(place.key);
-    if (!key) return DamagedValue(place, "is filed under no leaf");
+    if (!key) return DamagedValue(place, "has a key that is not a leaf key");
     leaf->key = *key;
     storage::v1::LeafRecord record;
     if (absl::Status status = UnsealRecord(place, stored.value, &record); !status.ok()) {
@@ -129,7 +130,7 @@ class ContentLoader {
     }
     absl::Status status = UnpackLeaf(record.packed(), content_->scale, &leaf->voxels);
     if (status.ok()) return status;
-    return DamagedValue(place, absl::StrCat("is no leaf: ", status.message()));
+    return DamagedValue(place, absl::StrCat("is not a valid leaf: ", status.message()));
   }
 
   absl::Status Store(std::string_view stored_key, const LoadedLeaf& leaf) {
@@ -140,7 +141,7 @@ class ContentLoader {
     }
     const auto owner = objects_.find(leaf.key.object);
     if (owner == objects_.end()) {
-      return DamagedValue(PlaceOf(stored_key), "is a leaf of an object not there");
+      return DamagedValue(PlaceOf(stored_key), "is a leaf of an object that does not exist");
     }
     owner->second.volume->StoreLeaf(origin, leaf.voxels);
     return absl::OkStatus();

@@ -9,8 +9,9 @@
 namespace steadymap {
 
 /// Reads the objects, leaves, free space and robots of a map's database into `content`, whose scale
-/// is set. `snapshot` null: the newest state. Leaves are unpacked on all cores. Cost: up to 20 us a
-/// leaf. Errors: `DataLoss` with reason `CHECKSUM`, naming the damaged value.
+/// must be set. `snapshot` null: reads the newest state. Leaves are unpacked on all cores. Cost: up
+/// to 20 us per leaf. Errors: `DataLoss` with reason `CHECKSUM` and the key of the damaged value in
+/// the message.
 absl::Status LoadContent(const StateDatabase& state,
                          const rocksdb::Snapshot* snapshot,
                          MapSnapshot* content);

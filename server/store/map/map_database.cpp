@@ -19,10 +19,10 @@
 namespace steadymap {
 namespace {
 
-// Starting RocksDB writes a manifest, a log and what the old log held.
+// At its start, RocksDB writes a manifest, a log and the content of the old log.
 constexpr std::uint64_t kOpenBytes = std::uint64_t{32} << 20;
 
-// The uptime of an idle map is written this often, so that a restart loses little of it.
+// Interval at which the uptime of an idle map is stored, so that a restart loses little of it.
 constexpr MapUptime kUptimeStep = std::chrono::minutes(10);
 
 std::filesystem::path StateFolder(const std::filesystem::path& folder) { return folder / "state"; }
@@ -34,7 +34,7 @@ absl::Status Lost(const char* what, std::uint64_t found, std::uint64_t known) {
                                 what,
                                 " ends at ",
                                 found,
-                                ", but had come to ",
+                                ", but must reach ",
                                 known,
                                 ": files are missing, or older than the map"));
 }
@@ -65,14 +65,15 @@ absl::StatusOr<std::unique_ptr<MapDatabase>> MapDatabase::Open(const std::filesy
   absl::StatusOr<std::shared_ptr<IntegrationNote>> note =
       dependencies.read_only ? IntegrationNote::Inspect(folder / "note")
                              : IntegrationNote::Open(folder / "note");
-  // A note that cannot be made for want of space is not missed until there is some.
+  // A note that cannot be created because the disk is full is replaced by one in memory until the
+  // map is reopened.
   map->note_ = note.ok() ? *std::move(note) : IntegrationNote::InMemory();
   if (absl::Status status = map->CheckNote(); !status.ok()) return status;
   return map;
 }
 
 absl::Status MapDatabase::OpenState(const std::filesystem::path& folder) {
-  // Not more than the reserve: a disk with enough for appends has enough to be opened.
+  // At most the reserve: a disk with enough free space for appends has enough to open a map.
   const std::uint64_t needed = std::min(kOpenBytes, dependencies_.options->min_free_disk_bytes);
   const bool has_room = !dependencies_.read_only && CheckFree(needed).ok();
   absl::StatusOr<std::unique_ptr<StateDatabase>> state = StateDatabase::Open(
@@ -120,7 +121,8 @@ absl::Status MapDatabase::OpenLog(const std::filesystem::path& folder) {
   return absl::OkStatus();
 }
 
-/// Whether everything is there that was there once: a missing newest file would go unnoticed else.
+/// Returns `DataLoss` if the log or the database ends before the newest entry or revision recorded
+/// by the note. Without this check, a missing newest file would not be detected.
 absl::Status MapDatabase::CheckNote() const {
   const Progress found = progress();
   if (found.durable_head < note_->known_head()) {
@@ -192,7 +194,7 @@ absl::StatusOr<CommitMark> MapDatabase::Commit(const MapDelta& delta,
                                                       " durable entries"));
   }
   if (delta.to == delta.from) return CommitMark{delta.from, before.history_hash()};
-  // What is written now has to be written again when RocksDB's buffers are flushed.
+  // RocksDB writes this data a second time when it flushes its buffers.
   if (absl::Status status = CheckFree(dependencies_.options->write_buffer_bytes); !status.ok()) {
     return status;
   }
@@ -223,7 +225,7 @@ absl::StatusOr<CommitMark> MapDatabase::Commit(const MapDelta& delta,
   return CommitMark{delta.to, head.history_hash()};
 }
 
-/// The database now knows `head`, and the sessions up to its group.
+/// Records that the database contains `head` and the sessions up to its group.
 void MapDatabase::ForgetSaved(const storage::v1::Head& head) {
   const absl::MutexLock lock(&mutex_);
   progress_.head = head;
@@ -244,7 +246,7 @@ void MapDatabase::PutProgress(const Progress& progress,
 }
 
 absl::StatusOr<StoredState> MapDatabase::Load() const {
-  // The log first: it never ends before the state that is read after it.
+  // The log is read first: it never ends before the state that is read after it.
   const Progress progress = this->progress();
   rocksdb::ManagedSnapshot snapshot(&state_->database());
   storage::v1::Head head;
@@ -282,7 +284,7 @@ absl::StatusOr<StoredState> MapDatabase::Load() const {
 
 absl::Status MapDatabase::ReadLog(MapSequence first,
                                   const std::function<absl::Status(LogEntry)>& visit) const {
-  // Up to the revision retention may have dropped entries; behind it none may be missing.
+  // Retention may have dropped entries up to the revision; every later entry must exist.
   const MapSequence needed(progress().head.revision() + 1);
   return log_->Read(first, needed, visit);
 }
@@ -303,7 +305,7 @@ absl::StatusOr<ChangeList> MapDatabase::ReadChanges(CommitMark from, Revision to
 }
 
 absl::Status MapDatabase::Trim(const MapRecord& retention, const TrimBounds& bounds) {
-  // Where there is no room to write, what the database knows already can be dropped all the same.
+  // On a full disk, log files whose content is already in the database can still be dropped.
   absl::Status status = state_->health();
   if (status.ok()) status = CheckFree(dependencies_.options->write_buffer_bytes);
   if (status.ok()) {
@@ -331,7 +333,7 @@ absl::Status MapDatabase::TrimState(const TrimBounds& bounds) {
   }
   absl::Status status = TrimSessions(*state_, bounds, &batch);
   if (!status.ok()) return status;
-  // After the idle sessions were looked for: one that is renewed meanwhile is put again.
+  // Read after the search for idle sessions: a session that is renewed meanwhile is stored again.
   const Progress progress = this->progress();
   storage::v1::Head head = progress.head;
   const StoreOptions& options = *dependencies_.options;

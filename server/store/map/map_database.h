@@ -21,26 +21,26 @@
 
 namespace steadymap {
 
-/// The durable side of one open map: the log in which its entries become durable (`log/`), the
-/// database of what was made of them (`state/`), and the note of what is being integrated (`note`),
-/// in a folder of its own. Private to the store; see `Store` for what the functions promise.
+/// The durable storage of one open map, in its own folder: the entry log, in which entries become
+/// durable (`log/`), the database with the integrated map (`state/`), and the note of the entry
+/// that is being integrated (`note`). Private to the store. `Store` documents the functions.
 class MapDatabase {
  public:
-  /// What a map's database needs; all of it outlives it.
+  /// The dependencies of a map's database; they must outlive it.
   struct Dependencies {
     const SharedResources* shared = nullptr;
     const StoreOptions* options = nullptr;
-    /// Free bytes for the daemon's user on the folder's disk.
+    /// Returns the bytes available to the daemon's user on the disk of the folder.
     std::function<absl::StatusOr<std::uint64_t>()> free_disk_bytes;
-    bool read_only = false;  ///< Whether to change nothing in the folder, for tools that look.
+    bool read_only = false;  ///< True: nothing in the folder is changed, for inspection tools.
   };
 
-  /// Makes an empty database in `folder`, which exists; on disk when it returns.
+  /// Creates an empty database in the existing folder `folder`, and syncs it.
   static absl::Status Create(const std::filesystem::path& folder, const Dependencies& dependencies);
 
-  /// Opens the database in `folder`. With too little room on the disk for RocksDB to start it is
-  /// opened for reading alone, which `health()` then says.
-  /// Errors: `DataLoss` with reason `CHECKSUM` for what is damaged or missing.
+  /// Opens the database in `folder`. If the disk has too little free space for RocksDB to start,
+  /// the map is opened read-only and `health()` returns the reason. Errors: `DataLoss` with reason
+  /// `CHECKSUM` for damaged or missing files.
   static absl::StatusOr<std::unique_ptr<MapDatabase>> Open(const std::filesystem::path& folder,
                                                            const MapRecord& record,
                                                            const Dependencies& dependencies);
@@ -58,29 +58,29 @@ class MapDatabase {
   absl::StatusOr<std::vector<StoredEvent>> ReadEvents(EventNumber first, std::size_t limit) const;
   absl::StatusOr<ChangeList> ReadChanges(CommitMark from, Revision to) const;
 
-  /// `retention` holds the map's present bounds.
+  /// Trims as `Store::Trim` does. `retention` contains the map's current limits.
   absl::Status Trim(const MapRecord& retention, const TrimBounds& bounds);
 
   absl::Status health() const;
 
-  /// For tests that damage what is stored.
+  /// Returns the database, for tests that damage the stored data.
   StateDatabase& state_for_test() { return *state_; }
 
  private:
-  /// A session whose newest record is in the log, not in the database yet.
+  /// A session whose newest record is in the log but not in the database yet.
   struct UnsavedSession {
     SessionRecord record;
-    std::uint64_t group = 0;  ///< Of the log: where the record stands.
+    std::uint64_t group = 0;  ///< Group of the log that contains the record.
   };
 
-  /// What is kept in memory of how far the map has come; it changes after the disk did.
+  /// The progress of the map, kept in memory. Updated after the disk.
   struct Progress {
-    storage::v1::Head head;  ///< As it is in the database.
+    storage::v1::Head head;  ///< As stored in the database.
     MapSequence durable_head;
-    std::uint64_t group = 0;  ///< The log's newest.
+    std::uint64_t group = 0;  ///< Newest group of the log.
     std::map<SessionName, UnsavedSession> unsaved_sessions;
-    std::size_t stored_classes = 0;            ///< Added ones that the database knows.
-    std::vector<SemanticClass> added_classes;  ///< Up to `durable_head`.
+    std::size_t stored_classes = 0;            ///< Number of added classes in the database.
+    std::vector<SemanticClass> added_classes;  ///< Classes added by entries up to `durable_head`.
   };
 
   MapDatabase(const MapRecord& record, const Dependencies& dependencies);
@@ -90,17 +90,18 @@ class MapDatabase {
   absl::Status CheckNote() const;
   Progress progress() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// OK, or `DISK_LOW` if fewer bytes are free than `needed`.
+  /// Returns OK, or `DISK_LOW` if fewer bytes than `needed` are free.
   absl::Status CheckFree(std::uint64_t needed) const;
 
-  /// Adds the sessions that the database does not know yet and the head, which then records how
-  /// far the log goes.
+  /// Adds to `records` the sessions that are not in the database yet, and the head, which then
+  /// records the end of the log.
   void PutProgress(const Progress& progress, storage::v1::Head* head, RecordBatch* records) const;
   void ForgetSaved(const storage::v1::Head& head) ABSL_LOCKS_EXCLUDED(mutex_);
 
   absl::Status TrimState(const TrimBounds& bounds);
 
-  const MapRecord record_;  ///< As it was when the map was opened: its key, name and configuration.
+  /// The key, name and configuration of the map at the time it was opened.
+  const MapRecord record_;
   const Dependencies dependencies_;
   std::unique_ptr<StateDatabase> state_;
   std::unique_ptr<EntryLog> log_;

@@ -23,7 +23,8 @@ constexpr char kIdentityFile[] = "identity";
 constexpr char kNoteFile[] = "note";
 constexpr char kDeletedMark[] = "deleted";
 
-/// What no copy of the file shares with it; none if it is not there.
+/// Returns the inode and the birth time of a file, which a copy does not share; none if the file
+/// does not exist.
 std::optional<storage::v1::FileIdentity> IdentityOf(const std::filesystem::path& file) {
   struct statx info {};
 
@@ -43,7 +44,7 @@ absl::Status DamagedRecord(const std::filesystem::path& folder, const char* what
                    absl::StrCat("the record of the map in ", folder.string(), " ", what));
 }
 
-/// The record as its file holds it.
+/// Parses the content of the record's file.
 absl::StatusOr<storage::v1::MapRecord> ReadProto(const absl::StatusOr<std::string>& bytes,
                                                  const std::filesystem::path& folder) {
   if (absl::IsNotFound(bytes.status())) return DamagedRecord(folder, "is missing");
@@ -81,7 +82,7 @@ absl::StatusOr<MapRecord> MapFolder::TakeRecord(const absl::StatusOr<std::string
   const absl::StatusOr<storage::v1::MapRecord> proto = ReadProto(bytes, path_);
   if (!proto.ok()) return proto.status();
   absl::StatusOr<MapRecord> record = FromProto(*proto);
-  if (record.ok() && record->key != key_) return DamagedRecord(path_, "is another map's");
+  if (record.ok() && record->key != key_) return DamagedRecord(path_, "belongs to another map");
   return record;
 }
 

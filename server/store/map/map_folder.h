@@ -12,41 +12,42 @@
 
 namespace steadymap {
 
-/// The folder of one map in the store: `record` (what the map is), `identity` (tells a copy of the
-/// folder from the original), `log/`, `state/` and `note` (see `MapDatabase`), and `deleted` once
-/// the map is. One thread at a time.
+/// The folder of one map in the store: `record` (the map's record), `identity` (distinguishes a
+/// copy of the folder from the original), `log/`, `state/` and `note` (see `MapDatabase`), and
+/// `deleted` once the map is deleted. One thread at a time.
 class MapFolder {
  public:
   MapFolder(std::filesystem::path path, MapKey key);
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Makes the folder with the record and an identity.
+  /// Creates the folder with the record and an identity.
   absl::Status Create(const MapRecord& record) const;
 
-  /// The record. Errors: `DataLoss` with reason `CHECKSUM` for one that is damaged, missing or
-  /// another map's.
+  /// Returns the record. Errors: `DataLoss` with reason `CHECKSUM` if the record is damaged,
+  /// missing or belongs to another map.
   absl::StatusOr<MapRecord> ReadRecord() const;
 
-  /// As `ReadRecord`, but changes nothing: what is wrong with its files is added to `problems`.
+  /// Reads as `ReadRecord` does, but changes nothing. Adds each error of the record's files to
+  /// `problems`.
   absl::StatusOr<MapRecord> InspectRecord(std::vector<std::string>* problems) const;
 
   absl::Status WriteRecord(const MapRecord& record) const;
 
-  /// Whether the folder is a copy of the one that was written last, as after a restore from a
-  /// backup: then its history may go on differently than the original's did. False where nobody can
-  /// tell.
+  /// True if the folder is a copy of the folder that was written last, for example after a restore
+  /// from a backup. The history of a copy may diverge from the history of the original. False if
+  /// this cannot be determined.
   bool IsCopy() const;
 
-  /// Makes a copy an original: the record gets another incarnation, so that nobody goes on behind a
-  /// resume token of the original's later history, and what the note knows is forgotten.
+  /// Turns a copy into an original. Gives the record a new incarnation, so that a resume token of
+  /// the original's later history is rejected, and deletes the note.
   absl::StatusOr<MapRecord> Adopt(MapRecord record) const;
 
-  /// Marks the map as deleted; durable when it returns.
+  /// Marks the map as deleted, and syncs the mark.
   absl::Status MarkDeleted() const;
   bool IsDeleted() const;
 
-  /// Removes the folder with all it holds.
+  /// Removes the folder and its content.
   absl::Status Remove() const;
 
  private:
@@ -57,7 +58,7 @@ class MapFolder {
   MirroredFile record_file_;
 };
 
-/// An incarnation that no map has had.
+/// Returns a new random incarnation.
 std::string NewIncarnation();
 
 }  // namespace steadymap

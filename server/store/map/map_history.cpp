@@ -22,11 +22,11 @@ namespace {
 absl::Status CompactedError(Revision from, Revision to) {
   return MakeError(absl::StatusCode::kOutOfRange,
                    reason::kRevisionCompacted,
-                   absl::StrCat("what changed between revisions ",
+                   absl::StrCat("the changes between revisions ",
                                 from.value(),
                                 " and ",
                                 to.value(),
-                                " is no longer known"));
+                                " are no longer stored"));
 }
 
 absl::Status AddChanges(const ValuePlace& place,
@@ -37,7 +37,7 @@ absl::Status AddChanges(const ValuePlace& place,
   const std::string_view packed = record.leaf_keys();
   for (std::size_t at = 0; at < packed.size(); at += kPackedLeafKeyBytes) {
     const std::optional<LeafKey> key = UnpackLeafKey(packed.substr(at, kPackedLeafKeyBytes));
-    if (!key) return DamagedValue(place, "names no leaf");
+    if (!key) return DamagedValue(place, "contains an invalid leaf key");
     changes->leaves.push_back(*key);
   }
   return absl::OkStatus();
@@ -56,7 +56,8 @@ absl::StatusOr<ChangeList> ReadChanges(const StateDatabase& state, CommitMark fr
   const std::string end = ChangeKey(to.Next());
   const rocksdb::Slice upper_bound(end);
   const std::unique_ptr<rocksdb::Iterator> scan = state.Scan(Family::kChange, &upper_bound);
-  // A commit names the one before it, so a list that is missing shows, and so does another history.
+  // Each commit contains the previous revision and its hash, so a missing change list and a
+  // different history are both detected.
   Revision reached = from.revision;
   bool is_first = true;
   for (scan->Seek(ChangeKey(from.revision.Next())); scan->Valid(); scan->Next()) {
@@ -69,7 +70,7 @@ absl::StatusOr<ChangeList> ReadChanges(const StateDatabase& state, CommitMark fr
       return CompactedError(from.revision, to);
     }
     const std::optional<std::uint64_t> revision = NumberOfKey(place.key);
-    if (!revision) return DamagedValue(place, "is filed under no revision");
+    if (!revision) return DamagedValue(place, "has a key that is not a revision key");
     reached = Revision(*revision);
     status = AddChanges(place, record, &changes);
     if (!status.ok()) return status;
@@ -91,7 +92,7 @@ absl::StatusOr<std::vector<StoredEvent>> ReadEvents(const StateDatabase& state,
   for (scan->Seek(EventKey(first)); scan->Valid() && events.size() < limit; scan->Next()) {
     const ValuePlace place{NameOf(Family::kEvent), scan->key().ToStringView()};
     const std::optional<EventNumber> number = EventOfKey(place.key);
-    if (!number) return DamagedValue(place, "is filed under no event");
+    if (!number) return DamagedValue(place, "has a key that is not an event key");
     storage::v1::EventRecord record;
     if (absl::Status status = UnsealRecord(place, scan->value().ToStringView(), &record);
         !status.ok()) {
@@ -116,7 +117,7 @@ absl::StatusOr<std::vector<FramePose>> ReadPoses(const StateDatabase& state,
   for (scan->Seek(PoseKey(first)); scan->Valid() && poses.size() < limit; scan->Next()) {
     const ValuePlace place{NameOf(Family::kPose), scan->key().ToStringView()};
     const std::optional<MapSequence> sequence = SequenceOfPoseKey(place.key);
-    if (!sequence) return DamagedValue(place, "is filed under no frame");
+    if (!sequence) return DamagedValue(place, "has a key that is not a pose key");
     if (*sequence > last) break;
     storage::v1::PoseRecord record;
     if (absl::Status status = UnsealRecord(place, scan->value().ToStringView(), &record);

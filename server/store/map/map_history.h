@@ -8,8 +8,8 @@
 #include "server/store/database/state_database.h"
 #include "server/store/model/store.h"
 
-/// Reads the history of a map from its database: changes, events, poses. `Store` says what each
-/// function promises. Thread-safe.
+/// Reads the history of a map from its database: changes, events, poses. `Store` documents each
+/// function. Thread-safe.
 namespace steadymap {
 
 absl::StatusOr<ChangeList> ReadChanges(const StateDatabase& state, CommitMark from, Revision to);

@@ -13,24 +13,24 @@
 
 namespace steadymap {
 
-/// One atomic write to a map's database: every record under its key, sealed with its checksum. One
-/// thread at a time.
+/// One atomic write to a map's database. Each record is stored under its key and sealed with its
+/// checksum. One thread at a time.
 class RecordBatch {
  public:
   explicit RecordBatch(const StateDatabase& state) : state_(state) {}
 
-  /// The leaves, objects, free space and robots of a commit.
+  /// Adds the leaves, objects, free space and robots of a commit.
   void PutContent(const MapDelta& delta);
 
-  /// Events, numbered from `first`.
+  /// Adds events, numbered from `first`.
   void PutEvents(const std::vector<ObjectEvent>& events, EventNumber first);
 
   void PutPoses(const std::vector<FramePose>& poses);
 
-  /// The whole list of classes that were added after the map's creation.
+  /// Replaces the list of classes that were added after the map's creation.
   void PutAddedClasses(const std::vector<SemanticClass>& classes);
 
-  /// The change list of the commit that leads from the head `before` to the head `after`.
+  /// Adds the change list of the commit from the head `before` to the head `after`.
   void PutChange(const MapDelta& delta,
                  const storage::v1::Head& before,
                  const storage::v1::Head& after);

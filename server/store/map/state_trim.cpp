@@ -22,11 +22,11 @@ absl::StatusOr<std::optional<std::uint64_t>> FirstNumber(const StateDatabase& st
   const rocksdb::Slice upper_bound(range.end);
   const std::unique_ptr<rocksdb::Iterator> scan = state.Scan(family, &upper_bound);
   scan->Seek(range.begin);
-  if (!scan->status().ok()) return FromRocksdb(scan->status(), "looking for what is oldest");
+  if (!scan->status().ok()) return FromRocksdb(scan->status(), "looking for the oldest record");
   if (!scan->Valid()) return std::optional<std::uint64_t>();
   const ValuePlace place{NameOf(family), scan->key().ToStringView()};
   const std::optional<std::uint64_t> number = NumberOfKey(place.key);
-  if (!number) return DamagedValue(place, "is filed under no number");
+  if (!number) return DamagedValue(place, "has a key that does not contain a number");
   return number;
 }
 
@@ -68,14 +68,14 @@ absl::Status TrimChangeLists(const StateDatabase& state,
     const bool old = IsOlder(change.uptime_ns(), bounds.uptime, options.change_list_age);
     if (!surplus && !old) break;
     const std::optional<std::uint64_t> revision = NumberOfKey(place.key);
-    if (!revision) return DamagedValue(place, "is filed under no revision");
+    if (!revision) return DamagedValue(place, "has a key that is not a revision key");
     if (bounds.oldest_watched && *revision > bounds.oldest_watched->value() &&
         !IsOlder(change.uptime_ns(),
                  bounds.uptime,
                  options.change_list_age + options.change_list_grace)) {
       break;
     }
-    // The smallest key behind this one.
+    // The smallest key greater than this one.
     kept = scan->key().ToString() + '\0';
   }
   if (!scan->status().ok()) return FromRocksdb(scan->status(), "reading change lists");

@@ -8,24 +8,24 @@
 
 #include "steadymap/storage/v1/records.pb.h"
 
-/// Retention of a map's history. Each function adds the deletions of what retention no longer keeps
+/// Retention of a map's history. Each function adds the deletion of records beyond their retention
 /// to `batch`. Errors: as `state_reading.h`.
 namespace steadymap {
 
-/// Poses beyond the newest `StoreOptions::kept_poses`.
+/// Deletes poses beyond the newest `StoreOptions::kept_poses`.
 absl::Status TrimPoses(const StateDatabase& state,
                        const StoreOptions& options,
                        const storage::v1::Head& head,
                        rocksdb::WriteBatch* batch);
 
-/// Change lists that are too old or too many, but for those a live watcher still needs.
+/// Deletes change lists that are too old or too many, except those that a live watcher still needs.
 absl::Status TrimChangeLists(const StateDatabase& state,
                              const StoreOptions& options,
                              const storage::v1::Head& head,
                              const TrimBounds& bounds,
                              rocksdb::WriteBatch* batch);
 
-/// Events beyond the newest `StoreOptions::kept_events`.
+/// Deletes events beyond the newest `StoreOptions::kept_events`.
 absl::Status TrimEvents(const StateDatabase& state,
                         const StoreOptions& options,
                         const storage::v1::Head& head,
@@ -34,7 +34,7 @@ absl::Status TrimEvents(const StateDatabase& state,
 /// True if `session` has been idle for longer than `bounds` allows.
 bool IsIdle(const SessionRecord& session, const TrimBounds& bounds);
 
-/// Idle sessions.
+/// Deletes idle sessions.
 absl::Status TrimSessions(const StateDatabase& state,
                           const TrimBounds& bounds,
                           rocksdb::WriteBatch* batch);

@@ -14,7 +14,7 @@ std::uint64_t ExtendHash(std::uint64_t hash, std::string_view bytes) {
 }
 
 std::uint64_t ExtendHistory(std::uint64_t before, Revision revision, std::string_view change) {
-  // What a commit writes may be megabytes: its checksum stands for it.
+  // A commit may write megabytes, so only the checksum and the size of its bytes are hashed.
   std::string summary;
   for (const std::uint64_t number :
        {before, revision.value(), std::uint64_t{ExtendCrc32c(0, change)}, change.size()}) {

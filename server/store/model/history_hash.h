@@ -7,14 +7,15 @@
 
 namespace steadymap {
 
-/// 64-bit FNV-1a of `bytes`, going on from `hash`.
+/// Returns the 64-bit FNV-1a hash of `bytes`, continued from `hash`.
 std::uint64_t ExtendHash(std::uint64_t hash, std::string_view bytes);
 
-/// The hash of the empty text: where `ExtendHash` starts.
+/// The hash of the empty string: the initial value for `ExtendHash`.
 inline constexpr std::uint64_t kEmptyHash = 0xCBF29CE484222325ULL;
 
-/// The hash of a map's history after a commit: that before it, extended by the revision and by what
-/// the commit wrote. Two histories that differ in one commit differ in it from there on.
+/// Returns the hash of a map's history after a commit: the hash before the commit, extended by the
+/// revision and by the bytes that the commit writes. If two histories differ in one commit, their
+/// hashes differ from that commit on.
 std::uint64_t ExtendHistory(std::uint64_t before, Revision revision, std::string_view change);
 
 }  // namespace steadymap

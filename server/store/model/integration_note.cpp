@@ -27,9 +27,9 @@ constexpr std::array kCrashSignals = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 }  // namespace
 
-/// What stands in the file; the rest of the file is nobody's.
+/// The content of the file. Bytes of the file after it are not used.
 struct IntegrationNote::Page {
-  /// A number with its complement: a damaged one reads as 0, that is, as unknown.
+  /// A number and its complement. A damaged number reads as 0, which means unknown.
   class CheckedNumber {
    public:
     std::uint64_t Get() const {
@@ -49,15 +49,15 @@ struct IntegrationNote::Page {
 
   std::uint64_t magic = kMagic;
 
-  std::atomic<std::uint64_t> sequence = 0;    ///< Being integrated; 0: none.
-  std::atomic<std::uint32_t> elapsed_ms = 0;  ///< That it has taken so far, as last aged.
-  std::atomic<std::uint32_t> signal = 0;      ///< That ended the process while it was; 0: none.
+  std::atomic<std::uint64_t> sequence = 0;    ///< Entry being integrated; 0: none.
+  std::atomic<std::uint32_t> elapsed_ms = 0;  ///< Duration of its integration at the last `AgeAll`.
+  std::atomic<std::uint32_t> signal = 0;      ///< Signal that ended the process during it; 0: none.
   std::atomic<std::uint64_t> suspect_sequence = 0;
   std::atomic<std::uint32_t> suspect_crashes = 0;
   std::atomic<std::uint32_t> unused = 0;
   CheckedNumber head;
   CheckedNumber revision;
-  /// By the clock of the process that began it: of no use to another one.
+  /// Start of the integration by the steady clock of its process; meaningless in another process.
   std::atomic<Clock::rep> begun = 0;
 };
 
@@ -66,18 +66,18 @@ namespace {
 std::array<struct sigaction, 65> previous_actions{};
 
 void NoteCrash(int signal) {
-  // Threads work for the note of the entry that they integrate, and for nobody else.
+  // The work owner of a thread is the note of the entry that the thread integrates, or null.
   if (auto* noted = static_cast<std::atomic<std::uint32_t>*>(WorkOwner()); noted != nullptr) {
     noted->store(static_cast<std::uint32_t>(signal));
   }
-  // Whoever was there before, the default in the end, ends the process.
+  // The previous handler, in the end the default one, terminates the process.
   ::sigaction(signal, &previous_actions.at(static_cast<std::size_t>(signal)), nullptr);
   ::raise(signal);
 }
 
 }  // namespace
 
-/// All notes of the process.
+/// The registry of all notes of the process.
 struct NoteRegistry {
   absl::Mutex mutex;
   std::set<IntegrationNote*> notes ABSL_GUARDED_BY(mutex);
@@ -122,7 +122,7 @@ absl::StatusOr<std::shared_ptr<IntegrationNote>> IntegrationNote::Open(
   if (!size.ok()) return size.status();
   const bool is_new = *size < sizeof(Page);
   if (is_new) {
-    // A page of a file that has no space on disk would end the process when it is written.
+    // Writing to a mapped page without disk space would end the process with SIGBUS.
     if (absl::Status status = opened->Truncate(sizeof(Page)); !status.ok()) return status;
     if (absl::Status status = opened->Reserve(0, sizeof(Page)); !status.ok()) return status;
   }
@@ -142,7 +142,7 @@ absl::StatusOr<std::shared_ptr<IntegrationNote>> IntegrationNote::Inspect(
   const absl::StatusOr<std::uint64_t> size = opened->Size();
   if (!size.ok()) return size.status();
   if (*size < sizeof(Page)) return InMemory();
-  // What is written to a private mapping stays in memory.
+  // Writes to a private mapping stay in memory.
   void* const memory =
       ::mmap(nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_PRIVATE, opened->descriptor(), 0);
   if (memory == MAP_FAILED) return SystemError(errno, "map", file);
@@ -175,7 +175,7 @@ void IntegrationNote::Fail() {
   page_->sequence = 0;
 }
 
-/// Speaks against the entry at hand, if there is one.
+/// Counts an end of the process against the entry being integrated, if there is one.
 void IntegrationNote::CountCrash() {
   const std::uint64_t sequence = page_->sequence;
   if (sequence == 0) return;

@@ -12,69 +12,72 @@
 
 namespace steadymap {
 
-/// Remembers beyond the end of the process which log entry of a map is being integrated, and how
-/// far the map's log and revision had come. So an entry that ends the process each time it is
-/// integrated is found out, and a log or database that has lost its end is noticed.
+/// Records the log entry of a map that is being integrated, and the newest durable entry and
+/// revision of the map. The record survives the end of the process. It identifies an entry whose
+/// integration ends the process repeatedly, and detects a log or a database that has lost its end.
 ///
-/// Kept in a small file that is mapped into memory: an update costs nothing, and survives whatever
-/// ends the process. A power cut may set it back, never ahead of what is on disk.
+/// The record is a small file mapped into memory: an update needs no system call, and it survives
+/// any end of the process. A power cut may revert the file to an older state. The file is never
+/// ahead of the data on disk.
 ///
-/// `Begin`, `End` and `AgeAll` may be called from any thread, one at a time for a map.
+/// `Begin`, `End` and `AgeAll` may be called from any thread, one at a time for each map.
 class IntegrationNote {
  public:
-  /// An entry that processes ended on.
+  /// An entry during whose integration processes ended.
   struct Suspect {
     MapSequence sequence;
-    std::uint32_t crashes = 0;  ///< Processes that ended while it was integrated, in a row.
+    std::uint32_t crashes = 0;  ///< Number of consecutive process ends during its integration.
   };
 
-  /// A process that is killed counts against the entry at hand only if that had taken so long by
-  /// then: a kill has its own reasons. One that crashes counts at once.
+  /// A killed process counts against the entry being integrated only if the integration had taken
+  /// this long, because a process can be killed for other reasons. A crash counts in any case.
   static constexpr std::uint32_t kSuspiciousMs = 2000;
 
-  /// Opens the note in `file`, making it if need be. A file that is damaged is made anew: nothing
-  /// that it says is vital. Errors: as `PosixFile`.
+  /// Opens the note in `file`, and creates it if it does not exist. A damaged file is replaced by
+  /// an empty note, because no part of its content is vital. Errors: as `PosixFile`.
   static absl::StatusOr<std::shared_ptr<IntegrationNote>> Open(const std::filesystem::path& file);
 
-  /// What the note in `file` says, to look at: the file stays as it is. A new one if it is missing
-  /// or damaged. Errors: as `PosixFile`.
+  /// Returns a copy of the note in `file` for inspection, without changing the file. Returns an
+  /// empty note if the file is missing or damaged. Errors: as `PosixFile`.
   static absl::StatusOr<std::shared_ptr<IntegrationNote>> Inspect(
       const std::filesystem::path& file);
 
-  /// A note that ends with the process, for tests and stores without a disk.
+  /// Returns a note without a file, for tests and for stores without a disk.
   static std::shared_ptr<IntegrationNote> InMemory();
 
   ~IntegrationNote();
   IntegrationNote(const IntegrationNote&) = delete;
   IntegrationNote& operator=(const IntegrationNote&) = delete;
 
-  /// The entry that processes ended on, or failed at, if that speaks against it.
+  /// Returns the entry that is suspected to end or fail its process; none if no entry is suspected.
   const std::optional<Suspect>& suspect() const { return suspect_; }
 
-  /// An entry is about to be integrated on this thread, and on those that help it.
+  /// Marks the start of the integration of an entry on this thread and on its helper threads.
   void Begin(MapSequence sequence);
 
-  /// It was integrated, or is not going to be.
+  /// Marks the end of the integration of the entry, or that the entry will not be integrated.
   void End();
 
-  /// It could not be integrated: that counts as if the process had ended on it.
+  /// Marks a failed integration of the entry. It counts in the same way as an end of the process.
   void Fail();
 
-  /// What was durable when the note was opened; 0: nothing is known.
+  /// The newest durable entry at the time the note was opened; 0: unknown. `known_revision` is the
+  /// newest durable revision at that time.
   MapSequence known_head() const { return known_head_; }
 
   Revision known_revision() const { return known_revision_; }
 
-  /// The log, or the revision, has come so far, synced.
+  /// Records the newest entry, or the newest revision, that is synced to disk.
   void NoteHead(MapSequence head);
   void NoteRevision(Revision revision);
 
-  /// Notes how long the entries at hand have taken by `now`, for all notes of the process. To be
-  /// called now and then: a process that is killed can tell no more.
+  /// Records for all notes of the process how long their current integration has taken by `now`.
+  /// Must be called periodically, because a killed process cannot record it.
   static void AgeAll(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now());
 
-  /// Makes crashes of this process (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) speak against the
-  /// entry that the crashing thread integrates, or helps to. Call once, before threads are started.
+  /// Installs signal handlers so that a crash of this process (SIGSEGV, SIGBUS, SIGFPE, SIGILL,
+  /// SIGABRT) counts against the entry that the crashing thread integrates or helps to integrate.
+  /// Call once, before threads are started.
   static void CatchCrashes();
 
  private:

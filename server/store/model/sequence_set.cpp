@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
 
-// Seven bits a byte, lowest first, the top bit set on all bytes but the last.
+// Seven bits per byte, lowest bits first; the top bit is set on all bytes but the last.
 void AppendVarint(std::uint64_t value, std::string* packed) {
   while (value >= 0x80U) {
     packed->push_back(static_cast<char>((value & 0x7FU) | 0x80U));
@@ -24,7 +24,7 @@ void AppendVarint(std::uint64_t value, std::string* packed) {
   packed->push_back(static_cast<char>(value));
 }
 
-// Takes a varint off the front; none if there is no whole one that fits 64 bits.
+// Removes a varint from the front; none if there is no complete varint that fits 64 bits.
 std::optional<std::uint64_t> TakeVarint(std::string_view* packed) {
   std::uint64_t value = 0;
   for (int shift = 0; shift < 64; shift += 7) {
@@ -41,7 +41,7 @@ std::optional<std::uint64_t> TakeVarint(std::string_view* packed) {
 absl::Status Damaged() {
   return MakeError(absl::StatusCode::kDataLoss,
                    reason::kChecksum,
-                   "expected a packed set of client sequences, found something else");
+                   "the stored bytes are not a packed set of client sequences");
 }
 
 }  // namespace
@@ -67,9 +67,9 @@ absl::Status SequenceSet::Insert(ClientSequence sequence) {
                                      sequence.value(),
                                      " would leave more than ",
                                      kMaxIntervals - 1,
-                                     " gaps open; send what is missing from ",
+                                     " gaps; first send the missing client sequences from ",
                                      contiguous_end().value() + 1,
-                                     " on first"));
+                                     " on"));
   }
   const ClientSequence last = joins_after ? after->second : sequence;
   if (joins_after) intervals_.erase(after);
@@ -85,7 +85,7 @@ void SequenceSet::InsertThrough(ClientSequence last) {
   if (last.value() == 0) return;
   auto after = intervals_.begin();
   ClientSequence end = last;
-  // Everything that starts within 1..last+1 becomes part of the first interval.
+  // All intervals that start within 1..last+1 are merged into the first interval.
   while (after != intervals_.end() && after->first.value() - 1 <= last.value()) {
     end = std::max(end, after->second);
     after = intervals_.erase(after);
@@ -102,8 +102,8 @@ ClientSequence SequenceSet::max() const {
   return intervals_.empty() ? ClientSequence{} : intervals_.rbegin()->second;
 }
 
-// The count of intervals, then for each how far its first lies behind the last of the one before,
-// and how many follow its first.
+// The number of intervals; then for each interval the distance of its first sequence from the last
+// sequence of the previous interval, and the distance of its last sequence from its first.
 std::string SequenceSet::Pack() const {
   std::string packed;
   AppendVarint(intervals_.size(), &packed);
@@ -124,7 +124,7 @@ absl::StatusOr<SequenceSet> SequenceSet::Unpack(std::string_view packed) {
   for (std::uint64_t i = 0; i < *count; ++i) {
     const std::optional<std::uint64_t> step = TakeVarint(&packed);
     const std::optional<std::uint64_t> more = TakeVarint(&packed);
-    // A step of 1 would be adjacent to the interval before: `Pack` never writes that.
+    // A step of 1 would make the intervals adjacent: `Pack` never writes that.
     const std::uint64_t least_step = i == 0 ? 1 : 2;
     if (!step || !more || *step < least_step || *step > kLargest - end) return Damaged();
     const std::uint64_t first = end + *step;

@@ -12,38 +12,39 @@
 
 namespace steadymap {
 
-/// A set of client sequences, kept as intervals: a session that sends its frames in order takes
-/// one, however long it lasts.
+/// A set of client sequences, stored as intervals. A session that sends its frames in order needs
+/// one interval, however long it lasts.
 class SequenceSet {
  public:
-  /// Most intervals of a set. A client that leaves more gaps than this open is refused.
+  /// Largest number of intervals in a set. A client that leaves more gaps is refused.
   static constexpr std::size_t kMaxIntervals = 1024;
 
   bool Contains(ClientSequence sequence) const;
 
-  /// Adds one. Errors: `InvalidArgument` with reason `BAD_SEQUENCE` for 0 and for one gap too many;
-  /// the set is then unchanged.
+  /// Adds one sequence. Errors: `InvalidArgument` with reason `BAD_SEQUENCE` for 0, and if it would
+  /// open one gap too many. After an error the set is unchanged.
   absl::Status Insert(ClientSequence sequence);
 
-  /// Adds all from 1 to `last`, closing every gap below.
+  /// Adds all sequences from 1 to `last`, so that no gap below `last` remains.
   void InsertThrough(ClientSequence last);
 
-  /// The largest s such that all of 1..s are in the set; 0 if 1 is not.
+  /// Returns the largest s such that all of 1..s are in the set; 0 if 1 is not in the set.
   ClientSequence contiguous_end() const;
 
-  /// The largest in the set; 0 if it is empty.
+  /// Returns the largest sequence in the set; 0 if the set is empty.
   ClientSequence max() const;
 
   std::size_t interval_count() const { return intervals_.size(); }
 
-  /// A packed form for the store, and back. Errors: `DataLoss` if `packed` is none.
+  /// Converts a set to its stored form. `Unpack` converts back. Error of `Unpack`: `DataLoss` if
+  /// `packed` is not the stored form of a set.
   std::string Pack() const;
   static absl::StatusOr<SequenceSet> Unpack(std::string_view packed);
 
   friend bool operator==(const SequenceSet&, const SequenceSet&) = default;
 
  private:
-  /// First to last of each interval, disjoint and not adjacent.
+  /// First and last sequence of each interval. The intervals are disjoint and not adjacent.
   std::map<ClientSequence, ClientSequence> intervals_;
 };
 

@@ -21,16 +21,15 @@
 namespace steadymap {
 namespace {
 
-/// What is known of a file of the log.
+/// The known properties of a file of the log.
 struct LogFile {
   std::filesystem::path path;
-  std::uint64_t first_group = 0;      ///< By its name.
-  std::optional<SegmentStart> start;  ///< Of a header that can be read.
-  std::optional<MapSequence>
-      last_entry;  ///< Of a file that is whole, or of one whose end is known.
+  std::uint64_t first_group = 0;          ///< From the file name.
+  std::optional<SegmentStart> start;      ///< Set if the header is readable.
+  std::optional<MapSequence> last_entry;  ///< Set if the file is intact or its end is known.
   std::optional<std::uint64_t> last_group;
   bool is_whole = false;
-  bool is_torn = false;  ///< Whole but for a write at its end that nobody was told of.
+  bool is_torn = false;  ///< Intact except for an unacknowledged write at its end.
 };
 
 absl::StatusOr<LogFile> Examine(const std::filesystem::path& path, MapKey map, bool is_newest) {
@@ -52,11 +51,11 @@ absl::StatusOr<LogFile> Examine(const std::filesystem::path& path, MapKey map, b
   return file;
 }
 
-/// Writes one damaged file anew, group by group. What is missing between the records that are there
-/// is filled up.
+/// Rebuilds one damaged file, group by group. Fills gaps between the existing records with entries
+/// without effect.
 class SegmentRebuild {
  public:
-  /// `last_entry` and `last_group` are those of the file, where they are known.
+  /// `last_entry` and `last_group` are the last ones of the file, where they are known.
   SegmentRebuild(LogSegmentWriter* writer,
                  const SegmentStart& start,
                  std::optional<MapSequence> last_entry,
@@ -90,7 +89,7 @@ class SegmentRebuild {
     return WritePending(record.payload);
   }
 
-  /// Writes what is known to follow.
+  /// Writes the entries and groups that are known to follow the last record.
   absl::Status Finish() {
     if (!last_entry_ || !last_group_ || next_group_ > *last_group_) return absl::OkStatus();
     FillTo(last_entry_->value() + 1);
@@ -118,7 +117,8 @@ class SegmentRebuild {
     }
   }
 
-  /// The sessions of a group's end say who sent its frames, and which of them was the last.
+  /// The sessions in a group's end contain the robots that sent its frames, and the last frame of
+  /// each.
   void TakeSessions(const std::string& payload) {
     storage::v1::LogGroup group;
     if (!group.ParseFromString(payload)) return;
@@ -153,11 +153,11 @@ class SegmentRebuild {
   SalvagedLog* const log_;
   std::uint64_t next_entry_;
   std::uint64_t next_group_;
-  std::vector<FoundRecord> pending_;  ///< Entries whose group's end has not come yet.
+  std::vector<FoundRecord> pending_;  ///< Entries of the group whose end was not reached yet.
   std::set<std::string> robots_;
 };
 
-/// Goes through the files and writes each as it is, or anew.
+/// Copies or rebuilds the files of a log, one by one.
 class LogSalvage {
  public:
   LogSalvage(std::filesystem::path to, MapKey map, std::optional<MapSequence> skip_entry)
@@ -176,7 +176,7 @@ class LogSalvage {
     const std::optional<MapSequence> first = FirstEntry(file, records);
     if (!first) {
       log_.remarks.push_back(
-          absl::StrCat("log file ", file.path.string(), " holds nothing that can be read"));
+          absl::StrCat("log file ", file.path.string(), " contains no readable record"));
       return absl::OkStatus();
     }
     if (absl::Status status = Bridge(*first, file.first_group); !status.ok()) return status;
@@ -210,7 +210,7 @@ class LogSalvage {
     return std::nullopt;
   }
 
-  /// Fills up for files that are missing before this one.
+  /// Writes a file without effect in place of missing files before this one.
   absl::Status Bridge(MapSequence first, std::uint64_t first_group) {
     if (log_.last_group == 0 || log_.last_group + 1 >= first_group) return absl::OkStatus();
     const SegmentStart start{map_, log_.head.Next(), log_.last_group + 1, MapUptime(0)};
@@ -243,8 +243,8 @@ class LogSalvage {
                                         file.path.string(),
                                         " was damaged; ",
                                         log_.lost.size() - lost,
-                                        " of its entries are lost; they, and those around them, "
-                                        "are of the robots: ",
+                                        " of its entries are lost; the file contains "
+                                        "frames of the robots: ",
                                         absl::StrJoin(robots_, ", ")));
     return absl::OkStatus();
   }
@@ -268,8 +268,8 @@ class LogSalvage {
     if (rebuild.pending() > 0) {
       log_.remarks.push_back(absl::StrCat("the last ",
                                           rebuild.pending(),
-                                          " entries of the log have no end of their group: they "
-                                          "may not have been acknowledged, and are dropped"));
+                                          " entries of the log belong to an incomplete group: they "
+                                          "may never have been acknowledged, and are dropped"));
     }
     robots_ = rebuild.robots();
     Advance(start.first_entry, start.first_group, rebuild.last_entry(), rebuild.last_group());
@@ -292,7 +292,7 @@ class LogSalvage {
   const MapKey map_;
   const std::optional<MapSequence> skip_entry_;
   SalvagedLog log_;
-  std::set<std::string> robots_;  ///< Of the file that was written anew last.
+  std::set<std::string> robots_;  ///< Robots of the last rebuilt file.
   bool skipped_ = false;
 };
 

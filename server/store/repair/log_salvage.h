@@ -13,22 +13,22 @@
 
 namespace steadymap {
 
-/// What became of a log.
+/// The result of the salvage of a log.
 struct SalvagedLog {
-  MapSequence first_entry;  ///< The oldest entry; 0: the log holds nothing.
-  MapSequence head;         ///< The newest entry; 0 likewise.
+  MapSequence first_entry;  ///< The oldest entry; 0: the log is empty.
+  MapSequence head;         ///< The newest entry; 0: the log is empty.
   std::uint64_t first_group = 0;
   std::uint64_t last_group = 0;
-  std::vector<MapSequence> lost;     ///< Entries that could not be read; nothing stands for them.
+  /// Entries that could not be read. Each is replaced by an entry without effect.
+  std::vector<MapSequence> lost;
   std::vector<std::string> remarks;  ///< Sentences for the operator.
 };
 
-/// Writes the log in `from`, of a map that is not open, to the folder `to`, which is made: whole
-/// files as they are, damaged ones anew from the records that can still be read. An entry that is
-/// lost, and `skip_entry`, are replaced by one without effect, so that those behind keep their
-/// numbers. Of a group without its end nothing is known to have been acknowledged: at the end of
-/// the log it is dropped.
-/// Errors: as `PosixFile`; `NotFound` if `skip_entry` is not in the log.
+/// Copies the log in `from`, of a map that is not open, to the new folder `to`. Intact files are
+/// copied unchanged. Damaged files are rebuilt from their readable records. A lost entry, and
+/// `skip_entry`, is replaced by an entry without effect, so that later entries keep their numbers.
+/// An incomplete group at the end of the log is dropped, because it may never have been
+/// acknowledged. Errors: as `PosixFile`; `NotFound` if `skip_entry` is not in the log.
 absl::StatusOr<SalvagedLog> SalvageLog(const std::filesystem::path& from,
                                        const std::filesystem::path& to,
                                        MapKey map,

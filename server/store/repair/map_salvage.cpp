@@ -46,7 +46,7 @@ absl::StatusOr<storage::v1::Head> ReadHead(const StateDatabase& state) {
   return head;
 }
 
-/// Makes the salvaged folder of one map, piece by piece.
+/// Builds the salvaged folder of one map, step by step.
 class MapSalvage {
  public:
   MapSalvage(MapFindings map, std::filesystem::path to, SalvageReport* report)
@@ -76,7 +76,7 @@ class MapSalvage {
 
   std::filesystem::path NewState() const { return to_ / "state"; }
 
-  /// Whether the database could be kept.
+  /// Creates the new database. Returns true if the old database was kept.
   absl::StatusOr<bool> MakeState() {
     const absl::Status damage = CheckDatabase(OldState());
     if (damage.ok()) {
@@ -89,16 +89,17 @@ class MapSalvage {
     if (!has_all && RepairState()) return false;
     const absl::Status status = MakeEmptyState();
     if (!status.ok()) return status;
-    Remark(has_all ? "the database is made anew from the log, which holds every entry: the server "
-                     "integrates it at the next start, and gets the same map"
-                   : absl::StrCat("nothing of the database can be used: the map begins anew with "
-                                  "entry ",
-                                  log_.first_entry.value(),
-                                  ", the oldest in the log"));
+    Remark(has_all ? "the database is rebuilt from the log, which contains every entry: the server "
+                     "integrates the log at the next start, with an identical map as the result"
+                   : absl::StrCat(
+                         "no part of the database can be used: the map is rebuilt starting with "
+                         "entry ",
+                         log_.first_entry.value(),
+                         ", the oldest in the log"));
     return false;
   }
 
-  /// Whether what can be read of the database makes one that can be used.
+  /// Repairs the database from its readable parts. Returns true if the result is usable.
   bool RepairState() {
     absl::Status status = CopyFolder(OldState(), NewState());
     if (status.ok()) status = StateDatabase::Repair(NewState(), shared_);
@@ -107,11 +108,11 @@ class MapSalvage {
     if (!status.ok()) return false;
     Remark(absl::StrCat("the database was repaired and is at revision ",
                         revision_,
-                        ": parts of the map may be missing, or older than that"));
+                        ": parts of the map may be missing or from an older revision"));
     return true;
   }
 
-  /// A database knows how far the log goes: no further than the salvaged one does.
+  /// Limits the log's end recorded in the database to the end of the salvaged log.
   absl::Status FitHead() {
     absl::StatusOr<std::unique_ptr<StateDatabase>> state =
         StateDatabase::Open(NewState(), StateDatabase::Mode::kReadWrite, shared_);
@@ -150,7 +151,7 @@ class MapSalvage {
       Remark(absl::StrCat("entry ",
                           lost.value(),
                           " of the log is lost",
-                          lost.value() <= revision_ ? "; the map has it" : ""));
+                          lost.value() <= revision_ ? "; the map already contains it" : ""));
     }
     const std::uint64_t end = std::max(log_.head.value(), revision_);
     if (known_head_ > end) {
@@ -167,7 +168,7 @@ class MapSalvage {
   std::uint64_t known_head_ = 0;
 };
 
-/// A folder for the old files that is not there yet.
+/// Returns a path for the old files that does not exist yet.
 std::filesystem::path PlaceForOldFiles(const std::filesystem::path& data_dir, MapKey key) {
   for (int number = 1;; ++number) {
     std::filesystem::path place = data_dir / "salvaged" / absl::StrCat(key.value(), "-", number);
@@ -194,13 +195,13 @@ absl::StatusOr<SalvageReport> SalvageMap(const SalvageOptions& options) {
     return absl::NotFoundError(absl::StrCat("there is no map ", options.map.ToString()));
   }
   SalvageReport report;
-  // An unfinished folder of this name is removed at the next start.
+  // The next start of the server removes an incomplete folder of this name.
   const bool in_place = options.output.empty();
   const std::filesystem::path made =
       in_place ? std::filesystem::path(map->folder.string() + ".new") : options.output;
   if (in_place) std::filesystem::remove_all(made, error);
   if (std::filesystem::exists(made, error)) {
-    return absl::FailedPreconditionError(absl::StrCat(made.string(), " is there already"));
+    return absl::FailedPreconditionError(absl::StrCat(made.string(), " already exists"));
   }
   MapSalvage salvage(*map, made, &report);
   if (absl::Status status = salvage.Run(options.skip_entry); !status.ok()) return status;

@@ -21,7 +21,7 @@
 namespace steadymap {
 namespace {
 
-/// The number that the whole of `name` is; none for other names.
+/// Parses `name` as a number; none if it is not a number as a whole.
 std::optional<std::uint64_t> NumberOf(const std::string& name) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
@@ -29,7 +29,7 @@ std::optional<std::uint64_t> NumberOf(const std::string& name) {
   return number;
 }
 
-/// The name that the catalog has for a map.
+/// Returns the name of a map in the catalog.
 MapName NameInCatalog(const StoreCatalog& catalog, MapKey key) {
   for (const StoreCatalog::Map& map : catalog.maps) {
     if (map.key == key) return map.name;
@@ -37,12 +37,12 @@ MapName NameInCatalog(const StoreCatalog& catalog, MapKey key) {
   return {"lost", absl::StrCat("map-", key.value())};
 }
 
-/// The files that belong to no map.
+/// Checks the files that belong to no map. Returns the catalog.
 StoreCatalog CheckStoreFiles(const std::filesystem::path& data_dir,
                              std::vector<std::string>* problems) {
   StoreCatalog catalog;
   std::error_code error;
-  // A store that never had a map has no catalog.
+  // A store without any map so far has no catalog.
   if (std::filesystem::is_empty(data_dir / "maps", error)) return catalog;
   const absl::StatusOr<std::string> bytes = MirroredFile(data_dir / "catalog").Inspect(problems);
   if (!bytes.ok()) return catalog;
@@ -52,7 +52,7 @@ StoreCatalog CheckStoreFiles(const std::filesystem::path& data_dir,
   return catalog;
 }
 
-/// Every log file, and that one follows the other.
+/// Checks every log file, and that the files are consecutive.
 void CheckLog(const std::filesystem::path& folder, MapKey map, std::vector<std::string>* problems) {
   const std::vector<std::filesystem::path> files = LogFiles(folder);
   std::optional<SegmentScan> before;
