@@ -40,7 +40,7 @@ absl::StatusOr<DatasetFormat> FindFormat(std::string_view name) {
                                                  "\""));
 }
 
-// The sequence folders that a path stands for.
+// Returns the sequence folders of a path: the path itself, or the sequences directly inside it.
 absl::StatusOr<std::vector<fs::path>> FindSequences(const DatasetFormat& format,
                                                     const fs::path& path) {
   std::error_code error;
@@ -59,29 +59,29 @@ absl::StatusOr<std::vector<fs::path>> FindSequences(const DatasetFormat& format,
                              ", or a folder of such sequences");
 }
 
-// Written so that NaN fails.
+// NaN fails both comparisons.
 bool IsMetresPerUnit(double metres) { return metres >= 1e-6 && metres <= 0.1; }
 
-// OK if the options suit the format, whatever the recording.
+// Checks the options against the format, independent of any recording.
 absl::Status CheckOptions(const DatasetFormat& format, const DatasetOptions& options) {
   if (options.stride < 1) return absl::InvalidArgumentError("stride must be at least 1, got 0");
   if (!format.has_depth_unit && (options.metres_per_unit || options.intrinsics)) {
     return absl::InvalidArgumentError(
         absl::StrCat("recordings in the format ",
                      Absl(format.name),
-                     " hold depth in metres and say their camera: they take neither a depth scale "
-                     "nor intrinsics"));
+                     " contain depth in metres and the intrinsics of the camera: a depth scale "
+                     "or intrinsics cannot be given"));
   }
   if (options.metres_per_unit && !IsMetresPerUnit(*options.metres_per_unit)) {
     return absl::InvalidArgumentError(
-        absl::StrCat("the depth scale must be metres a unit in [1e-6, 0.1], such as 0.001 for "
+        absl::StrCat("the depth scale must be metres per unit in [1e-6, 0.1], such as 0.001 for "
                      "millimetres, got ",
                      *options.metres_per_unit));
   }
   return absl::OkStatus();
 }
 
-// Puts what the options say in place of what the recording says.
+// Replaces values of the recording by those given in the options.
 absl::Status ApplyOptions(const DatasetOptions& options, RecordedSequence* sequence) {
   if (options.metres_per_unit) sequence->metres_per_unit = *options.metres_per_unit;
   if (!options.intrinsics) return absl::OkStatus();
@@ -161,7 +161,8 @@ absl::StatusOr<std::unique_ptr<DatasetSource>> OpenDataset(
     const DatasetOptions& options) {
   const absl::StatusOr<DatasetFormat> found = FindFormat(format);
   if (!found.ok()) return found.status();
-  if (paths.empty()) return absl::InvalidArgumentError("expected a path of a data set, found none");
+  if (paths.empty())
+    return absl::InvalidArgumentError("expected at least one path of a data set, found none");
   if (absl::Status status = CheckOptions(*found, options); !status.ok()) return status;
   absl::StatusOr<PlaybackOptions> playback = LoadPlaybackOptions(options);
   if (!playback.ok()) return playback.status();

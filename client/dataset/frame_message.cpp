@@ -5,7 +5,7 @@ void FillFrameMessage(Timestamp capture_time,
                       const PinholeCamera& camera,
                       const Eigen::Isometry3d& T_world_camera,
                       v1::Frame* message) {
-  // Nanoseconds of a protobuf time count forward, before 1970 as well.
+  // The nanoseconds of a protobuf timestamp are never negative, even before 1970.
   const std::int64_t ns = capture_time.nanoseconds();
   const std::int64_t nanos =
       ((ns % kNanosecondsPerSecond) + kNanosecondsPerSecond) % kNanosecondsPerSecond;

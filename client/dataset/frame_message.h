@@ -5,8 +5,7 @@
 
 #include "steadymap/v1/frame.pb.h"
 
-/// Fills the parts of a frame message that frame sources know as values. Images are added by the
-/// sources themselves, packed as they are.
+/// Fills the metadata of a frame message. The frame sources add the encoded images.
 namespace steadymap {
 
 /// Sets `capture_time`, `intrinsics` and `world_from_camera` of `message`.

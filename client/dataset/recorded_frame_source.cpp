@@ -18,10 +18,10 @@
 namespace steadymap {
 namespace {
 
-// Between the end of a sequence and the start of one whose times had to be moved.
+// Pause between the end of a sequence and the start of the next one, if its times were shifted.
 constexpr std::int64_t kPauseNs = 1'000'000'000;
 
-// Moves the times of each sequence that would begin before the one before it has ended.
+// Shifts the times of each sequence that starts before the end of the previous sequence.
 void KeepTimesIncreasing(std::vector<RecordedSequence>* sequences) {
   std::int64_t end_ns = std::numeric_limits<std::int64_t>::min();
   for (RecordedSequence& sequence : *sequences) {
@@ -45,7 +45,7 @@ bool FitsIn8Bits(const Image<std::uint16_t>& image) {
   });
 }
 
-// `segment_classes` may be empty.
+// Packs a label image. `segment_classes` may be empty.
 absl::Status PackLabels(const std::filesystem::path& file,
                         const std::filesystem::path& segment_classes,
                         const PinholeCamera& camera,
@@ -77,11 +77,11 @@ absl::Status PackLabels(const std::filesystem::path& file,
   return absl::OkStatus();
 }
 
-// A median needs no more of an image than every so many pixels; prime, so that it does not keep to
-// few columns.
+// Only every 13th pixel is used, which is enough for a median. The step is prime, so that the
+// pixels are not from a few columns only.
 constexpr std::size_t kDepthPixelStep = 13;
 
-// Adds the depth of some pixels that have any, metres; false if the depth cannot be read.
+// Appends the depth of a sample of valid pixels, metres; false if the depth image cannot be read.
 bool AppendDepth(const RecordedSequence& sequence,
                  const RecordedFrame& frame,
                  std::vector<float>* depth_m) {

@@ -12,16 +12,16 @@
 
 namespace steadymap {
 
-/// How indexed sequences are turned into frames.
+/// Options for the conversion of indexed sequences to frames.
 struct PlaybackOptions {
   std::size_t stride = 1;                            ///< At least 1.
   LabelMap label_map;                                ///< Applied to every label image.
-  std::optional<Eigen::Isometry3d> T_world_dataset;  ///< Instead of each sequence's own.
+  std::optional<Eigen::Isometry3d> T_world_dataset;  ///< Replaces the transform of each sequence.
   bool include_color = true;
 };
 
-/// Plays indexed sequences one after the other, whatever their format. Image files pass as they lie
-/// on disk; only labels that a map changes and depth in metres are packed anew.
+/// Plays indexed sequences of any format one after the other. Image files are copied unchanged,
+/// except that changed labels and depth in metres are re-encoded.
 class RecordedFrameSource : public DatasetSource {
  public:
   RecordedFrameSource(std::vector<RecordedSequence> sequences, PlaybackOptions options);
@@ -47,7 +47,7 @@ class RecordedFrameSource : public DatasetSource {
 
   std::vector<RecordedSequence> sequences_;
   PlaybackOptions options_;
-  std::vector<Place> places_;  ///< The frames that are played, in order.
+  std::vector<Place> places_;  ///< The played frames, in order.
   std::size_t next_place_ = 0;
   std::size_t skipped_count_ = 0;
 };

@@ -8,8 +8,8 @@
 namespace steadymap {
 namespace {
 
-// What a robot sees lies in between. A unit that is wrong by a factor of a thousand, metres for
-// millimetres, leads out of it; one by a factor of five may not.
+// Plausible range of the median depth for a robot. A unit that is wrong by a factor of 1000, such
+// as metres for millimetres, gives a median outside it; a factor of 5 may not.
 constexpr double kMinMedianDepthM = 0.05;
 constexpr double kMaxMedianDepthM = 100.0;
 
@@ -20,8 +20,8 @@ std::string UnitHint(const RecordingSample& sample, bool has_unit) {
   return absl::StrCat(
       ", read at ",
       sample.metres_per_unit,
-      " m a unit; say its unit with --depth-scale, such as 0.001 for millimetres or "
-      "0.0002 for 5000 units a metre");
+      " m per unit; set the unit with --depth-scale, for example 0.001 for millimetres or "
+      "0.0002 for 5000 units per metre");
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ absl::Status CheckDepth(const RecordingSample& sample, bool has_unit) {
     return absl::InvalidArgumentError(
         absl::StrCat("no pixel of the ",
                      sample.frame_count,
-                     " frames that were looked at has any depth",
+                     " sampled frames has any depth",
                      has_unit ? ": all are 0 or 65535"
                               : " within 13 m; the depth files of this format hold metres"));
   }
@@ -53,8 +53,8 @@ std::optional<std::string> NoteOnTimes(const RecordingSample& sample) {
   return absl::StrCat(
       "warning: the recording begins at ",
       absl::FormatTime("%Y-%m-%dT%H:%M:%E*SZ", absl::FromUnixNanos(ns), absl::UTCTimeZone()),
-      ", before 2000: the map's objects and events will carry times of that year, and frames of "
-      "robots whose clocks are right come long after");
+      ", before 2000: the map's objects and events will have times of that year, and frames of "
+      "robots with correct clocks will be much later");
 }
 
 }  // namespace steadymap

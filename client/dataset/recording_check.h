@@ -10,22 +10,23 @@
 
 namespace steadymap {
 
-/// What some frames of a recording show, to see whether it is read as it was meant.
+/// Properties of some frames of a recording, used to detect a wrong unit or wrong times.
 struct RecordingSample {
-  std::size_t frame_count = 0;           ///< Frames whose depth could be read.
-  std::optional<double> median_depth_m;  ///< Of all their pixels with depth; none without any.
-  double metres_per_unit = 0.0;          ///< By which the depth of the first frame was read.
-  Timestamp first_time;                  ///< Of the recording's first frame.
+  std::size_t frame_count = 0;  ///< Number of frames with readable depth.
+  /// Median over all sampled pixels with depth; none without such pixels.
+  std::optional<double> median_depth_m;
+  double metres_per_unit = 0.0;  ///< Unit with which the depth of the first frame was read.
+  Timestamp first_time;          ///< Time of the recording's first frame.
 };
 
-/// OK if the depth is what a robot may have around it: its median within [5 cm, 100 m]. A sample
-/// without frames says nothing, and is OK.
-/// Errors: `InvalidArgument` that names the median, or that no pixel has any depth; `has_unit` says
-/// whether depth has a unit that the user can change, which the message then names.
+/// Checks that the depth is plausible for a robot: its median is within [5 cm, 100 m]. A sample
+/// without frames is OK. Errors: `InvalidArgument` with the median in the message, or with the
+/// statement that no pixel has depth. If `has_unit`, the user can change the unit, and the message
+/// recommends it.
 absl::Status CheckDepth(const RecordingSample& sample, bool has_unit);
 
-/// A line for the user if the recording's times begin before 2000, as those of clocks that were
-/// never set do; else none.
+/// Returns a warning for the user if the recording's times start before 2000, as with a clock that
+/// was never set; none otherwise.
 std::optional<std::string> NoteOnTimes(const RecordingSample& sample);
 
 }  // namespace steadymap

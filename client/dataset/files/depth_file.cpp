@@ -19,7 +19,7 @@ namespace {
 
 std::uint16_t UnitsOf(float depth_m, double metres_per_unit) {
   const double units = std::round(static_cast<double>(depth_m) / metres_per_unit);
-  // Written so that NaN fails.
+  // NaN fails both comparisons.
   if (!(units > kNoDepth && units < kInvalidDepth)) return kNoDepth;
   return static_cast<std::uint16_t>(units);
 }

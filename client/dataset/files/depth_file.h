@@ -10,16 +10,16 @@
 
 namespace steadymap {
 
-/// The unit that depth in metres is rounded to: a fifth of a millimetre, so that rounding is far
-/// below what any sensor resolves, and 16 bits reach 13.1 m, far beyond what is fused.
+/// The unit to which depth in metres is rounded: 0.2 mm. Rounding is then far below the resolution
+/// of any sensor, and 16 bits reach 13.1 m, far beyond the fused depth.
 inline constexpr double kMetresPerUnitOfFloatDepth = 0.0002;
 
-/// Packs a depth image that must be as large as the camera says into `message`.
+/// Packs a depth image into `message`. The image must have the size of the camera's images.
 ///
-/// A 16-bit PNG file passes as it lies. What ends in `.exr`, `.tif` or `.tiff` holds metres, which
-/// are rounded to units; NaN, infinity, and what is not positive or beyond 16 bits become 0, no
-/// return.
-/// Errors: `NotFound` or `InvalidArgument`, naming the file.
+/// A 16-bit PNG file is copied unchanged. A file with the extension `.exr`, `.tif` or `.tiff`
+/// contains metres, which are rounded to units. NaN, infinity, values that are not positive and
+/// values beyond 16 bits become 0, which means no return. Errors: `NotFound` or `InvalidArgument`,
+/// with the file in the message.
 absl::Status PackDepthFile(const std::filesystem::path& file,
                            const PinholeCamera& camera,
                            double metres_per_unit,

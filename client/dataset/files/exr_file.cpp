@@ -20,10 +20,10 @@ namespace steadymap {
 namespace {
 
 constexpr int kPart = 0;
-// Far more than depth needs; a chunk is unpacked with all its channels.
+// Far more than a depth image needs. A chunk is decoded with all of its channels.
 constexpr int kMaxChannels = 16;
 
-// What OpenEXR reads from, and what it last complained of.
+// The input of OpenEXR, and the first error that it reported.
 struct ExrInput {
   std::string data;
   std::string fault;
@@ -54,7 +54,7 @@ void NoteFault(exr_const_context_t context, exr_result_t code, const char* messa
   if (fault.empty()) fault = message != nullptr ? message : exr_get_default_error_message(code);
 }
 
-// An open file; closed at the end.
+// An open file; closed by the destructor.
 class ExrReader {
  public:
   explicit ExrReader(std::string data) { input_.data = std::move(data); }
@@ -67,7 +67,7 @@ class ExrReader {
   ExrReader(const ExrReader&) = delete;
   ExrReader& operator=(const ExrReader&) = delete;
 
-  // These answer whether it worked, or what is wrong with the file; `fault` may know more.
+  // Each returns false or none on failure; `fault` may then contain the reason.
   bool Open(const std::filesystem::path& file);
   std::optional<ImageSize> size() const;
   bool ChooseChannel();
@@ -85,8 +85,8 @@ class ExrReader {
   exr_decode_pipeline_t decoder_ = {};
   bool is_decoding_ = false;
   std::string channel_;
-  std::vector<float> ignored_;  // A chunk of the other channels.
-  int top_ = 0;                 // Of the data window.
+  std::vector<float> ignored_;  // Decoded chunk of the channels that are not used.
+  int top_ = 0;                 // First row of the data window.
 };
 
 bool ExrReader::Open(const std::filesystem::path& file) {
@@ -149,7 +149,7 @@ bool ExrReader::ChooseChannel() {
   }
   if (chosen == end || chosen->pixel_type == EXR_PIXEL_UINT || chosen->x_sampling != 1 ||
       chosen->y_sampling != 1) {
-    input_.fault = "no channel of floats, one for each pixel";
+    input_.fault = "no floating-point channel with one value per pixel";
     return false;
   }
   channel_ = chosen->name.str;
@@ -170,7 +170,7 @@ bool ExrReader::DecodeChunk(int first_row, Image<float>* image) {
       chunk.height > image->height_px() - first_row) {
     return false;
   }
-  // The library's faster ways of unpacking want a place for every channel.
+  // OpenEXR's faster decoders need an output buffer for every channel.
   ignored_.resize(static_cast<std::size_t>(image->width_px()) *
                   static_cast<std::size_t>(chunk.height));
   for (int i = 0; i < decoder_.channel_count; ++i) {

@@ -9,9 +9,9 @@
 namespace steadymap {
 
 /// Reads one channel of an OpenEXR file of at most `kMaxImageFileBytes`: scan lines, half or float,
-/// any compression. Of several channels it is the first there is of Z, Y, V and R, else the first
-/// that is not alpha. The size is compared with the camera's before any pixel is decoded. Errors:
-/// `NotFound` or `InvalidArgument`, naming the file.
+/// any compression. Chooses the first existing channel of Z, Y, V and R, otherwise the first
+/// channel that is not alpha. Compares the size with the camera's before it decodes any pixel.
+/// Errors: `NotFound` or `InvalidArgument`, with the file in the message.
 absl::StatusOr<Image<float>> ReadExrFile(const std::filesystem::path& file,
                                          const PinholeCamera& camera);
 

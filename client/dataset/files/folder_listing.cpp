@@ -12,7 +12,7 @@ namespace {
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
-// The run of digits at `start`, leading zeros dropped.
+// Returns the run of digits at `start` without leading zeros.
 std::string_view Digits(std::string_view text, std::size_t start, std::size_t* end) {
   *end = start;
   while (*end < text.size() && IsDigit(text[*end])) ++*end;
@@ -55,7 +55,7 @@ bool NaturallyBefore(std::string_view a, std::string_view b) {
     }
   }
   if (i < a.size() || j < b.size()) return i == a.size();
-  return a < b;  // Equal but for leading zeros: any fixed order will do.
+  return a < b;  // Equal except for leading zeros: any fixed order is valid.
 }
 
 std::filesystem::path FindEntry(const std::filesystem::path& folder, std::string_view name) {

@@ -12,32 +12,33 @@
 
 namespace steadymap {
 
-/// Largest image file that is read.
+/// Largest size of an image file that is read.
 inline constexpr std::size_t kMaxImageFileBytes = std::size_t{64} << 20;
 
-/// OK if an image is as large as the camera says; else `InvalidArgument` naming the file, the size
-/// expected and the size found.
+/// Checks that an image has the size of the camera's images. Errors: `InvalidArgument` with the
+/// file, the expected size and the actual size in the message.
 absl::Status CheckImageSize(const std::filesystem::path& file,
                             const PinholeCamera& camera,
                             const ImageSize& size);
 
-/// An image as it lies on disk.
+/// An image file in memory, not decoded.
 struct ImageFile {
   std::string data;     ///< The file's bytes.
-  bool is_png = false;  ///< Else it is a JPEG.
-  ImageSize size;       ///< What its header declares.
+  bool is_png = false;  ///< False: a JPEG.
+  ImageSize size;       ///< Size in the image header.
 };
 
-/// Reads a PNG or JPEG file of at most `kMaxImageFileBytes`; only its header is looked at.
-/// Errors: `NotFound` or `InvalidArgument`, naming the file.
+/// Reads a PNG or JPEG file of at most `kMaxImageFileBytes`. Parses only its header. Errors:
+/// `NotFound` or `InvalidArgument`, with the file in the message.
 absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& file);
 
-/// As `ReadImageFile`, for an image that must be as large as the camera says.
-/// Errors: also `InvalidArgument` naming the file, the size expected and the size found.
+/// Reads an image that must have the size of the camera's images. Errors: as for `ReadImageFile`,
+/// and as `CheckImageSize`.
 absl::StatusOr<ImageFile> ReadImageFile(const std::filesystem::path& file,
                                         const PinholeCamera& camera);
 
-/// As above, for an image that must be a PNG.
+/// Reads an image that must be a PNG and have the size of the camera's images. Errors: as for
+/// `ReadImageFile`, and as `CheckImageSize`.
 absl::StatusOr<ImageFile> ReadPngFile(const std::filesystem::path& file,
                                       const PinholeCamera& camera);
 

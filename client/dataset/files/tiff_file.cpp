@@ -19,7 +19,8 @@
 namespace steadymap {
 namespace {
 
-// Of libtiff at a time: a strip may hold the whole image, unpacked and packed.
+// Largest single allocation of libtiff: a strip may contain the whole image, compressed and
+// decompressed.
 constexpr tmsize_t kMaxAllocationBytes = tmsize_t{256} << 20;
 
 int NoteFault(TIFF* /*tiff*/,
@@ -31,7 +32,7 @@ int NoteFault(TIFF* /*tiff*/,
   std::array<char, 200> text{};
   std::vsnprintf(text.data(), text.size(), format, arguments);
   if (fault.empty()) fault = text.data();
-  return 1;  // Nobody else needs to hear of it.
+  return 1;  // Handled: libtiff must not print it.
 }
 
 int Ignore(TIFF* /*tiff*/,
@@ -52,14 +53,15 @@ struct FreeOptions {
 
 using OpenTiff = std::unique_ptr<TIFF, CloseTiff>;
 
-// `fault` must outlive what is returned; null if the file is no TIFF file.
+// Opens a file; null if it is not a TIFF file. `fault` must outlive the result.
 OpenTiff Open(const std::filesystem::path& file, std::string* fault) {
   const std::unique_ptr<TIFFOpenOptions, FreeOptions> options(TIFFOpenOptionsAlloc());
   if (options == nullptr) return nullptr;
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMaxAllocationBytes);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), NoteFault, fault);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), Ignore, nullptr);
-  // "m": without mapping it into memory, where a file that shrinks would be a crash.
+  // "m" disables memory mapping: with it, a file that shrinks during reading would crash the
+  // process.
   return OpenTiff(TIFFOpenExt(file.c_str(), "rm", options.get()));
 }
 
@@ -105,13 +107,13 @@ absl::StatusOr<Image<float>> ReadTiffFile(const std::filesystem::path& file,
   if (!status.ok()) return status;
   std::string fault;
   const auto found = [&fault] {
-    return fault.empty() ? std::string("another file") : absl::StrCat("\"", fault, "\"");
+    return fault.empty() ? std::string("a file of another type") : absl::StrCat("\"", fault, "\"");
   };
   const OpenTiff tiff = Open(file, &fault);
   if (tiff == nullptr) return MalformedFile(file, kExpected, found());
   const ImageSize size = SizeOf(tiff.get());
   if (absl::Status wrong = CheckImageSize(file, camera, size); !wrong.ok()) return wrong;
-  if (!HoldsFloats(tiff.get())) return MalformedFile(file, kExpected, "other pixels");
+  if (!HoldsFloats(tiff.get())) return MalformedFile(file, kExpected, "other pixel formats");
   Image<float> image(size.width_px, size.height_px);
   if (!Decode(tiff.get(), &image)) return MalformedFile(file, kExpected, found());
   return image;

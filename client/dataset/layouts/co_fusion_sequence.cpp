@@ -21,11 +21,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The recordings carry no times: Kinect frames, counted from an arbitrary fixed day.
+// The recordings contain no times. Times are derived from frame numbers at the Kinect's frame rate,
+// from an arbitrary fixed day.
 constexpr std::int64_t kFirstCoFusionNs = 1'483'228'800'000'000'000;
 constexpr std::int64_t kMaxFrameNumber = 100'000'000;
 
-// 12 of `Depth0012.exr`; none if the name has no number.
+// Returns 12 for `Depth0012.exr`; none if the name contains no number.
 std::optional<std::int64_t> NumberOf(const fs::path& file) {
   const std::string stem = file.stem().string();
   std::int64_t number = 0;
@@ -50,14 +51,14 @@ fs::path FileOf(const NumberedFiles& files, std::int64_t number) {
   return file != files.end() ? file->second : fs::path();
 }
 
-// The depth without noise, where it is there.
+// Returns the folder with noise-free depth if it exists, otherwise the one with noise.
 fs::path DepthFolderOf(const fs::path& folder) {
   fs::path depth = FindEntry(folder, "depth_original");
   return !depth.empty() ? depth : FindEntry(folder, "depth_noise");
 }
 
-// Reads `calibration.txt`: a line `fx fy cx cy`, or `fx fy cx cy w h`. Without a size the images
-// are as large as `image`.
+// Reads `calibration.txt`: a line `fx fy cx cy`, or `fx fy cx cy w h`. Without `w h`, the image
+// size is that of `image`.
 absl::StatusOr<PinholeCamera> ReadCamera(const fs::path& file, const fs::path& image) {
   const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(file);
   if (!lines.ok()) return lines.status();
@@ -68,13 +69,14 @@ absl::StatusOr<PinholeCamera> ReadCamera(const fs::path& file, const fs::path& i
   if (!n || (n->size() != 4 && n->size() != 6)) return MalformedLine(file, line, kExpected);
   PinholeCamera camera = {0, 0, (*n)[0], (*n)[1], (*n)[2], (*n)[3]};
   if (n->size() == 6) {
-    // Written so that NaN fails; the cast needs the range.
+    // NaN fails both comparisons. The cast below requires the range.
     const auto is_side = [](double side) { return side >= 1 && side <= kMaxImageSidePx; };
     if (!is_side((*n)[4]) || !is_side((*n)[5])) return MalformedLine(file, line, kExpected);
     camera.width_px = static_cast<int>((*n)[4]);
     camera.height_px = static_cast<int>((*n)[5]);
   } else {
-    if (image.empty()) return MalformedLine(file, line, "also w h, as there are no colour images");
+    if (image.empty())
+      return MalformedLine(file, line, "also w h, because there are no colour images");
     const absl::StatusOr<ImageFile> first = ReadImageFile(image);
     if (!first.ok()) return first.status();
     camera.width_px = first->size.width_px;
@@ -86,7 +88,7 @@ absl::StatusOr<PinholeCamera> ReadCamera(const fs::path& file, const fs::path& i
 
 using NumberedPoses = std::map<std::int64_t, absl::StatusOr<Eigen::Isometry3d>>;
 
-// Reads `gt-cam-0.txt`; poses that are not finite are left out.
+// Reads `gt-cam-0.txt`. Poses that are not finite are omitted.
 absl::StatusOr<NumberedPoses> ReadNumberedPoses(const fs::path& file) {
   const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(file);
   if (!lines.ok()) return lines.status();
@@ -100,7 +102,7 @@ absl::StatusOr<NumberedPoses> ReadNumberedPoses(const fs::path& file) {
     if (!AreFinite(*n)) continue;
     const auto number = static_cast<std::int64_t>((*n)[0]);
     if (!poses.emplace(number, PoseInLine(file, line, std::span(*n).subspan<1, 7>())).second) {
-      return MalformedLine(file, line, "each frame once");
+      return MalformedLine(file, line, "each frame at most once");
     }
   }
   return poses;

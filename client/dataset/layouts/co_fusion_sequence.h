@@ -4,9 +4,9 @@
 
 namespace steadymap {
 
-/// Co-Fusion. Masks serve as instances, and as classes that a label map turns into the map's. Its
-/// world is wherever the first camera pose puts it; `T_world_dataset` of the options sets it
-/// upright.
+/// Returns the Co-Fusion format. Masks are used as instances, and as classes, which a label map
+/// converts to the map's classes. The world frame of a recording is arbitrary: it depends on the
+/// first camera pose. `DatasetOptions::T_world_dataset_file` makes its z axis point up.
 DatasetFormat CoFusionFormat();
 
 }  // namespace steadymap

@@ -34,11 +34,11 @@ absl::StatusOr<LabelMap> LabelMap::Load(const std::filesystem::path& file) {
       is_named.resize(from + 1);
       for (std::size_t id = known; id <= from; ++id) map.to_[id] = static_cast<std::uint16_t>(id);
     }
-    if (is_named[from]) return MalformedLine(file, line, "each class once");
+    if (is_named[from]) return MalformedLine(file, line, "each class at most once");
     is_named[from] = true;
     map.to_[from] = static_cast<std::uint16_t>((*numbers)[1]);
   }
-  // A map that changes nothing lets images pass as they are.
+  // With an identity map, images are copied without decoding.
   bool is_identity = true;
   for (std::size_t id = 0; id < map.to_.size(); ++id) is_identity &= map.to_[id] == id;
   if (is_identity) map.to_.clear();

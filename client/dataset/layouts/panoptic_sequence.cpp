@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the flat was rendered with.
+// The camera with which the flat was rendered.
 constexpr PinholeCamera kFlatCamera = {640, 480, 320.0, 320.0, 320.0, 240.0};
 constexpr double kMaxNanoseconds = 9e18;
 
@@ -31,12 +31,12 @@ struct Entry {
   Timestamp time;
 };
 
-// Ids begin file names: nothing that leads out of the folder.
+// File names start with the id, so it must not contain characters that lead out of the folder.
 bool IsId(std::string_view text) {
   return !text.empty() && text.find_first_of("/\\.") == std::string_view::npos;
 }
 
-// Whole nanoseconds; some recordings write them with a fraction or an exponent.
+// Parses integer nanoseconds. Some recordings write them with a fraction or an exponent.
 std::optional<Timestamp> TimeOf(const std::string& text) {
   std::int64_t ns = 0;
   if (absl::SimpleAtoi(text, &ns) && ns >= 0) return Timestamp::FromNanoseconds(ns);
@@ -46,7 +46,7 @@ std::optional<Timestamp> TimeOf(const std::string& text) {
                  : std::nullopt;
 }
 
-// Reads `timestamps.csv`, with or without its header, into the order of time.
+// Reads `timestamps.csv`, with or without a header, and sorts the entries by time.
 absl::StatusOr<std::vector<Entry>> ReadEntries(const fs::path& file) {
   const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(file);
   if (!lines.ok()) return lines.status();
@@ -65,22 +65,24 @@ absl::StatusOr<std::vector<Entry>> ReadEntries(const fs::path& file) {
   return entries;
 }
 
-// `groundtruth_labels.csv` in the run's folder or beside it; empty if there is none.
+// Returns `groundtruth_labels.csv` in the folder of the run or in its parent; empty if there is
+// none.
 fs::path ClassTableOf(const fs::path& folder) {
   constexpr char kName[] = "groundtruth_labels.csv";
   fs::path table = FindEntry(folder, kName);
-  // A folder given as "run1/" or "." has its parent elsewhere than its text says.
+  // `folder / ".."` is used because `parent_path()` of "run1/" or "." is not the parent folder.
   return !table.empty() ? table : FindEntry(folder / "..", kName);
 }
 
-// The file of that frame and kind; empty if there is none.
+// Returns the file of a frame and kind; empty if there is none.
 fs::path FileOf(const fs::path& folder, const std::string& id, const char* kind) {
   fs::path file = folder / (id + kind);
   std::error_code error;
   return fs::exists(file, error) ? file : fs::path();
 }
 
-// The truth where it is known whole, else the prediction where that is, else the segments alone.
+// Uses the ground truth if its classes are known, otherwise the prediction if its classes are
+// known, otherwise only the instances.
 void AddSegments(const fs::path& folder,
                  const std::string& id,
                  const fs::path& class_table,

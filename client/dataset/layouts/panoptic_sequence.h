@@ -4,7 +4,8 @@
 
 namespace steadymap {
 
-/// The flat of panoptic mapping: its world has z up. Segments serve as instances, 0 being none.
+/// Returns the format of the Panoptic Mapping flat data set. Its world frame has z up. Segments are
+/// used as instances; segment 0 is no instance.
 DatasetFormat PanopticFormat();
 
 }  // namespace steadymap

@@ -15,20 +15,21 @@
 
 namespace steadymap {
 
-/// From one frame to the next of a Kinect, for recordings that carry no times.
+/// Frame period of a Kinect, for recordings without times.
 inline constexpr std::int64_t kKinectPeriodNs = 33'333'333;
 
-/// Latest time of a recording that says it in seconds: what a double holds to a microsecond.
+/// Latest time of a recording with times in seconds: a double has microsecond resolution up to
+/// here.
 inline constexpr double kMaxRecordedSeconds = 9e9;
 
-/// One frame of a recording: where its images lie, and where the camera was.
+/// One frame of a recording: its image files and its camera pose.
 struct RecordedFrame {
   Timestamp time;
-  /// In the recording's own world; or why it is not known although the recording tells it.
+  /// Pose in the recording's own world frame, or the error if the recorded pose cannot be read.
   absl::StatusOr<Eigen::Isometry3d> T_dataset_camera = Eigen::Isometry3d::Identity();
-  std::filesystem::path depth;   ///< What `PackDepthFile` reads.
+  std::filesystem::path depth;   ///< A file for `PackDepthFile`.
   std::filesystem::path labels;  ///< A PNG file; empty: none.
-  /// What `SegmentClasses` reads, if the pixels of `labels` are segments; empty: they are classes.
+  /// A file for `SegmentClasses`, if the pixels of `labels` are segments; empty: they are classes.
   std::filesystem::path segment_classes;
   std::filesystem::path instances;  ///< A PNG file; empty: none.
   std::filesystem::path color;      ///< A PNG or JPEG file; empty: none.
@@ -37,21 +38,21 @@ struct RecordedFrame {
 /// The index of one sequence.
 struct RecordedSequence {
   PinholeCamera camera;
-  double metres_per_unit = 0.001;  ///< Of depth images.
-  /// To a world with z up, unless the options say otherwise.
+  double metres_per_unit = 0.001;  ///< Unit of depth images.
+  /// Transforms the recording's world frame to one with z up. The options can replace it.
   Eigen::Isometry3d T_world_dataset = Eigen::Isometry3d::Identity();
-  std::vector<RecordedFrame> frames;  ///< In the order of recording.
-  std::size_t skipped_count = 0;      ///< Frames left out because they have no finite pose.
+  std::vector<RecordedFrame> frames;  ///< In recording order.
+  std::size_t skipped_count = 0;  ///< Number of frames omitted because they have no finite pose.
 };
 
-/// How one format is recognised and indexed.
+/// The detection and indexing of one format.
 struct DatasetFormat {
   std::string_view name;
-  std::string_view expected;  ///< What makes a folder a sequence, for messages.
+  std::string_view expected;  ///< Files that a sequence must contain, for messages.
   bool (*is_sequence)(const std::filesystem::path& folder);
-  /// Indexes a folder for which `is_sequence` holds.
+  /// Indexes a folder for which `is_sequence` returns true.
   absl::StatusOr<RecordedSequence> (*index)(const std::filesystem::path& folder);
-  bool has_depth_unit = true;  ///< Depth images hold whole units; else metres.
+  bool has_depth_unit = true;  ///< True: depth images contain integer units. False: metres.
 };
 
 }  // namespace steadymap

@@ -31,14 +31,14 @@ std::vector<std::string> SplitCells(const std::string& line) {
   return cells;
 }
 
-// A cell as a number; NaN, which is no id, for anything else.
+// Returns a cell as a number; NaN, which is not an id, for any other content.
 double NumberIn(const std::vector<std::string>& cells, std::size_t column) {
   double number = 0.0;
   const bool is_number = column < cells.size() && absl::SimpleAtod(cells[column], &number);
   return is_number ? number : std::numeric_limits<double>::quiet_NaN();
 }
 
-// A number of an object; NaN if it has no such field, or another type.
+// Returns a number field of an object; NaN if the field is missing or has another type.
 double NumberIn(const google::protobuf::Value& object, const char* name) {
   const auto& fields = object.struct_value().fields();
   const auto field = fields.find(name);
@@ -84,14 +84,14 @@ absl::StatusOr<SegmentClasses> SegmentClasses::LoadJson(const std::filesystem::p
   if (!text.ok()) return text.status();
   google::protobuf::ListValue list;
   const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &list);
-  if (!parsed.ok()) return MalformedFile(file, "a JSON list of segments", "something else");
+  if (!parsed.ok()) return MalformedFile(file, "a JSON list of segments", "other content");
   SegmentClasses classes;
   for (int i = 0; i < list.values_size(); ++i) {
     const google::protobuf::Value& segment = list.values(i);
     if (!classes.Add(NumberIn(segment, "id"), NumberIn(segment, "category_id"))) {
       return MalformedFile(file,
                            "segments with an id and its only category_id, both in [0, 65535]",
-                           absl::StrCat("none as entry ", i + 1));
+                           absl::StrCat("other content in entry ", i + 1));
     }
   }
   return classes;

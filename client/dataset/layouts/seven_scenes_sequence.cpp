@@ -18,10 +18,11 @@ namespace fs = std::filesystem;
 
 constexpr PinholeCamera kSevenScenesCamera = {640, 480, 585.0, 585.0, 320.0, 240.0};
 
-// The recordings carry no times: Kinect frames, counted from an arbitrary fixed day.
+// The recordings contain no times. Times are derived from frame numbers at the Kinect's frame rate,
+// from an arbitrary fixed day.
 constexpr std::int64_t kFirstSevenScenesNs = 1'356'998'400'000'000'000;
 
-// `frame-000012.` of `frame-000012.depth.png`.
+// Returns `frame-000012.` for `frame-000012.depth.png`.
 std::string StemOf(const fs::path& depth) {
   const std::string name = depth.filename().string();
   return name.substr(0, name.find('.') + 1);
@@ -39,7 +40,7 @@ bool IsSevenScenesSequence(const fs::path& folder) {
   return !ListFiles(folder, {".depth.png"}).empty();
 }
 
-// Its camera's world has y down; the map's has z up.
+// The world frame of the recordings has y down; the map's world frame has z up.
 Eigen::Isometry3d WorldFromDataset() {
   Eigen::Isometry3d T_world_dataset = Eigen::Isometry3d::Identity();
   T_world_dataset.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;

@@ -4,7 +4,7 @@
 
 namespace steadymap {
 
-/// 7-Scenes: a colour image, a depth image and a pose a frame.
+/// Returns the 7-Scenes format: a colour image, a depth image and a pose for each frame.
 DatasetFormat SevenScenesFormat();
 
 }  // namespace steadymap

@@ -14,7 +14,7 @@
 namespace steadymap {
 namespace {
 
-// Enough digits that a double reads back as it was.
+// Formats a double with enough digits to preserve every bit.
 std::string Exact(double value) {
   std::array<char, 40> text{};
   std::snprintf(text.data(), text.size(), "%.17g", value);
@@ -28,7 +28,7 @@ std::string FormatPose(const Eigen::Isometry3d& pose) {
          absl::StrCat(Exact(q.y()), " ", Exact(q.z()), " ", Exact(q.w()));
 }
 
-// Reads `w=640 h=360 fx=.. fy=.. cx=.. cy=..`, in any order, each once.
+// Parses `w=640 h=360 fx=.. fy=.. cx=.. cy=..`, in any order, each key once.
 std::optional<PinholeCamera> ParseCamera(const std::string& text) {
   constexpr std::array<const char*, 6> kKeys = {"w", "h", "fx", "fy", "cx", "cy"};
   std::array<std::optional<double>, 6> values;
@@ -47,7 +47,7 @@ std::optional<PinholeCamera> ParseCamera(const std::string& text) {
   for (const std::optional<double>& value : values) {
     if (!value) return std::nullopt;
   }
-  // Comparisons written so that NaN fails; the cast needs the range.
+  // NaN fails both comparisons. The casts below require the range.
   if (!(*values[0] >= 1 && *values[0] <= kMaxImageSidePx)) return std::nullopt;
   if (!(*values[1] >= 1 && *values[1] <= kMaxImageSidePx)) return std::nullopt;
   const PinholeCamera camera = {static_cast<int>(*values[0]),

@@ -41,7 +41,8 @@ PoseLine ParsePoseLine(const fs::path& file, const TextLine& line) {
   return pose;
 }
 
-// The images of one kind, one for each depth image; empty if the recording has no such folder.
+// Returns the images of one kind, one for each depth image; empty if the recording has no such
+// folder.
 absl::StatusOr<std::vector<fs::path>> ListImages(const fs::path& folder,
                                                  std::string_view kind,
                                                  std::size_t expected_count) {
@@ -52,7 +53,7 @@ absl::StatusOr<std::vector<fs::path>> ListImages(const fs::path& folder,
   return absl::InvalidArgumentError(absl::StrCat(images.string(),
                                                  ": expected ",
                                                  expected_count,
-                                                 " images, one for each of Depth, found ",
+                                                 " images, one for each image in Depth, found ",
                                                  files.size()));
 }
 

@@ -4,7 +4,8 @@
 
 namespace steadymap {
 
-/// TorWIC-Mapping: a folder a sequence, with the images of one camera and its poses.
+/// Returns the TorWIC-Mapping format: one folder for each sequence, with the images of one camera
+/// and its poses.
 DatasetFormat TorwicFormat();
 
 }  // namespace steadymap

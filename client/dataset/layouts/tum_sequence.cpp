@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The calibration that the recordings are published with for all their cameras.
+// The published calibration for all cameras of the recordings.
 constexpr PinholeCamera kTumCamera = {640, 480, 525.0, 525.0, 319.5, 239.5};
 constexpr double kMetresPerUnit = 1.0 / 5000.0;
 constexpr std::int64_t kMaxTimeGapNs = 20'000'000;
@@ -30,7 +30,7 @@ std::optional<Timestamp> TimeOf(double seconds) {
   return Timestamp::FromNanoseconds(std::llround(seconds * 1e6) * 1000);
 }
 
-// Something that was recorded at some time.
+// A value and its recording time.
 template <typename Value>
 struct Timed {
   Timestamp time;
@@ -44,7 +44,7 @@ void SortByTime(std::vector<Timed<Value>>* entries) {
   });
 }
 
-// The entry nearest in time, if it is near enough; null otherwise.
+// Returns the entry nearest in time, if the gap is at most `kMaxTimeGapNs`; otherwise null.
 template <typename Value>
 const Value* Nearest(const std::vector<Timed<Value>>& entries, Timestamp time) {
   const auto after = std::lower_bound(
@@ -63,7 +63,7 @@ const Value* Nearest(const std::vector<Timed<Value>>& entries, Timestamp time) {
   return nearest;
 }
 
-// Reads `rgb.txt` or `depth.txt`: lines `time file`, the file relative to the folder.
+// Reads `rgb.txt` or `depth.txt`: lines `time file`, with the file relative to the folder.
 absl::StatusOr<std::vector<Timed<fs::path>>> ReadImageList(const fs::path& list) {
   const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(list);
   if (!lines.ok()) return lines.status();
@@ -83,7 +83,7 @@ absl::StatusOr<std::vector<Timed<fs::path>>> ReadImageList(const fs::path& list)
 
 using TimedPoses = std::vector<Timed<absl::StatusOr<Eigen::Isometry3d>>>;
 
-// Reads `groundtruth.txt`; poses that are not finite are left out.
+// Reads `groundtruth.txt`. Poses that are not finite are omitted.
 absl::StatusOr<TimedPoses> ReadTimedPoses(const fs::path& file) {
   const absl::StatusOr<std::vector<TextLine>> lines = ReadTextLines(file);
   if (!lines.ok()) return lines.status();

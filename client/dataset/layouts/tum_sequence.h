@@ -4,7 +4,7 @@
 
 namespace steadymap {
 
-/// TUM RGB-D: lists of images and poses, which are matched by their times.
+/// Returns the TUM RGB-D format: lists of images and poses, which are matched by their times.
 DatasetFormat TumFormat();
 
 }  // namespace steadymap

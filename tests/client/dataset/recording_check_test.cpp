@@ -37,7 +37,7 @@ TEST(CheckDepth, RefusesAWrongUnitAndSaysHowToNameTheRightOne) {
   for (const double median_m : {0.0004, 0.0499, 100.1, 2000.0}) {
     const absl::Status status = CheckDepth(SampleOf(median_m), true);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << median_m;
-    EXPECT_THAT(TextOf(status), HasSubstr("read at 0.001 m a unit"));
+    EXPECT_THAT(TextOf(status), HasSubstr("read at 0.001 m per unit"));
     EXPECT_THAT(TextOf(status), HasSubstr("--depth-scale"));
   }
 }
@@ -51,7 +51,7 @@ TEST(CheckDepth, NamesNoOptionWhereTheFormatHasNone) {
 TEST(CheckDepth, RefusesDepthThatIsNowhereValid) {
   RecordingSample sample = SampleOf(1.0);
   sample.median_depth_m.reset();
-  EXPECT_THAT(TextOf(CheckDepth(sample, true)), HasSubstr("no pixel of the 3 frames"));
+  EXPECT_THAT(TextOf(CheckDepth(sample, true)), HasSubstr("no pixel of the 3 sampled frames"));
   EXPECT_FALSE(CheckDepth(sample, false).ok());
 }
 

@@ -157,7 +157,7 @@ TEST_F(UploadCommandTest, DepthOfAWrongUnitIsRefusedBeforeAnythingIsUploaded) {
   };
   ExpectFailure(upload({"--depth-scale", "0.000001"}), 1, "--depth-scale");
   ExpectFailure(upload({"--depth-scale", "0.1"}), 1, "at 0.1 m a unit");
-  ExpectFailure(upload({"--depth-scale", "1000"}), 1, "metres a unit in [1e-6, 0.1]");
+  ExpectFailure(upload({"--depth-scale", "1000"}), 1, "metres per unit in [1e-6, 0.1]");
   ExpectFailure(upload({"--intrinsics", "525,525,320"}), 1, "fx,fy,cx,cy");
   ExpectFailure(upload({"--intrinsics", "525,525,9999,240"}), 1, "640 x 360");
   EXPECT_TRUE(maps_.maps.empty());
