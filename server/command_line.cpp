@@ -13,7 +13,7 @@ namespace {
 constexpr char kMapHelp[] = "The map: TENANT/MAP, or tenants/TENANT/maps/MAP";
 
 void AddTools(CLI::App* app, CommandLine* result) {
-  // So that --data-dir and --config may stand behind the tool's name.
+  // Allows --data-dir and --config after the name of the tool.
   app->fallthrough();
   app->require_subcommand(0, 1);
   CLI::App* const check = app->add_subcommand(

@@ -11,40 +11,40 @@
 namespace steadymap {
 
 /// Exit codes of steadymapd, besides 0.
-inline constexpr int kExitFailure = 1;     ///< It could not serve; a check has found damage.
-inline constexpr int kExitCannotRun = 2;   ///< A tool could not do its work at all.
-inline constexpr int kExitBadConfig = 78;  ///< Arguments or configuration: sysexits' EX_CONFIG.
+inline constexpr int kExitFailure = 1;     ///< The daemon could not serve, or a check found damage.
+inline constexpr int kExitCannotRun = 2;   ///< A store tool could not do its work.
+inline constexpr int kExitBadConfig = 78;  ///< Wrong arguments or configuration (EX_CONFIG).
 
-/// What steadymapd is to do.
+/// The command that steadymapd runs.
 enum class Command {
   kServe,
-  kCheck,    ///< Look for damage in a store that nobody serves.
-  kSalvage,  ///< Repair one map of it.
+  kCheck,    ///< Search for damage in a store that no server uses.
+  kSalvage,  ///< Repair one map of a store that no server uses.
 };
 
-/// What steadymapd was asked for on its command line.
+/// The parsed command line of steadymapd.
 struct CommandLine {
-  std::string config_file;              ///< Empty: none, all defaults.
-  std::optional<std::string> listen;    ///< Overrides the file's.
-  std::optional<std::string> data_dir;  ///< Overrides the file's.
-  std::string port_file;                ///< Where to write the port; empty: nowhere.
+  std::string config_file;              ///< Empty: no file, all defaults.
+  std::optional<std::string> listen;    ///< Overrides `listen` of the file.
+  std::optional<std::string> data_dir;  ///< Overrides `data_dir` of the file.
+  std::string port_file;                ///< File for the port number; empty: none is written.
   bool print_config = false;
 
   Command command = Command::kServe;
-  std::string map;                          ///< Of the tools: `TENANT/MAP` or a full name.
-  std::optional<std::uint64_t> skip_entry;  ///< Of `salvage`.
-  std::string output;                       ///< Of `salvage`: a folder; empty: in place.
+  std::string map;  ///< For `check` and `salvage`: `TENANT/MAP` or a full name.
+  std::optional<std::uint64_t> skip_entry;  ///< For `salvage`: sequence of an entry.
+  std::string output;  ///< For `salvage`: output folder; empty: repair in place.
 
-  /// Set when there is nothing to run: after `--help`, `--version` or a mistake, which has been
-  /// told already. The value is the exit code.
+  /// Set if no command is to be run: after `--help`, `--version` or an error that has already been
+  /// printed. The value is the exit code.
   std::optional<int> exit_code;
 };
 
-/// Reads the arguments; help and version go to stdout, mistakes to stderr in one line.
+/// Parses the arguments. Prints help and version to stdout, an error as one line to stderr.
 CommandLine ParseCommandLine(int argument_count, const char* const* arguments);
 
-/// The configuration that is asked for: file, then flags, not yet validated.
-/// Errors: as `LoadConfigFile`.
+/// Returns the requested configuration: the file, overridden by flags. Does not validate it.
+/// Errors: those of `LoadConfigFile`.
 absl::StatusOr<ServerConfig> ReadConfig(const CommandLine& command_line);
 
 }  // namespace steadymap

@@ -1,4 +1,4 @@
-// steadymapd: reads its configuration, opens the store, serves until it is told to stop.
+// steadymapd: reads its configuration, opens the store and serves until a signal ends it.
 
 #include <algorithm>
 #include <cerrno>
@@ -40,10 +40,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How often the daemon looks after itself, at most.
+/// Longest interval between two watchdog notifications.
 constexpr std::chrono::milliseconds kLongestWait{1000};
 
-/// Lines of protobuf's in a minute.
+/// Log lines from protobuf per minute.
 constexpr int kProtobufLines = 10;
 
 int Refuse(const absl::Status& status) {
@@ -51,13 +51,14 @@ int Refuse(const absl::Status& status) {
   return kExitBadConfig;
 }
 
-// What gRPC says goes where everything goes, for those who debug: any client can make it talk, and
-// what matters to an operator comes back to us as a status.
+// gRPC messages are written at level debug, because any client can trigger them and because the
+// errors that matter to an operator are also returned as a status.
 void LogForGrpc(gpr_log_func_args* record) {
   spdlog::debug("gRPC: {} ({}:{})", record->message, record->file, record->line);
 }
 
-// What protobuf says of messages that clients send, a few lines of it: any client can make it talk.
+// protobuf logs messages about malformed client data. Their rate is limited, because any client can
+// trigger them.
 void LogForProtobuf(google::protobuf::LogLevel /*level*/,
                     const char* file,
                     int line,
@@ -67,8 +68,8 @@ void LogForProtobuf(google::protobuf::LogLevel /*level*/,
   spdlog::warn("protobuf: {} ({}:{})", message, file, line);
 }
 
-// Every connection and every open file of a map takes a descriptor; the usual soft limit of 1024 is
-// for programs that use select(2).
+// Each connection and each open file of a map uses a descriptor. The usual soft limit of 1024
+// exists for programs that use select(2).
 void RaiseDescriptorLimit() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -81,8 +82,8 @@ void RaiseDescriptorLimit() {
   spdlog::info("up to {} files and connections may be open", limit.rlim_cur);
 }
 
-// Blocked in every thread, since this is called before there are others; `WaitForSignal` takes
-// them.
+// Must run before any other thread starts, so that the signals are blocked in every thread.
+// `WaitForSignal` receives them.
 sigset_t BlockSignals() {
   sigset_t signals;
   ::sigemptyset(&signals);
@@ -91,14 +92,14 @@ sigset_t BlockSignals() {
   return signals;
 }
 
-// The next of the signals, or 0 when there was none in time.
+// Returns the next signal, or 0 after the timeout.
 int WaitForSignal(const sigset_t& signals, std::chrono::milliseconds timeout) {
   const timespec wait{timeout.count() / 1000, timeout.count() % 1000 * 1'000'000};
   const int signal = ::sigtimedwait(&signals, nullptr, &wait);
   return signal > 0 ? signal : 0;
 }
 
-// Whoever waits for the file never sees half of it.
+// Writes a new file and renames it, so that no reader sees a partial file.
 absl::Status WritePortFile(const std::filesystem::path& file, int port) {
   const std::filesystem::path fresh = file.string() + ".new";
   {
@@ -112,7 +113,7 @@ absl::Status WritePortFile(const std::filesystem::path& file, int port) {
   return absl::NotFoundError("cannot write port file " + file.string() + ": " + error.message());
 }
 
-// SIGHUP: takes over what may change, or keeps everything if the file is wrong.
+// Handles SIGHUP: applies the reloadable settings, or keeps all settings if the file is invalid.
 void Reload(const CommandLine& command_line, ServerConfig* config, Server* server) {
   absl::StatusOr<ServerConfig> fresh = ReadConfig(command_line);
   absl::Status status = fresh.ok() ? ValidateServerConfig(*fresh) : fresh.status();
@@ -133,7 +134,7 @@ void Reload(const CommandLine& command_line, ServerConfig* config, Server* serve
   if (applied.empty() && waiting.empty()) spdlog::info("configuration reloaded: nothing changed");
 }
 
-// Serves until a signal ends it.
+// Serves until SIGTERM or SIGINT arrives.
 void Serve(const sigset_t& signals,
            const CommandLine& command_line,
            ServerConfig* config,
@@ -156,7 +157,7 @@ void Serve(const sigset_t& signals,
       service_manager->Ready();
     }
     IntegrationNote::AgeAll();
-    // A thread that hangs stops the progress, and then systemd restarts the daemon.
+    // A hanging thread stops the progress; systemd then restarts the daemon.
     if (Clock::now() - server->last_progress() < watchdog) service_manager->FeedWatchdog();
   }
 }
@@ -187,24 +188,24 @@ int Run(const CommandLine& command_line, ServerConfig config) {
       return EXIT_FAILURE;
     }
   }
-  // Programs look for this line: see the README.
+  // Programs parse this line: see the README.
   spdlog::info("listening on {}", WithPort(config.listen, server->port()));
   ServiceManagerNotifier service_manager;
   service_manager.Ready();
   Serve(signals, command_line, &config, server.get(), &service_manager);
 
-  // The order of shutdown:
-  // 1. The service manager learns of it, and the time starts to run.
+  // Order of shutdown:
+  // 1. Notify the service manager and start the exit deadline.
   service_manager.Stopping();
   const Clock::time_point end = Clock::now() + config.drain_timeout;
   const ExitDeadline deadline(config.drain_timeout);
-  // 2. Health says NOT_SERVING, no new uploads; what was taken is integrated and acknowledged.
+  // 2. Report NOT_SERVING, refuse new uploads, integrate and acknowledge the accepted frames.
   server->Drain();
-  // 3. Streams and calls end, what is integrated is committed, threads are joined. Some of the time
-  //    is left for that: calls are cancelled before it is over.
+  // 3. End streams and calls, commit the integrated frames, join the threads. Calls are cancelled
+  //    before the exit deadline, so that time is left for the commit and the joins.
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
   server->Shutdown(std::max(left * 4 / 5, std::chrono::milliseconds(0)));
-  // 4. On return the store is closed and the folder let go.
+  // 4. The destructors close the store and release the lock of its folder.
   return EXIT_SUCCESS;
 }
 

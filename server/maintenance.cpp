@@ -11,7 +11,7 @@
 namespace steadymap {
 namespace {
 
-// Between trims of a low disk.
+// Interval of trims while the disk is low.
 constexpr std::chrono::seconds kLowDiskInterval{5};
 
 }  // namespace
@@ -57,7 +57,7 @@ void Maintenance::TrimAll(bool disk_is_low) {
     bounds.disk_is_low = disk_is_low;
     map->sessions().ForgetIdle(bounds.forget_sessions_before, bounds.sessions_in_use);
     const absl::Status status = dependencies_.store->Trim(map->record(), bounds);
-    // A map that was deleted meanwhile is nothing to worry about, and a low disk is known.
+    // NotFound: the map was deleted meanwhile. A low disk is logged elsewhere.
     if (!status.ok() && !absl::IsNotFound(status) && !disk_is_low) {
       spdlog::warn("map {}: its log could not be trimmed: {}",
                    map->name().ToString(),

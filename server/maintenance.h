@@ -15,12 +15,12 @@
 
 namespace steadymap {
 
-/// Does now and then what no call does: one thread goes through all maps, drops from their logs
-/// what is integrated and no longer wanted, at once where the disk is low, forgets upload sessions
-/// that have been idle for too long, and ends watches, exports and sections that have stalled.
+/// Periodic work on all maps, done by one thread: removes integrated frames that exceed the
+/// retention from the logs (immediately if the disk is low), deletes idle upload sessions, and ends
+/// watches, exports and section streams that have stalled.
 class Maintenance {
  public:
-  /// What the maintenance looks after; all of it outlives it.
+  /// The parts of the server that the maintenance uses. All of them must outlive it.
   struct Dependencies {
     const MapDirectory* maps = nullptr;
     const UploadRegistry* uploads = nullptr;
@@ -32,7 +32,7 @@ class Maintenance {
   /// Starts the thread.
   Maintenance(const Dependencies& dependencies, const RetentionOptions& options);
 
-  /// Ends the thread.
+  /// Stops and joins the thread.
   ~Maintenance();
 
   Maintenance(const Maintenance&) = delete;
@@ -50,7 +50,7 @@ class Maintenance {
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   Heartbeat heartbeat_;
-  std::thread thread_;  ///< Last: it uses everything above.
+  std::thread thread_;  ///< Declared last because it uses all members above.
 };
 
 }  // namespace steadymap

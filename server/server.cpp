@@ -41,33 +41,34 @@
 namespace steadymap {
 namespace {
 
-// A stream keeps at most one batch here, a call likewise.
+// Each upload stream has at most one batch here, each call at most one task.
 constexpr std::size_t kMaxWaitingBatches = 4096;
 constexpr std::size_t kMaxWaitingCalls = 256;
 
-// What gRPC may hold for messages on their way in and out, beside the queues' bytes.
+// Memory that gRPC may use for incoming and outgoing messages, in addition to the queue bytes.
 constexpr std::size_t kTransportBytes = std::size_t{256} << 20;
 
-// gRPC's own limit lies above ours, so that a client hears our reason for a message that is too
-// large, up to this factor.
+// gRPC's message limit, as a multiple of `max_message_bytes`. It is higher so that a client with a
+// message between the limits receives the server's own error reason.
 constexpr std::size_t kHardMessageLimitFactor = 2;
 
-// Who takes nothing for this long of what a server that stops still has to say is cut off.
+// During shutdown, calls of clients that read nothing for this long are cancelled.
 constexpr absl::Duration kGoodbyeTime = absl::Seconds(2);
 
-// A stalled watcher may read again and learn why it was ended; until then it keeps a message here.
+// Time for the client of a stalled watch to read again and receive the reason for its end. The
+// watch keeps one message in memory until then.
 constexpr absl::Duration kStallGrace = absl::Minutes(1);
 
-// For connections without calls. gRPC would wait until each client has answered a last ping, 20 s
-// at most; one that is frozen never does, and a Python client without calls looks every 5 s.
+// Applies to connections without calls. gRPC would wait up to 20 s for each client to answer a last
+// ping. A frozen client never answers, and a Python client without calls polls every 5 s.
 constexpr absl::Duration kDisconnectTime = absl::Milliseconds(200);
 
-// The client's pings are 30 s apart; ours find out about clients that have vanished.
+// Clients ping every 30 s. The server's pings detect vanished clients.
 constexpr int kMinClientPingIntervalMs = 10'000;
 constexpr int kServerPingIntervalMs = 60'000;
 constexpr int kServerPingTimeoutMs = 20'000;
 
-// A connection that says nothing of HTTP/2 for so long is closed.
+// A connection without a complete HTTP/2 handshake is closed after this time.
 constexpr int kHandshakeTimeoutMs = 20'000;
 
 constexpr char kIngestServiceName[] = "steadymap.v1.IngestService";
@@ -75,11 +76,11 @@ constexpr char kMapServiceName[] = "steadymap.v1.MapService";
 constexpr char kQueryServiceName[] = "steadymap.v1.QueryService";
 constexpr char kWatchServiceName[] = "steadymap.v1.WatchService";
 
-// Threads that compute: one a core, and one more than one so that a long piece of work never stands
-// alone in the way.
+// Threads for computation: one per core, and at least two, so that one long task does not block all
+// others.
 std::size_t ComputingThreads() { return std::max(2U, std::thread::hardware_concurrency()); }
 
-// Threads that wait for the disk: what they write is synced by many at once.
+// Threads that wait for the disk. One sync covers the writes of many maps.
 constexpr std::size_t kLogThreads = 4;
 constexpr std::size_t kAdminThreads = 4;
 
@@ -89,8 +90,8 @@ absl::Status CannotListen(const std::string& listen, absl::string_view reason) {
 
 }  // namespace
 
-/// Everything that runs; declared in the order in which it is built, so that what is used outlives
-/// its users.
+/// All parts of a running server. Members are declared in the order of construction, so that each
+/// part outlives its users.
 class Server::Parts {
  public:
   Parts(const ServerConfig& config, std::unique_ptr<Store> store);
@@ -204,7 +205,7 @@ absl::Status Server::Parts::Listen() {
   if (!acceptor.ok()) return CannotListen(config_.listen, acceptor.status().message());
   acceptor_ = *std::move(acceptor);
   grpc::EnableDefaultHealthCheckService(true);
-  // Both register themselves with every builder of the process from then on.
+  // Both calls register a plugin with all gRPC server builders that the process creates later.
   if (config_.reflection) grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   if (config_.channelz) grpc::channelz::experimental::InitChannelzService();
   grpc::ServerBuilder builder;
@@ -231,7 +232,8 @@ void Server::Parts::Configure(grpc::ServerBuilder* builder) {
   const std::size_t largest_request =
       std::max(config_.limits.max_message_bytes, kPointRequestLimits.max_bytes);
   builder->SetMaxReceiveMessageSize(static_cast<int>(kHardMessageLimitFactor * largest_request));
-  // gRPC 1.51 inflates a message before it looks at its limit: a bomb must not get that far.
+  // gRPC 1.51 decompresses a message before it checks the size limit, so compression is disabled as
+  // a protection against decompression bombs.
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder->SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   grpc::ResourceQuota quota("steadymapd");
@@ -251,7 +253,8 @@ void Server::Parts::Configure(grpc::ServerBuilder* builder) {
 void Server::Parts::UpdateHealth() {
   grpc::HealthCheckServiceInterface* health = health_service_;
   if (health == nullptr) return;
-  // What fails one map fails that map alone; its condition says so.
+  // A failure of one map does not change the health of the server. The condition of the map reports
+  // it.
   const bool serves = !draining_;
   health->SetServingStatus("", serves);
   for (const char* service :
@@ -262,7 +265,7 @@ void Server::Parts::UpdateHealth() {
 
 void Server::Parts::Drain() {
   if (draining_.exchange(true)) return;
-  // A server that could not listen has nothing to drain, and its error should stand alone.
+  // A server that failed to listen has no streams to drain; only its error is logged.
   if (grpc_server_ != nullptr) {
     spdlog::info("draining: {} upload streams are open", roster_.stream_count());
   }
@@ -270,9 +273,9 @@ void Server::Parts::Drain() {
   roster_.Drain();
 }
 
-// The order of the end: nobody comes in, what is under way is finished, watchers see it, calls end,
-// connections are closed, then the threads end from the first of the pipeline to the last, so that
-// none feeds one that is gone.
+// Order of shutdown: refuse new uploads, finish the accepted ones, deliver the commits to watchers,
+// end calls, close connections, then stop the threads in pipeline order, so that no thread submits
+// work to a stopped one.
 void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (shut_down_.exchange(true)) return;
   const absl::Time end = absl::Now() + absl::FromChrono(deadline);
@@ -281,7 +284,7 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   watch_hub_.Drain();
   if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
   if (!calls_.AwaitEnd(end, kGoodbyeTime)) spdlog::warn("some calls were cut off");
-  // What waits for room on the disk is in the log, and is integrated at the next start.
+  // Frames that wait for free disk space are in the log and are integrated at the next start.
   store_->StopWaitingForDisk();
   health_service_ = nullptr;
   if (acceptor_ != nullptr) acceptor_->Stop();
@@ -303,7 +306,7 @@ std::vector<const WorkerPool*> Server::Parts::pools() const {
 }
 
 Heartbeat::Clock::time_point Server::Parts::last_progress() const {
-  // Who waits for a disk without room waits rightly, and would wait again after a restart.
+  // Waiting for free disk space is no fault, and a restart by the watchdog would not end it.
   if (store_->IsWaitingForDisk()) return Heartbeat::Clock::now();
   Heartbeat::Clock::time_point oldest = housekeeper_->heartbeat().last();
   for (const WorkerPool* pool : pools()) {

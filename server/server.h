@@ -13,44 +13,45 @@
 
 namespace steadymap {
 
-/// The daemon without its main function: all maps of a store, served over gRPC. Thread-safe.
+/// The daemon without its `main` function: serves all maps of a store over gRPC. Thread-safe.
 class Server {
  public:
-  /// Starts to listen, to open the maps and to integrate; calls for a map wait until it is open.
-  /// `config` must have passed `ValidateServerConfig`.
-  /// Errors: `Unavailable` if the address cannot be listened on; what the store answers.
+  /// Starts to listen, to open the maps and to integrate. Calls for a map wait until the map is
+  /// open. `config` must have passed `ValidateServerConfig`.
+  /// Errors: `Unavailable` if the server cannot listen on the address; errors of the store.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
                                                        std::unique_ptr<Store> store);
 
-  /// Stops at once, as `Shutdown` with no time left does.
+  /// Shuts down like `Shutdown` with a deadline of 0.
   ~Server();
 
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// The TCP port; 0 for a unix socket.
+  /// Returns the TCP port; 0 for a unix socket.
   int port() const;
 
-  /// A channel to this server that needs no network. Not after `Shutdown`.
+  /// Returns a channel to this server that uses no network. Must not be called after `Shutdown`.
   std::shared_ptr<grpc::Channel> InProcessChannel(const grpc::ChannelArguments& arguments);
 
-  /// Begins to stop: the health service says NOT_SERVING, new uploads are refused with `DRAINING`,
-  /// and upload streams end with it when what they sent is integrated and acknowledged. Queries go
-  /// on. Returns at once.
+  /// Starts to drain: the health service reports NOT_SERVING and new uploads are refused with
+  /// `DRAINING`. Open upload streams end with `DRAINING` after all their frames are integrated and
+  /// acknowledged. Queries are still served. Returns immediately.
   void Drain();
 
-  /// Drains if nobody did, waits until all uploads have ended, lets watches and other calls end but
-  /// not those whose clients take nothing, closes all connections, and ends what is left at
-  /// `deadline`; then commits what is integrated, and ends all threads. Frames that are durable and
-  /// not integrated by then are at the next start. Only the first call does anything.
+  /// Shuts the server down in this order: drains unless `Drain` was called before; waits until all
+  /// uploads have ended; waits for watches and other calls, but cancels those whose clients have
+  /// stopped reading; closes all connections; at `deadline` ends all remaining calls; commits the
+  /// integrated frames; ends all threads. Durable frames that are not integrated by then are
+  /// integrated at the next start. Only the first call has an effect.
   void Shutdown(std::chrono::milliseconds deadline);
 
-  /// When every thread that has something to do had last shown that it goes on. Older than some
-  /// seconds: something hangs.
+  /// Returns the oldest time of the last progress of all busy threads. A value several seconds in
+  /// the past means that a thread hangs.
   std::chrono::steady_clock::time_point last_progress() const;
 
-  /// Limits that hold from now on; `max_message_bytes` and the queue bytes of maps that are there
-  /// already keep their values. Streams under way keep their window.
+  /// Sets new limits, effective immediately. `max_message_bytes` and the queue bytes of existing
+  /// maps keep their values. Open streams keep their flow-control window.
   void SetLimits(const LimitOptions& limits);
 
  private:

@@ -5,9 +5,9 @@
 
 namespace steadymap {
 
-/// Runs `steadymapd check` or `steadymapd salvage` over the store of `config`, and prints to stdout
-/// what it found or did. Returns the exit code: 0, or 1 if a check has found damage, or 2 if it
-/// could not be done, which stderr then explains.
+/// Runs `steadymapd check` or `steadymapd salvage` on the store of `config` and prints the findings
+/// or the actions to stdout. Returns the exit code: 0; 1 if a check found damage; 2 if the tool
+/// could not run, with the reason on stderr.
 int RunStoreTool(const CommandLine& command_line, const ServerConfig& config);
 
 }  // namespace steadymap

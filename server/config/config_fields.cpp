@@ -15,7 +15,7 @@ constexpr std::int64_t kYearS = 365 * kDayS;
 constexpr std::array<std::string_view, 4> kLogLevels = {"debug", "info", "warning", "error"};
 constexpr std::array<std::string_view, 2> kLogFormats = {"text", "json"};
 
-/// Shows fields of any integer, duration or enumeration type to a visitor that knows few types.
+/// Converts fields of any integer, duration or enumeration type to the few types of a visitor.
 class TypedVisitor {
  public:
   explicit TypedVisitor(FieldVisitor* visitor) : visitor_(visitor) {}

@@ -9,25 +9,26 @@
 
 namespace steadymap {
 
-/// A field as a person sees it.
+/// Name and documentation of a field.
 struct FieldName {
-  std::string_view name;           ///< The key in the file; carries the unit.
-  std::string_view documentation;  ///< One or two sentences, the same as beside the struct's field.
+  std::string_view name;           ///< The key in the file; includes the unit.
+  std::string_view documentation;  ///< Short form of the field's docstring.
 };
 
-/// Values that an integer field may take, both ends included.
+/// Valid values of an integer field, both ends included.
 struct IntegerRange {
   std::int64_t min = 0;
   std::int64_t max = 0;
 };
 
-/// Something that walks over all fields of a configuration: loading, validation, printing. It may
-/// change what it is given.
+/// A visitor of all fields of a configuration, for loading, validation and printing. May change the
+/// values.
 class FieldVisitor {
  public:
   virtual ~FieldVisitor() = default;
 
-  /// The fields that follow stand in the table `name`; before the first call, in the root.
+  /// Begins the table `name`, which contains the following fields. Fields before the first call are
+  /// in the root table.
   virtual void Section(std::string_view name, std::string_view documentation) = 0;
   virtual void Text(const FieldName& field, std::string* value) = 0;
   virtual void Flag(const FieldName& field, bool* value) = 0;
@@ -39,7 +40,7 @@ class FieldVisitor {
                       std::size_t* value) = 0;
 };
 
-/// The one list of all fields: calls `visitor` for each in the order of the file.
+/// Calls `visitor` for each field, in the order of the file. The only list of all fields.
 void VisitFields(ServerConfig* config, FieldVisitor* visitor);
 
 }  // namespace steadymap

@@ -30,7 +30,7 @@ std::string JoinChoices(std::span<const std::string_view> choices) {
   });
 }
 
-/// Takes the fields out of a parsed file and collects everything that is wrong with it.
+/// Reads the fields from a parsed file and collects all errors in it.
 class Loader final : public FieldVisitor {
  public:
   Loader(const toml::table& root, std::string source)
@@ -94,7 +94,7 @@ class Loader final : public FieldVisitor {
     }
   }
 
-  /// Ends the walk; all that was found wrong.
+  /// Ends the visit and returns all errors.
   std::vector<std::string> Finish() {
     FindUnknownKeys();
     for (const auto& [key, node] : root_) {
@@ -112,7 +112,7 @@ class Loader final : public FieldVisitor {
     return table_ == nullptr ? nullptr : table_->get(field.name);
   }
 
-  // Root keys wait for the end: only then all sections are known.
+  // Unknown keys of the root are found at the end, when all sections are known.
   void FindUnknownKeys() {
     if (section_.empty()) {
       root_keys_ = known_;
@@ -140,10 +140,10 @@ class Loader final : public FieldVisitor {
   }
 
   const toml::table& root_;
-  const toml::table* table_;  ///< Of the present section; null if the file lacks it.
+  const toml::table* table_;  ///< Current section; null if the file does not contain it.
   std::string source_;
   std::string section_;
-  std::set<std::string> known_;  ///< Keys of the present section.
+  std::set<std::string> known_;  ///< Keys of the current section.
   std::set<std::string> root_keys_;
   std::set<std::string> sections_;
   std::vector<std::string> problems_;
@@ -198,7 +198,7 @@ class Printer final : public FieldVisitor {
     text_ += '\n';
   }
 
-  // A basic string: everything that TOML does not allow as it is becomes an escape.
+  // Returns a TOML basic string; characters that TOML does not allow become escapes.
   static std::string Quote(std::string_view value) {
     std::string quoted = "\"";
     for (const char c : value) {

@@ -11,16 +11,18 @@
 
 namespace steadymap {
 
-/// Reads a configuration from TOML `text`; what it does not mention keeps its default. Ranges are
-/// not checked: see `ValidateServerConfig`.
+/// Parses a configuration from TOML `text`. Fields that the text omits keep their defaults. Does
+/// not check ranges: see `ValidateServerConfig`.
 /// Errors: `InvalidArgument` with a line `source:LINE:COLUMN: ...` for each syntax error, unknown
 /// key and value of the wrong type.
 absl::StatusOr<ServerConfig> ParseConfig(std::string_view text, const std::string& source);
 
-/// `ParseConfig` of a file. Errors also: `NotFound` or `PermissionDenied` if it cannot be read.
+/// Reads `file` and parses it with `ParseConfig`.
+/// Errors: those of `ParseConfig`; `NotFound` or `PermissionDenied` if the file cannot be read.
 absl::StatusOr<ServerConfig> LoadConfigFile(const std::filesystem::path& file);
 
-/// The configuration as TOML with a comment at every field; `ParseConfig` gives it back.
+/// Returns the configuration as TOML with a comment before each field. `ParseConfig` of the result
+/// returns an equal configuration.
 std::string PrintConfig(const ServerConfig& config);
 
 }  // namespace steadymap

@@ -31,7 +31,7 @@ std::optional<ListenAddress> ParseListenAddress(const std::string& listen) {
     host = host.substr(1, host.size() - 2);
     if (host.empty()) return std::nullopt;
   } else if (host.find(':') != std::string_view::npos) {
-    // More colons are an IPv6 address without brackets, whose port nobody can tell.
+    // Several colons mean an IPv6 address without brackets, in which the port is ambiguous.
     return std::nullopt;
   }
   return ListenAddress{std::string(host), number, {}};

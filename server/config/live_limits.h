@@ -7,7 +7,7 @@
 
 namespace steadymap {
 
-/// The limits that hold now; a reload of the configuration changes them. Thread-safe.
+/// The current limits; a reload of the configuration changes them. Thread-safe.
 class LiveLimits {
  public:
   explicit LiveLimits(const LimitOptions& limits) : limits_(limits) {}

@@ -14,7 +14,7 @@
 namespace steadymap {
 namespace {
 
-/// Collects the integers that are out of their range.
+/// Collects the integers that are out of range.
 class RangeChecker final : public FieldVisitor {
  public:
   explicit RangeChecker(std::vector<std::string>* violations) : violations_(violations) {}
@@ -52,7 +52,7 @@ class RangeChecker final : public FieldVisitor {
 class FieldLister final : public FieldVisitor {
  public:
   struct Field {
-    std::string name;  ///< With its section.
+    std::string name;  ///< Includes the section.
     std::string value;
   };
 
@@ -134,7 +134,8 @@ std::vector<std::string> FindViolations(const ServerConfig& config) {
            limits.queue_bytes_total,
            "queue_bytes_per_map",
            limits.queue_bytes_per_map);
-  // RocksDB writes its buffers out when they are full, and again when it compacts what it wrote.
+  // RocksDB needs the space for a buffer when it flushes a full buffer, and again when it compacts
+  // the flushed files.
   constexpr std::uint64_t kReserveFactor = 3;
   const StoreOptions& store = config.store;
   if (store.min_free_disk_bytes / kReserveFactor < store.write_buffer_bytes) {
@@ -162,7 +163,7 @@ void ApplyReloadable(const ServerConfig& fresh, ServerConfig* running) {
   running->drain_timeout = fresh.drain_timeout;
   const std::size_t max_message_bytes = running->limits.max_message_bytes;
   running->limits = fresh.limits;
-  // gRPC's own bound, which goes with it, is set when the server starts.
+  // gRPC has a corresponding limit, which is set only at the start of the server.
   running->limits.max_message_bytes = max_message_bytes;
 }
 
@@ -183,7 +184,7 @@ bool IsLoopback(const std::string& listen) {
   if (!address) return false;
   if (!address->unix_path.empty()) return true;
   if (address->host == "localhost" || address->host == "::1") return true;
-  // All of 127.0.0.0/8, but not a host name that only begins like it.
+  // Accepts 127.0.0.0/8, but not a host name that begins with "127.".
   return address->host.starts_with("127.") &&
          address->host.find_first_not_of("0123456789.") == std::string::npos;
 }

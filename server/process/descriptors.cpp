@@ -10,7 +10,7 @@
 namespace steadymap {
 namespace {
 
-// Where the system does not tell.
+// Assumed if getrlimit fails.
 constexpr std::size_t kUsualLimit = 1024;
 
 }  // namespace
@@ -23,7 +23,7 @@ std::size_t DescriptorLimit() {
 std::size_t CountFreeDescriptors() {
   std::error_code error;
   const std::filesystem::directory_iterator open("/proc/self/fd", error);
-  // Not even one for the folder.
+  // Opening the folder failed, so no descriptor is free.
   if (error) return 0;
   const auto count = static_cast<std::size_t>(
       std::distance(std::filesystem::begin(open), std::filesystem::end(open)));

@@ -2,20 +2,21 @@
 
 #include <cstddef>
 
-/// File descriptors of this process: every connection and every open file of a map takes one.
+/// File descriptors of this process. Each connection and each open file of a map uses one.
 namespace steadymap {
 
-/// The most that may be open now.
+/// Returns the maximum number of open descriptors.
 std::size_t DescriptorLimit();
 
-/// How many more may be opened now. Cost: a look at each that is open.
+/// Returns the number of descriptors that can still be opened. Cost: reads one directory entry per
+/// open descriptor.
 std::size_t CountFreeDescriptors();
 
-/// Those that connections may not take where the process may have `limit`: a quarter, from 64 to
-/// 4096.
+/// Returns the number of descriptors reserved for the store, which connections must not use: a
+/// quarter of `limit`, clamped to [64, 4096].
 std::size_t ReservedDescriptors(std::size_t limit);
 
-/// What a map in use may take, for its database and its log. A new one begins with 7.
+/// Maximum number of descriptors of one open map, for its database and its log. A new map uses 7.
 inline constexpr std::size_t kDescriptorsOfAMap = 72;
 
 }  // namespace steadymap

@@ -7,13 +7,14 @@
 
 namespace steadymap {
 
-/// Ends the process with exit code 1 and a line in the log if it is still there when the time is
-/// up. Nothing durable is lost by that: what was acknowledged is on disk, the rest is sent again.
+/// A deadline for the shutdown. If the object still exists after the timeout, logs a line and ends
+/// the process with exit code 1. Loses no durable data: acknowledged frames are on disk, and
+/// clients send the others again.
 class ExitDeadline {
  public:
   explicit ExitDeadline(std::chrono::milliseconds timeout);
 
-  /// Calls the deadline off.
+  /// Cancels the deadline.
   ~ExitDeadline();
   ExitDeadline(const ExitDeadline&) = delete;
   ExitDeadline& operator=(const ExitDeadline&) = delete;

@@ -69,7 +69,7 @@ void FrameBudget::Reserve(const std::shared_ptr<Account>& account, std::size_t b
 
 void FrameBudget::Close(const std::shared_ptr<Account>& account) {
   State& state = *account->state_;
-  // Grants may own what calls back into the budget when it is destroyed: not under the lock.
+  // Destroyed after the lock is released: the destructor of a grant may call the budget.
   std::list<Waiter> dropped;
   {
     const absl::MutexLock lock(&state.mutex);
@@ -134,7 +134,8 @@ void FrameBudget::State::Take(Account& account, std::size_t bytes) {
 
 std::list<FrameBudget::Waiter> FrameBudget::State::TakeForWaiters() {
   std::list<Waiter> granted;
-  // A map that is full holds up its own robots alone, in their order; others go past them.
+  // A full map delays only its own requests, in order of arrival. Requests of other maps overtake
+  // them.
   std::set<const Account*> held_up;
   for (auto waiter = waiters.begin(); waiter != waiters.end();) {
     const auto next = std::next(waiter);

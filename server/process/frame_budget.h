@@ -11,12 +11,13 @@
 
 namespace steadymap {
 
-/// The bound on the memory of frames under way, from before they are decoded until they are
-/// integrated: so many bytes a map, and so many for all maps together. Who asks for more waits its
-/// turn; those of one map in the order they asked, so robots share a busy map fairly.
+/// A memory budget for in-flight frames, from before decoding until integration: a number of bytes
+/// per map, and a number of bytes for all maps together. A request beyond the budget waits. The
+/// requests of one map are granted in order of arrival, so robots share a busy map fairly.
 ///
-/// One frame larger than a limit is let in alone, so that it cannot wait for ever.
-/// Thread-safe. Outlived by its accounts and reservations.
+/// A frame larger than a limit is admitted when no other bytes are reserved under that limit, so
+/// that it does not wait forever.
+/// Thread-safe. Accounts and reservations may outlive the budget.
 class FrameBudget {
   struct State;
 
@@ -24,7 +25,7 @@ class FrameBudget {
   /// The share of one map.
   class Account;
 
-  /// Bytes that are taken; gives them back when it is destroyed.
+  /// Reserved bytes; the destructor releases them.
   class Reservation {
    public:
     Reservation() = default;
@@ -43,31 +44,31 @@ class FrameBudget {
     std::size_t bytes_ = 0;
   };
 
-  /// Takes the reservation that was waited for. It may be called from any thread that gives bytes
-  /// back, so it hands its work on.
+  /// Receives a reservation after a wait. May be called from any thread that releases bytes, so it
+  /// must hand longer work to another thread.
   using Grant = std::function<void(Reservation)>;
 
   explicit FrameBudget(std::size_t total_bytes);
 
-  /// A map's share of at most `max_bytes`.
+  /// Opens the account of a map, with a share of at most `max_bytes`.
   std::shared_ptr<Account> OpenAccount(std::size_t max_bytes);
 
-  /// Takes `bytes` if they are free and nobody of the map waits for some.
+  /// Reserves `bytes` if they are free and no other request of the map is waiting.
   static std::optional<Reservation> TryReserve(const std::shared_ptr<Account>& account,
                                                std::size_t bytes);
 
-  /// Takes `bytes` now or as soon as they are free, and calls `grant` once, maybe before it
-  /// returns. A grant that is still waiting when its account is closed is dropped.
+  /// Reserves `bytes` as soon as they are free and then calls `grant` once, possibly before this
+  /// call returns. A grant that is still waiting when its account is closed is dropped.
   static void Reserve(const std::shared_ptr<Account>& account, std::size_t bytes, Grant grant);
 
-  /// Drops who waits for bytes of the account.
+  /// Drops all waiting requests of the account.
   static void Close(const std::shared_ptr<Account>& account);
 
-  /// New limits; what is taken stays taken.
+  /// Sets a new limit. Existing reservations are kept.
   void SetTotal(std::size_t total_bytes);
   static void SetMax(const std::shared_ptr<Account>& account, std::size_t max_bytes);
 
-  /// Bytes that are taken.
+  /// Returns the number of reserved bytes.
   std::size_t used_bytes() const;
 
  private:
@@ -77,13 +78,13 @@ class FrameBudget {
     Grant grant;
   };
 
-  /// What accounts share; outlives the budget as long as one of them does.
+  /// State shared by all accounts. Outlives the budget while an account exists.
   struct State {
     bool Fits(const Account& account, std::size_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex);
     bool Waits(const Account& account) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex);
     void Take(Account& account, std::size_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex);
 
-    /// Takes bytes for those who can have them now; the caller calls their grants.
+    /// Reserves bytes for all waiters that fit now. The caller must call their grants.
     std::list<Waiter> TakeForWaiters() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex);
 
     mutable absl::Mutex mutex;
@@ -97,15 +98,15 @@ class FrameBudget {
   std::shared_ptr<State> state_;
 };
 
-/// Opaque to everybody but the budget.
+/// Opaque to all code except the budget.
 class FrameBudget::Account {
  private:
   friend class FrameBudget;
   friend struct FrameBudget::State;
 
   std::shared_ptr<State> state_;
-  std::size_t max_bytes_ = 0;   ///< Guarded by the state's mutex.
-  std::size_t used_bytes_ = 0;  ///< Guarded by the state's mutex.
+  std::size_t max_bytes_ = 0;   ///< Guarded by the mutex of the state.
+  std::size_t used_bytes_ = 0;  ///< Guarded by the mutex of the state.
 };
 
 }  // namespace steadymap

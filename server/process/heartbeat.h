@@ -5,12 +5,12 @@
 
 namespace steadymap {
 
-/// When a long-lived thread last showed that it goes on; what the watchdog looks at. Thread-safe.
+/// The time of the last progress of a long-lived thread. The watchdog reads it. Thread-safe.
 class Heartbeat {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// A thread that waits for work beats at least this often.
+  /// Maximum interval between beats of a thread that waits for work.
   static constexpr std::chrono::milliseconds kMaxInterval{1000};
 
   void Beat() { last_.store(Clock::now()); }

@@ -7,15 +7,15 @@
 
 namespace steadymap {
 
-/// Bounds how often a line that others can provoke is written to the log. Thread-safe.
+/// Limits the rate of a log line that clients can trigger. Thread-safe.
 class LogLimiter {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// At most `lines` in each `interval`.
+  /// Allows at most `lines` per `interval`.
   LogLimiter(int lines, Clock::duration interval) : lines_(lines), interval_(interval) {}
 
-  /// Whether a line may be written at `now`, which counts it.
+  /// True if a line may be written at `now`. Counts that line.
   bool Allows(Clock::time_point now) ABSL_LOCKS_EXCLUDED(mutex_) {
     const absl::MutexLock lock(&mutex_);
     if (written_ == 0 || now - began_ >= interval_) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD in UTF-8.
 
-// RFC 3339 in UTC, to the millisecond.
+// Formats a time as RFC 3339 in UTC with milliseconds.
 std::string FormatTime(std::chrono::system_clock::time_point time) {
   const auto since_epoch =
       std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch());
@@ -27,7 +27,7 @@ std::string FormatTime(std::chrono::system_clock::time_point time) {
                          static_cast<int>(since_epoch.count() % 1000));
 }
 
-// Bytes of the UTF-8 character that `text` starts with; 0 if it starts with none.
+// Returns the length in bytes of the UTF-8 character at the start of `text`; 0 if it is invalid.
 std::size_t CharacterBytes(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text.front());
   if (lead < 0x80) return 1;
@@ -36,7 +36,7 @@ std::size_t CharacterBytes(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) return 0;
   }
-  // Overlong forms, surrogates, and what lies beyond U+10FFFF.
+  // Rejects overlong forms, surrogates, and code points above U+10FFFF.
   const auto second = static_cast<unsigned char>(text[1]);
   if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second >= 0xA0)) return 0;
   if ((lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second >= 0x90)) return 0;

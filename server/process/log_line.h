@@ -17,9 +17,9 @@ struct LogLine {
   std::string_view message;
 };
 
-/// The record as one line, newline included. Whatever the message holds, it stays one line and, as
-/// JSON, valid: control characters and bytes that are not UTF-8 are escaped. Messages quote what
-/// clients sent.
+/// Formats the record as one line, newline included. The result is always one line and, as JSON,
+/// valid, because messages quote client input: control characters and bytes that are not UTF-8 are
+/// escaped.
 std::string FormatLogLine(const LogLine& line, LogFormat format);
 
 }  // namespace steadymap

@@ -7,24 +7,26 @@ namespace steadymap {
 /// Lowest severity that is written.
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
-/// How a line of the log looks.
+/// Format of a log line.
 enum class LogFormat {
   kText,  ///< `2026-03-01T12:00:00.000Z info  message`, for people.
-  kJson,  ///< One JSON object a line with `time`, `level`, `thread`, `message`, for machines.
+  kJson,  ///< One JSON object per line with `time`, `level`, `thread`, `message`, for machines.
 };
 
-/// What the daemon says on stderr.
+/// Options of the log on stderr.
 struct LoggingOptions {
-  /// `debug` tells every stream and commit; `info` what an operator wants to read a year later.
+  /// `debug` logs every stream and commit; `info` logs events that an operator may need a year
+  /// later.
   LogLevel level = LogLevel::kInfo;
 
   LogFormat format = LogFormat::kText;
 };
 
-/// Sends spdlog's default logger to stderr in the given format. Call before threads are started.
+/// Sends the default logger of spdlog to stderr in the given format. Must be called before threads
+/// are started.
 void StartLogging(const LoggingOptions& options);
 
-/// Changes the level of the running log. Any thread.
+/// Changes the level of the running log. Thread-safe.
 void SetLogLevel(LogLevel level);
 
 }  // namespace steadymap

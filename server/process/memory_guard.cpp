@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kMeasureInterval{100};
 
-// Long enough that those who are refused do not come in a loop, short beside what a deleted map or
-// a finished export takes to be given back.
+// Long enough to keep refused clients from retrying in a tight loop; short compared with the
+// release of the memory of a deleted map or a finished export.
 constexpr std::int64_t kRetryDelayMs = 1000;
 
 constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
-/// MemTotal of /proc/meminfo, which it says in KiB.
+/// Returns MemTotal of /proc/meminfo, which is in KiB.
 std::size_t MachineBytes(const std::filesystem::path& root) {
   std::ifstream file(root / "proc/meminfo");
   for (std::string name, unit; file >> name;) {
@@ -34,7 +34,7 @@ std::size_t MachineBytes(const std::filesystem::path& root) {
   return kNoLimit;
 }
 
-/// The limit of one control group; "max", or no file, is none.
+/// Returns the memory limit of one control group. "max" or a missing file means no limit.
 std::size_t LimitOf(const std::filesystem::path& group) {
   std::ifstream file(group / "memory.max");
   std::string text;
@@ -42,7 +42,8 @@ std::size_t LimitOf(const std::filesystem::path& group) {
   return file >> text && absl::SimpleAtoi(text, &bytes) ? bytes : kNoLimit;
 }
 
-/// The least limit of the process's control group and those around it, of the unified hierarchy.
+/// Returns the smallest memory limit of the control group of the process and its ancestors, in the
+/// unified hierarchy.
 std::size_t ControlGroupBytes(const std::filesystem::path& root) {
   std::ifstream file(root / "proc/self/cgroup");
   const std::filesystem::path hierarchy = root / "sys/fs/cgroup";

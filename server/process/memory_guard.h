@@ -12,29 +12,31 @@
 
 namespace steadymap {
 
-/// Bytes of memory that this process holds: its resident set, from /proc.
+/// Returns the resident set size of this process in bytes, from /proc.
 std::size_t ResidentBytes();
 
-/// Bytes of memory that this process may use: the machine's, or the least of the limits that the
-/// control groups around the process set. `root` is where /proc and /sys lie.
+/// Returns the number of bytes of memory that this process may use: the smallest of the machine's
+/// memory and the limits of the control groups of the process. `root` is the folder that contains
+/// /proc and /sys.
 std::size_t UsableMemoryBytes(const std::filesystem::path& root = "/");
 
-/// The bound on the memory of the whole process. What is under way has budgets of its own; this one
-/// keeps what stays, the maps, from growing beyond what the machine has: while the process holds
-/// more than the bound, nothing is taken that makes it hold more. It measures instead of counting,
-/// so nothing is left out. Thread-safe.
+/// A limit on the memory of the whole process. In-flight frames and messages have their own
+/// budgets; this limit covers the maps, which stay in memory. While the process uses more than the
+/// limit, requests that need additional memory are refused. The guard measures the process instead
+/// of counting allocations, so it covers all memory. Thread-safe.
 class MemoryGuard {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `max_bytes` 0: three quarters of `UsableMemoryBytes`. `measure` says what the process holds.
+  /// `max_bytes` 0 means three quarters of `UsableMemoryBytes`. `measure` returns the memory of the
+  /// process in bytes.
   explicit MemoryGuard(std::size_t max_bytes, std::function<std::size_t()> measure = ResidentBytes);
 
-  /// OK, or `ResourceExhausted` with reason `MEMORY_LOW` and when to try again. Measures every 100
-  /// ms at most, so it costs next to nothing.
+  /// Returns OK, or `ResourceExhausted` with reason `MEMORY_LOW` and a retry delay. Measures at
+  /// most once per 100 ms, so its cost is negligible.
   absl::Status Check() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// As the constructor's.
+  /// Sets a new limit; 0 means three quarters of `UsableMemoryBytes`.
   void SetMax(std::size_t max_bytes);
 
   std::size_t max_bytes() const { return max_bytes_; }

@@ -9,14 +9,14 @@
 namespace steadymap {
 namespace {
 
-// What systemd calls the monotonic clock's time in RELOADING messages.
+// Returns the monotonic clock in microseconds, the format of MONOTONIC_USEC in RELOADING messages.
 std::string MonotonicMicroseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
   return std::to_string(now.tv_sec * 1'000'000 + now.tv_nsec / 1000);
 }
 
-// A service manager that does not listen is no reason to stop serving.
+// Ignores errors: the daemon serves even if the service manager does not answer.
 void Notify(const std::string& state) { static_cast<void>(::sd_notify(0, state.c_str())); }
 
 }  // namespace

@@ -5,27 +5,28 @@
 
 namespace steadymap {
 
-/// Tells systemd (Type=notify) how the daemon fares. Without systemd every call does nothing.
+/// Reports the state of the daemon to systemd (Type=notify). Without systemd no call has an effect.
 ///
-/// One thread.
+/// Must be used from one thread only.
 class ServiceManagerNotifier {
  public:
-  /// Reads what systemd asked for from the environment.
+  /// Reads the watchdog interval from the environment variables of systemd.
   ServiceManagerNotifier();
 
-  /// The daemon serves.
+  /// Reports that the daemon is serving.
   void Ready();
 
-  /// The configuration is being read anew; followed by `Ready`.
+  /// Reports that the configuration is being reloaded. `Ready` must follow.
   void Reloading();
 
-  /// The daemon is about to end.
+  /// Reports that the shutdown begins.
   void Stopping();
 
-  /// The daemon makes progress. Must come at least once in every `watchdog_interval`.
+  /// Reports progress. Must be called at least once per `watchdog_interval`.
   void FeedWatchdog();
 
-  /// How long systemd waits for `FeedWatchdog` before it kills the daemon; none if it does not.
+  /// Returns the time without `FeedWatchdog` after which systemd kills the daemon; none if systemd
+  /// has no watchdog for it.
   std::optional<std::chrono::microseconds> watchdog_interval() const { return watchdog_interval_; }
 
  private:

@@ -36,7 +36,7 @@ void Strand::Stop(std::function<void()> on_stopped) {
   End(on_stopped);
 }
 
-/// A pool that has stopped drops the step: then there is none to come.
+/// A stopped pool drops the step; no further step runs then.
 void Strand::Schedule() {
   const bool submitted = pool_->Submit([self = shared_from_this()] { self->Run(); });
   if (submitted) return;
@@ -85,7 +85,7 @@ void Strand::WakeAt(Clock::time_point time) {
 }
 
 void Strand::End(const std::function<void()>& on_stopped) {
-  // What the step holds goes before anybody hears of the end.
+  // The step and everything it owns is destroyed before `on_stopped` runs.
   step_ = nullptr;
   if (on_stopped) on_stopped();
 }

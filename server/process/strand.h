@@ -12,15 +12,15 @@
 
 namespace steadymap {
 
-/// Does one thing's work on a pool of threads, step by step, never two steps at once. Between steps
-/// others get their turn, so that a pool of few threads serves many strands fairly.
+/// A sequence of steps on a thread pool, never two at the same time. After each step other tasks of
+/// the pool get a thread, so a pool of few threads serves many strands fairly.
 ///
-/// Thread-safe. Outlived by the pool.
+/// Thread-safe. The pool must outlive the strand.
 class Strand : public std::enable_shared_from_this<Strand> {
  public:
   using Clock = WorkerPool::Clock;
 
-  /// When the next step is wanted without anybody's waking: now, at a time, or never.
+  /// Time of the next step if `Wake` is not called: now, at a time, or never.
   struct Next {
     std::optional<Clock::time_point> at;
 
@@ -31,19 +31,19 @@ class Strand : public std::enable_shared_from_this<Strand> {
     static Next Never() { return {}; }
   };
 
-  /// `step` is run on `pool`, and throws nothing. It is destroyed, with all it holds, after the
-  /// last one.
+  /// Makes a strand that runs `step` on `pool`. `step` must not throw. It is destroyed, with
+  /// everything it owns, after its last run.
   static std::shared_ptr<Strand> Make(WorkerPool* pool, std::function<Next()> step);
 
-  /// Use `Make`.
+  /// For `Make` only.
   Strand(WorkerPool* pool, std::function<Next()> step);
 
-  /// Sees to it that a step begins after this call.
+  /// Ensures that a step begins after this call.
   void Wake() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Ends the strand: no step begins any more. `on_stopped` is called once none is under way, maybe
-  /// before this returns, else from the pool; where the pool has stopped, by this call. Only the
-  /// first call does anything.
+  /// Stops the strand: no further step begins. Calls `on_stopped` once no step is running: from the
+  /// pool after the running step if there is one, otherwise during this call. Only the first call
+  /// has an effect.
   void Stop(std::function<void()> on_stopped) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -55,13 +55,13 @@ class Strand : public std::enable_shared_from_this<Strand> {
   void End(const std::function<void()>& on_stopped);
 
   WorkerPool* const pool_;
-  std::function<Next()> step_;  ///< Of whoever runs a step, or ends the strand.
+  std::function<Next()> step_;  ///< Used only by the thread that runs a step or ends the strand.
   absl::Mutex mutex_;
   State state_ ABSL_GUARDED_BY(mutex_) = State::kIdle;
-  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< While a step was running.
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Set by `Wake` during a step.
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
-  std::function<void()> on_stopped_ ABSL_GUARDED_BY(mutex_);  ///< To be called after the step.
-  /// The earliest time that the pool will wake the strand at; none if it will not.
+  std::function<void()> on_stopped_ ABSL_GUARDED_BY(mutex_);  ///< Called after the step.
+  /// Earliest time at which the pool will wake the strand; none if no wake-up is scheduled.
   std::optional<Clock::time_point> wake_at_ ABSL_GUARDED_BY(mutex_);
 };
 

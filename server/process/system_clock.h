@@ -4,7 +4,7 @@
 
 namespace steadymap {
 
-/// The present moment by the server's clock.
+/// Returns the current time of the server's clock.
 Timestamp Now();
 
 }  // namespace steadymap

@@ -97,7 +97,7 @@ void WorkerPool::RunThread(std::size_t index) {
   }
 }
 
-/// The next task; none once the pool has stopped.
+/// Waits for the next task and returns it; none after the pool has stopped.
 std::optional<std::function<void()>> WorkerPool::TakeTask(std::size_t index) {
   const absl::MutexLock lock(&mutex_);
   starts_[index].reset();
@@ -107,7 +107,7 @@ std::optional<std::function<void()>> WorkerPool::TakeTask(std::size_t index) {
       std::function<void()> task = std::move(tasks_.front());
       tasks_.pop_front();
       starts_[index] = Clock::now();
-      // Another thread has to wait for what is next due: this one may come back late.
+      // Another thread must wait for the next due time, because this task may run for long.
       later_changed_ = !later_.empty();
       return task;
     }

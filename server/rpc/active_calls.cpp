@@ -13,7 +13,7 @@ using grpc::experimental::InterceptionHookPoints;
 
 constexpr std::string_view kOurServices = "/steadymap.";
 
-/// Lives as long as its call.
+/// Owned by gRPC; destroyed at the end of its call.
 class CountingInterceptor final : public grpc::experimental::Interceptor {
  public:
   explicit CountingInterceptor(ActiveCalls* calls) : call_(calls) {}

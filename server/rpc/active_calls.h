@@ -11,12 +11,12 @@
 
 namespace steadymap {
 
-/// The calls of a server's services that have not ended, and which of them wait for their client:
-/// what lets a server that stops wait for its own work, and not for clients that take nothing.
-/// Thread-safe.
+/// The active calls of the server's services. Records for each call whether a message to the client
+/// is pending, so that a shutdown can wait for the server's own work but not for clients that have
+/// stopped reading. Thread-safe.
 class ActiveCalls {
  public:
-  /// One call; what it does is noted by the interceptor that belongs to it.
+  /// One call. Its interceptor records its state.
   class Call {
    public:
     explicit Call(ActiveCalls* calls) : calls_(calls) { calls_->Enter(this); }
@@ -26,10 +26,10 @@ class ActiveCalls {
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
 
-    /// Something is on its way to the client from now on.
+    /// Records that a message to the client is pending from now on.
     void BeginSending() { calls_->NoteSending(this, absl::Now()); }
 
-    /// The client has taken it.
+    /// Records that gRPC has written the message.
     void EndSending() { calls_->NoteSending(this, absl::InfiniteFuture()); }
 
    private:
@@ -43,12 +43,13 @@ class ActiveCalls {
   ActiveCalls(const ActiveCalls&) = delete;
   ActiveCalls& operator=(const ActiveCalls&) = delete;
 
-  /// For a server builder: counts the calls of our services, as long as this lives. Calls of health
-  /// service, reflection and channelz are left out: those who watch a server's health never end.
+  /// Makes an interceptor factory for a server builder. The interceptors count calls of the
+  /// steadymap services; this object must outlive them. Calls of the health service, reflection and
+  /// channelz are not counted, because a client's watch of the health service never ends.
   std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> MakeInterceptorFactory();
 
-  /// Waits until no call is left but those whose clients have taken nothing for `patience`, or
-  /// until `deadline`. Returns whether none is left at all.
+  /// Waits until `deadline` or until all remaining calls have had a pending message for at least
+  /// `patience`. Returns true if no call remains.
   bool AwaitEnd(absl::Time deadline, absl::Duration patience) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -56,13 +57,13 @@ class ActiveCalls {
   void Leave(const Call* call) ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteSending(Call* call, absl::Time since) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// When the last of the calls has kept its server waiting for `patience`, as things stand; never
-  /// while the server is at work for one.
+  /// Returns the time at which all current calls will have had a pending message for `patience`;
+  /// the infinite future if a call has none, because the server is working on it.
   absl::Time PatienceEnds(absl::Duration patience) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   absl::Mutex mutex_;
   std::set<const Call*> calls_ ABSL_GUARDED_BY(mutex_);
-  bool changed_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since `AwaitEnd` looked last.
+  bool changed_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since the last check of `AwaitEnd`.
 };
 
 }  // namespace steadymap

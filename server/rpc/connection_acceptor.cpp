@@ -19,7 +19,7 @@
 namespace steadymap {
 namespace {
 
-// Before the next attempt where the system has no descriptor or no memory for a connection.
+// Delay before the next attempt when the system has no descriptor or memory for a connection.
 constexpr int kPauseMs = 100;
 
 }  // namespace
@@ -74,13 +74,13 @@ void ConnectionAcceptor::Run() {
   }
 }
 
-/// Takes one connection; false if the system has no room for it.
+/// Accepts one connection. Returns false if the system has no descriptor or memory for it.
 bool ConnectionAcceptor::AcceptFrom(int listener) {
   Socket connection(::accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (connection.descriptor() < 0) {
     const int error = errno;
     const bool is_full = error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
-    // All else concerns that connection alone, such as a client that has gone again.
+    // Other errors concern only that connection, for example a client that has disconnected.
     if (is_full && log_limiter_.Allows(LogLimiter::Clock::now())) {
       spdlog::warn("connections have to wait: {}", std::generic_category().message(error));
     }
@@ -100,8 +100,8 @@ bool ConnectionAcceptor::AcceptFrom(int listener) {
   return true;
 }
 
-/// Why a connection cannot be taken; empty if it can. The system hands out the lowest descriptor
-/// that is free: so many are open, at least.
+/// Returns the reason for which a connection is refused; empty if it is accepted. The system
+/// assigns the lowest free descriptor, so the number of open descriptors is at least `connection`.
 std::string ConnectionAcceptor::FindRefusal(int connection) {
   const std::size_t max_connections = max_connections_;
   if (connections_.Count(max_connections) >= max_connections) {
@@ -118,7 +118,7 @@ std::string ConnectionAcceptor::FindRefusal(int connection) {
   return {};
 }
 
-/// Waits a little, unless it is time to stop.
+/// Waits for `kPauseMs` or until `Stop`.
 void ConnectionAcceptor::Pause() {
   pollfd wake{wake_.descriptor(), POLLIN, 0};
   ::poll(&wake, 1, kPauseMs);

@@ -16,39 +16,39 @@
 
 namespace steadymap {
 
-/// Takes connections for gRPC. Its own listener has no bound, and stops for good when the process
-/// runs out of descriptors; here, connections beyond a bound, and those that would take the
-/// descriptors kept back for the store and the log, are closed at once. One line a minute says so
-/// in the log. Thread-safe.
+/// Accepts connections for gRPC. gRPC's own listener has no limit, and stops permanently when the
+/// process runs out of descriptors. This acceptor immediately closes connections beyond a limit and
+/// connections that would use the descriptors reserved for the store and the log; it logs one line
+/// per minute about them. Thread-safe.
 ///
-/// The client cannot be told why: before HTTP/2's settings gRPC takes nothing for a reason, and
-/// behind them it takes the connection for one that worked, and comes back at once and for ever
-/// instead of later and later.
+/// The reason cannot be sent to the client. Before the HTTP/2 settings exchange, gRPC clients
+/// ignore any reason. After it, they count the connection as successful and reconnect immediately
+/// and without limit, instead of with exponential backoff.
 class ConnectionAcceptor {
  public:
-  /// Takes over a connection: its descriptor, and that of the socket that it came through.
+  /// Takes ownership of a connection: its descriptor, and the descriptor of its listening socket.
   using TakeOver = std::function<void(int connection, int listener)>;
 
-  /// Listens, but takes nothing in yet: clients wait. Errors: as `ListenAt`.
+  /// Starts to listen but accepts no connection yet: clients wait. Errors: those of `ListenAt`.
   static absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> Listen(const ListenAddress& address,
                                                                     std::size_t max_connections);
 
-  /// Use `Listen`.
+  /// For `Listen` only.
   ConnectionAcceptor(ListeningSockets listening, Socket wake, std::size_t max_connections);
 
-  /// Closes the sockets; connections that were taken over are not touched.
+  /// Closes the listening sockets; does not affect accepted connections.
   ~ConnectionAcceptor();
 
-  /// The TCP port; 0 for a unix socket.
+  /// Returns the TCP port; 0 for a unix socket.
   int port() const { return listening_.port; }
 
-  /// Starts the thread that accepts; `take_over` is called there. Once.
+  /// Starts the accepting thread, which calls `take_over` for each connection. Call once.
   void Start(TakeOver take_over);
 
-  /// Ends the thread: nothing is taken over any more.
+  /// Ends the thread: no further connection is accepted.
   void Stop();
 
-  /// The bound for connections from now on.
+  /// Sets a new limit on the number of connections.
   void SetMaxConnections(std::size_t max_connections) { max_connections_ = max_connections; }
 
  private:
@@ -58,15 +58,15 @@ class ConnectionAcceptor {
   void Pause();
 
   const ListeningSockets listening_;
-  const Socket wake_;  ///< An event that says: stop.
+  const Socket wake_;  ///< Eventfd that ends the thread.
   std::atomic<std::size_t> max_connections_;
   std::thread thread_;
 
-  // Of the thread.
+  // Used only by the thread.
   TakeOver take_over_;
   OpenSockets connections_;
   LogLimiter log_limiter_;
-  std::size_t refused_ = 0;  ///< Since the last line in the log.
+  std::size_t refused_ = 0;  ///< Since the last log line.
 };
 
 }  // namespace steadymap

@@ -21,10 +21,10 @@ namespace {
 
 constexpr int kBacklog = SOMAXCONN;
 
-// How often a port that was free at one address of a host may be in use at another.
+// Attempts to find a port that is free on all addresses of the host.
 constexpr int kPortTries = 8;
 
-// A connection that takes nothing of what was sent for so long is broken.
+// A connection is closed if the peer acknowledges no data for this long.
 constexpr unsigned kUserTimeoutMs = 20'000;
 
 using AddressList = std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)>;
@@ -50,15 +50,15 @@ int PortOf(int descriptor) {
                    : reinterpret_cast<const sockaddr_in*>(&address)->sin_port);
 }
 
-/// The errno of what failed, or 0.
+/// Returns 0, or the errno of the failed call.
 int ListenTcp(const addrinfo& where, int port, Socket* socket) {
   *socket = OpenSocket(where.ai_family);
   const int descriptor = socket->descriptor();
   if (descriptor < 0) return errno;
-  // A restart need not wait for the connections of the process before.
+  // Allows a restart while connections of the previous process still exist.
   SetOption(descriptor, SOL_SOCKET, SO_REUSEADDR, 1);
   if (where.ai_family == AF_INET6) SetOption(descriptor, IPPROTO_IPV6, IPV6_V6ONLY, 0);
-  // What is accepted inherits these two.
+  // Accepted connections inherit these two options.
   SetOption(descriptor, IPPROTO_TCP, TCP_NODELAY, 1);
   SetOption(descriptor, IPPROTO_TCP, TCP_USER_TIMEOUT, kUserTimeoutMs);
   sockaddr_storage address{};
@@ -76,8 +76,8 @@ int ListenTcp(const addrinfo& where, int port, Socket* socket) {
   return 0;
 }
 
-/// Listens at all addresses of a list, at the same port. Those that this machine does not have,
-/// such as `::1` without IPv6, are left out.
+/// Listens on all addresses of a list, on the same port. Addresses that this machine does not have,
+/// such as `::1` without IPv6, are skipped.
 int ListenAtAll(const addrinfo* list, int port, ListeningSockets* listening) {
   *listening = {.sockets = {}, .port = port};
   int error = EADDRNOTAVAIL;

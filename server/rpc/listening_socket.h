@@ -10,12 +10,12 @@
 
 namespace steadymap {
 
-/// A socket, closed when it is destroyed. Movable; one that was moved from holds none.
+/// A socket; the destructor closes it. Movable; a moved-from object contains no socket.
 class Socket {
  public:
   Socket() = default;
 
-  /// Takes the descriptor over; -1 for none.
+  /// Takes ownership of the descriptor; -1 means no socket.
   explicit Socket(int descriptor) : descriptor_(descriptor) {}
 
   ~Socket();
@@ -24,25 +24,25 @@ class Socket {
 
   Socket& operator=(Socket&& other) noexcept;
 
-  /// -1 if there is none.
+  /// Returns the descriptor; -1 if there is no socket.
   int descriptor() const { return descriptor_; }
 
-  /// Gives the descriptor away: from now on the caller closes it.
+  /// Transfers the descriptor to the caller, which must close it.
   int Release() { return std::exchange(descriptor_, -1); }
 
  private:
   int descriptor_ = -1;
 };
 
-/// Sockets that listen, non-blocking: a host name may stand for several addresses.
+/// Non-blocking listening sockets; a host name can have several addresses.
 struct ListeningSockets {
   std::vector<Socket> sockets;  ///< At least one.
-  int port = 0;                 ///< The same for all; 0 for a unix socket.
+  int port = 0;                 ///< Common to all; 0 for a unix socket.
 };
 
-/// Listens at an address. `0.0.0.0` takes IPv4 alone, `[::]` both; a unix socket that nobody
-/// listens at any more is replaced. Errors: `Unavailable`, with the reason that the system gives,
-/// if an address is in use or none of the host's can be listened at.
+/// Listens on an address. `0.0.0.0` accepts IPv4 only, `[::]` accepts both. A unix socket without a
+/// listening process is replaced. Errors: `Unavailable`, with the system's reason, if an address is
+/// in use or none of the host's addresses can be used.
 absl::StatusOr<ListeningSockets> ListenAt(const ListenAddress& address);
 
 }  // namespace steadymap

@@ -13,13 +13,13 @@
 
 namespace steadymap {
 
-/// The messages of a unary call that gRPC hands over as bytes, so that the request is bounded
-/// before it is parsed. Copies share the messages; one thread at a time.
+/// Request and response of a unary call that gRPC passes as bytes, so that the size of the request
+/// is checked before it is parsed. Copies share the messages. Not thread-safe.
 template <typename RequestMessage, typename ResponseMessage>
 class MessageCall {
  public:
-  /// Reads the request. `answer` belongs to gRPC and lives until the call is finished. Errors: as
-  /// `ReadRequest`.
+  /// Parses the request. `answer` belongs to gRPC and is valid until the call is finished. Errors:
+  /// those of `ReadRequest`.
   static absl::StatusOr<MessageCall> Read(const grpc::ByteBuffer& bytes,
                                           const RequestLimits& limits,
                                           grpc::ByteBuffer* answer) {
@@ -34,8 +34,8 @@ class MessageCall {
 
   ResponseMessage* response() const { return &messages_->response; }
 
-  /// Hands the response to gRPC if `status`, with which the call is to be finished, is OK. Returns
-  /// `status`.
+  /// Passes the response to gRPC if `status` is OK. Returns `status`, with which the caller
+  /// finishes the call.
   absl::Status Answer(absl::Status status) const {
     if (status.ok()) *answer_ = ToByteBuffer(messages_->response);
     return status;
@@ -54,8 +54,8 @@ class MessageCall {
   std::shared_ptr<Messages> messages_;
 };
 
-/// Reads a call's request, and returns the reactor that `start` makes of the call; a call that
-/// cannot be read ends at once with the reason.
+/// Parses the request of a call and returns the reactor that `start` makes for it. A call with an
+/// invalid request ends immediately with the error.
 template <typename Request, typename Response, typename Start>
 grpc::ServerUnaryReactor* StartMessageCall(const grpc::ByteBuffer& bytes,
                                            grpc::ByteBuffer* answer,

@@ -23,24 +23,25 @@
 
 namespace steadymap {
 
-/// Makes the messages of a server stream, one at a time.
+/// The source of the messages of a server stream.
 template <typename Message>
 class MessageSource {
  public:
   virtual ~MessageSource() = default;
 
-  /// Fills `message`, which is empty, with the next one; false if there are no more.
+  /// Fills `message`, which is empty, with the next message. Returns false if there is none.
   virtual absl::StatusOr<bool> Next(Message* message) = 0;
 };
 
-/// Answers a call, whose messages gRPC takes as bytes, with those of a source: each is made on a
-/// pool, and only when the one before it was written, so a client that reads slowly costs one
-/// message and the source. At any moment either one task is under way or one write.
+/// A server-streaming call that sends the messages of a source, as bytes. Each message is made on a
+/// thread pool after the previous one was written, so a slow client costs the memory of one message
+/// and of the source. At any time either one task or one write is pending.
 ///
-/// Ends with the source's status; with `Cancelled` when the client has gone or its deadline has
-/// passed; with `Aborted`, reason `SLOW_CONSUMER`, when the gate finds that the client does not
-/// read: that status lies behind the message on its way, for a client that reads again, and if none
-/// does for as long once more the call is cancelled. Thread-safe.
+/// Ends with the status of the source; with `Cancelled` if the client has disconnected or its
+/// deadline has passed; or with `Aborted`, reason `SLOW_CONSUMER`, if the limiter finds that the
+/// client does not read. In the last case the status follows the pending message, for a client that
+/// reads again. If the client reads nothing for another timeout, the call is cancelled.
+/// Thread-safe.
 template <typename Message>
 class MessageStream final : public LimitedStream,
                             public std::enable_shared_from_this<MessageStream<Message>> {
@@ -48,18 +49,17 @@ class MessageStream final : public LimitedStream,
   using Source = MessageSource<Message>;
   using GrpcReactor = grpc::ServerWriteReactor<grpc::ByteBuffer>;
 
-  /// Makes the source, on the pool too. The source may ask, as long as it lives, whether the call
-  /// has been cancelled.
+  /// Makes the source, on the pool. The `Cancellation` is valid for the lifetime of the source.
   using Open = std::function<absl::StatusOr<std::unique_ptr<Source>>(const Cancellation&)>;
 
-  /// What streams need of the server; all of it outlives them.
+  /// The parts of the server that streams use. All of them must outlive the streams.
   struct Dependencies {
     WorkerPool* pool = nullptr;
     StreamLimiter* gate = nullptr;
   };
 
-  /// Starts a stream. `wait` is called at once and calls what it is given when the work may begin.
-  /// The reactor deletes itself.
+  /// Starts a stream. Calls `wait` immediately; `wait` must call its argument when the work may
+  /// begin. The reactor deletes itself.
   static GrpcReactor* Start(const Dependencies& dependencies,
                             grpc::CallbackServerContext* context,
                             const std::function<void(std::function<void()>)>& wait,
@@ -79,7 +79,7 @@ class MessageStream final : public LimitedStream,
     return reactor;
   }
 
-  /// Use `Start`.
+  /// For `Start` only.
   MessageStream(const Dependencies& dependencies, grpc::CallbackServerContext* context, Open open)
       : dependencies_(dependencies), open_(std::move(open)), context_(context) {}
 
@@ -95,8 +95,8 @@ class MessageStream final : public LimitedStream,
       activity_ = Activity::kFinished;
       sending_since_ = now;
     }
-    // Nobody else looks at the stream any more: the report of the write that is on its way finds it
-    // finished.
+    // No other thread uses the source now: the completion of the pending write only finds the state
+    // kFinished.
     source_.reset();
     dependencies_.gate->Discount(this->shared_from_this());
     reactor_->Finish(ToGrpcStatus(
@@ -106,7 +106,7 @@ class MessageStream final : public LimitedStream,
   }
 
  private:
-  /// What gRPC holds: passes its reports on.
+  /// The reactor owned by gRPC; forwards the events to the stream.
   class Reactor final : public GrpcReactor {
    public:
     explicit Reactor(std::shared_ptr<MessageStream> stream) : stream_(std::move(stream)) {}
@@ -155,7 +155,7 @@ class MessageStream final : public LimitedStream,
     }
     outgoing_ = ToByteBuffer(message_);
     reactor_->StartWrite(&outgoing_);
-    // From now on the write can be found to have stalled, unless it is over and another one began.
+    // The stall timeout of this write starts now, unless the write is complete already.
     const absl::MutexLock lock(&mutex_);
     if (activity_ == Activity::kWriting && writes_ == number) sending_since_ = Clock::now();
   }
@@ -193,19 +193,20 @@ class MessageStream final : public LimitedStream,
 
   const Dependencies dependencies_;
   const Open open_;
-  Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
+  Reactor* reactor_ = nullptr;  ///< Valid until it is finished.
   const Cancellation cancellation_;
 
-  // Of whoever is at work on the stream.
+  // Used only by the pending task or write.
   std::unique_ptr<Source> source_;
   Message message_;
-  grpc::ByteBuffer outgoing_;  ///< Of the write on its way.
+  grpc::ByteBuffer outgoing_;  ///< Bytes of the pending write.
 
   mutable absl::Mutex mutex_;
-  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null once the call is over.
+  grpc::CallbackServerContext* context_
+      ABSL_GUARDED_BY(mutex_);  ///< Null after the end of the call.
   Activity activity_ ABSL_GUARDED_BY(mutex_) = Activity::kWorking;
-  std::uint64_t writes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Begun so far.
-  /// Since when a message has been on its way; of a stream that stalled, since it was ended.
+  std::uint64_t writes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Number of writes started.
+  /// Start of the pending write; for a stalled stream the time of its end.
   Clock::time_point sending_since_ ABSL_GUARDED_BY(mutex_) = kNotSending;
 };
 

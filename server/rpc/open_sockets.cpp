@@ -7,7 +7,7 @@
 namespace steadymap {
 namespace {
 
-/// The inode of an open socket; none for whatever else.
+/// Returns the inode of an open socket; none for any other descriptor.
 std::optional<ino_t> SocketInode(int descriptor) {
   struct stat file {};
 

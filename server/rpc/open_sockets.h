@@ -7,15 +7,15 @@
 
 namespace steadymap {
 
-/// Counts sockets that somebody else owns and closes: gRPC says nothing of connections that end. A
-/// socket is known by its descriptor and its inode, since the next file gets the same descriptor.
+/// Counts sockets that gRPC owns and closes, because gRPC does not report the end of a connection.
+/// A socket is identified by its descriptor and its inode, because the system reuses descriptors.
 class OpenSockets {
  public:
-  /// Counts a socket from now on.
+  /// Starts to count a socket.
   void Add(int descriptor);
 
-  /// How many were not closed yet, at most: those that were closed are forgotten if there seem to
-  /// be `enough`, at the cost of a system call each.
+  /// Returns an upper bound on the number of open sockets. If that bound reaches `enough`, first
+  /// removes the closed sockets, at the cost of one system call per socket.
   std::size_t Count(std::size_t enough);
 
  private:

@@ -9,10 +9,10 @@
 namespace steadymap {
 namespace {
 
-// A few hundred kilobytes.
+// Bounds the buckets to a few hundred kilobytes.
 constexpr std::size_t kMaxBuckets = 4096;
 
-/// Without the port, if it has one.
+/// Returns the peer without its port.
 std::string_view AddressOf(std::string_view peer) {
   const bool has_port = peer.starts_with("ipv4:") || peer.starts_with("ipv6:");
   return has_port ? peer.substr(0, peer.rfind(':')) : peer;
@@ -37,7 +37,7 @@ absl::Status PeerLimiter::Take(std::string_view peer, absl::Time now) {
 }
 
 void PeerLimiter::Fill(Bucket* bucket, absl::Time now) const {
-  // A clock that was set back costs what would have come meanwhile, no more.
+  // If the clock was set back, the bucket gets no tokens for that interval.
   const double seconds = std::max(0.0, absl::ToDoubleSeconds(now - bucket->filled));
   bucket->tokens = std::min(options_.burst, bucket->tokens + seconds * options_.per_second);
   bucket->filled = now;
@@ -47,7 +47,7 @@ PeerLimiter::Bucket& PeerLimiter::FindBucket(std::string_view address, absl::Tim
   const auto found = buckets_.find(address);
   if (found != buckets_.end()) return found->second;
   if (buckets_.size() >= kMaxBuckets) {
-    // One that is full says no more than none.
+    // A full bucket is equivalent to a missing one.
     std::erase_if(buckets_, [this, now](const auto& entry) {
       Bucket bucket = entry.second;
       Fill(&bucket, now);

@@ -12,21 +12,20 @@
 
 namespace steadymap {
 
-/// How often each address may do something: a bucket of tokens for each, filled at a steady rate.
-/// All processes behind one address share its bucket. Bounded: of very many addresses at a time,
-/// those that come last share one. Thread-safe.
+/// A rate limit per IP address: one token bucket each, filled at a constant rate. All processes
+/// behind one address share its bucket. Memory is bounded: if very many addresses are active, the
+/// newest ones share one bucket. Thread-safe.
 class PeerLimiter {
  public:
   struct Options {
-    double per_second = 1.0;  ///< Tokens that a bucket gets, > 0.
-    double burst = 1.0;       ///< Tokens that it holds, >= 1.
+    double per_second = 1.0;  ///< Rate at which a bucket is filled, > 0.
+    double burst = 1.0;       ///< Capacity of a bucket, >= 1.
   };
 
   explicit PeerLimiter(const Options& options) : options_(options) {}
 
-  /// Takes a token of the peer that gRPC calls `peer`, such as `ipv4:10.0.0.7:51234`; its port does
-  /// not count. Errors: `ResourceExhausted` with reason `RATE_LIMIT` if the
-  /// bucket is empty.
+  /// Takes a token of `peer`, a gRPC peer string such as `ipv4:10.0.0.7:51234`; the port is
+  /// ignored. Errors: `ResourceExhausted` with reason `RATE_LIMIT` if the bucket is empty.
   absl::Status Take(std::string_view peer, absl::Time now) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:

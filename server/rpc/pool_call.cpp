@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-/// What gRPC holds of a unary call.
+/// The reactor of a unary call, owned by gRPC.
 class UnaryReactor final : public grpc::ServerUnaryReactor {
  public:
   const Cancellation& cancellation() const { return cancellation_; }

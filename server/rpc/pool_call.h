@@ -10,34 +10,36 @@
 
 namespace steadymap {
 
-/// Work of a call that ends with its status.
+/// The work of a call; returns the status of the call.
 using CallWork = std::function<absl::Status(const Cancellation&)>;
 
-/// Finishes a call, once, from any thread.
+/// Finishes a call. Must be called once; from any thread.
 using FinishCall = std::function<void(absl::Status)>;
 
-/// Runs `work`, then finishes a call with its status; an exception becomes `Internal`. If the pool
-/// is full the call ends with `ResourceExhausted`, reason `QUEUE_FULL`. A call that is cancelled
-/// before its turn does no work. Returns at once.
+/// Runs `work` on the pool, then finishes the call with its status; an exception becomes
+/// `Internal`. If the pool is full, the call ends with `ResourceExhausted`, reason `QUEUE_FULL`. A
+/// call that is cancelled while it waits for a thread does no work. Does not block.
 grpc::ServerUnaryReactor* AnswerOnPool(WorkerPool* pool, CallWork work);
 
-/// The same for a call that first waits for something without a thread: `wait` is called at once
-/// and calls what it is given when the work may begin, or never if the server ends before.
+/// Runs `work` like `AnswerOnPool`, but first waits without a thread: `wait` is called immediately
+/// and must call its argument when the work may begin. It never calls it if the server stops
+/// before.
 grpc::ServerUnaryReactor* AnswerOnPoolAfter(const std::function<void(std::function<void()>)>& wait,
                                             WorkerPool* pool,
                                             CallWork work);
 
-/// The same for work that ends later: `work` gets the function that finishes the call.
+/// Runs `work` on the pool like `AnswerOnPool`, for calls that end after `work` has returned:
+/// `work` receives the function that finishes the call.
 grpc::ServerUnaryReactor* AnswerLaterOnPool(WorkerPool* pool, std::function<void(FinishCall)> work);
 
-/// Ends a call with an error before anything was done for it.
+/// Ends a call with an error before any work is done.
 grpc::ServerUnaryReactor* RefuseCall(const absl::Status& status);
 
-/// What `work` returns; `Internal` for an exception that leaves it. The outermost frame of a
+/// Returns the result of `work`; `Internal` if an exception leaves it. The outermost frame of a
 /// handler.
 absl::Status RunGuarded(const std::function<absl::Status()>& work);
 
-/// The error for a call that finds its pool full.
+/// Returns the error of a call that finds its pool full.
 absl::Status PoolFullError();
 
 }  // namespace steadymap

@@ -17,13 +17,13 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
 
-/// Counts the fields of a serialized message without allocating any, and sees whether the type has
-/// all of them.
+/// Counts the fields of a serialized message without allocating any, and checks whether the type
+/// contains all of them.
 class FieldCount {
  public:
   FieldCount(CodedInputStream* input, std::size_t max_fields) : input_(input), left_(max_fields) {}
 
-  /// False if the bytes are no message, or hold too many fields.
+  /// Returns false if the bytes are not a valid message, or contain too many fields.
   bool Visit(const Descriptor& type) {
     while (const std::uint32_t tag = input_->ReadTag()) {
       if (left_ == 0) {
@@ -59,19 +59,21 @@ class FieldCount {
       case WireFormatLite::WIRETYPE_LENGTH_DELIMITED:
         return VisitBytes(is_message ? field->message_type() : nullptr);
       default:
-        // Groups: no message here has any.
+        // Groups: no message of the API uses them.
         return false;
     }
   }
 
-  /// Whether a parser takes a value so written as the field, and not as an unknown one.
+  /// True if a parser accepts the wire type `written` for the field, and does not store the value
+  /// as an unknown field.
   static bool IsTypeOf(const FieldDescriptor& field, WireFormatLite::WireType written) {
     const auto type = static_cast<WireFormatLite::FieldType>(field.type());
     return written == WireFormatLite::WireTypeForFieldType(type) ||
            (field.is_packable() && written == WireFormatLite::WIRETYPE_LENGTH_DELIMITED);
   }
 
-  /// A string, packed numbers or something unknown; or a message of `type`.
+  /// Visits a string, packed numbers or an unknown field if `type` is null, else a message of
+  /// `type`.
   bool VisitBytes(const Descriptor* type) {
     std::uint32_t length = 0;
     if (!input_->ReadVarint32(&length) || length > INT32_MAX) return false;
@@ -100,7 +102,7 @@ absl::Status ReadRequest(const grpc::ByteBuffer& bytes,
                          google::protobuf::Message* message) {
   if (bytes.Length() > limits.max_bytes) return TooLarge("bytes", limits.max_bytes);
   message->Clear();
-  // A buffer without slices cannot be read.
+  // gRPC cannot read a buffer without slices.
   if (bytes.Length() == 0) return absl::OkStatus();
   absl::Status bad_message =
       MakeError(absl::StatusCode::kInvalidArgument,
@@ -120,7 +122,8 @@ absl::Status ReadRequest(const grpc::ByteBuffer& bytes,
   }
   grpc::ProtoBufferReader reader(&copy);
   if (!message->ParseFromZeroCopyStream(&reader)) return bad_message;
-  // They would be kept as long as the message. The search for them costs more than to read it.
+  // A message keeps its unknown fields in memory. The search for them costs more than the parsing,
+  // so it is done only if there are any.
   if (has_unknown) message->DiscardUnknownFields();
   return absl::OkStatus();
 }
@@ -128,7 +131,7 @@ absl::Status ReadRequest(const grpc::ByteBuffer& bytes,
 grpc::ByteBuffer ToByteBuffer(const google::protobuf::Message& message) {
   grpc::ByteBuffer bytes;
   bool owned = false;
-  // Fails for messages above 2 GiB alone.
+  // Fails only for messages above 2 GiB.
   const grpc::Status status =
       grpc::GenericSerialize<grpc::ProtoBufferWriter, google::protobuf::Message>(
           message, &bytes, &owned);

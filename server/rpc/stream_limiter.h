@@ -12,46 +12,46 @@
 
 namespace steadymap {
 
-/// A stream of answers that a gate let in. Called from any thread, without locks held; returns at
-/// once.
+/// A response stream that a `StreamLimiter` supervises.
 class LimitedStream {
  public:
   virtual ~LimitedStream() = default;
 
   using Clock = std::chrono::steady_clock;
 
-  /// Ends the stream if at `now` a message has been on its way for longer than `timeout`.
+  /// Ends the stream if at `now` a message has been pending for longer than `timeout`. Called from
+  /// any thread, without locks held. Must not block.
   virtual void EndIfStalled(Clock::time_point now, Clock::duration timeout) = 0;
 };
 
-/// Lets streams in, so many in all and so many from one address, and ends those whose client does
-/// not read. Thread-safe.
+/// Limits the number of response streams, in total and per IP address, and ends streams whose
+/// client does not read. Thread-safe.
 class StreamLimiter {
  public:
   struct Limits {
     std::size_t max_streams = 64;
     std::size_t max_per_address = 8;
-    /// A client that takes nothing for longer than this has stalled.
+    /// A client that reads nothing for longer than this has stalled.
     LimitedStream::Clock::duration stall_timeout = LimitedStream::Clock::duration::max();
   };
 
   explicit StreamLimiter(const Limits& limits) : limits_(limits) {}
 
-  /// Lets a stream in, to leave again at its end; `peer` is what gRPC calls its client.
-  /// Errors: `ResourceExhausted` with reason `QUEUE_FULL`.
+  /// Admits a stream. The stream must call `Leave` at its end. `peer` is the gRPC peer string of
+  /// its client. Errors: `ResourceExhausted` with reason `QUEUE_FULL`.
   absl::Status Enter(const std::shared_ptr<LimitedStream>& stream, const std::string& peer)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// A stream whose end has begun no longer counts; it is watched until it leaves.
+  /// Stops counting a stream that has begun to end. It is still checked for stalls until it leaves.
   void Discount(const std::shared_ptr<LimitedStream>& stream) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Forgets a stream; nothing happens if it was not let in.
+  /// Removes a stream. Has no effect if the stream was not admitted.
   void Leave(const std::shared_ptr<LimitedStream>& stream) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Ends the streams that have stalled at `now`; to be called now and then.
+  /// Ends the streams that have stalled at `now`. Must be called periodically.
   void EndStalled(LimitedStream::Clock::time_point now) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Streams that count.
+  /// Returns the number of counted streams.
   std::size_t stream_count() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -69,8 +69,9 @@ class StreamLimiter {
   std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-/// The part of what gRPC calls a peer that all connections of its machine share: `ipv4:10.0.0.7` of
-/// `ipv4:10.0.0.7:51034`. Unix sockets and channels within the process are one address each.
+/// Returns the part of a gRPC peer string that is common to all connections of a machine:
+/// `ipv4:10.0.0.7` for `ipv4:10.0.0.7:51034`. All unix sockets share one address, and so do all
+/// in-process channels.
 std::string AddressOfPeer(const std::string& peer);
 
 }  // namespace steadymap
