@@ -10,13 +10,13 @@
 namespace steadymap {
 namespace {
 
-// A server that was started without a clock says nothing of others'.
+// A server clock before this time is not set, so robots' clocks are not compared with it.
 constexpr Timestamp kYear2000 = Timestamp::FromNanoseconds(946'684'800'000'000'000);
 
 constexpr std::chrono::seconds kNotableAhead{10};
 constexpr std::chrono::hours kNotableStepBack{1};
 
-/// The time between them, at most 292 years.
+/// Returns `to - from`, saturated at about 292 years.
 std::chrono::nanoseconds Between(Timestamp from, Timestamp to) {
   return std::chrono::nanoseconds((to - from).nanoseconds());
 }
@@ -71,8 +71,8 @@ absl::Status CaptureClocks::Note(const SensorName& sensor,
   return absl::OkStatus();
 }
 
-/// The clock of a sensor, noted as heard; a new one takes the place of the one not heard for
-/// longest.
+/// Finds or adds the clock of a sensor and marks it as the most recent one. If the table is full,
+/// the least recent clock is removed.
 CaptureClocks::Clock& CaptureClocks::FindClock(const SensorName& sensor) {
   auto found = clocks_.find(sensor);
   if (found == clocks_.end()) {

@@ -19,31 +19,32 @@
 
 namespace steadymap {
 
-/// Compares the clocks that a map's frames are stamped with to the server's: a robot whose clock is
-/// wrong is found in the log and in `GetUploadState` before it is found in the map. Of
-/// very many sensors, the one that was heard of longest ago is forgotten. Thread-safe.
+/// Compares the capture times of a map's frames with the server's clock, so that a wrong clock of a
+/// robot is reported in the log and in `GetUploadState` before it affects the map. Stores a bounded
+/// number of sensors; the least recent one is removed. Thread-safe.
 class CaptureClocks {
  public:
-  /// Frames that lie further ahead are refused.
+  /// Frames with a capture time further ahead of the server's clock are refused.
   static constexpr std::chrono::hours kMaxAhead{24};
 
-  /// Sensors that are remembered.
+  /// Maximum number of stored sensors.
   static constexpr std::size_t kMaxSensors = 1000;
 
-  /// `map_name` is for the log.
+  /// `map_name` is used in log lines.
   explicit CaptureClocks(std::string map_name) : map_name_(std::move(map_name)) {}
 
-  /// Notes a frame that `sensor` took at `capture_time` and that came at `now`. Logs, once a
-  /// sensor, times before the year 2000, more than ten seconds ahead, or an hour before those of an
-  /// earlier frame; none of a recording. Errors: `InvalidArgument` with reason `BAD_CAPTURE_TIME`
-  /// and the field `capture_time` for one more than `kMaxAhead` ahead.
+  /// Records a frame that `sensor` captured at `capture_time` and that arrived at `now`. Logs, once
+  /// per sensor, a capture time before the year 2000, more than 10 s ahead of `now`, or more than 1
+  /// h before that of an earlier frame; recordings are not checked. Errors: `InvalidArgument` with
+  /// reason `BAD_CAPTURE_TIME` and the field `capture_time` if the capture time is more than
+  /// `kMaxAhead` ahead of `now`.
   absl::Status Note(const SensorName& sensor,
                     Timestamp capture_time,
                     v1::ClockDomain domain,
                     Timestamp now) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// How far the sensor's clock was ahead of the server's at its newest frame; none before one
-  /// came, or once the sensor was forgotten.
+  /// Returns by how much the capture time of the sensor's last frame was ahead of the server's
+  /// clock; none if no frame of the sensor has arrived or the sensor was removed.
   std::optional<std::chrono::nanoseconds> AheadOf(const SensorName& sensor) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -52,7 +53,7 @@ class CaptureClocks {
     std::chrono::nanoseconds ahead{0};
     Timestamp newest;
     bool was_logged = false;
-    std::uint64_t heard = 0;  ///< Number of the note that was the last of it.
+    std::uint64_t heard = 0;  ///< Number of the last call of `Note` for it.
   };
 
   Clock& FindClock(const SensorName& sensor) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -12,24 +12,25 @@
 
 namespace steadymap {
 
-/// Those who wait until a map has a revision that shows their frames. Thread-safe.
+/// Uploads that wait for a revision that contains their frames. Thread-safe.
 class CommitWaiters {
  public:
   CommitWaiters() = default;
 
-  /// Calls `observer->OnIntegrated` once the map shows `progress.map_seq`, maybe before this
-  /// returns; or `OnFailed` if it never will.
+  /// Calls `observer->OnIntegrated` once a revision of the map contains `progress.map_seq`,
+  /// possibly before this call returns; or `OnFailed` if no revision will contain it.
   void Add(std::shared_ptr<UploadObserver> observer, const BatchProgress& progress)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The map has come to `revision`, which holds the entries up to `integrated`.
+  /// Reports a new revision, which contains the entries up to `integrated`.
   void Notify(Revision revision, MapSequence integrated) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// There will be no further revision until `Restart`: everybody, now and later, gets `status`.
+  /// Reports that no revision follows until `Restart`. All current and later waiters fail with
+  /// `status`.
   void Fail(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   void Restart() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Pieces that wait.
+  /// Returns the number of waiting batch parts.
   std::size_t size() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:

@@ -14,29 +14,30 @@
 
 namespace steadymap {
 
-/// The frames of one map that wait for the log, fair between robots: they take turns, batch by
-/// batch, and a robot's own batches keep their order, whatever sensors they are of.
+/// The frames of one map that wait for the log. Fair between robots: batches are taken from the
+/// robots in turn, and the batches of one robot keep their order, whatever their sensors.
 ///
-/// Bounded in frames here, and in bytes by the budget that each frame holds a part of. Thread-safe.
+/// Bounded here by the number of frames, and by the `FrameBudget` reservation of each frame in
+/// bytes. Thread-safe.
 class FrameQueue {
  public:
-  /// At most `max_frames` wait; a batch without frames counts as one.
+  /// At most `max_frames` frames wait; a batch without frames counts as one.
   explicit FrameQueue(std::size_t max_frames) : max_frames_(max_frames) {}
 
-  /// Appends. Errors: `ResourceExhausted` with reason `QUEUE_FULL`, or what the queue was closed
-  /// with; the batch is then dropped.
+  /// Appends a batch. On an error the batch is dropped. Errors: `ResourceExhausted` with reason
+  /// `QUEUE_FULL`; the status of `Close` if the queue is closed.
   absl::Status Push(PendingBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Takes batches in turn until they hold `max_frames` frames or `max_bytes` packed bytes, or
-  /// there are no more; at least one if any waits.
+  /// Takes batches from the robots in turn until they contain `max_frames` frames or `max_bytes`
+  /// packed bytes, or the queue is empty. Takes at least one batch if any is waiting.
   std::vector<PendingBatch> PopFair(std::size_t max_frames, std::size_t max_bytes)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Refuses from now on until `Open`, with `status`, and gives back what waited.
+  /// Refuses batches with `status` until `Open` is called, and returns the waiting batches.
   std::vector<PendingBatch> Close(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   void Open() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Frames that wait.
+  /// Returns the number of waiting frames.
   std::size_t waiting_frames() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -45,9 +46,9 @@ class FrameQueue {
 
   const std::size_t max_frames_;
   mutable absl::Mutex mutex_;
-  /// By robot; a robot without batches is not listed.
+  /// Batches by robot; contains only robots with batches.
   std::map<std::string, std::deque<PendingBatch>> batches_ ABSL_GUARDED_BY(mutex_);
-  /// The robot that was served last; the one behind it is next.
+  /// The robot of the last batch taken; the next one in the order of names follows.
   std::string last_robot_ ABSL_GUARDED_BY(mutex_);
   std::size_t waiting_frames_ ABSL_GUARDED_BY(mutex_) = 0;
   absl::Status closed_ ABSL_GUARDED_BY(mutex_);

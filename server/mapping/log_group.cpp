@@ -47,7 +47,8 @@ void LogGroup::AddBatch(PendingBatch batch) {
       settled.last_map_seq = head_;
     }
     session = std::move(settled);
-    // For frames that were all known, the session's newest stands: it cannot be before theirs.
+    // If all frames were known already, reports the newest sequence of the session, which cannot be
+    // smaller than theirs.
     progress.map_seq = session.last_map_seq;
   }
   batch.frames.clear();

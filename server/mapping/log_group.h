@@ -16,7 +16,7 @@
 
 namespace steadymap {
 
-/// A durable entry on its way into the map.
+/// A durable log entry that waits for integration.
 struct DurableEntry {
   MapSequence sequence;
   LogEntryKind kind = LogEntryKind::kFrame;
@@ -25,50 +25,50 @@ struct DurableEntry {
   FrameBudget::Reservation reservation;
 };
 
-/// What is written to a map's log at once: finds the place of each frame of some batches, leaves
-/// out what is known already, so that none counts twice however it came here, and tells the uploads
-/// what became of it.
+/// A group of entries that is appended to a map's log in one write. Assigns a sequence number to
+/// each new frame of the added batches, drops known frames so that no frame is integrated twice,
+/// and reports the result to the uploads.
 class LogGroup {
  public:
-  /// A group behind the log's `head`. `sessions` outlives it.
+  /// Makes an empty group after the log's `head`. `sessions` must outlive it.
   LogGroup(MapKey map, MapSequence head, const SessionTable* sessions, MapUptime uptime);
 
-  /// Adds an entry that is no frame.
+  /// Adds an entry with new semantic classes.
   void AddClasses(std::vector<SemanticClass> classes);
 
-  /// Adds the frames of a batch that are not known yet, or refuses the batch as a whole.
+  /// Adds the new frames of a batch, or refuses the whole batch.
   void AddBatch(PendingBatch batch);
 
-  /// Nothing more is added.
+  /// Completes the group. Nothing may be added afterwards.
   void Seal();
 
   bool empty() const { return batches_.empty() && append_.entries.empty(); }
 
-  /// What is to be written, once the group is sealed. Sessions of which no frame was ever taken are
-  /// left out: what was refused is refused again, and made-up sessions fill no disk.
+  /// Returns the data to write; valid after `Seal`. Omits sessions without an accepted frame: their
+  /// frames would be refused again after a restart, and invented sessions cannot fill the disk.
   const LogAppend& append() const { return append_; }
 
-  /// The log's head once it is written.
+  /// Returns the head of the log after the write.
   MapSequence head() const { return head_; }
 
-  /// The sessions as they are once it is written.
+  /// Returns the state of the sessions after the write.
   const std::map<SessionName, SessionRecord>& sessions() const { return sessions_; }
 
-  /// Tells the uploads that their batches are durable, or why they are not.
+  /// Reports to the uploads that their batches are durable, or the error.
   void Report(const absl::Status& status) const;
 
-  /// The entries for integration, once they are durable.
+  /// Returns the entries for integration; call after the write has succeeded.
   std::vector<DurableEntry> TakeEntries() { return std::move(entries_); }
 
-  /// Lets the uploads of durable batches wait for integration.
+  /// Adds the uploads of durable batches to `waiters`.
   void AwaitCommit(CommitWaiters* waiters);
 
  private:
-  /// A batch, with what has been found out about it.
+  /// A batch with the result of its check.
   struct StagedBatch {
     PendingBatch batch;
     BatchProgress progress;
-    absl::Status status;  ///< Not OK: it was refused as a whole.
+    absl::Status status;  ///< Not OK: the whole batch was refused.
   };
 
   static absl::Status Settle(const PendingBatch& batch, SessionRecord* session);
@@ -78,8 +78,8 @@ class LogGroup {
   const Timestamp time_;
   MapSequence head_;
   std::vector<StagedBatch> batches_;
-  std::map<SessionName, SessionRecord> sessions_;  ///< As they will be.
-  std::vector<DurableEntry> entries_;              ///< What is new, with its place.
+  std::map<SessionName, SessionRecord> sessions_;  ///< After the write.
+  std::vector<DurableEntry> entries_;              ///< New entries, with sequence numbers.
   LogAppend append_;
 };
 

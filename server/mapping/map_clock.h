@@ -7,7 +7,7 @@
 
 namespace steadymap {
 
-/// Tells the uptime of one map. Thread-safe.
+/// The uptime clock of one map: the total time for which the map was open. Thread-safe.
 class MapClock {
  public:
   MapUptime Now() const {
@@ -16,7 +16,7 @@ class MapClock {
            std::chrono::duration_cast<std::chrono::nanoseconds>(running);
   }
 
-  /// The map had been open for `uptime` when it was opened last. The clock never goes back.
+  /// Continues from the stored `uptime` of earlier runs. Never sets the clock back.
   void Continue(MapUptime uptime) {
     if (uptime.count() > before_ns_.load()) before_ns_ = uptime.count();
   }

@@ -18,54 +18,55 @@
 
 namespace steadymap {
 
-/// The error for a map that does not exist.
+/// Returns the error for a map that does not exist.
 absl::Status MapNotFound(const MapName& name, std::string_view field);
 
-/// All maps of the server, by name. Thread-safe. What creates, changes or deletes a map writes to
-/// disk.
+/// All maps of the server, by name. Creation, update and deletion of a map write to disk.
+/// Thread-safe.
 class MapDirectory {
  public:
-  /// `dependencies` are what every map gets.
+  /// `dependencies` are passed to every map.
   explicit MapDirectory(MapRuntime::Dependencies dependencies);
 
-  /// Finds all maps of the store and begins to open them. Errors: what the store's list ends with.
+  /// Finds all maps of the store and starts to open them. Errors: those of `Store::ListMaps`.
   absl::Status Load() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The map `name`, whatever its condition. Errors: `NotFound`, with `field`.
+  /// Returns the map `name`, in any condition. Errors: `NotFound`, with `field`.
   absl::StatusOr<std::shared_ptr<MapRuntime>> Get(const MapName& name, std::string_view field) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The map that a request calls `name` in its field `field`, whatever its condition. Errors:
+  /// Parses `name`, from the request field `field`, and returns the map, in any condition. Errors:
   /// `InvalidArgument` with reason `BAD_NAME`; `NotFound`.
   absl::StatusOr<std::shared_ptr<MapRuntime>> Find(const std::string& name,
                                                    std::string_view field) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// At most `limit` maps of a tenant whose ids follow `after`, in their order.
+  /// Returns at most `limit` maps of a tenant with ids greater than `after`, sorted by id.
   std::vector<std::shared_ptr<MapRuntime>> List(const std::string& tenant,
                                                 const std::string& after,
                                                 std::size_t limit) const
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Every map.
+  /// Returns all maps.
   std::vector<std::shared_ptr<MapRuntime>> All() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Creates a map and begins to open it. Errors: `AlreadyExists`, `ResourceExhausted` with
-  /// `MEMORY_LOW`, or what the store answers.
+  /// Creates a map and starts to open it. Errors: `AlreadyExists`, `ResourceExhausted` with reason
+  /// `MEMORY_LOW`, or those of the store.
   absl::StatusOr<std::shared_ptr<MapRuntime>> Create(const MapRecord& record)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Replaces the record of a map. Errors: what the store answers.
+  /// Replaces the record of a map. Errors: those of the store.
   absl::Status Update(MapRuntime& map, const MapRecord& record);
 
-  /// Deletes a map, for good once this returns; what is under way for it ends soon after.
-  /// `end_streams` is called once nobody finds the map any more. Errors: what the store answers;
-  /// the map is then as it was.
+  /// Deletes a map. The deletion is durable when this call returns; calls in progress for the map
+  /// end soon after. Calls `end_streams` after the map was removed from the directory. Errors:
+  /// those of the store; the map is then unchanged.
   absl::Status Delete(const std::shared_ptr<MapRuntime>& map,
                       const std::function<void(const absl::Status&)>& end_streams)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Closes all maps after a last commit, and waits for that; nothing may be looked up afterwards.
+  /// Closes all maps after a last commit and waits until they are closed. No function may be called
+  /// afterwards.
   void Close(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:

@@ -14,29 +14,29 @@
 namespace steadymap {
 namespace {
 
-// Long enough that taking turns costs nothing, short enough that maps which share a thread do not
-// notice each other.
+// Duration of a step: long enough to make the cost of switching between maps negligible, short
+// enough that maps on the same thread do not delay each other noticeably.
 constexpr std::chrono::milliseconds kSlice{20};
 
-// How soon a commit for which the disk had no room is tried again.
+// Delay before a commit that failed for lack of disk space is retried.
 constexpr std::chrono::seconds kCommitRetry{1};
 
-// Entries read from the log at once: a second's worth of some robots.
+// Entries read from the log at a time, about one second of frames from several robots.
 constexpr std::size_t kReadAheadEntries = 16;
 constexpr std::size_t kReadAheadBytes = std::size_t{8} << 20;
 
-// A map that got no frame for so long gives the memory for working on them back.
+// A map without frames for this long releases its working memory.
 constexpr std::chrono::seconds kRestDelay{10};
 
-// Processes that may end on an entry before it is left alone.
+// Number of crashes during the integration of an entry after which the map is quarantined.
 constexpr std::uint32_t kMaxCrashes = 2;
 
-// Frames of the log that are decoded at once, and bytes that they may take then: more would help no
-// core, and every map that catches up holds so much.
+// Number and decoded bytes of log entries that are decoded in parallel. More entries would not use
+// more cores, and every map that replays its log needs this much memory.
 constexpr std::size_t kDecodedEntries = 4;
 constexpr std::size_t kDecodedBytes = std::size_t{8} << 20;
 
-/// An entry of the log on its way to the mapper.
+/// A parsed log entry, before its images are decoded.
 struct ParsedEntry {
   v1::Frame message;
   bool parses = true;
@@ -140,7 +140,8 @@ absl::Status MapIntegrator::Advance() {
   return absl::OkStatus();
 }
 
-/// The next entry, from the log as long as that has some that nobody pushed.
+/// Returns the next entry: from the log until all entries up to `log_head_` are integrated, then
+/// from the inbox.
 absl::StatusOr<std::optional<DurableEntry>> MapIntegrator::TakeEntry() {
   if (mapper_->head() < log_head_) {
     if (decoded_.empty()) {
@@ -154,14 +155,14 @@ absl::StatusOr<std::optional<DurableEntry>> MapIntegrator::TakeEntry() {
   std::optional<DurableEntry> entry;
   const absl::MutexLock lock(&mutex_);
   while (!inbox_.empty() && !entry) {
-    // Entries that were appended while the map was opened anew were read from the log, too.
+    // Entries appended during a reopening are both in the inbox and in the log.
     if (inbox_.front().sequence > mapper_->head()) entry = std::move(inbox_.front());
     inbox_.pop_front();
   }
   return entry;
 }
 
-/// Decodes the next entries of the log, those that fit at the same time.
+/// Decodes the next entries of the log in parallel, as many as fit.
 absl::Status MapIntegrator::DecodeAhead() {
   if (read_ahead_.empty()) {
     if (absl::Status status = ReadAhead(); !status.ok()) return status;
@@ -186,7 +187,7 @@ absl::Status MapIntegrator::DecodeAhead() {
   return absl::OkStatus();
 }
 
-/// Piece by piece, so that no file of the store stays open across a commit.
+/// Reads a limited number of entries, so that no file of the store stays open during a commit.
 absl::Status MapIntegrator::ReadAhead() {
   const MapSequence first = mapper_->head().Next();
   std::size_t bytes = 0;
@@ -223,7 +224,7 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
   return absl::OkStatus();
 }
 
-/// Before an entry that a process ended on, all those before it are committed.
+/// If a process crashed on this entry before, first commits all earlier entries.
 absl::Status MapIntegrator::CheckSuspect(MapSequence sequence) {
   const std::optional<IntegrationNote::Suspect>& suspect = note_->suspect();
   if (!suspect || suspect->sequence != sequence) return absl::OkStatus();

@@ -24,74 +24,77 @@
 
 namespace steadymap {
 
-/// A revision as everybody may see it: it is stored.
+/// A revision that is stored and may be read by clients.
 struct PublishedRevision {
   std::shared_ptr<const MapSnapshot> snapshot = std::make_shared<const MapSnapshot>();
   CommitMark commit;
   MapCounts counts;
 };
 
-/// The one writer of a map: integrates durable entries in the order of their sequence numbers, and
-/// from time to time commits: first to the store, then, when that is synced, to everybody. Entries
-/// that are in the log but not in the map when it starts come first.
+/// The single writer of a map. Integrates durable entries in the order of their sequence numbers
+/// and commits periodically: first to the store and, after the disk sync, to readers. At the start
+/// it first replays the log entries that are not in the stored map.
 ///
-/// A commit happens after `CommitOptions::max_frames` entries, `max_delay` after its first entry,
-/// or as soon as a `RequestCommit` can be met. If one fails for want of disk space, it is tried
-/// again; if it fails otherwise, the work ends: nothing that is not stored is ever shown.
+/// A commit happens after `CommitOptions::max_frames` entries, `max_delay` after the first entry,
+/// or as soon as a `RequestCommit` can be satisfied. A commit that fails for lack of disk space is
+/// retried. After any other failure the integration stops, so that no unstored revision is ever
+/// published.
 ///
-/// An entry that ended the process while it was integrated, twice in a row, is not integrated
-/// again.
+/// If the process crashed twice in a row during the integration of an entry, that entry is not
+/// integrated again.
 ///
-/// `Step`, `Start`, `Count` and `CommitNow` are for one thread at a time, the others for any.
+/// `Step`, `Start`, `Count` and `CommitNow` must not be called concurrently; the other functions
+/// are thread-safe.
 class MapIntegrator {
  public:
   using Clock = Strand::Clock;
 
-  /// Called from `Step`, without locks held.
+  /// Called from `Step` and `CommitNow`, without locks held.
   using OnCommit = std::function<void(PublishedRevision)>;
 
-  /// How a step ended.
+  /// The result of a step.
   struct StepResult {
-    absl::Status status;  ///< Not OK: no step can follow but after another `Start`.
+    absl::Status status;  ///< If not OK, `Start` must precede the next step.
     Strand::Next next;
   };
 
-  /// `store` and `clock` must outlive it.
+  /// `store` and `clock` must outlive the integrator.
   MapIntegrator(Store* store,
                 const MapClock* clock,
                 const CommitOptions& options,
                 OnCommit on_commit);
 
-  /// Begins, or begins anew, from a stored state of the map of `record`. Errors: those of a
-  /// configuration that is not valid, which no record holds.
+  /// Starts or restarts from a stored state of the map of `record`. Errors: those of an invalid
+  /// configuration, which no stored record contains.
   absl::Status Start(const MapRecord& record, const StoredState& state);
 
-  /// Counts a revision of the map, what the mapper keeps in memory beside it included.
+  /// Counts the contents of a revision, including the memory that the mapper uses in addition.
   MapCounts Count(const MapSnapshot& snapshot);
 
   /// Integrates for some milliseconds, or commits. An exception becomes `Internal`.
   StepResult Step();
 
-  /// Commits what is integrated.
+  /// Commits the integrated entries.
   absl::Status CommitNow();
 
-  /// Appends entries; their sequence numbers follow the log's head. Bounded by the budget of which
-  /// each frame holds a part.
+  /// Appends entries, with sequence numbers that follow the head of the log. Bounded by the
+  /// `FrameBudget` reservation of each frame.
   void Push(std::vector<DurableEntry> entries) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Commits without delay once the entry `target` is integrated.
+  /// Commits without delay after the entry `target` is integrated.
   void RequestCommit(MapSequence target) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Drops the entries that wait; they are in the log.
+  /// Drops the waiting entries; they remain in the log.
   void DropWaiting() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Makes a step that is under way end after the entry at hand.
+  /// Makes the current step return after the current entry.
   void Interrupt() { interrupted_ = true; }
 
-  /// Changes `CommitOptions::max_delay` for revisions that begin from now on.
+  /// Changes `CommitOptions::max_delay`, for later revisions.
   void SetMaxDelay(std::chrono::milliseconds max_delay) { max_delay_ms_ = max_delay.count(); }
 
-  /// Entries that wait for integration, those of the log at the start not included.
+  /// Returns the number of entries that wait for integration, without the entries of the log at the
+  /// start.
   std::size_t waiting_entries() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -110,26 +113,26 @@ class MapIntegrator {
   const CommitOptions options_;
   const OnCommit on_commit_;
 
-  // Of whoever steps.
+  // Used only by the stepping thread.
   MapRecord record_;
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<IntegrationNote> note_;
-  std::unique_ptr<KnownLabels> labels_;               ///< Of the frames in the log.
+  std::unique_ptr<KnownLabels> labels_;               ///< Labels for frames of the log.
   MapSequence log_head_;                              ///< Entries up to it are read from the log.
-  std::deque<LogEntry> read_ahead_;                   ///< Of the log.
-  std::deque<absl::StatusOr<DurableEntry>> decoded_;  ///< Those before them.
-  CommitDetails details_;                             ///< Of the commit that is being gathered.
-  std::optional<MapCommit> unstored_;                 ///< Made, but the disk had no room for it.
-  Clock::time_point retry_at_ = Clock::time_point::min();  ///< When to store it.
+  std::deque<LogEntry> read_ahead_;                   ///< Entries read from the log.
+  std::deque<absl::StatusOr<DurableEntry>> decoded_;  ///< Entries before `read_ahead_`.
+  CommitDetails details_;                             ///< Of the next commit.
+  std::optional<MapCommit> unstored_;                 ///< Commit that waits for disk space.
+  Clock::time_point retry_at_ = Clock::time_point::min();  ///< When to store `unstored_`.
   Clock::time_point commit_due_ = Clock::time_point::max();
-  Clock::time_point rest_at_ = Clock::time_point::max();  ///< When the mapper may rest.
+  Clock::time_point rest_at_ = Clock::time_point::max();  ///< When to call `Rest`.
   MapCounter counter_;
 
   std::atomic<bool> interrupted_ = false;
   std::atomic<std::chrono::milliseconds::rep> max_delay_ms_;
   mutable absl::Mutex mutex_;
   std::deque<DurableEntry> inbox_ ABSL_GUARDED_BY(mutex_);
-  MapSequence requested_ ABSL_GUARDED_BY(mutex_);  ///< Commit at once when integrated.
+  MapSequence requested_ ABSL_GUARDED_BY(mutex_);  ///< Commit once it is integrated.
 };
 
 }  // namespace steadymap

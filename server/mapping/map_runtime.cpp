@@ -11,22 +11,23 @@
 namespace steadymap {
 namespace {
 
-// What 64 streams of 64 frames may have under way; the log takes them in a few milliseconds.
+// In-flight frames of 64 streams with 64 frames each; the log accepts them within a few
+// milliseconds.
 constexpr std::size_t kMaxQueuedFrames = 4096;
 
-// Entries of one append: large enough that a sync serves many, small enough that the memory of a
-// group is bounded.
+// Limits of one append: large enough that one disk sync covers many entries, small enough to bound
+// the memory of a group.
 constexpr std::size_t kMaxGroupFrames = 64;
 constexpr std::size_t kMaxGroupBytes = std::size_t{8} << 20;
 
-// Between tries to open a map anew after a write to it has failed.
+// Delays before a map is reopened after a failed write.
 constexpr std::chrono::milliseconds kFirstRetry{500};
 constexpr std::chrono::milliseconds kLongestRetry{10'000};
 
-// Between looks at a disk that had no room.
+// Interval between checks of a full disk.
 constexpr std::chrono::milliseconds kDiskRetry{1000};
 
-/// How a map commits: as the server does, unless the map says otherwise.
+/// Returns the commit options of a map: those of the server, with the map's own settings applied.
 CommitOptions CommitOf(const MapRecord& record, const CommitOptions& server) {
   CommitOptions commit = server;
   if (record.max_commit_delay.count() > 0) commit.max_delay = record.max_commit_delay;
@@ -41,7 +42,7 @@ absl::Status Opening(const MapName& name) {
       500);
 }
 
-/// Where writing fails for now, and where it fails until somebody has seen to it.
+/// True if the error is temporary, so that reopening the map can succeed without an operator.
 bool HealsByItself(const absl::Status& status) {
   return ReasonOf(status) == reason::kStoreReadOnly || ReasonOf(status) == reason::kDiskLow;
 }
@@ -51,7 +52,7 @@ bool HealsByItself(const absl::Status& status) {
 std::shared_ptr<MapRuntime> MapRuntime::Open(const MapRecord& record,
                                              const Dependencies& dependencies) {
   auto map = std::make_shared<MapRuntime>(record, dependencies);
-  // The strands hold the map until they are stopped.
+  // The strands own the map until they are stopped.
   map->append_strand_ = Strand::Make(dependencies.log_pool, [map] { return map->AppendStep(); });
   map->map_strand_ = Strand::Make(dependencies.map_pool, [map] { return map->MapStep(); });
   if (record.condition.ok()) {
@@ -78,7 +79,7 @@ MapRuntime::MapRuntime(const MapRecord& record, const Dependencies& dependencies
       health_{Condition::kOpening, Opening(record.name)},
       durable_classes_(record.config.classes),
       labels_(std::make_shared<const KnownLabels>(record.config.classes)) {
-  // Nobody reads the batches that a map refuses because it is not open.
+  // The queue is closed until the map is open, so that it refuses batches with the reason.
   queue_.Close(health_.reason);
 }
 
@@ -210,25 +211,27 @@ LogGroup MapRuntime::TakeGroup(std::vector<PendingClasses>* classes) {
   return group;
 }
 
-/// Writes what waits as one group: while it syncs, the next one gathers.
+/// Appends all waiting batches as one group. During its disk sync the next group accumulates.
 Strand::Next MapRuntime::AppendStep() {
   std::vector<PendingClasses> classes;
   LogGroup group = TakeGroup(&classes);
   if (group.empty()) return Strand::Next::Never();
   absl::Status status = CheckUploads();
-  // A bound that is exceeded stops what comes, not what was taken.
+  // An exceeded memory limit refuses new uploads; frames that are already in the queue are
+  // accepted.
   if (ReasonOf(status) == reason::kMapBytes || ReasonOf(status) == reason::kMemoryLow) {
     status = absl::OkStatus();
   }
   if (status.ok()) status = dependencies_.store->Append(group.append());
   if (ReasonOf(status) == reason::kDiskLow) status = WithRetryDelay(status, kDiskRetry.count());
   if (status.ok()) NoteAppended(group);
-  // A disk without room refuses batches one by one; anything else stops the map, before anybody
-  // hears of it and asks how the map fares.
+  // A full disk fails only this group. NotFound means that the map was deleted. Any other error
+  // stops the map; the condition is set before the error is reported, so that clients that react to
+  // the error find the new condition.
   const bool stops_map =
       !status.ok() && ReasonOf(status) != reason::kDiskLow && !absl::IsNotFound(status);
   if (stops_map) Fail(status);
-  // DURABLE goes out before anybody can say INTEGRATED.
+  // Uploads are told DURABLE before the integrator can report INTEGRATED.
   group.Report(status);
   for (const PendingClasses& pending : classes) pending.done(status);
   if (status.ok()) {
@@ -241,7 +244,7 @@ Strand::Next MapRuntime::AppendStep() {
   return Strand::Next::Now();
 }
 
-/// What is durable is known from here on.
+/// Publishes the durable state: sessions, head of the log, classes.
 void MapRuntime::NoteAppended(const LogGroup& group) {
   for (const auto& [name, session] : group.sessions()) sessions_.Update(session);
   durable_head_ = group.head().value();
@@ -271,11 +274,11 @@ Strand::Next MapRuntime::MapStep() {
   }
 }
 
-/// Opens the map, or opens it anew after a write to it has failed.
+/// Opens the map, or reopens it after a failed write.
 Strand::Next MapRuntime::OpenStep() {
   Store& store = *dependencies_.store;
   if (condition() == Condition::kReadOnly) {
-    // Without room on the disk another try would be in vain.
+    // While the disk is full, a reopening would fail again.
     if (absl::Status disk = store.CheckDisk(); !disk.ok()) {
       return Strand::Next::At(Strand::Clock::now() + kDiskRetry);
     }
@@ -283,7 +286,7 @@ Strand::Next MapRuntime::OpenStep() {
   const absl::StatusOr<StoredState> state = store.LoadMap(record());
   absl::Status status = state.status();
   if (state.ok()) status = AdoptState(*state);
-  // It may have been opened for reading alone.
+  // The store may have opened the map for reading only.
   if (status.ok()) status = store.health(key_);
   if (!status.ok()) {
     Fail(status);
@@ -312,11 +315,12 @@ absl::Status MapRuntime::AdoptState(const StoredState& state) {
   return absl::OkStatus();
 }
 
-/// The map can do no more, for now or for good.
+/// Sets the condition after an error: read-only if the error is temporary, else quarantined or
+/// damaged.
 void MapRuntime::Fail(const absl::Status& status) {
   const bool is_readable = CheckReads().ok() || snapshot()->revision > Revision();
-  // What an exception interrupted is done anew from what is stored, unless it fails again and
-  // again.
+  // After an exception the map is reopened from the store. If the same entry fails repeatedly, the
+  // integrator reports MAP_QUARANTINED.
   const bool is_internal = ReasonOf(status) == reason::kInternal && is_readable;
   if (is_internal || HealsByItself(status)) {
     SetCondition(Condition::kReadOnly,
@@ -331,7 +335,7 @@ void MapRuntime::Fail(const absl::Status& status) {
   StopTaking(status);
 }
 
-/// When the map is opened anew, if that may help.
+/// Returns the time of the next attempt to reopen the map; never if it would not help.
 Strand::Next MapRuntime::NextTry() {
   if (condition() != Condition::kReadOnly) return Strand::Next::Never();
   retry_delay_ = std::clamp(2 * retry_delay_, kFirstRetry, kLongestRetry);
@@ -361,7 +365,7 @@ void MapRuntime::Publish(PublishedRevision published) {
   dependencies_.on_published(key_);
 }
 
-/// Refuses those who wait.
+/// Refuses waiting batches, commit waiters and reservations.
 void MapRuntime::StopTaking(const absl::Status& status) {
   for (const PendingBatch& batch : queue_.Close(status)) batch.observer->OnFailed(status);
   waiters_.Fail(status);

@@ -28,47 +28,48 @@
 
 namespace steadymap {
 
-/// One map while the server runs: its record, its published revision, and its entries' way from the
-/// queue through the log into the map. Thread-safe.
+/// One map of a running server: its record, its published revision, and the path of its entries
+/// from the queue through the log into the map. Thread-safe.
 ///
-/// Its work is done on pools that all maps share: appending to the log on one, where threads wait
-/// for the disk, and opening, integrating and committing on another.
+/// The work runs on thread pools that all maps share: log appends on one pool, on which threads
+/// wait for the disk; opening, integration and commits on another.
 class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
  public:
-  /// What maps need of the server; all of it outlives them.
+  /// The parts of the server that maps use. All of them must outlive the maps.
   struct Dependencies {
     Store* store = nullptr;
-    FrameBudget* budget = nullptr;       ///< Of frames.
-    FrameBudget* read_budget = nullptr;  ///< Of messages that are not decoded yet.
+    FrameBudget* budget = nullptr;       ///< For frames.
+    FrameBudget* read_budget = nullptr;  ///< For messages that are not decoded yet.
     WorkerPool* log_pool = nullptr;
     WorkerPool* map_pool = nullptr;
-    const MemoryGuard* memory = nullptr;  ///< Of the process.
+    const MemoryGuard* memory = nullptr;  ///< For the process.
     CommitOptions commit;
-    std::size_t queue_bytes = 0;  ///< Of one map.
-    /// The map has published a revision; without locks held.
+    std::size_t queue_bytes = 0;  ///< Per map.
+    /// Called after the map has published a revision, without locks held.
     std::function<void(MapKey)> on_published;
   };
 
-  /// How a map fares.
+  /// Condition of a map.
   enum class Condition {
-    kOpening,      ///< It is being read from disk.
-    kReady,        ///< It takes frames and answers.
-    kReadOnly,     ///< It answers, but cannot be written to for now; it tries again by itself.
-    kQuarantined,  ///< It answers, but takes no more frames until an operator has seen to it.
-    kDamaged,      ///< It cannot be read.
+    kOpening,      ///< Is being read from disk.
+    kReady,        ///< Accepts frames and serves reads.
+    kReadOnly,     ///< Serves reads. Writes fail temporarily; the map is reopened automatically.
+    kQuarantined,  ///< Serves reads. Accepts no frames until an operator repairs it.
+    kDamaged,      ///< Cannot be read.
     kDeleted,
   };
 
   struct Health {
     Condition condition = Condition::kOpening;
-    absl::Status reason;  ///< Why it is another than `kReady`.
+    absl::Status reason;  ///< Reason for any condition other than `kReady`.
   };
 
-  /// Makes the map and begins to open it. Never fails: a map that cannot be opened has a condition.
+  /// Makes the map and starts to open it. Never fails: if the map cannot be opened, its condition
+  /// reports it.
   static std::shared_ptr<MapRuntime> Open(const MapRecord& record,
                                           const Dependencies& dependencies);
 
-  /// Use `Open`.
+  /// For `Open` only.
   MapRuntime(const MapRecord& record, const Dependencies& dependencies);
 
   MapKey key() const { return key_; }
@@ -82,29 +83,31 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   Condition condition() const { return health().condition; }
 
-  /// Calls `callback` once the map is opened or cannot be: now, or from a thread of a pool.
+  /// Calls `callback` once the opening has succeeded or failed: during this call, or from a thread
+  /// of a pool.
   void WhenOpened(std::function<void()> callback) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// OK, or why the map cannot be read: `DataLoss` for a damaged one, `NotFound` once deleted,
-  /// `Unavailable` while it is being opened.
+  /// Returns OK, or the reason for which the map cannot be read: `DataLoss` if damaged, `NotFound`
+  /// if deleted, `Unavailable` while it is being opened.
   absl::Status CheckReads() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// OK, or why the map takes no frames: as `CheckReads`, or a store that cannot be written to
-  /// (`STORE_READ_ONLY`, `DISK_LOW`), or `MAP_QUARANTINED`, or `MAP_BYTES`,
+  /// Returns OK, or the reason for which the map accepts no frames: an error of `CheckReads`, a
+  /// store that cannot be written (`STORE_READ_ONLY`, `DISK_LOW`), `MAP_QUARANTINED`, `MAP_BYTES`
   /// or `MEMORY_LOW`.
   absl::Status CheckUploads() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The newest revision; an empty one until the map is opened.
+  /// Returns the newest published revision; an empty one until the map is open.
   std::shared_ptr<const MapSnapshot> snapshot() const ABSL_LOCKS_EXCLUDED(mutex_);
   PublishedRevision published() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The values that label images may hold: those of the class table at the log's head.
+  /// Returns the values that are valid in label images: those of the class table at the head of the
+  /// log.
   std::shared_ptr<const KnownLabels> labels() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// That class table.
+  /// Returns the class table at the head of the log.
   std::vector<SemanticClass> classes() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The newest entry in the log.
+  /// Returns the sequence of the newest entry in the log.
   MapSequence durable_head() const { return MapSequence(durable_head_.load()); }
 
   std::uint64_t refused_frames() const { return refused_frames_.load(); }
@@ -119,39 +122,39 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   const std::shared_ptr<FrameBudget::Account>& budget_account() const { return budget_account_; }
 
-  /// For messages of uploads that are not decoded yet.
+  /// Account for upload messages that are not decoded yet.
   const std::shared_ptr<FrameBudget::Account>& read_account() const { return read_account_; }
 
-  /// Hands a batch to the log. Errors: as `FrameQueue::Push`.
+  /// Queues a batch for the log. Errors: those of `FrameQueue::Push`.
   absl::Status Enqueue(PendingBatch batch);
 
-  /// Adds classes to the map's table. `done` is called once they are durable, or with the error:
-  /// `InvalidArgument` for classes that do not fit the table, or as for frames.
+  /// Adds classes to the map's table. Calls `done` once they are durable, or with an error:
+  /// `InvalidArgument` for classes that conflict with the table, or an error of `CheckUploads`.
   void AddClasses(std::vector<SemanticClass> classes, std::function<void(absl::Status)> done)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Frames that wait for the log, and entries that wait for integration.
+  /// Number of frames that wait for the log.
   std::size_t queued_frames() const { return queue_.waiting_frames(); }
 
   std::size_t unintegrated_entries() const { return integrator_.waiting_entries(); }
 
-  /// Commits without delay once the entry `target` is integrated.
+  /// Commits without delay after the entry `target` is integrated.
   void RequestCommit(MapSequence target);
 
-  /// Ends the map's work: refuses everything with `status`, and so do those who wait. `on_closed`
-  /// is called when the last step is over, maybe before this returns; what is integrated is
-  /// committed before if `commit`. Only the first call does anything. Returns at once.
+  /// Ends the work of the map: refuses new and waiting requests with `status`. If `commit`, commits
+  /// the integrated entries. Calls `on_closed` after the last step and the commit, possibly before
+  /// this call returns. Only the first call has an effect. Does not block.
   void Close(const absl::Status& status, bool commit, const std::function<void()>& on_closed)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  /// Classes on their way to the log.
+  /// Classes that wait for the log.
   struct PendingClasses {
     std::vector<SemanticClass> classes;
     std::function<void(absl::Status)> done;
   };
 
-  // Steps on the pools.
+  // Steps of the strands, on the pools.
   Strand::Next AppendStep() ABSL_LOCKS_EXCLUDED(mutex_);
   Strand::Next MapStep() ABSL_LOCKS_EXCLUDED(mutex_);
   Strand::Next OpenStep() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -181,9 +184,9 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   MapIntegrator integrator_;
   std::atomic<std::uint64_t> durable_head_ = 0;
   std::atomic<std::uint64_t> refused_frames_ = 0;
-  std::chrono::milliseconds retry_delay_{0};  ///< Of the step that opens: until the next try.
+  std::chrono::milliseconds retry_delay_{0};  ///< Used by `OpenStep`.
   std::shared_ptr<Strand> append_strand_;     ///< Set once, in `Open`.
-  std::shared_ptr<Strand> map_strand_;        ///< Likewise.
+  std::shared_ptr<Strand> map_strand_;        ///< Set once, in `Open`.
 
   mutable absl::Mutex mutex_;
   MapRecord record_ ABSL_GUARDED_BY(mutex_);

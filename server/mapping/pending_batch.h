@@ -18,42 +18,41 @@ namespace steadymap {
 /// A frame that was refused.
 struct RefusedFrame {
   ClientSequence sequence;
-  absl::Status status;  ///< The field path is relative to the batch.
+  absl::Status status;  ///< Its field path is relative to the batch.
 };
 
-/// How far a piece of an upload has come.
+/// The progress of a batch part.
 struct BatchProgress {
-  ClientSequence through;   ///< Last client sequence of the piece.
-  MapSequence map_seq;      ///< Of the newest frame that it stands for; 0: there is none.
-  Revision revision;        ///< Once integrated: a revision that shows it.
-  std::size_t frames = 0;   ///< Frames of the piece, refused and repeated ones included.
-  std::uint64_t bytes = 0;  ///< Serialized bytes that it took of the client's credit.
+  ClientSequence through;   ///< Last client sequence of the part.
+  MapSequence map_seq;      ///< Newest frame of the part, or of the session; 0: none.
+  Revision revision;        ///< Once integrated: a revision that contains it.
+  std::size_t frames = 0;   ///< Frames of the part, including refused and repeated ones.
+  std::uint64_t bytes = 0;  ///< Serialized bytes of the client's flow-control credit.
 };
 
-/// Whoever sent frames and wants to know what becomes of them. Calls come from any thread, without
-/// locks held. What holds for a piece holds for all before it; word of it may come in another
-/// order.
+/// The sender of frames, informed about their progress. Called from any thread, without locks held.
+/// A report about a part also applies to all earlier parts; reports may arrive out of order.
 class UploadObserver {
  public:
   virtual ~UploadObserver() = default;
 
-  /// Whether nobody waits any more: frames that are not validated yet may be dropped.
+  /// True if the sender no longer waits: frames that are not validated yet may be dropped.
   virtual bool IsAbandoned() const = 0;
 
-  /// The frames up to `through` were validated; `refused` are those among them that were not taken.
+  /// The frames up to `through` were validated; `refused` lists those that were not accepted.
   virtual void OnReceived(ClientSequence through, std::vector<RefusedFrame> refused) = 0;
 
-  /// The piece is in the log.
+  /// The part is in the log.
   virtual void OnDurable(const BatchProgress& progress) = 0;
 
-  /// The piece is part of a committed revision.
+  /// The part is in a committed revision.
   virtual void OnIntegrated(const BatchProgress& progress) = 0;
 
-  /// The piece will not get further. Durable frames stay in the log all the same.
+  /// The processing of the part has ended with an error. Durable frames stay in the log.
   virtual void OnFailed(const absl::Status& status) = 0;
 };
 
-/// A validated frame on its way to the log.
+/// A validated frame that waits for the log.
 struct PendingFrame {
   ClientSequence sequence;
   Frame frame;
@@ -61,15 +60,16 @@ struct PendingFrame {
   FrameBudget::Reservation reservation;
 };
 
-/// A piece of an upload on its way to the log: at most a batch. Without frames it only carries
-/// client sequences that were refused or are known already.
+/// A batch, or a part of one, that waits for the log. A part without frames only contains client
+/// sequences that were refused or are known already.
 struct PendingBatch {
   SessionName session;
-  /// Sequences of the upload come in order (a stream): those that are left out below `last` never
-  /// will.
+  /// True for a stream, which sends sequences in ascending order: missing sequences below `last`
+  /// never follow.
   bool in_order = false;
-  /// In order: the last sequence of the stream's piece before; 0: there was none. Where that piece
-  /// was not stored, this one must not be either: acknowledging it would acknowledge both.
+  /// If `in_order`: the last sequence of the stream's previous part; 0: there was none. If that
+  /// part was not stored, this one must not be stored either, because its acknowledgement covers
+  /// both.
   ClientSequence predecessor;
   ClientSequence last;
   std::vector<PendingFrame> frames;

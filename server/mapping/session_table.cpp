@@ -5,11 +5,12 @@
 namespace steadymap {
 namespace {
 
-// Milestones beyond this many are merged: a session that nobody asks about must not grow.
+// Further milestones are merged, so that the memory of a session is bounded even if its state is
+// never requested.
 constexpr std::size_t kMaxMilestones = 1024;
 
-// Sessions of which every frame so far was refused. Many more than robots make, few enough for one
-// who makes them up.
+// Sessions in which every frame so far was refused: many more than real robots have, few enough to
+// bound the memory if a client invents session names.
 constexpr std::size_t kMaxFrameless = 256;
 
 }  // namespace

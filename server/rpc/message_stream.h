@@ -202,8 +202,7 @@ class MessageStream final : public LimitedStream,
   grpc::ByteBuffer outgoing_;  ///< Bytes of the pending write.
 
   mutable absl::Mutex mutex_;
-  grpc::CallbackServerContext* context_
-      ABSL_GUARDED_BY(mutex_);  ///< Null after the end of the call.
+  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null after the call ended.
   Activity activity_ ABSL_GUARDED_BY(mutex_) = Activity::kWorking;
   std::uint64_t writes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Number of writes started.
   /// Start of the pending write; for a stalled stream the time of its end.

@@ -17,10 +17,10 @@
 namespace steadymap {
 namespace {
 
-// What a frame costs beside its pixels: queue entries, headers, allocator.
+// Memory of a frame in addition to its pixels: queue entries, headers, allocator overhead.
 constexpr std::size_t kFrameOverheadBytes = 4096;
 
-/// Bytes that the frame will take until it is integrated, from what it declares.
+/// Estimates the memory of the frame until its integration, from its declared image sizes.
 std::size_t EstimateBytes(const v1::Frame& message) {
   return DecodedBytes(message) + message.ByteSizeLong() + kFrameOverheadBytes;
 }
@@ -115,7 +115,7 @@ absl::Status BatchIntake::CheckBatch() const {
                    "images_crc32c");
 }
 
-/// False if the budget must be waited for; `Run` is called again then.
+/// Takes one frame. Returns false if it must wait for memory; `Run` is called again then.
 bool BatchIntake::TakeFrame(const v1::Frame& message, ClientSequence sequence) {
   if (route_.map->sessions().IsSettled(route_.session, sequence)) return true;
   const std::size_t bytes = EstimateBytes(message);
@@ -123,7 +123,8 @@ bool BatchIntake::TakeFrame(const v1::Frame& message, ClientSequence sequence) {
     std::optional<FrameBudget::Reservation> reservation =
         FrameBudget::TryReserve(route_.map->budget_account(), bytes);
     if (!reservation) {
-      // What is decoded must go on its way, or it could be what everybody waits for.
+      // The decoded frames must be queued before the wait. Otherwise all uploads could wait for
+      // memory that these frames hold.
       if (absl::Status status = HandOver(/*last_piece=*/false); !status.ok()) {
         Finish(status);
         return false;

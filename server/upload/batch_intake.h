@@ -14,51 +14,54 @@
 
 namespace steadymap {
 
-/// Where the frames of an upload come from and go to.
+/// Source and destination of an upload's frames.
 struct UploadRoute {
   std::shared_ptr<MapRuntime> map;
-  std::shared_ptr<const MapConfig> config;  ///< Of the map, as it was created.
+  std::shared_ptr<const MapConfig> config;  ///< Configuration of the map at its creation.
   SessionName session;
-  bool in_order = false;       ///< As in PendingBatch.
-  ClientSequence predecessor;  ///< Of the batch's first piece, as in PendingBatch.
+  bool in_order = false;       ///< See `PendingBatch::in_order`.
+  ClientSequence predecessor;  ///< For the first part; see `PendingBatch::predecessor`.
   std::shared_ptr<UploadObserver> observer;
 };
 
-/// Frames that one batch may hold.
+/// Maximum number of frames in a batch.
 inline constexpr int kMaxBatchFrames = 256;
 
-/// OK if the numbering of a batch is sound: 1 to `kMaxBatchFrames` frames, and client sequences
-/// from 1 that do not overflow. Errors: `InvalidArgument` with the field relative to the batch.
-/// Cheap.
+/// Returns OK if the numbering of a batch is valid: 1 to `kMaxBatchFrames` frames, and client
+/// sequences that start at 1 or above and do not overflow. Errors: `InvalidArgument` with the field
+/// relative to the batch. Cost: constant.
 absl::Status CheckNumbering(const v1::FrameBatch& batch);
 
-/// Client sequence of the last frame of a batch that passed `CheckNumbering`.
+/// Returns the client sequence of the last frame of a batch that passed `CheckNumbering`.
 ClientSequence LastSequenceOf(const v1::FrameBatch& batch);
 
-/// A batch that was read and is not decoded yet.
+/// A received batch whose frames are not decoded yet.
 struct ReadBatch {
   v1::FrameBatch frames;
-  FrameBudget::Reservation memory;  ///< That the message takes.
+  FrameBudget::Reservation memory;  ///< For the message.
 };
 
-/// Takes one batch in, on a worker pool: compares the checksum, leaves out what is durable already,
-/// decodes and validates the rest frame by frame within the map's byte budget, and hands it to the
-/// map's queue. While the budget is used up no thread waits: the batch goes on when it can.
+/// Processes one batch on a thread pool: checks its checksum, skips frames that are durable
+/// already, decodes and validates the others one by one within the map's memory budget, and adds
+/// them to the map's queue. While the budget is exhausted, no thread waits; the processing
+/// continues when memory is free.
 class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
  public:
-  /// OK once every frame is in the queue or was refused; else why the upload cannot go on:
-  /// `DataLoss` with reason `CHECKSUM` (then nothing of the batch was taken), `QUEUE_FULL`, or what
-  /// the map refuses uploads with.
+  /// Receives OK if every frame was queued or refused; otherwise the reason for which the upload
+  /// must end: `DataLoss` with reason `CHECKSUM` (no frame of the batch was accepted),
+  /// `QUEUE_FULL`, or an error of `MapRuntime::CheckUploads`.
   using Done = std::function<void(const absl::Status&)>;
 
-  /// Starts; calls `done` once, from a thread of the pool or whoever frees budget. `batch` must
-  /// have passed `CheckNumbering`. `pool` must outlive the batch.
+  /// Starts the processing. Calls `done` once, from a thread of the pool or from the thread that
+  /// releases memory. `batch` must have passed `CheckNumbering`. `pool` must outlive the
+  /// processing.
   static void Start(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done);
 
-  /// Use `Start`.
+  /// For `Start` only.
   BatchIntake(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done);
 
-  /// Calls `done` if nobody has: a map that closes drops those who wait for its budget.
+  /// Calls `done` if it was not called before: a map that closes drops the requests that wait for
+  /// its memory budget.
   ~BatchIntake();
 
   BatchIntake(const BatchIntake&) = delete;
@@ -76,15 +79,15 @@ class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
 
   WorkerPool* const pool_;
   const UploadRoute route_;
-  const FrameBudget::Reservation memory_;  ///< Of the message.
+  const FrameBudget::Reservation memory_;  ///< For the message.
   v1::FrameBatch batch_;
   const std::uint64_t batch_bytes_;
   Done done_;
 
-  int next_ = 0;                          ///< Frame to be looked at next.
-  int handed_over_ = 0;                   ///< Frames before this one are in the queue.
-  ClientSequence predecessor_;            ///< Of the next piece.
-  FrameBudget::Reservation reservation_;  ///< For the next frame, where it had to be waited for.
+  int next_ = 0;                          ///< Index of the next frame.
+  int handed_over_ = 0;                   ///< Number of frames already in the queue.
+  ClientSequence predecessor_;            ///< Of the next part.
+  FrameBudget::Reservation reservation_;  ///< For the next frame, after a wait.
   std::vector<PendingFrame> frames_;
   std::vector<RefusedFrame> refused_;
 };

@@ -6,8 +6,8 @@
 
 namespace steadymap {
 
-/// Takes frames from robots; see proto/steadymap/v1/ingest_service.proto.
-/// It is handed bytes, so that it can bound what a message holds before it is parsed.
+/// Receives frames from robots; see proto/steadymap/v1/ingest_service.proto. Receives requests as
+/// bytes, so that their size is checked before they are parsed.
 class IngestService final : public v1::IngestService::WithRawCallbackMethod_UploadFrames<
                                 v1::IngestService::WithRawCallbackMethod_UploadFrameBatch<
                                     v1::IngestService::WithRawCallbackMethod_GetUploadState<

@@ -14,10 +14,10 @@
 
 namespace steadymap {
 
-/// What gRPC holds; keeps the call counted on the registry.
+/// The reactor owned by gRPC; keeps the call counted in the registry.
 class UploadCall::Reactor final : public grpc::ServerUnaryReactor {
  public:
-  /// `registry` is null for a call that was not let in.
+  /// `registry` is null for a call that was not admitted.
   Reactor(std::shared_ptr<UploadCall> call, UploadRegistry* registry)
       : call_(std::move(call)), roster_(registry) {}
 
@@ -49,7 +49,7 @@ grpc::ServerUnaryReactor* UploadCall::Start(const UploadStream::Dependencies& de
   return reactor;
 }
 
-/// Leaves the message as it came until there is memory for what it holds.
+/// Leaves the message serialized until memory for the parsed message is reserved.
 void UploadCall::AwaitMemory(const grpc::ByteBuffer& request) {
   const std::size_t bytes = request.Length();
   if (bytes > dependencies_.limits->Get().max_message_bytes) return TakeMessage(request, {});

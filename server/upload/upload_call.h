@@ -14,17 +14,17 @@
 
 namespace steadymap {
 
-/// One `UploadFrameBatch` call: takes a batch in, and answers when it has come as far as asked.
-/// Outlives the reactor as long as its frames are under way. Thread-safe.
+/// One `UploadFrameBatch` call: processes a batch and responds when it has reached the requested
+/// acknowledgement level. Outlives the reactor while frames of it are in flight. Thread-safe.
 class UploadCall final : public UploadObserver, public std::enable_shared_from_this<UploadCall> {
  public:
   /// Starts a call with a serialized `v1::UploadFrameBatchRequest`. The reactor deletes itself;
-  /// `response` belongs to gRPC and lives as long as it does.
+  /// `response` belongs to gRPC and is valid as long as the reactor.
   static grpc::ServerUnaryReactor* Start(const UploadStream::Dependencies& dependencies,
                                          const grpc::ByteBuffer& request,
                                          grpc::ByteBuffer* response);
 
-  /// Use `Start`.
+  /// For `Start` only.
   explicit UploadCall(const UploadStream::Dependencies& dependencies)
       : dependencies_(dependencies) {}
 
@@ -48,19 +48,19 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
 
   const UploadStream::Dependencies dependencies_;
 
-  // Touched by none but whoever sets `finished_`.
+  // Used only by the thread that sets `finished_`.
   Reactor* reactor_ = nullptr;
   grpc::ByteBuffer* response_ = nullptr;
 
-  // Set before anything is under way.
+  // Set before the intake starts.
   std::shared_ptr<MapRuntime> map_;
-  ReadBatch batch_;  ///< Until the map is open.
+  ReadBatch batch_;  ///< Moved to the intake once the map is open.
   v1::AckLevel level_ = v1::ACK_LEVEL_DURABLE;
-  ClientSequence last_;  ///< Of the batch.
+  ClientSequence last_;  ///< Last sequence of the batch.
 
   mutable absl::Mutex mutex_;
   bool taken_in_ ABSL_GUARDED_BY(mutex_) = false;
-  BatchProgress progress_ ABSL_GUARDED_BY(mutex_);  ///< The furthest of the pieces.
+  BatchProgress progress_ ABSL_GUARDED_BY(mutex_);  ///< Maximum of all parts.
   ClientSequence durable_ ABSL_GUARDED_BY(mutex_);
   ClientSequence integrated_ ABSL_GUARDED_BY(mutex_);
   std::vector<RefusedFrame> refused_ ABSL_GUARDED_BY(mutex_);

@@ -10,14 +10,14 @@
 namespace steadymap {
 namespace {
 
-// Each holds a message of at most `max_message_bytes`; robots use streams.
+// Each call holds a message of at most `max_message_bytes`. Robots use streams.
 constexpr std::size_t kMaxCalls = 64;
 
 // See `LimitOptions::max_upload_streams`.
 constexpr std::size_t kQueueBytesPerStream = std::size_t{512} << 10;
 constexpr std::size_t kLeastMaxStreams = 16;
 
-// Streams end seldom.
+// A long retry delay, because streams rarely end.
 constexpr std::int64_t kNoPlaceDelayMs = 5000;
 
 }  // namespace

@@ -17,52 +17,53 @@
 
 namespace steadymap {
 
-/// An upload that others may have to end. Called from any thread, without locks held.
+/// An upload that the server can end. Called from any thread, without locks held.
 class ActiveUpload {
  public:
   virtual ~ActiveUpload() = default;
 
-  /// Ends at once with `status`.
+  /// Ends the upload immediately with `status`.
   virtual void End(const absl::Status& status) = 0;
 
-  /// Takes nothing more, and ends with `status` when what it took is integrated and acknowledged.
+  /// Accepts no more frames; ends with `status` after the accepted frames are integrated and
+  /// acknowledged.
   virtual void Drain(const absl::Status& status) = 0;
 };
 
-/// All uploads under way. Sees to it that a sensor has one stream a map, that there are not too
-/// many, and lets the server drain. Thread-safe.
+/// All open uploads. Allows one stream per sensor and map, limits their number, and drains them at
+/// shutdown. Thread-safe.
 class UploadRegistry {
  public:
   explicit UploadRegistry(std::size_t max_streams) : max_streams_(max_streams) {}
 
-  /// Enters a sensor's stream; the one before it on the same map, whose place it takes, ends with
-  /// `UPLOAD_SUPERSEDED`. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with
-  /// reason `QUEUE_FULL` and a delay for the next try if there are too many.
+  /// Adds a sensor's stream. It replaces the sensor's previous stream to the same map, which ends
+  /// with `UPLOAD_SUPERSEDED`. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted`
+  /// with reason `QUEUE_FULL` and a retry delay if there are too many streams.
   absl::Status Enter(MapKey map, const SessionName& session, std::shared_ptr<ActiveUpload> upload)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Takes a stream off the list, if it is still on it.
+  /// Removes a stream, including one that was replaced.
   void Leave(MapKey map, const SessionName& session, const ActiveUpload* upload)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Counts a call that uploads without a stream. Errors: `Unavailable` with reason `DRAINING`;
-  /// `ResourceExhausted` with reason `QUEUE_FULL` if there are too many.
+  /// Counts a unary upload call. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted`
+  /// with reason `QUEUE_FULL` if there are too many calls.
   absl::Status EnterCall() ABSL_LOCKS_EXCLUDED(mutex_);
   void LeaveCall() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The sessions that streams of a map upload in.
+  /// Returns the sessions of the open streams of a map.
   std::set<SessionName> SessionsOf(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Ends the streams of a map.
+  /// Ends all streams of a map.
   void EndMap(MapKey map, const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Lets nobody in from now on, and asks all streams to come to an end.
+  /// Refuses new uploads and drains all streams.
   void Drain() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Whether all uploads have ended by `deadline`.
+  /// Waits until all uploads have ended. Returns false at `deadline`.
   bool AwaitEmpty(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The bound for streams from now on; those under way go on.
+  /// Sets a new limit on the number of streams. Open streams continue.
   void SetMaxStreams(std::size_t max_streams) ABSL_LOCKS_EXCLUDED(mutex_);
 
   std::size_t stream_count() const ABSL_LOCKS_EXCLUDED(mutex_);
@@ -74,7 +75,7 @@ class UploadRegistry {
     return streams_.empty() && superseded_ == 0 && calls_ == 0;
   }
 
-  /// A stream under way.
+  /// An open stream.
   struct Stream {
     SessionName session;
     std::shared_ptr<ActiveUpload> upload;
@@ -83,15 +84,15 @@ class UploadRegistry {
   mutable absl::Mutex mutex_;
   std::size_t max_streams_ ABSL_GUARDED_BY(mutex_);
   std::map<Key, Stream> streams_ ABSL_GUARDED_BY(mutex_);
-  std::size_t superseded_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Replaced, but not left yet.
+  std::size_t superseded_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Replaced, but still open.
   std::size_t calls_ ABSL_GUARDED_BY(mutex_) = 0;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-/// The streams that `limits` allow at once.
+/// Returns the maximum number of simultaneous streams under `limits`.
 std::size_t MaxUploadStreams(const LimitOptions& limits);
 
-/// The error that a draining server answers uploads with.
+/// Returns the error for uploads to a draining server.
 absl::Status DrainingError();
 
 }  // namespace steadymap

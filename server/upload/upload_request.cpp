@@ -12,7 +12,7 @@ namespace {
 
 absl::Status CheckId(const char* field, const std::string& id) {
   if (IsValidId(id)) return absl::OkStatus();
-  // The id is cut: it may be megabytes of somebody's garbage.
+  // The id is truncated, because it may be megabytes of arbitrary data.
   return InvalidField(
       reason::kBadName,
       field,
@@ -36,7 +36,7 @@ absl::StatusOr<UploadTarget> FindUploadTarget(const MapDirectory& maps,
 }
 
 RequestLimits UploadRequestLimits(const LimitOptions& limits) {
-  // A frame with four images and whatever later versions add.
+  // Enough for a frame with four images and for fields of later versions.
   constexpr std::size_t kFieldsPerFrame = 64;
   return {limits.max_message_bytes, (kMaxBatchFrames + 1) * kFieldsPerFrame};
 }

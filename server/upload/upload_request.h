@@ -13,22 +13,23 @@
 
 namespace steadymap {
 
-/// What an upload names: a map and a session in it.
+/// The map and the session of an upload.
 struct UploadTarget {
   std::shared_ptr<MapRuntime> map;
   SessionName session;
 };
 
-/// Finds what an upload names; the map may still be opening. Errors, with the fields `map`,
-/// `robot`, `sensor` and `session`: `NotFound`; `InvalidArgument` with reason `BAD_NAME`.
+/// Finds the map and the session of an upload; the map may still be opening. Errors, with the
+/// fields `map`, `robot`, `sensor` and `session`: `NotFound`; `InvalidArgument` with reason
+/// `BAD_NAME`.
 absl::StatusOr<UploadTarget> FindUploadTarget(const MapDirectory& maps,
                                               const std::string& map,
                                               const std::string& robot,
                                               const std::string& sensor,
                                               const std::string& session);
 
-/// What a message of an upload may hold. gRPC itself lets a bit more in, so that the client hears
-/// the reason.
+/// Returns the limits on an upload message. gRPC accepts slightly larger messages, so that the
+/// client receives the server's error reason.
 RequestLimits UploadRequestLimits(const LimitOptions& limits);
 
 }  // namespace steadymap

@@ -101,7 +101,7 @@ v1::UploadFramesResponse UploadResponses::TakeNext() {
 
 void UploadResponses::Note(std::size_t level, const BatchProgress& progress) {
   Level& entry = levels_[level];
-  // Word of an earlier piece may come later: it says nothing new.
+  // A report about an earlier part may arrive late. It contains nothing new.
   if (!entry.wanted || progress.through <= entry.progress.through) return;
   entry.progress = progress;
   entry.due = true;
@@ -116,7 +116,7 @@ v1::UploadFramesResponse UploadResponses::TakeAck(std::size_t level) {
   ack->set_client_seq(entry.progress.through.value());
   if (level != kReceived) ack->set_map_seq(entry.progress.map_seq.value());
   if (level == kIntegrated) ack->set_revision(entry.progress.revision.value());
-  // The first level to come this far is the lowest that the session asked for.
+  // `entry` is the lowest requested level: it is the first to reach these frames.
   while (!refused_.empty() && refused_.front().sequence <= entry.progress.through) {
     *ack->add_refused() = ToProto(refused_.front());
     refused_.pop_front();

@@ -15,14 +15,15 @@
 
 namespace steadymap {
 
-/// A refused frame on the wire.
+/// Converts a refused frame to its wire message.
 v1::RefusedFrame ToProto(const RefusedFrame& refused);
 
-/// What an upload stream still has to tell its client: acknowledgements and credit. Keeps the
-/// newest word of each kind only, so a client that reads slowly costs nothing. Pure state.
+/// The pending messages of an upload stream to its client: acknowledgements and credit. Keeps only
+/// the newest message of each kind, so a slow client uses no additional memory. Pure state without
+/// I/O. Not thread-safe.
 class UploadResponses {
  public:
-  /// Credit that a client has to begin with, and gets back.
+  /// Flow-control credit that a client has at the start.
   struct Window {
     std::uint64_t frames = 0;
     std::uint64_t bytes = 0;
@@ -30,31 +31,31 @@ class UploadResponses {
 
   explicit UploadResponses(Window window) : window_(window), available_(window) {}
 
-  /// Chooses the levels to acknowledge. Errors: `InvalidArgument` with the field `ack_levels[i]`.
+  /// Selects the acknowledgement levels. Errors: `InvalidArgument` with the field `ack_levels[i]`.
   absl::Status ChooseLevels(const v1::UploadOpen& open);
 
-  /// What the client has to begin with.
+  /// Returns the credit of the client at the start.
   v1::UploadCredit initial_credit() const;
 
-  /// The client has used credit. Errors: `ResourceExhausted` with reason `QUEUE_FULL` if it has
-  /// less than that; it is then unchanged.
+  /// Records that the client has used credit. Errors: `ResourceExhausted` with reason `QUEUE_FULL`
+  /// if the client has less credit; the credit is then unchanged.
   absl::Status Spend(std::uint64_t frames, std::uint64_t bytes);
 
   void NoteReceived(ClientSequence through, std::vector<RefusedFrame> refused);
   void NoteDurable(const BatchProgress& progress);
 
-  /// Gives the credit of the piece back, too.
+  /// Records the integration of a part and returns its credit to the client.
   void NoteIntegrated(const BatchProgress& progress);
 
   bool HasNext() const;
 
-  /// The next message: acknowledgements in the order of their levels, then credit.
+  /// Returns the next message: acknowledgements in the order of their levels, then credit.
   v1::UploadFramesResponse TakeNext();
 
  private:
   static constexpr std::size_t kLevels = 3;
 
-  /// An acknowledgement that is due.
+  /// A pending acknowledgement.
   struct Level {
     bool wanted = false;
     bool due = false;
@@ -66,8 +67,8 @@ class UploadResponses {
   v1::UploadFramesResponse TakeCredit();
 
   Window window_;
-  Window available_;  ///< What the client holds.
-  Window returned_;   ///< What it gets with the next message of credit.
+  Window available_;  ///< Credit that the client has.
+  Window returned_;   ///< Credit of the next credit message.
   std::array<Level, kLevels> levels_;
   std::deque<RefusedFrame> refused_;  ///< Not reported yet; bounded by the window.
 };

@@ -14,7 +14,7 @@
 
 namespace steadymap {
 
-/// What gRPC holds: passes its reports on.
+/// The reactor owned by gRPC; forwards the events to the stream.
 class UploadStream::Reactor final : public GrpcReactor {
  public:
   explicit Reactor(std::shared_ptr<UploadStream> stream) : stream_(std::move(stream)) {}
@@ -93,7 +93,8 @@ void UploadStream::Drain(const absl::Status& status) {
   {
     const absl::MutexLock lock(&mutex_);
     if (!ending_) ending_ = status;
-    // Not acknowledged at any level: the client sends it again elsewhere.
+    // These frames are not acknowledged at any level, so the client sends them again, for example
+    // to the next server process.
     inbox_.clear();
   }
   Drive();
@@ -109,8 +110,8 @@ void UploadStream::OnRead(bool ok) {
   Drive();
 }
 
-/// Leaves the message as it came until there is memory for what it holds; nothing more is read
-/// meanwhile.
+/// Leaves the message serialized until memory for the parsed message is reserved. No other message
+/// is read in the meantime.
 void UploadStream::AwaitMemory() {
   const std::size_t bytes = request_.Length();
   if (map_ == nullptr || bytes > limits_.max_message_bytes) return TakeMessage({});
@@ -258,7 +259,7 @@ void UploadStream::OnGone() {
 }
 
 void UploadStream::Drive() {
-  // Whoever holds the last reference may let go of it while this goes on.
+  // Keeps the stream alive: another thread may release the last reference during the loop.
   const std::shared_ptr<UploadStream> self = shared_from_this();
   {
     const absl::MutexLock lock(&mutex_);
@@ -282,7 +283,7 @@ void UploadStream::Drive() {
 UploadStream::Action UploadStream::Decide() {
   if (finished_) return Action::kNone;
   if (!end_ && ending_ && IsSettled() && !opened_ && !answers_.HasNext()) end_ = *ending_;
-  // What is due is said before the end, unless nobody listens.
+  // Pending messages are written before the stream ends, unless the client has disconnected.
   if (!writing_ && !broken_ && (opened_ || answers_.HasNext())) {
     writing_ = true;
     response_ = ToByteBuffer(opened_ ? *std::move(opened_) : answers_.TakeNext());
@@ -342,7 +343,7 @@ void UploadStream::TakeIn() {
   ClientSequence predecessor;
   {
     const absl::MutexLock lock(&mutex_);
-    // A drain may have emptied it meanwhile.
+    // `Drain` may have emptied the inbox meanwhile.
     if (inbox_.empty()) {
       taking_in_ = false;
       return;
@@ -376,7 +377,7 @@ void UploadStream::RequestCommit() {
   if (map != nullptr) map->RequestCommit(target);
 }
 
-/// Whether everything that was taken is integrated.
+/// True if all accepted frames are integrated.
 bool UploadStream::IsSettled() const {
   return inbox_.empty() && !taking_in_ && !awaiting_map_ && integrated_ >= last_taken_;
 }

@@ -27,33 +27,33 @@
 
 namespace steadymap {
 
-/// One `UploadFrames` call: reads batches as far as credit and memory allow, has them taken in, and
-/// tells the client what becomes of them.
+/// One `UploadFrames` call: reads batches within the client's credit and the memory budget, has
+/// them processed, and reports their progress to the client.
 ///
-/// Many threads report to a stream, but one at a time drives it: whoever changes the state and
-/// finds nobody driving takes what follows from it to gRPC, outside the lock. So there is one read,
-/// one write and one finish at most, and none after the finish. The stream outlives the reactor as
-/// long as frames of it are under way. Thread-safe.
+/// Many threads change the state of a stream, but only one at a time drives it. A thread that
+/// changes the state while no thread drives it performs the resulting gRPC operations, outside the
+/// lock. Therefore at most one read, one write and one finish are pending, and none follows the
+/// finish. The stream outlives the reactor while frames of it are in flight. Thread-safe.
 class UploadStream final : public UploadObserver,
                            public ActiveUpload,
                            public std::enable_shared_from_this<UploadStream> {
  public:
   using GrpcReactor = grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>;
 
-  /// What streams need of the server; all of it outlives them.
+  /// The parts of the server that streams use. All of them must outlive the streams.
   struct Dependencies {
     MapDirectory* maps = nullptr;
     UploadRegistry* registry = nullptr;
     WorkerPool* decoders = nullptr;
     const LiveLimits* limits = nullptr;
-    /// For messages of calls without a stream, which are read before it is known for which map.
+    /// For messages of unary calls, which are read before their map is known.
     std::shared_ptr<FrameBudget::Account> call_account;
   };
 
   /// Starts a stream. The reactor deletes itself.
   static GrpcReactor* Start(const Dependencies& dependencies);
 
-  /// Use `Start`.
+  /// For `Start` only.
   explicit UploadStream(const Dependencies& dependencies);
 
   bool IsAbandoned() const override ABSL_LOCKS_EXCLUDED(mutex_);
@@ -68,10 +68,10 @@ class UploadStream final : public UploadObserver,
  private:
   class Reactor;
 
-  /// What is to be done next.
+  /// The next operation of the driving thread.
   enum class Action { kNone, kRead, kWrite, kTakeIn, kRequestCommit, kFinish };
 
-  // Reports of gRPC.
+  // Events from gRPC.
   void OnRead(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
   void OnWritten(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
   void OnCancelled() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -88,47 +88,47 @@ class UploadStream final : public UploadObserver,
   void TakeMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleOpen(const v1::UploadOpen& open) ABSL_LOCKS_EXCLUDED(mutex_);
-  /// `known_durable`: the last frame that the client knows to be durable.
+  /// `known_durable`: the last frame that the client believes to be durable.
   void OnMapOpened(ClientSequence known_durable) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleBatch(ReadBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Dependencies dependencies_;
-  const LimitOptions limits_;   ///< As they were when the stream began.
-  Reactor* reactor_ = nullptr;  ///< Valid until it has been finished.
-  grpc::ByteBuffer request_;    ///< Of the read in flight, or waiting for memory.
-  grpc::ByteBuffer response_;   ///< Of the write in flight.
+  const LimitOptions limits_;   ///< At the start of the stream.
+  Reactor* reactor_ = nullptr;  ///< Valid until it is finished.
+  grpc::ByteBuffer request_;    ///< Pending read, or waiting for memory.
+  grpc::ByteBuffer response_;   ///< Pending write.
 
-  // Set once, by the reading side and under the lock, before any batch is taken in.
+  // Set once, by the reading thread and under the lock, before any batch is processed.
   std::shared_ptr<MapRuntime> map_;
-  std::shared_ptr<const MapConfig> config_;  ///< Of the map; all batches share it.
+  std::shared_ptr<const MapConfig> config_;  ///< Of the map; shared by all batches.
   SessionName session_;
 
-  MissingLabelsWarning missing_labels_;  ///< Of the reading side.
+  MissingLabelsWarning missing_labels_;  ///< Used only by the reading thread.
 
   mutable absl::Mutex mutex_;
   bool driving_ ABSL_GUARDED_BY(mutex_) = false;
   bool reading_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
-  bool broken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Nothing can be written any more.
+  bool broken_ ABSL_GUARDED_BY(mutex_) = false;  ///< No message can be written any more.
 
-  bool entered_ ABSL_GUARDED_BY(mutex_) = false;                            ///< On the registry.
-  bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;                       ///< It is not open yet.
+  bool entered_ ABSL_GUARDED_BY(mutex_) = false;                            ///< In the registry.
+  bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;                       ///< Is not open yet.
   std::optional<v1::UploadFramesResponse> opened_ ABSL_GUARDED_BY(mutex_);  ///< To be written.
   UploadResponses answers_ ABSL_GUARDED_BY(mutex_);
   std::deque<ReadBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< At most one.
-  bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;       ///< A batch is being decoded.
+  bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;       ///< A batch is being processed.
   bool commit_requested_ ABSL_GUARDED_BY(mutex_) = false;
 
-  ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Of the newest batch.
-  ClientSequence last_in_intake_ ABSL_GUARDED_BY(mutex_);  ///< Of the newest batch in intake.
-  ClientSequence last_taken_ ABSL_GUARDED_BY(mutex_);      ///< Of what is in the queue, or further.
+  ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Last of the newest batch.
+  ClientSequence last_in_intake_ ABSL_GUARDED_BY(mutex_);  ///< Last of the newest batch in intake.
+  ClientSequence last_taken_ ABSL_GUARDED_BY(mutex_);      ///< Last in the queue or refused.
   BatchProgress durable_ ABSL_GUARDED_BY(mutex_);
   ClientSequence integrated_ ABSL_GUARDED_BY(mutex_);
 
-  /// How the stream ends, once everything that was taken is integrated; empty: it goes on.
+  /// Status for the end after all accepted frames are integrated; empty: the stream continues.
   std::optional<absl::Status> ending_ ABSL_GUARDED_BY(mutex_);
-  /// How it ends now.
+  /// Status for the immediate end.
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 };
 
