@@ -23,12 +23,12 @@ using google::protobuf::util::FieldMaskUtil;
 constexpr std::size_t kMaxDisplayNameBytes = 128;
 constexpr std::size_t kMaxRequestIdBytes = 64;
 
-// A century: more would overflow nanoseconds somewhere down the line.
+// About 100 years; a larger value would overflow in nanoseconds.
 constexpr std::int64_t kMaxRetentionSeconds = std::int64_t{100} * 366 * 24 * 3600;
 
 constexpr std::int64_t kMaxCommitDelayMs = 60'000;
 
-// The path that adds to the class table.
+// Update path that adds rows to the class table.
 constexpr char kClassesPath[] = "config.classes";
 
 absl::Status CheckLength(const char* field, const std::string& text, std::size_t max_bytes) {
@@ -111,7 +111,7 @@ absl::Status ReadWorldFrame(const v1::WorldFrame& message, WorldFrame* frame) {
   if (!message.has_anchor()) return absl::OkStatus();
   const v1::GeoAnchor& anchor = message.anchor();
   const auto lies_in = [](double value, double low, double high) {
-    return value >= low && value <= high;  // NaN does not.
+    return value >= low && value <= high;  // False for NaN.
   };
   if (!lies_in(anchor.latitude_deg(), -90.0, 90.0) ||
       !lies_in(anchor.longitude_deg(), -180.0, 180.0) ||
@@ -162,7 +162,7 @@ void FillState(const MapRuntime& map, v1::MapState* state) {
   const MapRuntime::Health health = map.health();
   state->set_condition(ConditionToProto(health.condition));
   if (!health.reason.ok()) state->set_condition_reason(std::string(health.reason.message()));
-  // The revision first: the head must not be behind it.
+  // The revision is read before the head, so that the head is not older than it.
   const PublishedRevision published = map.published();
   const MapSnapshot& snapshot = *published.snapshot;
   const std::uint64_t integrated = snapshot.integrated().value();
@@ -244,7 +244,7 @@ v1::Map MakeMapResource(const MapRuntime& map) {
   if (!record.condition.ok()) return resource;
   resource.set_display_name(record.display_name);
   MapConfig config = record.config;
-  // Of a map that is not open yet, those that it began with.
+  // Empty while the map is not open; the resource then contains the initial classes.
   if (std::vector<SemanticClass> classes = map.classes(); !classes.empty()) {
     config.classes = std::move(classes);
   }

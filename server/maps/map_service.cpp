@@ -24,8 +24,8 @@ constexpr std::size_t kMaxMaps = 10'000;
 
 constexpr std::size_t kRememberedDeletions = 1000;
 
-/// OK if the server can have one more map than it has. A map that finds no descriptor for a file
-/// could not be written to any more.
+/// Returns OK if the process has enough descriptors for one more map. A map without a free
+/// descriptor for a file could no longer be written.
 absl::Status CheckRoom(std::size_t map_count) {
   if (map_count >= kMaxMaps) {
     return MakeError(absl::StatusCode::kResourceExhausted,
@@ -111,7 +111,7 @@ grpc::ServerUnaryReactor* MapService::DeleteMap(grpc::CallbackServerContext* /*c
       });
 }
 
-/// Finishes the call once the map is open.
+/// Creates the map, and finishes the call once the map is open.
 void MapService::Create(const v1::CreateMapRequest& request,
                         v1::Map* response,
                         const FinishCall& finish) {
@@ -166,7 +166,7 @@ absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsRe
   const std::string scope = "maps of " + tenant + " behind ";
   const absl::StatusOr<std::string> after = ReadPageToken(scope, request.page_token());
   if (!after.ok()) return after.status();
-  // One more than asked for tells whether there is another page.
+  // One more than requested, to find out whether another page follows.
   const std::vector<std::shared_ptr<MapRuntime>> maps =
       dependencies_.maps->List(tenant, *after, *page_size + 1);
   std::size_t bytes = 0;
@@ -207,8 +207,8 @@ absl::Status MapService::Update(const v1::UpdateMapRequest& request, v1::Map* re
   return absl::OkStatus();
 }
 
-/// Adds the classes that an update asks for, and waits until they are durable: the next change must
-/// find them.
+/// Adds the classes of an update and waits until they are durable, so that the next change finds
+/// them.
 absl::Status MapService::AddClasses(const v1::UpdateMapRequest& request, MapRuntime* map) {
   if (absl::Status status = map->CheckReads(); !status.ok()) return status;
   absl::StatusOr<std::vector<SemanticClass>> added =

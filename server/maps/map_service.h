@@ -15,16 +15,17 @@
 
 namespace steadymap {
 
-/// The generated service, handed the bytes of its messages.
+/// The generated service, with messages as bytes.
 using RawMapService = v1::MapService::WithRawCallbackMethod_CreateMap<
     v1::MapService::WithRawCallbackMethod_GetMap<v1::MapService::WithRawCallbackMethod_ListMaps<
         v1::MapService::WithRawCallbackMethod_UpdateMap<
             v1::MapService::WithRawCallbackMethod_DeleteMap<v1::MapService::Service>>>>>;
 
-/// Creates, lists and deletes maps; see proto/steadymap/v1/map_service.proto.
+/// The service for creating, listing, updating and deleting maps; see
+/// proto/steadymap/v1/map_service.proto.
 class MapService final : public RawMapService {
  public:
-  /// What the service needs of the server; all of it outlives it.
+  /// The parts of the server that the service uses. All of them must outlive it.
   struct Dependencies {
     MapDirectory* maps = nullptr;
     UploadRegistry* registry = nullptr;
@@ -52,7 +53,7 @@ class MapService final : public RawMapService {
                                       grpc::ByteBuffer* response) override;
 
  private:
-  /// A deletion that may be asked for again.
+  /// A deletion that a client may request again.
   struct Deletion {
     MapName name;
     std::string request_id;
@@ -67,8 +68,8 @@ class MapService final : public RawMapService {
   absl::Status Delete(const v1::DeleteMapRequest& request);
 
   const Dependencies dependencies_;
-  WriterMutex changes_;             ///< Changes of maps come one after another.
-  std::deque<Deletion> deletions_;  ///< The newest ones, oldest first. Of whoever has the turn.
+  WriterMutex changes_;             ///< Serialises creation, update and deletion of maps.
+  std::deque<Deletion> deletions_;  ///< Recent ones, oldest first. Guarded by `changes_`.
 };
 
 }  // namespace steadymap

@@ -25,20 +25,20 @@ constexpr std::uint32_t kMaxEvents = 10'000;
 constexpr std::size_t kEventsPerRead = 1000;
 constexpr std::size_t kMaxEventsPassed = 100'000;
 
-/// What a request wants of an event.
+/// The filter of a request for events.
 struct EventFilter {
-  std::set<EventType> types;   ///< Empty: any; so for all sets.
-  std::set<ObjectId> objects;  ///< Of the event itself or the related one.
+  std::set<EventType> types;   ///< Empty: any type.
+  std::set<ObjectId> objects;  ///< The event's object or its related one; empty: any.
   std::set<ClassId> classes;
   Revision changed_since;
   Timestamp start_time;
-  std::optional<Timestamp> end_time;  ///< Events come before it; none: any time.
+  std::optional<Timestamp> end_time;  ///< Exclusive; none: no limit.
 
   bool Passes(const ObjectEvent& event) const {
     if (event.revision <= changed_since && changed_since.value() > 0) return false;
     if (event.time < start_time || (end_time && event.time >= *end_time)) return false;
     if (!types.empty() && !types.contains(event.type)) return false;
-    // They concern no object, so they pass no filter of objects.
+    // Events of robots concern no object, so no filter of objects or classes accepts them.
     if (event.IsOfRobot()) return objects.empty() && classes.empty();
     if (!classes.empty() && !classes.contains(event.class_id)) return false;
     return objects.empty() || objects.contains(event.object) ||
@@ -85,13 +85,13 @@ absl::StatusOr<EventFilter> ReadFilter(const v1::ListEventsRequest& request) {
   return filter;
 }
 
-/// Fills an answer with the events that pass a filter.
+/// A response page with the events that pass a filter.
 class EventPage {
  public:
   EventPage(const EventFilter& filter, std::size_t page_size, v1::ListEventsResponse* response)
       : filter_(filter), page_size_(page_size), response_(response) {}
 
-  /// Adds the event if it passes; false if it does and the page is full.
+  /// Adds the event if it passes the filter. Returns false if it passes and the page is full.
   bool Add(const StoredEvent& stored) {
     if (!filter_.Passes(stored.event)) return true;
     if (static_cast<std::size_t>(response_->events_size()) == page_size_ ||
@@ -137,7 +137,7 @@ absl::Status AnswerListEvents(Store& store,
         store.ReadEvents(map, next, kEventsPerRead);
     if (!events.ok()) return events.status();
     for (const StoredEvent& stored : *events) {
-      // What was committed after the first page belongs to a later revision.
+      // Later events belong to a later revision than that of the first page.
       if (stored.number.value() > start->end) return absl::OkStatus();
       if (!page.Add(stored)) {
         response->set_next_page_token(

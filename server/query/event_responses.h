@@ -11,8 +11,9 @@
 
 namespace steadymap {
 
-/// A page of the map's events up to the snapshot's revision, read from `store`. Cost: about 1 us an
-/// event passed over; after 100 000 of them a page ends even if it is not full.
+/// Fills a page with the map's events up to the revision of the snapshot, read from `store`. Cost:
+/// about 1 us per event read; after 100 000 events the page ends even if it is not full. Errors:
+/// those of an invalid request, with the field's path; `Cancelled`; those of the store.
 absl::Status AnswerListEvents(Store& store,
                               MapKey map,
                               const MapSnapshot& snapshot,

@@ -21,7 +21,7 @@
 namespace steadymap {
 namespace {
 
-/// A file that is about to be made.
+/// The file of an export.
 struct ExportFile {
   std::unique_ptr<FileEncoder> encoder;
   std::uint64_t triangles = 0;
@@ -29,7 +29,7 @@ struct ExportFile {
 
 class ExportMessages final : public MessageSource<v1::ExportMapResponse> {
  public:
-  /// The file may be made from what the snapshot holds.
+  /// `file` may refer to data of the snapshot.
   ExportMessages(std::shared_ptr<const MapSnapshot> snapshot, ExportFile file)
       : snapshot_(std::move(snapshot)), file_(std::move(file)) {}
 
@@ -51,7 +51,7 @@ class ExportMessages final : public MessageSource<v1::ExportMapResponse> {
  private:
   enum class Part { kHeader, kChunks, kEnd };
 
-  /// A chunk, or the trailer behind the last one.
+  /// Fills a message with the next chunk, or with the trailer after the last chunk.
   absl::StatusOr<bool> NextChunk(v1::ExportMapResponse* message) {
     const absl::StatusOr<bool> more = file_.encoder->Next(message->mutable_chunk());
     if (!more.ok()) return more.status();
@@ -68,7 +68,7 @@ class ExportMessages final : public MessageSource<v1::ExportMapResponse> {
 
   const std::shared_ptr<const MapSnapshot> snapshot_;
   const ExportFile file_;
-  Part part_ = Part::kHeader;  ///< What comes next.
+  Part part_ = Part::kHeader;  ///< Next part to send.
   std::uint64_t file_bytes_ = 0;
   std::uint32_t crc32c_ = 0;
 };

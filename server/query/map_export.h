@@ -12,9 +12,10 @@
 
 namespace steadymap {
 
-/// The map as a file, in chunks of at most `kFilePieceBytes`, each made when it is asked for; of a
-/// mesh file the mesh is made first. Errors, here and of the source: also `Cancelled`, as
-/// `cancellation` says.
+/// Opens an export of the map as a file, in chunks of at most `kFilePieceBytes`. Each chunk is made
+/// when it is requested; for a mesh format the whole mesh is computed first. Errors, of this
+/// function and of the source: those of an invalid request; `NotFound` for an unknown object;
+/// `Cancelled`.
 absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport(
     std::shared_ptr<const MapSnapshot> snapshot,
     const v1::ExportMapRequest& request,

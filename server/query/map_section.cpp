@@ -18,19 +18,19 @@ namespace {
 
 constexpr std::size_t kSectionMessageBytes = std::size_t{1} << 20;
 
-// What a packed leaf can take at most, and what surrounds it on the wire.
+// Maximum size of a packed leaf in a message.
 constexpr std::size_t kSectionLeafBytes = 8192;
 
-// An object has some 300 bytes, more where it was seen as many classes.
+// An object has about 300 bytes, and more if it was observed with many classes.
 constexpr std::size_t kMaxObjectBytes = std::size_t{1} << 19;
 
-/// What of one volume a section holds.
+/// The leaves of one volume in a section.
 struct SectionPart {
   PlacedVolume volume;
   std::vector<LeafOrigin> leaves;
 };
 
-/// The parts of the chosen volumes that touch the box; an object without leaves there is left out.
+/// Returns the leaves of the chosen volumes that touch the box. Omits volumes without leaves in it.
 absl::StatusOr<std::vector<SectionPart>> ChooseParts(const MapSnapshot& snapshot,
                                                      const std::vector<PlacedVolume>& volumes,
                                                      const std::optional<Box>& box,
@@ -66,7 +66,7 @@ class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
   }
 
  private:
-  /// Fills a message with objects; false once there are no more.
+  /// Fills a message with objects. Returns false if none is left.
   bool NextObjects(v1::GetMapSectionResponse* message) {
     std::size_t bytes = 0;
     for (; next_object_ < parts_.size() && bytes < kMaxObjectBytes; ++next_object_) {
@@ -79,7 +79,7 @@ class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
     return bytes > 0;
   }
 
-  /// Fills a message with leaves; false once there are no more.
+  /// Fills a message with leaves. Returns false if none is left.
   bool NextLeaves(v1::GetMapSectionResponse* message) {
     std::size_t bytes = 0;
     while (part_ < parts_.size() && bytes + kSectionLeafBytes <= kSectionMessageBytes) {
@@ -105,11 +105,11 @@ class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
   }
 
   const std::shared_ptr<const MapSnapshot> snapshot_;
-  const std::vector<SectionPart> parts_;  ///< Pointing into the snapshot.
+  const std::vector<SectionPart> parts_;  ///< Points into the snapshot.
   bool header_sent_ = false;
-  std::size_t next_object_ = 0;  ///< Place in `parts_`.
-  std::size_t part_ = 0;         ///< Whose leaves come next.
-  std::size_t next_leaf_ = 0;    ///< Place in that part's leaves.
+  std::size_t next_object_ = 0;  ///< Index in `parts_`.
+  std::size_t part_ = 0;         ///< Index of the part of the next leaf.
+  std::size_t next_leaf_ = 0;    ///< Index in the leaves of that part.
 };
 
 }  // namespace

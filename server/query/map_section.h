@@ -12,8 +12,9 @@
 
 namespace steadymap {
 
-/// The objects and leaves that touch the request's box, in messages of at most about 1 MiB.
-/// Errors, here and of the source: also `Cancelled`, as `cancellation` says.
+/// Opens a stream of the objects and leaves that touch the box of the request, in messages of at
+/// most about 1 MiB. Errors, of this function and of the source: those of an invalid request;
+/// `NotFound` for an unknown object; `Cancelled`.
 absl::StatusOr<std::unique_ptr<MessageSource<v1::GetMapSectionResponse>>> OpenMapSection(
     std::shared_ptr<const MapSnapshot> snapshot,
     const v1::GetMapSectionRequest& request,

@@ -20,12 +20,12 @@ namespace {
 constexpr std::uint32_t kDefaultObjects = 100;
 constexpr std::uint32_t kMaxObjects = 1000;
 
-// Between two questions whether the answer is still wanted: at most 2 ms.
+// Objects between two checks for cancellation: at most 2 ms.
 constexpr std::size_t kObjectsPerCheck = 256;
 
-/// What a request wants of an object.
+/// The filter of a request for objects.
 struct ObjectFilter {
-  std::set<ClassId> classes;  ///< Empty: any.
+  std::set<ClassId> classes;  ///< Empty: any class.
   std::optional<Box> box_world;
   double min_stationarity = 0.0;
   Revision changed_since;

@@ -10,17 +10,18 @@
 
 #include "steadymap/v1/query_service.pb.h"
 
-/// What the queries about objects and their history answer. Requests are checked here; field paths
-/// are those of the request. Lists end with `Cancelled`, as `cancellation` says. Any thread.
+/// Responses to queries about objects. The functions check the request; field paths in errors are
+/// relative to it. Thread-safe.
 namespace steadymap {
 
-/// One object of the snapshot. Errors: `NotFound` with the name's field.
+/// Fills the response with one object of the snapshot. Errors: `NotFound` with the field of the
+/// name.
 absl::Status AnswerGetObject(const MapSnapshot& snapshot,
                              const ObjectName& name,
                              v1::GetObjectResponse* response);
 
-/// A page of the snapshot's objects. `map` only marks the page tokens. Cost: a pass over the
-/// objects until the page is full.
+/// Fills a page with the snapshot's objects. `map` is used only for the page tokens. Cost: a pass
+/// over the objects until the page is full. Errors: those of an invalid request; `Cancelled`.
 absl::Status AnswerListObjects(MapKey map,
                                const MapSnapshot& snapshot,
                                const v1::ListObjectsRequest& request,

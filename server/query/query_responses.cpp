@@ -20,7 +20,7 @@ constexpr double kMaxRangeM = 1000.0;
 constexpr std::uint32_t kDefaultPoses = 1000;
 constexpr std::uint32_t kMaxPoses = 10'000;
 
-// About a millisecond's worth: whether the answer is still wanted is asked in between.
+// About 1 ms; cancellation is checked between two reads.
 constexpr std::size_t kPosesPerRead = 1000;
 
 absl::Status CheckCount(const char* field, int count) {
@@ -46,7 +46,7 @@ absl::Status CheckRay(const v1::Ray& ray, int place) {
   return InvalidField(reason::kBadValue, path + ".direction", "a direction must not be zero");
 }
 
-/// OK, or why `work` ended; `field` is what there is too much of.
+/// Returns OK, or the reason for which `work` ended; `field` contains the items to reduce.
 absl::Status StatusOf(const QueryWork& work, const char* field) {
   if (!absl::IsResourceExhausted(work.status())) return work.status();
   return MakeError(
@@ -103,13 +103,13 @@ v1::FramePose MakeMessage(const FramePose& pose) {
   return message;
 }
 
-/// Fills an answer with poses.
+/// A response page with poses.
 class PosePage {
  public:
   PosePage(std::size_t page_size, v1::ListFramePosesResponse* response)
       : page_size_(page_size), response_(response) {}
 
-  /// Adds the pose; false if the page is full.
+  /// Adds the pose. Returns false if the page is full.
   bool Add(const FramePose& pose) {
     if (static_cast<std::size_t>(response_->poses_size()) == page_size_ || bytes_ > kMaxPageBytes) {
       return false;
@@ -172,7 +172,8 @@ absl::Status AnswerCastRays(const MapSnapshot& snapshot,
   for (int i = 0; i < request.rays_size() && sampler.work().status().ok(); ++i) {
     status = CheckRay(request.rays(i), i);
     if (!status.ok()) return status;
-    // Stable: the squares of very long and very short directions leave the range of a double.
+    // `stableNormalized`: the squared norms of very long and very short directions are outside the
+    // range of a double.
     const Eigen::Vector3d unit = FromProto(request.rays(i).direction()).stableNormalized();
     *response->add_hits() =
         MakeMessage(sampler.CastRay(FromProto(request.rays(i).origin_m()), unit, *max_range_m));

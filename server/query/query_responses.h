@@ -11,30 +11,32 @@
 
 #include "steadymap/v1/query_service.pb.h"
 
-/// What the queries answer, as functions of one snapshot. Requests are checked here; field paths
-/// are those of the request. Any thread.
+/// Responses to queries, as functions of one snapshot. The functions check the request; field paths
+/// in errors are relative to it. Thread-safe.
 namespace steadymap {
 
-/// Steps (`QueryWork`) that one call may take: some 15 s of a core. 100 000 rays of 30 m through a
-/// hall of 1 184 objects at 5 cm take 9 million.
+/// Limit of steps (`QueryWork`) for one call: about 15 s on one core. 100 000 rays of 30 m through
+/// a hall of 1 184 objects at 5 cm take 9 million steps.
 inline constexpr std::uint64_t kMaxQuerySteps = 50'000'000;
 
-/// Distances at points. Cost: as `MapSampler`. Errors, here and below: also `Cancelled`, as
-/// `cancellation` says, and `ResourceExhausted` with reason `WORK_LIMIT` beyond `max_steps`.
+/// Samples distances at points. Cost: that of `MapSampler`. Errors: those of an invalid request;
+/// `Cancelled`; `ResourceExhausted` with reason `WORK_LIMIT` after `max_steps`.
 absl::Status AnswerSampleDistance(const MapSnapshot& snapshot,
                                   const v1::SampleDistanceRequest& request,
                                   const Cancellation& cancellation,
                                   v1::SampleDistanceResponse* response,
                                   std::uint64_t max_steps = kMaxQuerySteps);
 
-/// Surfaces along rays.
+/// Finds the surfaces along rays by ray casting. Cost: that of `MapSampler`. Errors: those of an
+/// invalid request; `Cancelled`; `ResourceExhausted` with reason `WORK_LIMIT` after `max_steps`.
 absl::Status AnswerCastRays(const MapSnapshot& snapshot,
                             const v1::CastRaysRequest& request,
                             const Cancellation& cancellation,
                             v1::CastRaysResponse* response,
                             std::uint64_t max_steps = kMaxQuerySteps);
 
-/// A page of the poses of a map's frames up to the snapshot's revision, read from `store`.
+/// Fills a page with the poses of a map's frames up to the revision of the snapshot, read from
+/// `store`. Errors: those of an invalid request; `Cancelled`; those of the store.
 absl::Status AnswerListFramePoses(Store& store,
                                   MapKey map,
                                   const MapSnapshot& snapshot,

@@ -31,7 +31,7 @@ absl::StatusOr<ObjectName> ReadObjectName(const v1::GetObjectRequest& request) {
   if (infix != std::string_view::npos) {
     const std::string_view digits = name.substr(infix + kObjectsInfix.size());
     std::uint64_t id = 0;
-    // An object has one name: no sign, space or zero before its digits.
+    // An object has exactly one name: no sign, space or zero before its digits.
     if (absl::SimpleAtoi(Absl(digits), &id) && std::to_string(id) == digits) {
       return ObjectName{std::string(name.substr(0, infix)), ObjectId(id), "name", "name"};
     }

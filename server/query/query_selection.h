@@ -21,36 +21,38 @@
 
 namespace steadymap {
 
-/// The object that a request names, and the fields that say so.
+/// The object that a request names, and the fields that contain the name.
 struct ObjectName {
-  std::string map;  ///< `tenants/{tenant}/maps/{map}`, unchecked.
+  std::string map;  ///< `tenants/{tenant}/maps/{map}`, not checked.
   ObjectId object;
   std::string map_field = "map";
   std::string object_field = "object_id";
 };
 
-/// Reads `name`, or `map` and `object_id`. Errors: `InvalidArgument` with the field `name` for both
-/// together (`BAD_VALUE`) and for what is no name of an object (`BAD_NAME`).
+/// Reads `name`, or `map` and `object_id`. Errors: `InvalidArgument` with the field `name`, with
+/// reason `BAD_VALUE` if both are set, and `BAD_NAME` for an invalid name of an object.
 absl::StatusOr<ObjectName> ReadObjectName(const v1::GetObjectRequest& request);
 
-/// That reads of the past are not possible yet: `Unimplemented`, reason `AS_OF`, field `as_of`.
+/// Returns the error for reads of past revisions, which are not implemented: `Unimplemented`,
+/// reason `AS_OF`, field `as_of`.
 absl::Status AsOfError();
 
-/// The part of a map that a request asks for; none for all of it. `message` is null where the
-/// request has no box. Errors: as for `v1::Box`, below the field `box`.
+/// Reads the requested box of a map; none means the whole map. `message` is null if the request has
+/// no box. Errors: those of `v1::Box`, below the field `box`.
 absl::StatusOr<std::optional<Box>> ReadBox(const v1::Box* message);
 
-/// The volumes that a request names, the background first, then objects by rising id, each once;
-/// what the map shows if it names none. Errors: `NotFound` with the field `object_ids[i]`.
+/// Returns the requested volumes, each once: the background first, then objects by ascending id.
+/// Returns all shown volumes if `object_ids` is empty. Errors: `NotFound` with the field
+/// `object_ids[i]`.
 absl::StatusOr<std::vector<PlacedVolume>> SelectVolumes(
     const MapSnapshot& snapshot, const google::protobuf::RepeatedField<std::uint64_t>& object_ids);
 
-/// The classes of a filter. Errors: `InvalidArgument` with the field `class_ids` for more than
-/// 1000, with `class_ids[i]` for one that no map can have.
+/// Reads the classes of a filter. Errors: `InvalidArgument` with the field `class_ids` for more
+/// than 1000 classes, with `class_ids[i]` for an id that no map can contain.
 absl::StatusOr<std::set<ClassId>> ReadClassFilter(
     const google::protobuf::RepeatedField<std::uint32_t>& class_ids);
 
-/// OK if a filter names no more than 1000 values. Errors: `InvalidArgument` with the field.
+/// Returns OK if a filter contains at most 1000 values. Errors: `InvalidArgument` with the field.
 absl::Status CheckFilterSize(std::string_view field, int size);
 
 }  // namespace steadymap

@@ -21,18 +21,18 @@ using Dependencies = QueryService::Dependencies;
 
 using FoundMap = absl::StatusOr<std::shared_ptr<MapRuntime>>;
 
-/// Calls `go_on` once the map is open, or at once if there is none.
+/// Calls `go_on` once the map is open, or immediately if the map was not found.
 void WaitUntilOpened(const FoundMap& map, std::function<void()> go_on) {
   if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
   go_on();
 }
 
-/// OK, or why nothing can be read of the map.
+/// Returns OK, or the reason for which the map cannot be read.
 absl::Status CheckReads(const FoundMap& map) {
   return map.ok() ? (*map)->CheckReads() : map.status();
 }
 
-/// The map that a request calls `name` in its field `field`.
+/// Finds the map `name`, from the field `field` of the request.
 template <typename Request>
 FoundMap FindMap(const Dependencies& dependencies,
                  const Request& request,
@@ -42,7 +42,8 @@ FoundMap FindMap(const Dependencies& dependencies,
   return dependencies.maps->Find(name, field);
 }
 
-/// Answers a call with what `answer` makes of a map and of the call, once the map is open.
+/// Calls `answer` with a map and a call on the pool, once the map is open, and finishes the call
+/// with its status.
 template <typename Call, typename Answer>
 grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
                                       const FoundMap& map,
@@ -57,7 +58,8 @@ grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
       });
 }
 
-/// The same for a request that names the map in its field `map`.
+/// Parses a request that names the map in its field `map`, and answers it with `answer` once the
+/// map is open.
 template <typename Request, typename Response, typename Answer>
 grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
                                       const grpc::ByteBuffer& request,
@@ -72,7 +74,7 @@ grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
       });
 }
 
-/// Answers with the messages of the source that `open` makes of the map that the request names.
+/// Streams the messages of the source that `open` makes of the requested map, once the map is open.
 template <typename Request, typename Response, typename Open>
 grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Dependencies& dependencies,
                                                         grpc::CallbackServerContext* context,

@@ -9,7 +9,7 @@
 
 namespace steadymap {
 
-/// The generated service, handed the bytes of its messages.
+/// The generated service, with messages as bytes.
 using RawQueryService = v1::QueryService::WithRawCallbackMethod_GetObject<
     v1::QueryService::WithRawCallbackMethod_ListObjects<
         v1::QueryService::WithRawCallbackMethod_ListEvents<
@@ -20,16 +20,17 @@ using RawQueryService = v1::QueryService::WithRawCallbackMethod_GetObject<
                             v1::QueryService::WithRawCallbackMethod_ListFramePoses<
                                 v1::QueryService::Service>>>>>>>>;
 
-/// Reads maps; see proto/steadymap/v1/query_service.proto. Every call works on the one snapshot
-/// that it took at its start, on a pool of its own, so queries never hold up uploads.
+/// The query service for maps; see proto/steadymap/v1/query_service.proto. Each call uses the
+/// snapshot that was current at its start, and runs on the pool `readers`, so that queries do not
+/// delay uploads.
 class QueryService final : public RawQueryService {
  public:
-  /// What the service needs of the server; all of it outlives it.
+  /// The parts of the server that the service uses. All of them must outlive it.
   struct Dependencies {
     MapDirectory* maps = nullptr;
     Store* store = nullptr;
     WorkerPool* readers = nullptr;
-    StreamLimiter* streams = nullptr;  ///< Of exports and sections.
+    StreamLimiter* streams = nullptr;  ///< For exports and sections.
   };
 
   explicit QueryService(const Dependencies& dependencies) : dependencies_(dependencies) {}

@@ -16,8 +16,8 @@
 namespace steadymap {
 namespace {
 
-// The version, flags, then the numbers below, then the checksum of all that. A token between two
-// steps ends with the last event.
+// Layout of a token: version, flags, numbers, checksum of all bytes before it. A token between two
+// steps contains only the numbers before kPositionNumbers.
 constexpr char kTokenVersion = 2;
 constexpr std::size_t kHeadBytes = 2;
 constexpr std::size_t kNumberBytes = 8;
@@ -29,7 +29,7 @@ constexpr unsigned kTakesPatches = 4;
 constexpr unsigned kAsSnapshot = 8;
 constexpr unsigned kIsShownKnown = 16;
 
-/// The numbers of a token, in their order.
+/// The numbers of a token, in the order of the layout.
 enum Number : std::size_t {
   kMapName,
   kMapKey,
@@ -121,12 +121,12 @@ bool IsBefore(const Box& a, const Box& b) {
   return corners(a) < corners(b);
 }
 
-/// The one of all filters that let the same pass which stands for them.
+/// Returns the canonical form of all filters that accept the same objects.
 MapFilter Normalize(MapFilter filter) {
-  // Volumes bring the states with them.
+  // A filter with volumes includes the states.
   filter.states = filter.states || filter.volumes;
   std::vector<Box>& boxes = filter.boxes_world;
-  // 0 and -0 are one place.
+  // Replaces -0 by 0: both are the same coordinate.
   for (Box& box : boxes) {
     box.min() += Eigen::Vector3d::Zero();
     box.max() += Eigen::Vector3d::Zero();

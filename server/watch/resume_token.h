@@ -15,22 +15,23 @@
 
 namespace steadymap {
 
-/// What a resume token is good for.
+/// The watch for which a resume token is valid.
 struct WatchScope {
   MapKey map;
-  std::string map_name;      ///< In full.
-  std::string incarnation;   ///< Of the map.
-  std::uint64_t filter = 0;  ///< As `FingerprintOf` the filter.
+  std::string map_name;      ///< Full name.
+  std::string incarnation;   ///< Incarnation of the map.
+  std::uint64_t filter = 0;  ///< `FingerprintOf` the filter.
 
   friend bool operator==(const WatchScope&, const WatchScope&) = default;
 };
 
-/// What a watcher has: everything up to here that passes its filter.
+/// The position of a watcher: it has all data up to here that passes its filter.
 struct WatchPosition {
   Revision revision;
   EventNumber last_event;
-  std::uint64_t history_hash = 0;  ///< As in `CommitMark`.
-  /// Whether that includes the leaves from before the watch began; not if it began from now on.
+  std::uint64_t history_hash = 0;  ///< See `CommitMark`.
+  /// True if the watcher also has the leaves from before the start of the watch; false after a
+  /// start with WATCH_START_NOW.
   bool has_leaves = true;
 
   CommitMark commit() const { return {revision, history_hash}; }
@@ -38,45 +39,45 @@ struct WatchPosition {
   friend bool operator==(const WatchPosition&, const WatchPosition&) = default;
 };
 
-/// Equal for filters that let the same pass, whatever the order and the repetitions in their lists,
-/// and for hardly any others.
+/// Returns a hash that is equal for filters that accept the same data, independent of the order and
+/// repetition of their lists, and different for most other filters.
 std::uint64_t FingerprintOf(const MapFilter& filter);
 
-/// What makes two steps the same: the same messages in the same order.
+/// Identifies the content of a step: two steps with equal keys have the same messages in the same
+/// order.
 struct StepKey {
   WatchScope scope;
-  WatchPosition before;  ///< Of a snapshot, nothing.
+  WatchPosition before;  ///< Empty for a snapshot.
   CommitMark to;
   std::size_t max_message_bytes = 0;
   bool takes_patches = false;
   bool as_snapshot = false;
-  bool is_shown_known = false;  ///< Whether it is known which objects were shown at `before`.
+  bool is_shown_known = false;  ///< Objects shown at `before` are known.
 
   friend bool operator==(const StepKey&, const StepKey&) = default;
 };
 
-/// An opaque token for going on at a position.
+/// Makes an opaque token to resume at a position.
 std::string MakeResumeToken(const WatchScope& scope, const WatchPosition& position);
 
-/// One for a watcher who has the messages of a step up to the one at `place`, that one excluded.
+/// Makes an opaque token for a watcher that has the messages of a step before the index `place`.
 std::string MakeStepToken(const StepKey& step, std::size_t place);
 
-/// What a token says.
+/// The content of a resume token.
 struct ResumeToken {
   WatchPosition position;
-  /// Of the scope that was asked for: the step that the watcher has part of; none if it is between
-  /// two steps.
+  /// If the token fits the scope: the step of which the watcher has a part; none between two steps.
   std::optional<StepKey> step;
-  std::size_t place = 0;  ///< In that step: the first message that the watcher does not have.
-  /// OK if the token was given to the scope. Otherwise why the position is of no use there:
-  /// `InvalidArgument` with reason `BAD_RESUME_TOKEN` and the field `resume_token` for another map,
-  /// with the field `filter` for another filter; `OutOfRange` with reason `REVISION_COMPACTED` for
-  /// a history of the map that was replaced.
+  std::size_t place = 0;  ///< Index in `step` of the first message that the watcher does not have.
+  /// OK if the token was made for the scope. Otherwise the reason for which the position cannot be
+  /// used: `InvalidArgument` with reason `BAD_RESUME_TOKEN` and the field `resume_token` for
+  /// another map, with the field `filter` for another filter; `OutOfRange` with reason
+  /// `REVISION_COMPACTED` if the history of the map was replaced.
   absl::Status fit;
 };
 
-/// Errors: `InvalidArgument` with reason `BAD_RESUME_TOKEN` and the field `resume_token` for
-/// anything that was not made here.
+/// Parses a token. Errors: `InvalidArgument` with reason `BAD_RESUME_TOKEN` and the field
+/// `resume_token` for a token that this service did not make.
 absl::StatusOr<ResumeToken> ReadResumeToken(const WatchScope& scope, std::string_view token);
 
 }  // namespace steadymap

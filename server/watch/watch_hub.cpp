@@ -12,16 +12,17 @@
 namespace steadymap {
 namespace {
 
-// Watchers of one map who are not behind share one step for each filter. A step holds its messages
-// and a snapshot, which costs little while the map has moved on little.
+// Watchers of one map that are up to date share one step per filter. A step contains its messages
+// and a snapshot; the snapshot is cheap while the map has changed little since.
 constexpr std::size_t kMaxSharedSteps = 16;
 
-// A cut-off watcher is back within seconds, or so far behind that the step does not matter. What it
-// holds of the map's past costs memory meanwhile.
+// A disconnected watcher returns within seconds, or is so far behind that it cannot use the step.
+// Until then a step keeps old data of the map in memory.
 constexpr std::size_t kMaxHeldSteps = 32;
 constexpr absl::Duration kHoldTime = absl::Minutes(1);
 
-// Who is further behind gets leaves whole. At the usual rate of commits that is most of a second.
+// A watcher further behind receives whole leaves. At the usual commit rate 4 snapshots cover most
+// of a second.
 constexpr std::size_t kRecentSnapshots = 4;
 
 absl::Status StalledError(absl::Duration timeout) {
@@ -114,7 +115,7 @@ std::size_t WatchHub::watch_count() const {
 
 absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::FindStep(const StepRequest& request) {
   const std::shared_ptr<SharedStep> step = ShareStep(KeyOf(request));
-  // Who comes second waits for the first to make it.
+  // A second watcher waits here until the first has made the step.
   const absl::MutexLock lock(&step->mutex);
   if (step->messages == nullptr) {
     absl::StatusOr<std::shared_ptr<WatchMessages>> messages = MakeStep(request);
@@ -186,7 +187,7 @@ absl::StatusOr<std::shared_ptr<WatchMessages>> WatchHub::MakeStep(const StepRequ
         std::move(source),
         MakeSnapshotStep(request.filter, snapshot, request.cancellation),
         request.cancellation);
-    // Other watchers who wait for the same step make it themselves then.
+    // Other watchers that wait for this step then make it themselves.
     if (absl::Status status = request.cancellation.Check(); !status.ok()) return status;
     return messages;
   }

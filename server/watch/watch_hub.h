@@ -22,121 +22,121 @@
 
 namespace steadymap {
 
-/// A watch under way. Called from any thread, without locks held; returns at once.
+/// An open watch. Called from any thread, without locks held. Must not block.
 class ActiveWatch {
  public:
   virtual ~ActiveWatch() = default;
 
-  /// The map has a newer revision.
+  /// Reports a newer revision of the map.
   virtual void Wake() = 0;
 
-  /// Says goodbye once everything that is committed has been sent.
+  /// Ends the watch with a goodbye message after all committed revisions have been sent.
   virtual void Drain() = 0;
 
-  /// Ends with `status`, after the message that is on its way.
+  /// Ends the watch with `status`, after the pending message.
   virtual void End(const absl::Status& status) = 0;
 
-  /// Ends now, whatever is on its way.
+  /// Ends the watch immediately, even if a message is pending.
   virtual void Cancel() = 0;
 
-  /// What the watcher has for certain.
+  /// Returns the revision that the watcher certainly has.
   virtual Revision revision() const = 0;
 
-  /// The step that it is being sent; null between steps.
+  /// Returns the step that is being sent; null between steps.
   virtual std::shared_ptr<WatchMessages> step() const = 0;
 
-  /// Since when a message has been on its way; infinitely far in the future if none is.
+  /// Returns the start of the pending write; the infinite future if none is pending.
   virtual absl::Time sending_since() const = 0;
 };
 
-/// All watches under way: wakes them when their map changes, and makes the steps that they share.
-/// Holds a watch's revision and nothing of its data: a watcher who is slow takes a longer step. Of
-/// a map that is watched, it holds the last few snapshots, to tell what changed in a leaf.
-/// Thread-safe.
+/// All open watches. Wakes them when their map changes, and makes the steps that they share. Stores
+/// only the revision of a watch and no data for it: a slow watcher receives a longer step. For each
+/// watched map it keeps the last few snapshots to compute patches of leaves. Thread-safe.
 class WatchHub {
  public:
-  /// What the hub needs of the server; all of it outlives the hub.
+  /// The parts of the server that the hub uses. All of them must outlive the hub.
   struct Dependencies {
     Store* store = nullptr;
     std::size_t max_watches = 0;
-    /// A watch that takes a message for longer than this has stalled.
+    /// A watch whose pending message is older than this has stalled.
     absl::Duration stall_timeout = absl::InfiniteDuration();
-    /// After so much more, it is given up.
+    /// A stalled watch is cancelled after this additional time.
     absl::Duration stall_grace = absl::ZeroDuration();
   };
 
   explicit WatchHub(const Dependencies& dependencies) : dependencies_(dependencies) {}
 
-  /// Enters a watch. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with reason
+  /// Adds a watch. Errors: `Unavailable` with reason `DRAINING`; `ResourceExhausted` with reason
   /// `QUEUE_FULL`.
   absl::Status Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// With the last watch of a map goes all that was kept for them.
+  /// Removes a watch. With the last watch of a map its shared steps and recent snapshots are
+  /// released.
   void Leave(MapKey map, const std::shared_ptr<ActiveWatch>& watch) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The map has published a revision: wakes its watches.
+  /// Wakes the watches of a map after it has published a revision.
   void OnCommit(MapKey map) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Ends the watches that have stalled, with reason `SLOW_CONSUMER`; to be called now and then.
-  /// gRPC sends a status behind the message that is stuck and not before it, so the watcher learns
-  /// of it when it reads again. One that is given up is cancelled, and learns nothing.
+  /// Ends stalled watches with reason `SLOW_CONSUMER`. Must be called periodically. gRPC sends the
+  /// status after the pending message, so the watcher receives it when it reads again. After
+  /// `stall_grace` the watch is cancelled, and the watcher receives no reason.
   void EndStalled() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Lets go of the steps that are held long enough at `now`; to be called now and then.
+  /// Releases the held steps that have expired at `now`. Must be called periodically.
   void DropHeld(absl::Time now) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The revision of the watch that is furthest behind; none without watches.
+  /// Returns the oldest revision among the watches of a map; none without watches.
   std::optional<Revision> OldestWatched(MapKey map) const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Ends the watches of a map, and forgets what was kept of it.
+  /// Ends the watches of a map and releases its held steps.
   void EndMap(MapKey map, const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Lets nobody in from now on, and asks all watches to say goodbye.
+  /// Refuses new watches and drains all open ones.
   void Drain() ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Whether all watches have ended by `deadline`.
+  /// Waits until all watches have ended. Returns false at `deadline`.
   bool AwaitEmpty(absl::Time deadline) ABSL_LOCKS_EXCLUDED(mutex_);
 
   void CancelAll() ABSL_LOCKS_EXCLUDED(mutex_);
 
   std::size_t watch_count() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// What a watcher has and wants to have.
+  /// The position of a watcher and the revision that it requests.
   struct StepRequest {
     WatchScope scope;
     MapFilter filter;
     std::size_t max_message_bytes = 0;
-    bool takes_patches = false;  ///< Of leaves, in place of whole ones.
-    bool as_snapshot = false;    ///< All that the filter shows, not what changed.
+    bool takes_patches = false;  ///< Patches of leaves instead of whole leaves.
+    bool as_snapshot = false;    ///< All data that the filter accepts, not only the changes.
     WatchPosition before;
-    std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: not known.
+    std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: unknown.
     PublishedRevision to;
-    Cancellation cancellation{};  ///< Once this watcher has gone.
+    Cancellation cancellation{};  ///< Cancelled if the watcher disconnects.
   };
 
-  /// The messages that take a watcher to that revision; made once for all who ask the same.
-  /// Errors: `OutOfRange` with reason `REVISION_COMPACTED`; `Cancelled`; what the store answers.
+  /// Returns the messages that bring a watcher to the requested revision. Equal requests share the
+  /// same messages. Errors: `OutOfRange` with reason `REVISION_COMPACTED`; `Cancelled`; those of
+  /// the store.
   absl::StatusOr<std::shared_ptr<WatchMessages>> FindStep(const StepRequest& request)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Keeps a step that a watch may have been cut off in, for a minute, so that its watcher can go
-  /// on within it; the last few of them. To be called before the watch leaves.
+  /// Keeps a step for one minute after a watch was interrupted in it, so that the watcher can
+  /// resume within the step. Keeps the last 32 steps. Must be called before `Leave`.
   void Hold(std::shared_ptr<WatchMessages> step) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// A step that is held, or that a watch is being sent, or that one was sent to its end lately:
-  /// the server may not know yet that its watcher has gone, or that part of it was lost on the way.
-  /// Null if there is none.
+  /// Returns a step that is held, is being sent, or was recently sent completely; null if there is
+  /// none. Covers watchers that have disconnected unnoticed or have lost sent messages.
   std::shared_ptr<WatchMessages> FindHeld(const StepKey& key) const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  /// A step that is being made or was.
+  /// A step that is being made or is complete.
   struct SharedStep {
     StepKey key;
     absl::Mutex mutex;
     std::shared_ptr<WatchMessages> messages ABSL_GUARDED_BY(mutex);
   };
 
-  /// A step whose watcher may come back.
+  /// A step that a disconnected watcher may resume.
   struct HeldStep {
     std::shared_ptr<WatchMessages> messages;
     absl::Time until;
@@ -144,7 +144,7 @@ class WatchHub {
 
   struct WatchedMap {
     std::set<std::shared_ptr<ActiveWatch>> watches;
-    /// What steps led to last, newest first: what the next ones are compared with.
+    /// Snapshots at the end of the last steps, newest first; the bases of patches.
     std::deque<std::shared_ptr<const MapSnapshot>> recent;
   };
 
@@ -163,11 +163,11 @@ class WatchHub {
 
   const Dependencies dependencies_;
   mutable absl::Mutex mutex_;
-  std::map<MapKey, WatchedMap> maps_ ABSL_GUARDED_BY(mutex_);  ///< Those with watches.
+  std::map<MapKey, WatchedMap> maps_ ABSL_GUARDED_BY(mutex_);  ///< Maps with watches.
   std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
   std::deque<std::shared_ptr<SharedStep>> steps_ ABSL_GUARDED_BY(mutex_);  ///< Newest first.
-  std::deque<HeldStep> held_ ABSL_GUARDED_BY(mutex_);                      ///< Likewise.
+  std::deque<HeldStep> held_ ABSL_GUARDED_BY(mutex_);                      ///< Newest first.
 };
 
 }  // namespace steadymap

@@ -15,19 +15,20 @@
 namespace steadymap {
 namespace {
 
-// What a packed leaf with its key can take at most, colour included, and an object's id.
+// Maximum size of a packed leaf with colour and its key, and of an object id.
 constexpr std::size_t kMaxLeafBytes = 4608;
 constexpr std::size_t kMaxIdBytes = 10;
 
-// What surrounds all that in a message.
+// Bytes for the other fields of a message.
 constexpr std::size_t kMessageMarginBytes = 512;
 
 constexpr std::size_t kEventsPerMessage = 200;
 
-// Messages of a step with no more leaves and objects than this are kept: about a megabyte.
+// Messages of a step with at most this many leaves and objects are kept in memory, about 1 MB.
 constexpr std::size_t kMaxKeptValues = 3000;
 
-// What takes no more than this at most, and comes in no more messages, is soon sent again.
+// A step below both limits is sent again as a whole after an interruption; its messages have no
+// tokens.
 constexpr std::size_t kMinResumableBytes = std::size_t{64} << 10;
 constexpr std::size_t kMinResumableMessages = 3;
 
@@ -36,7 +37,7 @@ constexpr std::size_t kMinResumableMessages = 3;
 WatchMessages::WatchMessages(Source source, StepPlan step, const Cancellation& cancellation)
     : source_(std::move(source)), step_(std::move(step)) {
   const std::size_t bytes = PlanFragments(cancellation);
-  // Those before a snapshot are history.
+  // Events before a snapshot are not sent.
   if (source_.filter.events && step_.from) {
     const std::uint64_t events =
         source_.after.last_event.value() - source_.key.before.last_event.value();
@@ -47,8 +48,8 @@ WatchMessages::WatchMessages(Source source, StepPlan step, const Cancellation& c
   is_resumable_ = bytes > kMinResumableBytes || count() > kMinResumableMessages;
 }
 
-/// Deals what is to be sent out to messages by the most that each thing can take, so that their
-/// number is known before the first is made. Returns how much all of it can take.
+/// Assigns objects and leaves to messages by their maximum size, so that the number of messages is
+/// known before the first is made. Returns the maximum size of all data in bytes.
 std::size_t WatchMessages::PlanFragments(const Cancellation& cancellation) {
   if (step_.IsEmpty()) return 0;
   const std::size_t room = source_.key.max_message_bytes - kMessageMarginBytes;
@@ -87,7 +88,7 @@ std::size_t WatchMessages::PlanFragments(const Cancellation& cancellation) {
 
 absl::StatusOr<std::optional<grpc::ByteBuffer>> WatchMessages::At(std::size_t place) {
   if (!keeps_) return Make(place);
-  // Who comes second waits for the first to make it.
+  // A second watcher waits here until the first has made the message.
   const absl::MutexLock lock(&mutex_);
   if (!kept_[place]) {
     absl::StatusOr<std::optional<grpc::ByteBuffer>> made = Make(place);
@@ -139,7 +140,7 @@ v1::WatchMapResponse WatchMessages::MakeFragment(std::size_t place) const {
 void WatchMessages::AddLeaf(const LeafKey& key,
                             google::protobuf::RepeatedPtrField<v1::PackedLeaf>* leaves) const {
   const std::optional<LeafView> patch = step_.FindPatch(key);
-  // What changed and changed back needs no telling.
+  // Voxels that changed and changed back are not sent.
   if (patch && patch->observed == LeafMask{}) return;
   v1::PackedLeaf* const leaf = leaves->Add();
   leaf->set_object_id(key.object.value());

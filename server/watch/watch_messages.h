@@ -20,36 +20,34 @@
 
 namespace steadymap {
 
-/// The messages of one step, made when they are first asked for. All watchers with the same filter
-/// who take the same step share them: a small step's messages are kept, so that each is made once;
-/// those of a large one are made for each watcher, so that one who stalls holds little.
-/// Thread-safe.
+/// The messages of one step, each made at the first request. All watchers with the same filter and
+/// step share them. The messages of a small step are kept, so each is made once. Those of a large
+/// step are made for each watcher, so that a stalled watcher uses little memory. Thread-safe.
 class WatchMessages {
  public:
-  /// What a step's messages are made of besides the step.
+  /// Sources of the messages, in addition to the step.
   struct Source {
-    Store* store = nullptr;  ///< Outlives the messages; null for a step without events.
+    Store* store = nullptr;  ///< Must outlive the messages; null for a step without events.
     MapFilter filter;
-    StepKey key;          ///< Of the step.
-    WatchPosition after;  ///< What the watcher then has.
+    StepKey key;          ///< Key of the step.
+    WatchPosition after;  ///< Position after the step.
   };
 
-  /// The messages of `step`. Cost: a pass over its objects and leaves, which ends early once
-  /// `cancellation` says so; the messages are then of no use.
+  /// Plans the messages of `step`. Cost: a pass over its objects and leaves, which stops early on
+  /// cancellation; the messages must not be used then.
   WatchMessages(Source source, StepPlan step, const Cancellation& cancellation = {});
 
-  /// Number of messages, those included that turn out to say nothing.
+  /// Returns the number of messages, including empty ones, which are not sent.
   std::size_t count() const { return fragments_.size() + event_pages_ + 1; }
 
-  /// The message at `place`, below `count()`; none if it would say nothing.
-  /// Errors: `Aborted` with reason `SLOW_CONSUMER` for events that are no longer kept; what the
-  /// store answers.
+  /// Returns the message at index `place`, below `count()`; none if it would be empty. Errors:
+  /// `Aborted` with reason `SLOW_CONSUMER` if the events are no longer stored; those of the store.
   absl::StatusOr<std::optional<grpc::ByteBuffer>> At(std::size_t place) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const StepKey& key() const { return source_.key; }
 
-  /// Whether each message but the last brings a token for going on behind it. Those of small steps
-  /// do not: the token would be a good part of all that is sent.
+  /// True if each message except the last contains a token to resume after it. Messages of small
+  /// steps have no tokens, because a token would be a large part of their size.
   bool is_resumable() const { return is_resumable_; }
 
   const WatchPosition& after() const { return source_.after; }
@@ -57,7 +55,7 @@ class WatchMessages {
   const std::shared_ptr<const ShownObjects>& shown() const { return step_.shown; }
 
  private:
-  /// The first and the last but one of each list that a fragment holds.
+  /// Half-open ranges [first, last) of the lists of the step.
   struct Fragment {
     std::size_t first_removed = 0;
     std::size_t last_removed = 0;
@@ -80,7 +78,7 @@ class WatchMessages {
   const StepPlan step_;
   std::vector<Fragment> fragments_;
   std::size_t event_pages_ = 0;
-  bool keeps_ = false;  ///< Whether messages are kept.
+  bool keeps_ = false;  ///< Messages are kept in memory.
   bool is_resumable_ = false;
 
   absl::Mutex mutex_;

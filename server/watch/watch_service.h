@@ -6,8 +6,8 @@
 
 namespace steadymap {
 
-/// Lets clients watch maps; see proto/steadymap/v1/watch_service.proto. Its messages are made and
-/// serialized once for all who get the same, which is why gRPC is handed bytes.
+/// The watch service for clients; see proto/steadymap/v1/watch_service.proto. Equal messages for
+/// several clients are made and serialized once; therefore gRPC receives them as bytes.
 class WatchService final
     : public v1::WatchService::WithRawCallbackMethod_WatchMap<v1::WatchService::Service> {
  public:

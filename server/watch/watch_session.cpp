@@ -17,7 +17,7 @@ constexpr std::size_t kDefaultMessageBytes = std::size_t{1} << 20;
 constexpr std::size_t kSmallestMessageBytes = std::size_t{64} << 10;
 constexpr std::size_t kLargestMessageBytes = std::size_t{4} << 20;
 
-// A restart takes about that long.
+// About the duration of a server restart.
 constexpr int kReconnectAfterSeconds = 1;
 
 absl::StatusOr<std::size_t> ReadMessageLimit(std::size_t asked) {
@@ -106,8 +106,8 @@ void WatchSession::BeginSnapshot(const PublishedRevision& newest) {
   next_snapshot_ = newest;
 }
 
-/// With an empty step to where the watcher is: who is cut off before anything happens has a token
-/// to go on behind, and who resumed knows that there is nothing new.
+/// Sends an empty step to the current position: a new watcher receives a token before the first
+/// change, and a resumed watcher learns that it is up to date.
 void WatchSession::RepeatPosition(const PublishedRevision& newest) {
   StepPlan nothing;
   nothing.from = newest.commit.revision;
@@ -155,17 +155,18 @@ absl::Status WatchSession::ResumeBehindToken(const PublishedRevision& newest) {
   return gap_.ok() || request_.resync_if_compacted() ? absl::OkStatus() : gap_;
 }
 
-/// Goes on within a step that the watcher has part of; false if nobody has the rest of it any more.
+/// Resumes within a step of which the watcher has a part. Returns false if the rest of the step is
+/// no longer available.
 bool WatchSession::ContinueStep(const ResumeToken& token, const PublishedRevision& newest) {
   const StepKey& key = *token.step;
-  // The same messages, or else the place means another one.
+  // With other options the step has other messages, so the index in the token would be wrong.
   if (key.max_message_bytes != max_message_bytes_ ||
       key.takes_patches != request_.takes_patches()) {
     return false;
   }
   step_ = hub_->FindHeld(key);
   if (step_ == nullptr && key.as_snapshot && key.to == newest.commit) {
-    // The map rests: the same snapshot can be made once more.
+    // The map has not changed since, so the same snapshot can be made again.
     next_snapshot_ = newest;
     if (!FindStep(newest).ok()) step_ = nullptr;
     next_snapshot_.reset();
@@ -180,7 +181,8 @@ bool WatchSession::ContinueStep(const ResumeToken& token, const PublishedRevisio
   return true;
 }
 
-/// What follows a token that fits, so that `created` comes only where the watch can go on.
+/// Takes the first step after a valid token, so that `created` is sent only if the watch can
+/// continue.
 absl::Status WatchSession::TakeFirstStep(const PublishedRevision& newest) {
   if (position_.revision == newest.commit.revision) {
     RepeatPosition(newest);
@@ -195,7 +197,7 @@ absl::StatusOr<WatchSession::Message> WatchSession::Next(bool draining) {
   while (true) {
     absl::StatusOr<Message> message = NextOfStep();
     if (!message.ok() || message->has_value()) return message;
-    // A map in quarantine or deleted says so.
+    // Ends the watch of a map that was deleted or cannot be read.
     if (absl::Status status = map_->CheckReads(); !status.ok() && !draining) return status;
     const PublishedRevision newest = map_->published();
     if (!next_snapshot_ && gap_.ok() && newest.commit.revision == position_.revision) break;
@@ -214,7 +216,7 @@ std::vector<std::shared_ptr<WatchMessages>> WatchSession::StepsInPart() const {
   return steps;
 }
 
-/// The next message of the step under way; none, and no step, once it is whole.
+/// Returns the next message of the current step. Returns none and resets the step at its end.
 absl::StatusOr<WatchSession::Message> WatchSession::NextOfStep() {
   while (step_ != nullptr) {
     if (place_ == step_->count()) {
@@ -230,7 +232,7 @@ absl::StatusOr<WatchSession::Message> WatchSession::NextOfStep() {
   return Message();
 }
 
-/// Takes the step that leads to `newest`; or a message to be sent first.
+/// Starts the step to `newest`, or returns a message that must be sent first.
 absl::StatusOr<WatchSession::Message> WatchSession::TakeStep(const PublishedRevision& newest) {
   if (!gap_.ok()) return HandleGap(std::exchange(gap_, absl::OkStatus()), newest);
   const absl::Status status = FindStep(newest);
@@ -263,7 +265,8 @@ absl::Status WatchSession::FindStep(const PublishedRevision& newest) {
   return absl::OkStatus();
 }
 
-/// The history between the watcher and the map is gone: begins anew where that was asked for.
+/// Handles a missing history between the watcher and the map: resynchronises with a snapshot if the
+/// client requested that, else returns the error.
 absl::StatusOr<WatchSession::Message> WatchSession::HandleGap(const absl::Status& gap,
                                                               const PublishedRevision& newest) {
   if (request_.resync_if_compacted()) {

@@ -17,43 +17,44 @@
 
 namespace steadymap {
 
-/// What one watch is sent, message by message: where it begins, and the steps that it takes from
-/// there. It holds what the watcher has, and of a step on its way the place in it. Knows nothing of
-/// how messages travel. For one thread at a time.
+/// The sequence of messages of one watch: its start, and the steps from there. Stores the position
+/// of the watcher and the index of the next message in the current step. Independent of the
+/// transport. Not thread-safe.
 class WatchSession {
  public:
-  /// A message to send; none if there is nothing to say now.
+  /// A message to send; none if there is nothing to send now.
   using Message = std::optional<grpc::ByteBuffer>;
 
-  /// Both outlive the course. Long work ends early once the watcher has gone.
+  /// `maps` and `hub` must outlive the session. Long work stops early on cancellation.
   WatchSession(const MapDirectory* maps,
                WatchHub* hub,
                v1::WatchMapRequest request,
                Cancellation cancellation);
 
-  /// To be called first. Errors: what is wrong with the request, its token aside.
+  /// Checks the request except for its token, and finds the map. Must be called first. Errors:
+  /// those of an invalid request.
   absl::Status ReadRequest();
 
-  /// The map, once the request has been read; it may not be open yet.
+  /// Returns the map after `ReadRequest`; it may not be open yet.
   const std::shared_ptr<MapRuntime>& map() const { return map_; }
 
-  /// To be called next, once the map is open and the hub tells of every commit from now on. The
-  /// first message. Errors: why the watch cannot begin where its request says, or the map cannot be
-  /// read.
+  /// Returns the first message. Must be called after `ReadRequest`, when the map is open and the
+  /// watch is in the hub, so that no commit is missed. Errors: an invalid start or token of the
+  /// request; a map that cannot be read.
   absl::StatusOr<Message> Begin();
 
-  /// The next message. While the server drains, the last ones are a goodbye and then the error that
-  /// ends the watch. Errors: why it ends.
+  /// Returns the next message. While the server drains, returns a goodbye after the last committed
+  /// revision, and then the error that ends the watch. Errors: the reason for the end of the watch.
   absl::StatusOr<Message> Next(bool draining);
 
-  /// What the watcher has, or is about to get as a snapshot.
+  /// Returns the position of the watcher; before a snapshot is sent, the revision of the snapshot.
   const WatchPosition& position() const { return position_; }
 
-  /// The step on its way; null between steps.
+  /// Returns the current step; null between steps.
   const std::shared_ptr<WatchMessages>& step() const { return step_; }
 
-  /// The steps of which the watcher may have a part, and a token for going on within them: the one
-  /// on its way, and the one sent last, since what was sent may be lost on its way.
+  /// Returns the steps within which the watcher may resume: the current one, and the last one sent,
+  /// because sent messages can be lost in transit.
   std::vector<std::shared_ptr<WatchMessages>> StepsInPart() const;
 
  private:
@@ -79,13 +80,13 @@ class WatchSession {
   MapFilter filter_;
   std::size_t max_message_bytes_ = 0;
   WatchPosition position_;
-  std::shared_ptr<const ShownObjects> shown_;       ///< At `position_`; null: not known.
-  std::optional<PublishedRevision> next_snapshot_;  ///< To be sent whole; none: deltas follow.
-  absl::Status gap_;  ///< Why the history behind the token is no use; to be told or resynced.
+  std::shared_ptr<const ShownObjects> shown_;       ///< At `position_`; null: unknown.
+  std::optional<PublishedRevision> next_snapshot_;  ///< Snapshot to send; none: deltas follow.
+  absl::Status gap_;  ///< Why the history after the token is missing; reported or resynced.
   std::shared_ptr<WatchMessages> step_;
-  std::size_t place_ = 0;                   ///< Of the next message in the step.
-  std::weak_ptr<WatchMessages> sent_step_;  ///< The last one with tokens; the hub keeps some.
-  bool continues_step_ = false;             ///< The watcher has part of the first step.
+  std::size_t place_ = 0;                   ///< Index of the next message in the step.
+  std::weak_ptr<WatchMessages> sent_step_;  ///< The last step with tokens; the hub owns some.
+  bool continues_step_ = false;             ///< The watcher has a part of the first step.
   bool said_goodbye_ = false;
 };
 

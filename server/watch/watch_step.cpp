@@ -8,7 +8,7 @@
 namespace steadymap {
 namespace {
 
-/// Puts together what changed for one watcher.
+/// Builds the step of one watcher from the changes.
 class DeltaStepBuilder {
  public:
   DeltaStepBuilder(const MapFilter& filter, const ShownObjects* shown, StepPlan* step)
@@ -19,7 +19,7 @@ class DeltaStepBuilder {
     for (; leaf != changes.leaves.end() && leaf->object == kBackgroundId; ++leaf) {
       AddBackgroundLeaf(leaf->origin);
     }
-    // Objects whose state changed and objects that leaves changed of, each once, by rising id.
+    // Merges the changed objects and the objects with changed leaves, each once, by ascending id.
     auto object = changes.objects.begin();
     while (object != changes.objects.end() || leaf != changes.leaves.end()) {
       const bool by_leaf = object == changes.objects.end() ||
@@ -33,7 +33,7 @@ class DeltaStepBuilder {
     }
   }
 
-  /// What left, by rising id.
+  /// Objects that the filter no longer shows, by ascending id.
   const std::vector<ObjectId>& left() const { return left_; }
 
  private:

@@ -13,7 +13,7 @@
 
 namespace steadymap {
 
-/// What gRPC holds: passes its reports on.
+/// The reactor owned by gRPC; forwards the events to the stream.
 class WatchStream::Reactor final : public GrpcReactor {
  public:
   explicit Reactor(std::shared_ptr<WatchStream> stream) : stream_(std::move(stream)) {}
@@ -127,7 +127,7 @@ void WatchStream::OnGone() {
                 status.ToString());
 }
 
-/// Sees to it that somebody looks at the stream after this call.
+/// Ensures that `Advance` checks the stream after this call.
 void WatchStream::Schedule() {
   {
     const absl::MutexLock lock(&mutex_);
@@ -139,8 +139,8 @@ void WatchStream::Schedule() {
 }
 
 void WatchStream::Submit() {
-  // Each stream waits once at most. In turn: nobody may fall behind because others are served
-  // again.
+  // A stream has at most one waiting task. A new task per message serves the streams in turn, so no
+  // stream falls behind because others are served repeatedly.
   if (!dependencies_.pool->TrySubmit([self = shared_from_this()] { self->Advance(); })) {
     Finish(PoolFullError());
   }
@@ -191,14 +191,14 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
     const absl::MutexLock lock(&mutex_);
     entered_ = true;
   }
-  // From here on no commit is missed.
+  // No commit is missed after this call.
   absl::Status status = dependencies_.hub->Enter(map->key(), shared_from_this());
   if (!status.ok()) return status;
   begun_ = true;
   return course_->Begin();
 }
 
-/// Once: and sees to it that this stream goes on when the map is open.
+/// Reads the request at the first call, and schedules the stream for the opening of the map.
 absl::Status WatchStream::ReadRequest() {
   if (std::exchange(has_read_request_, true)) return absl::OkStatus();
   absl::Status status = dependencies_.openings->Take(peer_, absl::Now());

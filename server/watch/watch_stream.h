@@ -24,15 +24,15 @@
 
 namespace steadymap {
 
-/// One `WatchMap` call: sends the messages of a `WatchSession`, each when the one before is
-/// written, and sleeps while the map does not change. At any moment either one task of the pool is
-/// at work on it, or one write is on its way, or neither; whoever wakes it meanwhile leaves a note.
-/// The stream outlives the reactor as long as a task or the hub knows it. Thread-safe.
+/// One `WatchMap` call: sends the messages of a `WatchSession`, each after the previous one was
+/// written, and is idle while the map does not change. At any time at most one pool task or one
+/// write is active; a wake-up in the meantime only sets a flag. The stream outlives the reactor
+/// while a task or the hub refers to it. Thread-safe.
 class WatchStream final : public ActiveWatch, public std::enable_shared_from_this<WatchStream> {
  public:
   using GrpcReactor = grpc::ServerWriteReactor<grpc::ByteBuffer>;
 
-  /// What streams need of the server; all of it outlives them.
+  /// The parts of the server that streams use. All of them must outlive the streams.
   struct Dependencies {
     MapDirectory* maps = nullptr;
     WatchHub* hub = nullptr;
@@ -45,7 +45,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
                             grpc::CallbackServerContext* context,
                             const grpc::ByteBuffer& request);
 
-  /// Use `Start`.
+  /// For `Start` only.
   WatchStream(const Dependencies& dependencies, grpc::CallbackServerContext* context);
 
   void Wake() override;
@@ -63,7 +63,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
 
   enum class Activity { kIdle, kAdvancing, kWriting, kFinished };
 
-  // Reports of gRPC.
+  // Events from gRPC.
   void OnWritten(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
   void OnGone() ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -77,25 +77,25 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
 
   const Dependencies dependencies_;
   const std::string peer_;
-  absl::Status request_status_;      ///< Of reading it; set before anything else happens.
-  Reactor* reactor_ = nullptr;       ///< Valid until it has been finished.
-  const Cancellation cancellation_;  ///< Once the watcher has gone.
+  absl::Status request_status_;      ///< Result of the parser; set at the start.
+  Reactor* reactor_ = nullptr;       ///< Valid until it is finished.
+  const Cancellation cancellation_;  ///< Cancelled if the watcher disconnects.
 
-  // Of whoever advances the stream.
-  std::optional<WatchSession> course_;  ///< None for a request that is no WatchMapRequest.
+  // Used only by the thread that advances the stream.
+  std::optional<WatchSession> course_;  ///< None for an invalid WatchMapRequest.
   bool has_read_request_ = false;
   bool begun_ = false;
-  grpc::ByteBuffer outgoing_;  ///< Of the write on its way.
+  grpc::ByteBuffer outgoing_;  ///< Bytes of the pending write.
 
   mutable absl::Mutex mutex_;
-  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null once the call is over.
+  grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null after the call ended.
   Activity activity_ ABSL_GUARDED_BY(mutex_) = Activity::kIdle;
-  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since the last look at the map.
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since the last check of the map.
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
-  bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub knows it.
+  bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub contains it.
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   Revision revision_ ABSL_GUARDED_BY(mutex_);
-  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< As the course's.
+  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< Of `course_`.
   absl::Time sending_since_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
 };
 
