@@ -9,21 +9,21 @@
 
 namespace steadymap {
 
-/// Adjacent cells of one row, columns [begin, end), that have weight and the same owner.
+/// Adjacent surface cells of one row, columns [begin, end), with non-zero weight and equal owner.
 struct CellRun {
   int row = 0;
   int begin = 0;
   int end = 0;
 };
 
-/// Indexes the cells of a frame by owner, so that work on one owner costs its own cells and not the
-/// whole image. Keeps its memory from frame to frame. One thread at a time.
+/// An index of the surface cells of a frame by owner. The cost of work on one owner is proportional
+/// to its own cells, not to the image. Reuses its memory between frames. One thread at a time.
 class CellRuns {
  public:
-  /// Indexes the cells of `cloud`. Cost: one pass over them.
+  /// Indexes the cells of `cloud`. Cost: one pass over the cells.
   void Compute(const SemanticCloud& cloud);
 
-  /// The runs of one owner, by row and column. Valid until the next `Compute`.
+  /// Returns the runs of one owner, by row, then column. Valid until the next `Compute`.
   std::span<const CellRun> Of(std::uint32_t owner) const;
 
  private:
@@ -34,7 +34,7 @@ class CellRuns {
 
   std::vector<OwnedRun> found_;
   std::vector<CellRun> runs_;       ///< By owner.
-  std::vector<std::size_t> first_;  ///< By owner, the index of its first run; one more at the end.
+  std::vector<std::size_t> first_;  ///< By owner, the index of its first run; one extra entry.
 };
 
 }  // namespace steadymap

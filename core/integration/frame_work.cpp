@@ -11,10 +11,10 @@
 namespace steadymap {
 namespace {
 
-// The widest of the strides, in pixels, that leaves are counted with.
+// The largest pixel stride of the estimate.
 constexpr int kWidestStridePx = 4;
 
-/// Counts the leaves that the truncation band of a depth image meets, in the camera's frame.
+/// Counts the leaves in the truncation band of a depth image, in the camera frame.
 class BandCount {
  public:
   BandCount(const Frame& frame, const MapConfig& config)
@@ -23,8 +23,8 @@ class BandCount {
         band_leaves_(static_cast<float>(config.truncation_m) / leaf_size_m_),
         max_depth_m_(static_cast<float>(config.max_depth_m)) {}
 
-  /// The leaves that the rays of every `stride_px`-th pixel of every such row meet; no further than
-  /// past `limit`.
+  /// Returns the number of leaves on the rays of a grid of pixels with `stride_px` spacing. Stops
+  /// after a row in which the count exceeds `limit`.
   std::size_t Count(int stride_px, std::size_t limit) {
     leaves_.Reset({});
     for (int v = 0; v < frame_.depth.units.height_px(); v += stride_px) {
@@ -62,7 +62,7 @@ class BandCount {
 std::size_t EstimateTouchedLeaves(const Frame& frame, const MapConfig& config, std::size_t limit) {
   BandCount band(frame, config);
   for (int stride_px = kWidestStridePx; stride_px > 1; stride_px /= 2) {
-    // Each ray that is left out meets as many new leaves as one that is not, at most.
+    // The rays between two counted rays add at most as many leaves each as a counted ray.
     const auto rays = static_cast<std::size_t>(stride_px) * static_cast<std::size_t>(stride_px);
     const std::size_t counted = band.Count(stride_px, limit / rays);
     if (counted * rays <= limit) return counted;
@@ -76,12 +76,12 @@ absl::Status CheckFrameWork(const Frame& frame, const MapConfig& config) {
   }
   return InvalidField(reason::kFrameTooFine,
                       "depth",
-                      absl::StrCat("what the depth image shows meets more than ",
+                      absl::StrCat("the surface in the depth image touches more than ",
                                    kMaxFrameLeaves,
-                                   " blocks of 8 x 8 x 8 voxels: make the map with voxels larger "
-                                   "than ",
+                                   " blocks of 8 x 8 x 8 voxels: create the map with voxel_size_m "
+                                   "above ",
                                    config.voxel_size_m,
-                                   " m or a max_depth_m below ",
+                                   " or max_depth_m below ",
                                    config.max_depth_m));
 }
 

@@ -9,20 +9,21 @@
 
 namespace steadymap {
 
-/// Leaves of 8 x 8 x 8 voxels that one frame may touch: about half a second of work and 300 MB.
-/// An ordinary frame touches some hundreds to some thousands.
+/// Maximum number of leaves (8 x 8 x 8 voxels) touched by a frame: about half a second of work and
+/// 300 MB. Typical frames touch hundreds to a few thousand leaves.
 inline constexpr std::size_t kMaxFrameLeaves = 65'536;
 
-/// Leaves that the volumes of background and objects take from one frame, together.
+/// Maximum number of leaves changed by one frame in all volumes of background and objects together.
 inline constexpr std::size_t kMaxFusedLeaves = 2 * kMaxFrameLeaves;
 
-/// About the number of leaves that integrating a frame touches: those within the truncation of what
-/// its depth image shows, as if every surface faced the camera. Counts no further than past
-/// `limit`. Cost: that of a sixteenth of the pixels, or of all where these are too many.
+/// Estimates the number of leaves that the integration of a frame touches: the leaves within the
+/// truncation distance of the observed surface, on the assumption that every surface faces the
+/// camera. Stops soon after the count exceeds `limit`. Cost: one ray per 16 pixels; up to one per
+/// pixel if the estimate is near or above `limit`.
 std::size_t EstimateTouchedLeaves(const Frame& frame, const MapConfig& config, std::size_t limit);
 
-/// OK if a map of this configuration can integrate the frame with bounded work. Errors:
-/// `InvalidArgument` with reason `FRAME_TOO_FINE` and the field `depth`.
+/// Returns OK if the work to integrate the frame into a map of this configuration is bounded.
+/// Errors: `InvalidArgument` with reason `FRAME_TOO_FINE` and the field `depth`.
 absl::Status CheckFrameWork(const Frame& frame, const MapConfig& config);
 
 }  // namespace steadymap

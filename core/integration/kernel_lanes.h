@@ -1,7 +1,7 @@
 #pragma once
 
-// Arithmetic on eight lanes, for the kernels alone. Like them it is compiled once for each
-// instruction set, everything in an unnamed namespace, and includes no header with inline
+// Arithmetic on eight lanes, for the kernels only. It is compiled once for each instruction set, so
+// all functions are in an unnamed namespace, and this file includes no header with inline
 // functions.
 
 #include <stdint.h>
@@ -19,7 +19,7 @@ using Words = uint32_t __attribute__((vector_size(32)));
 
 constexpr Floats kLaneIndex = {0.0F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F, 7.0F};
 
-/// A float beyond every depth, still finite when squared.
+/// A value larger than every depth, with a finite square.
 constexpr float kFarM = 1e9F;
 
 STEADYMAP_INLINE Floats Splat(float value) { return value - Floats{}; }
@@ -32,7 +32,7 @@ STEADYMAP_INLINE Floats Load(const float* from) {
 
 STEADYMAP_INLINE void Store(Floats value, float* to) { memcpy(to, &value, sizeof(value)); }
 
-/// Every lane of `mask` must be all ones or all zeros, as comparisons make them.
+/// Each lane of `mask` must be all ones or all zeros, as in the result of a comparison.
 STEADYMAP_INLINE Floats Select(Integers mask, Floats yes, Floats no) {
 #ifdef __AVX2__
   return __builtin_ia32_blendvps256(no, yes, reinterpret_cast<Floats>(mask));
@@ -50,8 +50,8 @@ STEADYMAP_INLINE Floats Abs(Floats value) {
   return reinterpret_cast<Floats>(reinterpret_cast<Words>(value) & 0x7FFFFFFFU);
 }
 
-/// Correctly rounded on every processor. Not by `__builtin_sqrtf`, whose error handling keeps the
-/// compiler from taking the lanes together.
+/// Correctly rounded on every processor. Not `__builtin_sqrtf`: its error handling prevents
+/// vectorisation of the lanes.
 STEADYMAP_INLINE Floats Sqrt(Floats value) {
 #ifdef __AVX2__
   return __builtin_ia32_sqrtps256(value);
@@ -62,13 +62,13 @@ STEADYMAP_INLINE Floats Sqrt(Floats value) {
 #endif
 }
 
-/// To the nearest whole number, ties to even, for magnitudes below 2^22.
+/// Rounds to the nearest integer, ties to even, for magnitudes below 2^22.
 STEADYMAP_INLINE Floats Round(Floats value) {
-  constexpr float kMagic = 12582912.0F;  // 1.5 * 2^23: adding it leaves no bits for a fraction.
+  constexpr float kMagic = 12582912.0F;  // 1.5 * 2^23: a sum with it has no fractional bits.
   return (value + kMagic) - kMagic;
 }
 
-/// One bit a lane.
+/// Returns one bit per lane.
 STEADYMAP_INLINE uint32_t ToBits(Integers mask) {
 #ifdef __AVX2__
   return static_cast<uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Floats>(mask)));
@@ -79,7 +79,7 @@ STEADYMAP_INLINE uint32_t ToBits(Integers mask) {
 #endif
 }
 
-/// Turns eight rows of eight into eight columns.
+/// Transposes an 8 x 8 matrix.
 STEADYMAP_INLINE void Transpose(Floats rows[kLanes]) {
   Floats pairs[kLanes];
   for (int i = 0; i < kLanes; i += 2) {

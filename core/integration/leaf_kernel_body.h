@@ -1,6 +1,6 @@
 #pragma once
 
-// From surface cells to the voxels of a leaf: part of tsdf_kernel_body.h.
+// The kernel from surface cells to the voxels of a leaf, a part of tsdf_kernel_body.h.
 
 #include "core/integration/kernel_lanes.h"
 #include "core/integration/tsdf_kernel.h"
@@ -8,25 +8,26 @@
 namespace steadymap {
 namespace {
 
-// How fast trust falls with the square of the voxels that the surface was seen aside. The floor
-// must stay: a low camera sees it from three metres off, six voxels aside.
+// Decrease of the weight with the squared lateral offset, in voxels, between a voxel and the
+// measured surface. The weight of the floor must stay sufficient: a low camera at 3 m measures it
+// with an offset of six voxels.
 constexpr float kStraying = 0.5F;
 
-// An old place must still be able to change: evidence is capped.
+// The weight is bounded, so that a long-observed voxel can still change.
 constexpr float kMaxWeight = 63.0F;
 
-// Settled voxels stay put (decisions.md 2): after this many looks as good as the one at hand, or
-// all that count, an innovation within the dead band is noise. More than a voxel aside from the
-// surface, where no mesh vertex is interpolated, fewer looks do. The band grows with depth as the
-// sensor's noise does, and aside from the surface, where a distance depends on where it is measured
-// from.
+// A voxel is converged if its weight is at least this multiple of the current measurement's weight,
+// or the maximum. A converged voxel ignores differences within the dead band as noise. More than a
+// voxel off the surface, where no mesh vertex is interpolated, a smaller multiple suffices. The
+// dead band grows with the depth, as does the sensor noise, and with the distance from the surface,
+// where a distance depends on the viewpoint.
 constexpr float kSettledLooks = 32.0F;
 constexpr float kSettledLooksAside = 8.0F;
 constexpr float kDeadBandVoxels = 0.1F;
 constexpr float kDeadBandPerMetre = 0.1F;
 constexpr float kDeadBandPerSquareMetre = 0.005F;
 
-// Colour is taken where interpolation can reach it.
+// Colour is fused within the range of interpolation at the surface.
 constexpr float kColorBandVoxels = 1.75F;
 constexpr uint32_t kMaxColorLooks = 32;
 constexpr int kColorDeadBand = 16;
@@ -35,7 +36,7 @@ constexpr int kFloatsPerCacheLine = 16;
 
 constexpr float kWeightsPerUnit = 1.0F / kWeightUnit;
 
-/// Moves the mean of `old_color` (with its looks) towards `seen`.
+/// Fuses `seen` into the mean `old_color`, whose byte 3 is the number of measurements.
 STEADYMAP_INLINE uint32_t FuseColor(uint32_t old_color, uint32_t seen) {
   const uint32_t looks = old_color >> 24;
   const bool settled = looks >= kMaxColorLooks;
@@ -52,8 +53,8 @@ STEADYMAP_INLINE uint32_t FuseColor(uint32_t old_color, uint32_t seen) {
   return moved ? fused : old_color;
 }
 
-/// What the loop over a leaf's rows keeps in registers: a copy, which stores to voxels cannot
-/// alias.
+/// The constants of the loop over the rows of a leaf. A copy, so that stores to voxels cannot alias
+/// them and they stay in registers.
 struct RowConstants {
   explicit STEADYMAP_INLINE RowConstants(const LeafKernelFrame& frame)
       : along_x(kLaneIndex * frame.step_z[0]),
@@ -78,7 +79,7 @@ struct RowConstants {
         distance_step_m(frame.distance_step_m),
         steps_per_m(1.0F / frame.distance_step_m) {}
 
-  Floats along_x;  ///< From a row's first voxel to each of its voxels, camera frame.
+  Floats along_x;  ///< Offsets of the eight voxels of a row from its first voxel, camera frame.
   Floats along_y;
   Floats along_z;
   Integers owner;
@@ -86,7 +87,7 @@ struct RowConstants {
   int32_t cells_wide;
   float fx;
   float fy;
-  float image_x;  ///< Principal point, shifted so that truncation finds the nearest cell.
+  float image_x;  ///< Principal point plus 0.5: truncation then gives the nearest cell.
   float image_y;
   float image_width;
   float image_height;
@@ -95,13 +96,13 @@ struct RowConstants {
   float fade_scale;
   float inverse_voxel_size2;
   float voxel_size_m;
-  float dead_band_m;  ///< At the surface, before the camera.
+  float dead_band_m;  ///< At the surface, without the terms of distance and depth.
   float color_band_m;
   float distance_step_m;
   float steps_per_m;
 };
 
-/// What the frame says about eight voxels of a row.
+/// The measurements of the frame for the eight voxels of a row.
 struct RowEvidence {
   Floats distance_m;
   Floats weight;
@@ -110,7 +111,7 @@ struct RowEvidence {
   int32_t cell[kLanes];
 };
 
-/// The first or second half of eight cells, as four columns.
+/// Loads the first or second half of eight cells as four columns.
 STEADYMAP_INLINE void LoadHalfCells(const SurfaceCell* cells,
                                     const int32_t index[kLanes],
                                     int half,
@@ -135,7 +136,8 @@ STEADYMAP_INLINE void LoadHalfCells(const SurfaceCell* cells,
   columns[3] = __builtin_shufflevector(high01, high23, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/// Looks up the surface at eight voxels; one bit for each that lies in its truncation band.
+/// Computes the distances of eight voxels from the surface. Returns one bit for each voxel in the
+/// truncation band.
 STEADYMAP_INLINE uint32_t MeasureRow(const RowConstants& constants,
                                      const float base[3],
                                      RowEvidence* evidence) {
@@ -162,18 +164,19 @@ STEADYMAP_INLINE uint32_t MeasureRow(const RowConstants& constants,
   return ToBits(evidence->valid);
 }
 
-/// Weighs what `MeasureRow` found; false if none of it counts.
+/// Computes the weights of the measurements of `MeasureRow`; returns false if all are invalid.
 STEADYMAP_INLINE bool WeighRow(const RowConstants& constants, RowEvidence* evidence) {
   const Floats zero = Splat(0.0F);
   const Floats distance_m = evidence->distance_m;
   Floats look[4];
   LoadHalfCells(constants.cells, evidence->cell, 1, look);
-  // Behind the surface nothing was seen: trust fades from one voxel to the end of the band.
+  // Space behind the surface is not observed: the weight fades from one voxel behind the surface to
+  // the end of the band.
   const Floats fade = Select(distance_m < Splat(constants.fade_from_m),
                              (constants.truncation_m + distance_m) * constants.fade_scale,
                              Splat(1.0F));
-  // Along a slanted ray the surface was seen beside the voxel's foot on it. The further beside, the
-  // more a curved surface has strayed from the tangent plane.
+  // On an oblique surface, the measured point has a lateral offset from the foot of the voxel's
+  // perpendicular. The error of the tangent plane on a curved surface grows with this offset.
   const Floats along_ray_m = look[0] - evidence->depth_m;
   const Floats beside_voxels2 =
       (along_ray_m * along_ray_m - distance_m * distance_m) * constants.inverse_voxel_size2;
@@ -186,7 +189,8 @@ STEADYMAP_INLINE bool WeighRow(const RowConstants& constants, RowEvidence* evide
   return ToBits(evidence->valid) != 0;
 }
 
-/// Fuses evidence into eight voxels; one bit a voxel that changed.
+/// Fuses the measurements into eight voxels by a weighted mean (Curless and Levoy, 1996). Returns
+/// one bit for each changed voxel.
 STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
                                   const RowEvidence& evidence,
                                   float* distance_m,
@@ -211,7 +215,7 @@ STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
   return ToBits(fuse & ((new_distance_m != old_distance_m) | (new_weight != old_weight)));
 }
 
-/// Fuses the colours of eight voxels near the surface; true if any changed.
+/// Fuses the colours of eight voxels near the surface. Returns true if any changed.
 STEADYMAP_INLINE bool FuseRowColors(const RowConstants& constants,
                                     const RowEvidence& evidence,
                                     uint32_t* color) {
@@ -233,14 +237,14 @@ bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
   const RowConstants constants(frame);
   bool changed = false;
   for (int x = 0; x < kLeafSide; ++x) {
-    // The voxels come from memory while the rows are measured.
+    // The voxels are fetched from memory during the measurement of the rows.
     const int slab = x * kLeafSide * kLeafSide;
     for (int voxel = slab; voxel < slab + kLeafSide * kLeafSide; voxel += kFloatsPerCacheLine) {
       __builtin_prefetch(leaf.distance_m + voxel, 1);
       __builtin_prefetch(leaf.weight + voxel, 1);
     }
-    // All rows are measured before any is fused: which ones the band meets is hard to foretell, and
-    // a branch for each would cost more than its measurement.
+    // All rows are measured before any is fused. The processor cannot predict which rows the band
+    // intersects, and a mispredicted branch per row would cost more than the measurement.
     RowEvidence rows[kLeafSide];
     uint32_t rows_in_band = 0;
     for (int y = 0; y < kLeafSide; ++y) {

@@ -39,7 +39,8 @@ void SemanticCloud::ComputeSurface(const Frame& frame) {
     cells_.assign(static_cast<std::size_t>(cells_wide_) * static_cast<std::size_t>(cells_high_),
                   {});
   }
-  // A cell's centre lies between its four pixels, half a pixel from the first.
+  // The centre of a cell is the common corner of its four pixels, half a pixel from the centre of
+  // the first.
   cell_camera_ = {cells_wide_,
                   cells_high_,
                   frame.camera.fx / 2.0,
@@ -74,10 +75,10 @@ void SemanticCloud::DropDynamicClasses(const Frame& frame) {
   }
 }
 
-/// A spot of another class on a moving thing moves with it.
+/// Regions of another class on a dynamic instance move with it.
 void SemanticCloud::DropDynamicInstances() {
   if (labels_.empty() || instances_.empty() || !any_dynamic_) return;
-  std::map<std::uint16_t, std::ptrdiff_t> majority;  // Dynamic cells less others.
+  std::map<std::uint16_t, std::ptrdiff_t> majority;  // Dynamic minus other cells.
   for (std::size_t i = 0; i < instances_.size(); ++i) {
     if (instances_[i] != 0) majority[instances_[i]] += is_dynamic_[labels_[i]] != 0 ? 1 : -1;
   }

@@ -12,50 +12,51 @@
 
 namespace steadymap {
 
-/// What one frame says about surfaces: for each 2 x 2 pixels a cell with the plane seen there, its
-/// weight as evidence, its class and its colour (pocd.md section 2, step 1). Cells at depth edges
-/// and beyond the map's greatest depth weigh little or nothing.
+/// The semantic cloud of a frame: for each 2 x 2 pixels a cell with the plane observed there, its
+/// weight as evidence, class and colour. Cells at depth edges have a low or zero weight. Cells
+/// beyond the maximum depth have weight zero.
 ///
-/// Keeps its memory from frame to frame. One thread at a time.
+/// Reuses its memory between frames. One thread at a time.
 class SemanticCloud {
  public:
-  /// `drops_dynamic`: whether cells of dynamic classes weigh nothing, nor do those of instances
-  /// most of whose cells are.
+  /// `drops_dynamic`: if true, cells of dynamic classes have weight zero, and so have all cells of
+  /// instances with a majority of such cells.
   explicit SemanticCloud(const MapConfig& config, bool drops_dynamic = true);
 
-  /// Takes in a frame that passed `ValidateFrame`. Every cell belongs to owner 0.
+  /// Computes the cloud of a frame that passed `ValidateFrame`. Every cell gets owner 0.
   void Compute(const Frame& frame);
 
   int cells_wide() const { return cells_wide_; }
 
   int cells_high() const { return cells_high_; }
 
-  /// The camera whose pixels are the cells.
+  /// Returns the camera of the cell grid: its pixels are the cells.
   const PinholeCamera& camera() const { return cell_camera_; }
 
   const Eigen::Isometry3d& T_world_camera() const { return T_world_camera_; }
 
   bool has_color() const { return has_color_; }
 
-  /// Row-major.
+  /// Returns the cells, row-major.
   const std::vector<SurfaceCell>& cells() const { return cells_; }
 
   const SurfaceCell& At(int column, int row) const { return cells_[Index(column, row)]; }
 
-  /// For those who decide whom a cell belongs to.
+  /// Returns a cell for the assignment of its owner or weight.
   SurfaceCell& MutableAt(int column, int row) { return cells_[Index(column, row)]; }
 
-  /// Class of a cell: that of its upper left pixel; 0 in a frame without labels.
+  /// Returns the class of a cell, the class of its upper left pixel; 0 in a frame without labels.
   std::uint16_t LabelAt(int column, int row) const {
     return labels_.empty() ? std::uint16_t{0} : labels_[Index(column, row)];
   }
 
-  /// Whether that class is dynamic; of none where cells of dynamic classes are not dropped.
+  /// True if the class of the cell is dynamic; always false if `drops_dynamic` is false.
   bool IsDynamicAt(int column, int row) const {
     return any_dynamic_ && !labels_.empty() && is_dynamic_[LabelAt(column, row)] != 0;
   }
 
-  /// Instance of a cell, 0 none; likewise.
+  /// Returns the instance of a cell, the instance of its upper left pixel; 0 if none, or in a frame
+  /// without instances.
   std::uint16_t InstanceAt(int column, int row) const {
     return instances_.empty() ? std::uint16_t{0} : instances_[Index(column, row)];
   }

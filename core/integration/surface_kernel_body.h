@@ -1,6 +1,6 @@
 #pragma once
 
-// From depth pixels to surface cells: part of tsdf_kernel_body.h.
+// The kernel from depth pixels to surface cells, a part of tsdf_kernel_body.h.
 
 #include "core/integration/kernel_lanes.h"
 #include "core/integration/tsdf_kernel.h"
@@ -8,11 +8,11 @@
 namespace steadymap {
 namespace {
 
-// Pixels of a cell that lie further behind its nearest one than this, in inverse metres, belong to
-// something else: 3 cm at 1 m, 27 cm at 3 m.
+// Maximum difference from the inverse depth of the cell's nearest pixel, 1/m. Pixels further behind
+// belong to another surface: 3 cm at 1 m, 27 cm at 3 m.
 constexpr float kCellJump = 0.03F;
 
-/// Depth of one pixel of each of eight cells, `kFarM` where there is none.
+/// Returns the depth of one pixel of each of eight cells, `kFarM` if it has no return.
 STEADYMAP_INLINE Floats PixelDepth(Words units, const SurfaceInput& input) {
   const Floats depth_m =
       __builtin_convertvector(reinterpret_cast<Integers>(units), Floats) * input.metres_per_unit;
@@ -20,8 +20,8 @@ STEADYMAP_INLINE Floats PixelDepth(Words units, const SurfaceInput& input) {
   return Select(valid, depth_m, Splat(kFarM));
 }
 
-/// Means the pixels of eight cells that lie at the nearest pixel's depth. Nearest, because a mean
-/// across a depth edge lies on neither side of it.
+/// Computes the mean depth of the pixels near the nearest pixel of each of eight cells. Pixels
+/// further behind are excluded, since a mean across a depth edge lies on neither surface.
 STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
                                   const uint16_t* lower,
                                   const SurfaceInput& input,
@@ -43,13 +43,14 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
     sum += Select(agrees, pixel, Splat(0.0F));
     count += Select(agrees, Splat(1.0F), Splat(0.0F));
   }
-  // Cut by cell: cut by pixel, a slanted surface would lose the far pixels of its last cells.
+  // The depth limit applies to cells, not pixels. A limit per pixel would bias the last cells of an
+  // oblique surface towards the camera.
   const Integers seen = nearest <= Splat(input.max_depth_m);
   Store(Select(seen, count / sum, Splat(0.0F)), inverse_depth);
   Store(Select(seen, count * 0.25F, Splat(0.0F)), support);
 }
 
-/// Where a row of cells begins in the padded planes of the output.
+/// Returns the offset of a row of cells in the padded planes of the output.
 STEADYMAP_INLINE int64_t PlaceOfRow(int row, int64_t stride) {
   return (kSurfaceMarginRows + row) * stride + kSurfaceMargin;
 }
@@ -72,41 +73,43 @@ void ReduceRow(const SurfaceInput& input, int row, float* inverse_depth, float* 
   }
 }
 
-// A plane's inverse depth is linear in pixel coordinates and a range sensor's noise is nearly
-// constant in inverse depth, so one threshold tells a plane from an edge at any depth: 2 cm at 1 m,
-// 18 cm at 3.
+// The inverse depth of a plane is linear in pixel coordinates, and the noise of a range sensor is
+// nearly constant in inverse depth. A single threshold therefore separates planes from edges at any
+// depth: 2 cm at 1 m, 18 cm at 3 m.
 constexpr float kPlanarBend = 0.02F;
 
-// Stricter where only one side is seen: at the rim of a curved thing its bend would pass for a
-// slope.
+// Stricter for one-sided slopes: at the silhouette of a curved object its curvature could be
+// mistaken for a slope.
 constexpr float kEdgeBend = 0.01F;
 
-// Beyond 80 degrees from face on, depth says little about where a surface is.
+// At more than 80 degrees from normal incidence, depth determines the position of a surface poorly.
 constexpr float kMinCosine = 0.17F;
 
-// A cell beside an edge may hold flying pixels, and its slope is known from one side only.
+// A cell next to an edge may contain flying pixels, and its slope is known from one side only.
 constexpr float kEdgeWeight = 0.25F;
 
-// A thin thing in front of everything around it: nothing tells its slope, it is taken as face on.
+// The weight of a thin object in front of everything around it. Its slope is unknown and assumed to
+// face the camera.
 constexpr float kThinWeight = 0.1F;
 
-// A look from nearer than half a metre counts like one from there.
+// A measurement from less than 0.5 m has the weight of one from 0.5 m.
 constexpr float kMaxLookWeight = 4.0F;
 
 /// Slope of the inverse depth along one axis.
 struct Slope {
   Floats per_cell;
-  Integers planar;  ///< Whether the surface goes on straight on both sides.
-  Floats trust;     ///< Factor of a look's weight.
+  Integers planar;  ///< True if the surface is planar on both sides.
+  Floats trust;     ///< Factor of the weight.
 };
 
-/// Whether three inverse depths in a row lie on a plane. Missing ones are zero.
+/// True if three equally spaced inverse depths lie on a plane. A missing depth is zero.
 STEADYMAP_INLINE Integers IsStraight(Floats a, Floats b, Floats c, float max_bend) {
   const Floats zero = Splat(0.0F);
   return (a > zero) & (c > zero) & (Abs(a - 2.0F * b + c) < Splat(max_bend));
 }
 
-/// `neighbours` holds the inverse depths two reaches and one before, one and two after the centre.
+/// `neighbours` contains the inverse depths at two and one reaches before, and one and two reaches
+/// after the centre.
 STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) {
   constexpr float kPerCell = 1.0F / static_cast<float>(kSurfaceReach);
   const Floats zero = Splat(0.0F);
@@ -115,7 +118,8 @@ STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) 
       IsStraight(neighbours[0], neighbours[1], centre, kEdgeBend) & (neighbours[1] > zero);
   const Integers after =
       IsStraight(centre, neighbours[2], neighbours[3], kEdgeBend) & (neighbours[2] > zero);
-  // A neighbour that is nearer by far hides where this surface goes; missing ones count as far.
+  // A much nearer neighbour occludes the continuation of this surface. A missing neighbour counts
+  // as far.
   const Floats nearer = centre + kPlanarBend;
   const Integers thin = (neighbours[1] < nearer) & (neighbours[2] < nearer);
   const Floats one_sided =
@@ -129,7 +133,7 @@ STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) 
   return {per_cell, planar, trust};
 }
 
-/// Fits planes to eight cells of a row from `column` on, or to as many as are left of it.
+/// Fits planes to the cells of a row from `column` on: eight, or all that remain.
 STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
                                const SurfaceOutput& output,
                                int row,
@@ -150,7 +154,7 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Slope along_u = EstimateSlope(beside, centre);
   const Slope along_v = EstimateSlope(above_below, centre);
 
-  // On a plane the neighbours' mean is the centre: they halve the noise.
+  // On a plane, the mean of the neighbours equals the centre, so their average halves the noise.
   const Floats three = Splat(1.0F / 3.0F);
   const Floats sum_u = beside[1] + beside[2];
   const Floats sum_v = above_below[1] + above_below[2];

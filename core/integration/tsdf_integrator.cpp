@@ -17,28 +17,27 @@
 namespace steadymap {
 namespace {
 
-// Rays are walked this far apart where they meet the surface, but no further than every fourth
-// cell.
+// Spacing of the traversed rays at the surface, limited to every fourth cell.
 constexpr double kRaySpacingLeaves = 0.26;
 constexpr int kMaxRayStrideCells = 4;
 
-// Leaves that are worked on together: enough for all cores, and few enough that those which are
-// made anew fit into a cache.
+// Number of leaves per batch: enough for all cores, and few enough for the new leaves to fit in a
+// cache.
 constexpr std::size_t kBatchLeaves = 256;
 
-// Leaves that a core takes at a time: some 50 us of work.
+// Minimum number of leaves per core and task: about 50 us of work.
 constexpr std::size_t kMinRangeLeaves = 32;
 
-/// One frame as one volume sees it.
+/// A frame from the viewpoint of one volume.
 struct VolumeView {
   const SemanticCloud& cloud;
   Eigen::Isometry3d T_volume_camera;
   std::uint32_t owner;
-  std::span<const CellRun> cells;  ///< The owner's.
+  std::span<const CellRun> cells;  ///< Of the owner.
 };
 
-/// Finds the leaves that the truncation band around a frame's surface meets. Works in leaves,
-/// relative to the one that holds the camera, so that single precision suffices at any place of the
+/// Finds the leaves that intersect the truncation band around the surface of a frame. Works in
+/// units of leaves relative to the camera's leaf, so that single precision suffices anywhere in the
 /// map.
 class BandWalk {
  public:
@@ -50,7 +49,7 @@ class BandWalk {
         truncation_m_(static_cast<float>(scale.truncation_m)),
         leaf_size_m_(static_cast<float>(scale.leaf_size_m())),
         to_leaves_((view.T_volume_camera.linear() / scale.leaf_size_m()).cast<float>()) {
-    // A leaf reaches half a voxel below the centre of its lowest voxel.
+    // A leaf extends by half a voxel below the centre of its lowest voxel.
     const Eigen::Vector3d camera_leaves =
         (view.T_volume_camera.translation().array() / scale.voxel_size_m + 0.5) / kLeafSide;
     const Eigen::Vector3d base = camera_leaves.array().floor();
@@ -65,7 +64,7 @@ class BandWalk {
     const Eigen::Vector3f ray_camera((static_cast<float>(column) - centre_x_) / focal_x_,
                                      (static_cast<float>(row) - centre_y_) / focal_y_,
                                      1.0F);
-    // The signed distance that a metre of depth makes at the surface's slant.
+    // Change of the signed distance per metre of depth along the ray.
     const float slant = cell.offset_m / cell.depth_m;
     const float band_m = std::min(truncation_m_ / slant, kMaxRayBand * truncation_m_);
     const float from_m = std::max(cell.depth_m - band_m, kNearM);
@@ -89,12 +88,12 @@ class BandWalk {
 }  // namespace
 
 struct TsdfIntegrator::Scratch {
-  /// One leaf from where it is kept to what the frame makes of it.
+  /// A leaf with its storage location, and the result of the frame for it.
   struct LeafWork {
-    LeafVoxels new_leaf;  ///< What it would become, if it is none yet.
+    LeafVoxels new_leaf;  ///< The result if the leaf does not exist yet.
     LeafPlace place;
-    LeafEdit edit;         ///< Of the leaf as it is; null where there is none yet.
-    bool changed = false;  ///< Whether the frame says anything about it.
+    LeafEdit edit;         ///< Of the existing leaf; null if it does not exist yet.
+    bool changed = false;  ///< True if any bit of the leaf changed.
 
     LeafKernelLeaf ArraysFor(const Eigen::Vector3d& lowest_camera, bool with_color) {
       LeafKernelLeaf arrays{};
@@ -113,7 +112,7 @@ struct TsdfIntegrator::Scratch {
       : scale{config.voxel_size_m, config.truncation_m},
         max_depth_m(static_cast<float>(config.max_depth_m)) {}
 
-  /// The frame as it is in a volume.
+  /// Returns the current frame from the viewpoint of a volume.
   VolumeView View(std::uint32_t owner, const Eigen::Isometry3d& T_volume_world) const {
     return {*cloud, T_volume_world * cloud->T_world_camera(), owner, runs.Of(owner)};
   }
@@ -130,18 +129,18 @@ struct TsdfIntegrator::Scratch {
   const TsdfKernels& kernels = SelectKernels();
   VoxelScale scale;
   float max_depth_m;
-  const SemanticCloud* cloud = nullptr;  ///< The frame at hand.
-  CellRuns runs;                         ///< Of that.
-  std::size_t leaves_left = 0;           ///< That it may still touch.
+  const SemanticCloud* cloud = nullptr;  ///< The current frame.
+  CellRuns runs;                         ///< Of `cloud`.
+  std::size_t leaves_left = 0;           ///< Leaf budget left to the frame.
   LeafSet leaves;
   std::vector<LeafWork> batch;
 };
 
-/// Walks the truncation band along a grid of rays and collects the leaves it meets.
+/// Traverses the truncation band along a grid of rays and collects the intersected leaves.
 void TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
   const BandWalk walk(view, scale);
   leaves.Reset(walk.base_leaf());
-  // Cells that fit between two rays at a depth of one metre.
+  // Number of cells between two rays at a depth of one metre.
   const auto cells_at_1m =
       static_cast<float>(kRaySpacingLeaves * view.cloud.camera().fx * scale.leaf_size_m());
   const auto stride_at = [&](float depth_m) {
@@ -154,8 +153,8 @@ void TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
     if (run.row % stride != 0) continue;
     if (run.row != last_row) {
       leaves.StartRow();
-      // Every other row is shifted by half a stride: a thin upright thing that falls between the
-      // rays of one row is met by those of the next.
+      // Alternate rows are shifted by half a stride: a thin upright object between the rays of one
+      // row intersects the rays of the next.
       column = (run.row / stride) % 2 == 0 ? 0 : stride / 2;
       last_row = run.row;
     }
@@ -209,8 +208,8 @@ void TsdfIntegrator::Scratch::StoreResult(const LeafWork& work) {
   }
 }
 
-/// Updates all leaves of a view's band; `place_of(origin)` is where the leaf at `origin` is kept.
-/// Grids are touched by the calling thread alone, voxels by all.
+/// Updates all leaves in the band of a view. `place_of(origin)` returns the storage location of a
+/// leaf. Only the calling thread accesses the grids; all threads access the voxels.
 template <typename PlaceOf>
 void TsdfIntegrator::Scratch::Update(const VolumeView& view,
                                      const PlaceOf& place_of,

@@ -12,14 +12,15 @@
 
 namespace steadymap {
 
-/// Where a leaf is kept: in which grid, and where in it.
+/// The storage location of a leaf: a grid and the origin of the leaf in that grid.
 struct LeafPlace {
   TsdfGrid* grid = nullptr;
   LeafOrigin origin;
 };
 
-/// Fuses frames into a volume: the block-projective update of platform.md. Keeps its scratch memory
-/// from frame to frame. One thread at a time.
+/// Fuses frames into volumes: projects each voxel near the observed surface into the frame and
+/// updates its weighted mean distance (Curless and Levoy, 1996). Reuses its memory between frames.
+/// One thread at a time.
 class TsdfIntegrator {
  public:
   explicit TsdfIntegrator(const MapConfig& config);
@@ -27,24 +28,26 @@ class TsdfIntegrator {
   TsdfIntegrator(TsdfIntegrator&&) noexcept;
   TsdfIntegrator& operator=(TsdfIntegrator&&) noexcept;
 
-  /// Sets the frame to fuse; its cells must have their owners. It must outlive the calls below and
-  /// not change between them. Together these calls touch at most `kMaxFusedLeaves` leaves and leave
-  /// out the rest. A frame that passed `CheckFrameWork` reaches that bound only if many objects
-  /// share the same space: on slanted surfaces the band of one owner is up to `kMaxRayBand` times
-  /// as deep as the estimate takes it to be, which makes at most twice the leaves (1.3 times
-  /// measured).
+  /// Sets the frame to fuse. The owners of its cells must be set. `cloud` must outlive the
+  /// following calls of `Integrate` and `IntegrateWorld` and must not change between them. Together
+  /// these calls touch at most `kMaxFusedLeaves` leaves and omit the rest. A frame that passed
+  /// `CheckFrameWork` reaches this bound only if many objects share the same space. On oblique
+  /// surfaces, the band of one owner is up to `kMaxRayBand` times as deep as the estimate assumes,
+  /// which gives at most twice the leaves (1.3 times measured).
   void SetFrame(const SemanticCloud& cloud);
 
-  /// Fuses the cells that belong to the background (owner 0) into it and appends the leaves that
-  /// changed to `changed_leaves`, each once, sorted.
+  /// Fuses the cells of the background (owner 0) into `background`. Appends the changed leaves to
+  /// `changed_leaves`, each once, sorted.
   void Integrate(Background* background, std::vector<LeafOrigin>* changed_leaves);
 
-  /// The same with leaves that are kept where `place_of` says, for each leaf of the world.
+  /// Fuses the cells of the background into the leaves returned by `place_of` for each leaf origin
+  /// of the world. Appends the changed leaves to `changed_leaves`, each once, sorted.
   void IntegrateWorld(const std::function<LeafPlace(LeafOrigin)>& place_of,
                       std::vector<LeafOrigin>* changed_leaves);
 
-  /// Fuses the cells of one owner into the grid of an object; likewise. Cost: that of these cells
-  /// and of the leaves around them.
+  /// Fuses the cells of one owner into the grid of an object. Appends the changed leaves to
+  /// `changed_leaves`, each once, sorted. Cost: proportional to these cells and the leaves around
+  /// them.
   void Integrate(std::uint32_t owner,
                  const Eigen::Isometry3d& T_world_object,
                  TsdfGrid* grid,

@@ -5,79 +5,83 @@
 #include "core/volume/voxel_leaf.h"
 
 /// The two hot loops of integration, on plain pointers: from a depth image to surface cells, and
-/// from surface cells to the voxels of a leaf. They exist twice, compiled for AVX2 and for any
-/// x86-64, with the same operations in the same order and without fused multiply-add, so both give
-/// the same bits.
+/// from surface cells to the voxels of a leaf. Both are compiled for AVX2 and for any x86-64, with
+/// the same operations in the same order and without fused multiply-add. Both variants give the
+/// same bits.
 namespace steadymap {
 
-/// The plane that the depth image shows around one 2 x 2 block of pixels, in the camera frame.
+/// The plane observed in a block of 2 x 2 pixels, camera frame.
 ///
-/// The signed distance of a camera-frame point p from it is `offset_m - normal . p`: positive in
-/// front, on the camera's side.
+/// The signed distance of a point p (camera frame) from it is `offset_m - normal . p`, positive in
+/// front of the surface, on the side of the camera.
 struct alignas(32) SurfaceCell {
-  float normal_x;  ///< Unit, pointing away from the camera.
+  float normal_x;  ///< Unit normal, pointing away from the camera.
   float normal_y;
   float normal_z;
-  float offset_m;       ///< Distance of the plane from the camera's centre.
-  float depth_m;        ///< Depth of the surface at the cell's centre.
-  float weight;         ///< Of one look, 1 at 1 m and face on; 0: nothing seen here.
+  float offset_m;       ///< Distance of the plane from the camera centre.
+  float depth_m;        ///< Depth of the surface at the centre of the cell.
+  float weight;         ///< 1 at 1 m and normal incidence; 0: no surface observed.
   std::uint32_t color;  ///< Red, green, blue in bytes 0 to 2; byte 3 is 255 if known, else 0.
-  std::uint32_t owner;  ///< Whose surface it is; 0 until somebody says otherwise.
+  std::uint32_t owner;  ///< The owner of the surface; initially 0.
 };
 
 /// Owner of the cells that belong to no object.
 inline constexpr std::uint32_t kBackgroundOwner = 0;
 
-/// Distance from a cell to the cells that its plane is fitted through, in cells; where one side is
-/// cut off, twice as far on the other.
+/// Distance between a cell and the cells used for the fit of its plane, in cells. If one side is
+/// cut off, the fit uses the cell at twice this distance on the other side.
 inline constexpr int kSurfaceReach = 3;
 
-/// Rows of zeros above and below the cells of `SurfaceOutput::inverse_depth`.
+/// Number of zero rows above and below the cells of `SurfaceOutput::inverse_depth`.
 inline constexpr int kSurfaceMarginRows = 2 * kSurfaceReach;
 
-/// A depth image and the camera that took it, for `SurfaceKernel`.
+/// A depth image and its camera, the input of `TsdfKernels::compute_surface`.
 struct SurfaceInput {
   const std::uint16_t* depth;  ///< Row-major; 0 and 65535 mean no return.
   int width_px;                ///< At least 2.
   int height_px;               ///< At least 2.
   float metres_per_unit;
   float max_depth_m;
-  /// The pinhole camera of the cells: half the resolution of the pixels.
+  /// Intrinsics of the cell grid, at half the resolution of the pixels.
   float fx;
   float fy;
   float cx;
   float cy;
 };
 
-/// Arrays that `SurfaceKernel` fills. A cell grid is `width_px / 2` by `height_px / 2`.
+/// The output arrays of `TsdfKernels::compute_surface`. A cell grid has `width_px / 2` x
+/// `height_px / 2` cells.
 struct SurfaceOutput {
-  /// Inverse depth of each cell, 1/m, 0 none, with a margin of `kSurfaceMarginRows` rows above and
-  /// below and `kSurfaceMargin` columns left and right that must hold zeros.
+  /// Inverse depth of each cell, 1/m, 0 if none. Has a margin of `kSurfaceMarginRows` rows above
+  /// and below and `kSurfaceMargin` columns left and right, which must be zero.
   float* inverse_depth;
-  /// Share of a cell's pixels that agree, in [0, 1]; as `inverse_depth`.
+  /// Share of a cell's pixels that agree on the depth, in [0, 1]. Has the margin of
+  /// `inverse_depth`.
   float* support;
   SurfaceCell* cells;  ///< Row-major, without margin.
 };
 
-/// Columns of zeros beside the cells of `SurfaceOutput::inverse_depth`: rows are read in eights.
+/// Number of zero columns on each side of the cells of `SurfaceOutput::inverse_depth`: rows are
+/// read in groups of eight.
 inline constexpr int kSurfaceMargin = 8;
 
-/// Row length of `SurfaceOutput::inverse_depth` and `support`.
+/// Returns the row length of `SurfaceOutput::inverse_depth` and `support`.
 constexpr int SurfaceStride(int cells_wide) { return ((cells_wide + 7) & ~7) + 2 * kSurfaceMargin; }
 
-/// Nothing nearer than this to the camera's plane is projected.
+/// Minimum depth of a projected point.
 inline constexpr float kNearM = 0.05F;
 
-/// On a surface seen at a slant the truncation band is long along the ray. Beyond this many
-/// truncations the tangent plane is not to be trusted; nearer pixels see those voxels better.
+/// Maximum length of the truncation band along the ray, in truncation distances. On an oblique
+/// surface the band is longer, but there the tangent plane is unreliable and nearer pixels measure
+/// these voxels better.
 inline constexpr float kMaxRayBand = 2.0F;
 
-/// The frame's side of `LeafKernel`, the same for all leaves.
+/// The inputs of `TsdfKernels::update_leaf` that are equal for all leaves of a frame and volume.
 struct LeafKernelFrame {
   const SurfaceCell* cells;
   int cells_wide;
   int cells_high;
-  float fx;  ///< Camera of the cells.
+  float fx;  ///< Intrinsics of the cell grid.
   float fy;
   float cx;
   float cy;
@@ -87,34 +91,34 @@ struct LeafKernelFrame {
   float voxel_size_m;
   float truncation_m;
   float distance_step_m;
-  std::uint32_t owner;  ///< Cells of other owners are left out.
+  std::uint32_t owner;  ///< Cells of other owners are ignored.
   bool fuse_color;
 };
 
-/// The leaf's side of `LeafKernel`.
+/// The inputs and outputs of `TsdfKernels::update_leaf` for one leaf.
 struct LeafKernelLeaf {
   float origin[3];  ///< Centre of the leaf's lowest voxel, camera frame, metres.
   float* distance_m;
   float* weight;
   std::uint32_t* color;     ///< Null if colour is not fused.
-  std::uint64_t* observed;  ///< The leaf's mask, extended by the voxels that are updated.
+  std::uint64_t* observed;  ///< The mask of the leaf. The kernel adds the updated voxels.
 };
 
-/// The compiled variants of the hot loops.
+/// A compiled variant of the hot loops.
 struct TsdfKernels {
   const char* name;
   void (*compute_surface)(const SurfaceInput& input, const SurfaceOutput& output);
-  /// Fuses the surface into a leaf; true if any bit of it changed.
+  /// Fuses the surface into a leaf. Returns true if any bit of the leaf changed.
   bool (*update_leaf)(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf);
 };
 
-/// For any x86-64.
+/// Returns the variant for any x86-64.
 const TsdfKernels& BaselineKernels();
 
-/// For processors with AVX2.
+/// Returns the variant for processors with AVX2.
 const TsdfKernels& Avx2Kernels();
 
-/// The best of the two that this processor runs.
+/// Returns the faster variant supported by the processor.
 const TsdfKernels& SelectKernels();
 
 }  // namespace steadymap

@@ -1,7 +1,7 @@
 // The body of tsdf_kernel_baseline.cpp and tsdf_kernel_avx2.cpp, compiled once for each instruction
-// set. It calls no inline function of other headers: one compiled for AVX2 could be the copy that
-// the linker keeps for everybody. Arithmetic is written on GCC's vector types, eight lanes at a
-// time; on a processor without AVX the compiler splits them in two, and the results stay the same.
+// set. It calls no inline functions of other headers: the linker keeps one copy of such a function
+// for all callers, which might be the AVX2 copy. The arithmetic uses GCC's vector types of eight
+// lanes. For processors without AVX the compiler splits them in two, with equal results.
 
 #include "core/integration/leaf_kernel_body.h"
 #include "core/integration/surface_kernel_body.h"
