@@ -10,7 +10,7 @@ build_packages=(
   libopenvdb-dev libtbb-dev libeigen3-dev libboost-iostreams-dev libpcl-dev
   libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler
   librocksdb-dev libzstd-dev libpng-dev zlib1g-dev libjpeg62-turbo-dev
-  libopenexr-dev libtiff-dev libjemalloc-dev
+  libopenexr-dev libtiff-dev libcairo2-dev libjemalloc-dev
   libspdlog-dev libcli11-dev libtomlplusplus-dev libsystemd-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   python3 python3-grpcio python3-protobuf python3-numpy python3-zstandard python3-crc32c

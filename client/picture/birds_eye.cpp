@@ -80,14 +80,6 @@ Canvas DrawMap(const Mesh& mesh,
   return map;
 }
 
-void Paste(const Canvas& map, const Eigen::Vector2i& low_px, Canvas* picture) {
-  for (int v = 0; v < map.height_px(); ++v) {
-    for (int u = 0; u < map.width_px(); ++u) {
-      picture->Blend(low_px.x() + u, low_px.y() + v, map.image().At(u, v), 1.0);
-    }
-  }
-}
-
 void WriteTitles(const BirdsEyeOptions& options, Canvas* picture) {
   const double width_px = picture->width_px() - 2.0 * kLeftPx;
   const double title_y = 24.0 + kTitlePx;
@@ -137,7 +129,9 @@ BirdsEyePicture DrawBirdsEye(const Mesh& mesh,
   const bool use_mesh_colors = options.use_mesh_colors && !mesh.colors.empty();
 
   Canvas picture(layout.picture_size_px.x(), layout.picture_size_px.y(), kPage);
-  Paste(DrawMap(mesh, marks, scene, map_view, use_mesh_colors), layout.map_low_px, &picture);
+  picture.Paste(DrawMap(mesh, marks, scene, map_view, use_mesh_colors),
+                layout.map_low_px.x(),
+                layout.map_low_px.y());
   WriteTitles(options, &picture);
   DrawSideLegends(marks, scene, layout, !use_mesh_colors, &picture);
 

@@ -2,48 +2,105 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <cairo.h>
 
 namespace steadymap {
 namespace {
 
-// Pen width of text, as a share of the capitals' height.
-constexpr double kPenShare = 0.13;
+// The family that fontconfig chooses for it is installed with cairo on Debian.
+constexpr char kFontFamily[] = "sans-serif";
 
-// Pixels that a shape may touch: columns and rows in [low, high).
-struct PixelBox {
-  Eigen::Vector2i low;
-  Eigen::Vector2i high;
-
-  bool empty() const { return low.x() >= high.x() || low.y() >= high.y(); }
+struct FontDeleter {
+  void operator()(cairo_scaled_font_t* font) const { cairo_scaled_font_destroy(font); }
 };
 
-double DistanceToSegment(const Eigen::Vector2d& point,
-                         const Eigen::Vector2d& from,
-                         const Eigen::Vector2d& to) {
+using Font = std::unique_ptr<cairo_scaled_font_t, FontDeleter>;
+
+/// Creates the font whose em is `size_px`. Glyphs are not fitted to pixels, so text scales exactly.
+Font MakeFont(double size_px) {
+  cairo_font_options_t* options = cairo_font_options_create();
+  cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+  cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+  cairo_font_face_t* face =
+      cairo_toy_font_face_create(kFontFamily, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_matrix_t em;
+  cairo_matrix_t identity;
+  cairo_matrix_init_scale(&em, size_px, size_px);
+  cairo_matrix_init_identity(&identity);
+  Font font(cairo_scaled_font_create(face, &em, &identity, options));
+  cairo_font_face_destroy(face);
+  cairo_font_options_destroy(options);
+  return font;
+}
+
+cairo_text_extents_t ExtentsOf(const std::string& text, const Font& font) {
+  cairo_text_extents_t extents;
+  cairo_scaled_font_text_extents(font.get(), text.c_str(), &extents);
+  return extents;
+}
+
+Font MakeFontWithCaps(double cap_height_px) {
+  constexpr double kSampleEmPx = 100.0;
+  const double sample_cap_px = ExtentsOf("H", MakeFont(kSampleEmPx)).height;
+  return MakeFont(cap_height_px * kSampleEmPx / std::max(sample_cap_px, 1.0));
+}
+
+std::string ToPrintableAscii(std::string_view text) {
+  std::string printable;
+  bool in_run = false;
+  for (const char byte : text) {
+    const auto code = static_cast<unsigned char>(byte);
+    const bool is_foreign = code > 127;
+    if (!is_foreign || !in_run) printable += code < 0x20 || code > 0x7E ? '?' : byte;
+    in_run = is_foreign;
+  }
+  return printable;
+}
+
+/// The part of a segment inside of a box (Liang and Barsky, 1984); none if there is none. Cairo's
+/// coordinates are 24 bits before the point, so that it cannot clip lines of any length itself.
+std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> ClipSegment(
+    const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::AlignedBox2d& box) {
   const Eigen::Vector2d along = to - from;
-  const double length_squared = along.squaredNorm();
-  if (length_squared == 0.0) return (point - from).norm();
-  const double share = std::clamp((point - from).dot(along) / length_squared, 0.0, 1.0);
-  return (point - from - share * along).norm();
+  double enter = 0.0;
+  double leave = 1.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (along[axis] == 0.0) {
+      if (from[axis] < box.min()[axis] || from[axis] > box.max()[axis]) return std::nullopt;
+      continue;
+    }
+    const double at_min = (box.min()[axis] - from[axis]) / along[axis];
+    const double at_max = (box.max()[axis] - from[axis]) / along[axis];
+    enter = std::max(enter, std::min(at_min, at_max));
+    leave = std::min(leave, std::max(at_min, at_max));
+  }
+  if (!(enter <= leave)) return std::nullopt;
+  return std::pair(Eigen::Vector2d(from + enter * along), Eigen::Vector2d(from + leave * along));
 }
 
-// Returns the covered share of a pixel at `distance_px` from a line with half-width `reach_px`, for
-// a straight edge.
-double Coverage(double distance_px, double reach_px) {
-  return std::clamp(reach_px - distance_px + 0.5, 0.0, 1.0);
+std::uint32_t ToPixel(const Rgb& color) {
+  return static_cast<std::uint32_t>(color[0]) << 16 | static_cast<std::uint32_t>(color[1]) << 8 |
+         color[2];
 }
 
-Eigen::Vector2d PixelCenter(int u, int v) { return {u + 0.5, v + 0.5}; }
+Rgb FromPixel(std::uint32_t pixel) {
+  return {static_cast<std::uint8_t>(pixel >> 16),
+          static_cast<std::uint8_t>(pixel >> 8),
+          static_cast<std::uint8_t>(pixel)};
+}
 
-// Returns the visible part of the box from `low` to `high`. Clamps before rounding, since strokes
-// may have any coordinates.
-PixelBox Clip(const Eigen::Vector2d& low, const Eigen::Vector2d& high, const Image<Rgb>& image) {
-  const Eigen::Vector2d size(image.width_px(), image.height_px());
-  const Eigen::Vector2d zero = Eigen::Vector2d::Zero();
-  const Eigen::Vector2d clipped_low = low.cwiseMax(zero).cwiseMin(size);
-  const Eigen::Vector2d clipped_high = high.cwiseMax(zero).cwiseMin(size);
-  return {clipped_low.array().floor().cast<int>().matrix(),
-          clipped_high.array().ceil().cast<int>().matrix()};
+/// Row `v` of a surface of the format RGB24: a pixel a word.
+std::uint32_t* RowOf(cairo_surface_t* surface, int v) {
+  return reinterpret_cast<std::uint32_t*>(cairo_image_surface_get_data(surface) +
+                                          static_cast<std::ptrdiff_t>(v) *
+                                              cairo_image_surface_get_stride(surface));
 }
 
 }  // namespace
@@ -56,26 +113,61 @@ Rgb Mix(const Rgb& from, const Rgb& to, double weight) {
   return mixed;
 }
 
+void Canvas::SurfaceDeleter::operator()(_cairo_surface* surface) const {
+  cairo_surface_destroy(surface);
+}
+
+void Canvas::ContextDeleter::operator()(_cairo* context) const { cairo_destroy(context); }
+
 Canvas::Canvas(int width_px, int height_px, const Rgb& background)
-    : image_(width_px, height_px, background) {}
+    : width_px_(width_px),
+      height_px_(height_px),
+      surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, height_px)),
+      context_(cairo_create(surface_.get())) {
+  if (cairo_status(context_.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
+  SetColor(background);
+  cairo_paint(context_.get());
+  cairo_set_line_cap(context_.get(), CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
+}
+
+Image<Rgb> Canvas::image() const {
+  cairo_surface_flush(surface_.get());
+  Image<Rgb> image(width_px_, height_px_);
+  for (int v = 0; v < height_px_; ++v) {
+    const std::uint32_t* row = RowOf(surface_.get(), v);
+    for (int u = 0; u < width_px_; ++u) image.At(u, v) = FromPixel(row[u]);
+  }
+  return image;
+}
+
+void Canvas::SetColor(const Rgb& color) {
+  cairo_set_source_rgb(context_.get(), color[0] / 255.0, color[1] / 255.0, color[2] / 255.0);
+}
 
 void Canvas::Blend(int u, int v, const Rgb& color, double opacity) {
   if (u < 0 || v < 0 || u >= width_px() || v >= height_px() || opacity <= 0.0) return;
-  image_.At(u, v) = Mix(image_.At(u, v), color, std::min(opacity, 1.0));
+  cairo_surface_flush(surface_.get());
+  std::uint32_t& pixel = RowOf(surface_.get(), v)[u];
+  pixel = ToPixel(Mix(FromPixel(pixel), color, std::min(opacity, 1.0)));
+  cairo_surface_mark_dirty_rectangle(surface_.get(), u, v, 1, 1);
+}
+
+void Canvas::Paste(const Canvas& other, int u, int v) {
+  cairo_set_source_surface(context_.get(), other.surface_.get(), u, v);
+  cairo_paint(context_.get());
 }
 
 void Canvas::FillBox(const Eigen::Vector2d& low_px,
                      const Eigen::Vector2d& high_px,
                      const Rgb& color) {
-  const PixelBox box = Clip(low_px, high_px, image_);
-  for (int v = box.low.y(); v < box.high.y(); ++v) {
-    for (int u = box.low.x(); u < box.high.x(); ++u) {
-      const Eigen::Vector2d pixel(u, v);
-      const Eigen::Vector2d covered =
-          high_px.cwiseMin(pixel + Eigen::Vector2d::Ones()) - low_px.cwiseMax(pixel);
-      Blend(u, v, color, std::max(covered.x(), 0.0) * std::max(covered.y(), 0.0));
-    }
-  }
+  const Eigen::Vector2d size(width_px_, height_px_);
+  const Eigen::Vector2d low = low_px.cwiseMax(0.0).cwiseMin(size);
+  const Eigen::Vector2d extent = high_px.cwiseMax(0.0).cwiseMin(size) - low;
+  if (!(extent.minCoeff() > 0.0)) return;
+  SetColor(color);
+  cairo_rectangle(context_.get(), low.x(), low.y(), extent.x(), extent.y());
+  cairo_fill(context_.get());
 }
 
 void Canvas::DrawBox(const Eigen::Vector2d& low_px,
@@ -87,38 +179,26 @@ void Canvas::DrawBox(const Eigen::Vector2d& low_px,
   FillBox({high_px.x() - 1.0, low_px.y() + 1.0}, {high_px.x(), high_px.y() - 1.0}, color);
 }
 
-void Canvas::DrawStrokes(const std::vector<Stroke>& strokes, double width_px, const Rgb& color) {
-  const double reach_px = width_px / 2.0;
-  const Eigen::Vector2d border = Eigen::Vector2d::Constant(reach_px + 1.0);
-  Eigen::AlignedBox2d extent;
-  for (const Stroke& stroke : strokes) {
-    for (const Eigen::Vector2d& point : stroke) extent.extend(point);
+void Canvas::AddToPath(const Stroke& stroke, double margin_px) {
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(margin_px);
+  const Eigen::AlignedBox2d reach(-margin, Eigen::Vector2d(width_px_, height_px_) + margin);
+  std::optional<Eigen::Vector2d> pen;
+  for (std::size_t i = 0; i < stroke.size(); ++i) {
+    const auto segment = ClipSegment(stroke[i == 0 ? 0 : i - 1], stroke[i], reach);
+    if (!segment) continue;
+    if (pen != segment->first) {
+      cairo_move_to(context_.get(), segment->first.x(), segment->first.y());
+    }
+    cairo_line_to(context_.get(), segment->second.x(), segment->second.y());
+    pen = segment->second;
   }
-  if (extent.isEmpty()) return;
-  const PixelBox all = Clip(extent.min() - border, extent.max() + border, image_);
-  if (all.empty()) return;
+}
 
-  Image<float> coverage(all.high.x() - all.low.x(), all.high.y() - all.low.y());
-  const auto cover_segment = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    const PixelBox box = Clip(from.cwiseMin(to) - border, from.cwiseMax(to) + border, image_);
-    for (int v = box.low.y(); v < box.high.y(); ++v) {
-      for (int u = box.low.x(); u < box.high.x(); ++u) {
-        float& pixel = coverage.At(u - all.low.x(), v - all.low.y());
-        const double distance_px = DistanceToSegment(PixelCenter(u, v), from, to);
-        pixel = std::max(pixel, static_cast<float>(Coverage(distance_px, reach_px)));
-      }
-    }
-  };
-  for (const Stroke& stroke : strokes) {
-    for (std::size_t i = 0; i < stroke.size(); ++i) {
-      cover_segment(stroke[i == 0 ? 0 : i - 1], stroke[i]);
-    }
-  }
-  for (int v = all.low.y(); v < all.high.y(); ++v) {
-    for (int u = all.low.x(); u < all.high.x(); ++u) {
-      Blend(u, v, color, static_cast<double>(coverage.At(u - all.low.x(), v - all.low.y())));
-    }
-  }
+void Canvas::DrawStrokes(const std::vector<Stroke>& strokes, double width_px, const Rgb& color) {
+  for (const Stroke& stroke : strokes) AddToPath(stroke, width_px);
+  SetColor(color);
+  cairo_set_line_width(context_.get(), width_px);
+  cairo_stroke(context_.get());
 }
 
 void Canvas::FillDisc(const Eigen::Vector2d& center_px, double radius_px, const Rgb& color) {
@@ -129,8 +209,19 @@ void Canvas::Write(std::string_view text,
                    const Eigen::Vector2d& origin_px,
                    double cap_height_px,
                    const Rgb& color) {
-  DrawStrokes(
-      TextStrokes(text, origin_px, cap_height_px), std::max(1.3, kPenShare * cap_height_px), color);
+  const Eigen::AlignedBox2d picture(Eigen::Vector2d::Zero(),
+                                    Eigen::Vector2d(width_px_, height_px_));
+  const double width_px = TextWidth(text, cap_height_px);
+  const Eigen::AlignedBox2d line(
+      Eigen::Vector2d(origin_px - Eigen::Vector2d::Constant(2.0 * cap_height_px)),
+      Eigen::Vector2d(origin_px + Eigen::Vector2d(width_px, cap_height_px)));
+  if (!picture.intersects(line)) return;
+  const Font font = MakeFontWithCaps(cap_height_px);
+  cairo_set_scaled_font(context_.get(), font.get());
+  SetColor(color);
+  cairo_move_to(context_.get(), origin_px.x(), origin_px.y());
+  cairo_show_text(context_.get(), ToPrintableAscii(text).c_str());
+  cairo_new_path(context_.get());
 }
 
 void Canvas::WriteRightAligned(std::string_view text,
@@ -138,6 +229,10 @@ void Canvas::WriteRightAligned(std::string_view text,
                                double cap_height_px,
                                const Rgb& color) {
   Write(text, {end_px.x() - TextWidth(text, cap_height_px), end_px.y()}, cap_height_px, color);
+}
+
+double TextWidth(std::string_view text, double cap_height_px) {
+  return ExtentsOf(ToPrintableAscii(text), MakeFontWithCaps(cap_height_px)).x_advance;
 }
 
 }  // namespace steadymap

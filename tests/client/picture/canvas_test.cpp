@@ -1,5 +1,6 @@
 #include "client/picture/canvas.h"
 
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -7,7 +8,6 @@
 #include "client/picture/birds_eye_legend.h"
 #include "client/picture/height_ramp.h"
 #include "client/picture/picture_style.h"
-#include "client/picture/stroke_font.h"
 
 namespace steadymap {
 namespace {
@@ -19,8 +19,8 @@ TEST(Canvas, CoversPixelsByTheirShareOfABox) {
   canvas.FillBox({1.0, 0.5}, {2.5, 2.0}, kBlack);
   EXPECT_EQ(canvas.image().At(0, 1), kWhite);
   EXPECT_EQ(canvas.image().At(1, 1), kBlack);
-  EXPECT_EQ(canvas.image().At(1, 0), (Rgb{128, 128, 128}));
-  EXPECT_EQ(canvas.image().At(2, 1), (Rgb{128, 128, 128}));
+  EXPECT_EQ(canvas.image().At(1, 0), (Rgb{127, 127, 127}));
+  EXPECT_EQ(canvas.image().At(2, 1), (Rgb{127, 127, 127}));
   EXPECT_EQ(canvas.image().At(2, 0), (Rgb{191, 191, 191}));
   EXPECT_EQ(canvas.image().At(1, 2), kWhite);
 }
@@ -52,32 +52,73 @@ TEST(Canvas, ClipsWhatLiesOutside) {
   EXPECT_EQ(canvas.image(), Image<Rgb>(8, 8, kWhite));
 }
 
-TEST(StrokeFont, HasAGlyphForEveryPrintableCharacterWithinItsLine) {
-  for (char character = '!'; character <= '~'; ++character) {
-    const std::string text(1, character);
-    const std::vector<Stroke> strokes = TextStrokes(text, {100.0, 50.0}, 12.0);
-    ASSERT_FALSE(strokes.empty()) << text;
-    const double right = 100.0 + TextWidth(text, 12.0);
-    for (const Stroke& stroke : strokes) {
-      ASSERT_FALSE(stroke.empty()) << text;
-      for (const Eigen::Vector2d& point : stroke) {
-        EXPECT_GE(point.x(), 100.0) << text;
-        EXPECT_LE(point.x(), right) << text;
-        EXPECT_GE(point.y(), 50.0 - 12.0) << text;
-        EXPECT_LE(point.y(), 50.0 + 4.0) << text;
-      }
+TEST(Canvas, DrawsThePartOfALongLineThatIsInThePicture) {
+  Canvas canvas(21, 21, kWhite);
+  canvas.DrawStrokes({{{-1e9 + 0.5, -1e9 + 10.5}, {1e9 + 0.5, 1e9 + 10.5}}}, 2.0, kBlack);
+  for (int u = 0; u < 10; ++u) EXPECT_EQ(canvas.image().At(u, u + 10), kBlack) << u;
+  EXPECT_EQ(canvas.image().At(10, 5), kWhite);
+}
+
+TEST(Canvas, DrawsASinglePointAsADisc) {
+  Canvas canvas(21, 21, kWhite);
+  canvas.FillDisc({10.5, 10.5}, 5.0, kBlack);
+  const Image<Rgb> image = canvas.image();
+  double ink = 0.0;
+  for (int v = 0; v < 21; ++v) {
+    for (int u = 0; u < 21; ++u) ink += (255 - image.At(u, v)[0]) / 255.0;
+  }
+  EXPECT_NEAR(ink, 25.0 * M_PI, 1.0);
+}
+
+TEST(Canvas, PastesAPictureWithinItsBounds) {
+  Canvas canvas(6, 5, kWhite);
+  canvas.Paste(Canvas(3, 3, kBlack), 4, 1);
+  for (int v = 0; v < 5; ++v) {
+    for (int u = 0; u < 6; ++u) {
+      const bool is_pasted = u >= 4 && v >= 1 && v < 4;
+      EXPECT_EQ(canvas.image().At(u, v), is_pasted ? kBlack : kWhite) << u << ' ' << v;
     }
   }
 }
 
-TEST(StrokeFont, WritesOneMarkForALetterBeyondAscii) {
+TEST(Canvas, WritesEveryPrintableCharacterWithinItsLine) {
+  for (char character = '!'; character <= '~'; ++character) {
+    const std::string text(1, character);
+    Canvas canvas(60, 60, kWhite);
+    canvas.Write(text, {20.0, 35.0}, 12.0, kBlack);
+    const int end = 21 + static_cast<int>(std::ceil(TextWidth(text, 12.0)));
+    const Image<Rgb> image = canvas.image();
+    int dark = 0;
+    for (int v = 0; v < 60; ++v) {
+      for (int u = 0; u < 60; ++u) {
+        if (image.At(u, v) == kWhite) continue;
+        ++dark;
+        EXPECT_TRUE(u >= 18 && u <= end && v >= 20 && v <= 40) << text << " at " << u << ' ' << v;
+      }
+    }
+    EXPECT_GT(dark, 0) << text;
+  }
+}
+
+TEST(Canvas, WritesCapitalsOfTheHeightAskedFor) {
+  Canvas canvas(60, 60, kWhite);
+  canvas.Write("H", {10.0, 50.0}, 30.0, kBlack);
+  const Image<Rgb> image = canvas.image();
+  for (int v = 0; v < 60; ++v) {
+    bool is_inked = false;
+    for (int u = 0; u < 60; ++u) is_inked = is_inked || image.At(u, v)[0] < 128;
+    EXPECT_EQ(is_inked, v >= 20 && v < 50) << v;
+  }
+}
+
+TEST(TextWidth, CountsOneMarkForALetterBeyondAscii) {
   EXPECT_EQ(TextWidth("a\xc3\xa9z", 10.0), TextWidth("a?z", 10.0));
-  EXPECT_EQ(TextStrokes("\xc3\xa9", {0, 0}, 10.0), TextStrokes("?", {0, 0}, 10.0));
+  EXPECT_EQ(TextWidth("a\nz", 10.0), TextWidth("a?z", 10.0));
   EXPECT_EQ(TextWidth("", 10.0), 0.0);
 }
 
-TEST(StrokeFont, ScalesWithTheHeightOfItsCapitals) {
-  EXPECT_NEAR(TextWidth("steadymap", 24.0), 2.0 * TextWidth("steadymap", 12.0), 1e-9);
+TEST(TextWidth, ScalesWithTheHeightOfItsCapitals) {
+  EXPECT_NEAR(TextWidth("steadymap", 24.0), 2.0 * TextWidth("steadymap", 12.0), 1e-6);
 }
 
 TEST(HeightColor, DarkensSteadilyAndClampsBeyondItsEnds) {

@@ -112,11 +112,7 @@ Image<Rgb> DrawScorePicture(const std::vector<JudgedVoxel>& voxels,
   const TopDownView view = ViewOf(columns, voxel_size_m);
   const Canvas map = DrawColumns(columns, voxel_size_m, view);
   Canvas picture(kLeftPx + view.width_px + kRightPx, kTopPx + view.height_px + kBottomPx, kPage);
-  for (int v = 0; v < map.height_px(); ++v) {
-    for (int u = 0; u < map.width_px(); ++u) {
-      picture.Blend(kLeftPx + u, kTopPx + v, map.image().At(u, v), 1.0);
-    }
-  }
+  picture.Paste(map, kLeftPx, kTopPx);
   const double width_px = picture.width_px() - 2.0 * kLeftPx;
   picture.Write(Fit(text.title, kTitlePx, width_px), {kLeftPx, 24.0 + kTitlePx}, kTitlePx, kInk);
   picture.Write(Fit(text.subtitle, kSmallTextPx, width_px),
