@@ -6,8 +6,8 @@
 
 namespace steadymap {
 
-/// What `images_crc32c` of the batch must hold: the CRC-32C over the `data` of all images of all
-/// frames, in the order depth, labels, instances, color within each frame. Any thread.
+/// The correct value of `images_crc32c`: the CRC-32C of the `data` bytes of all images of all
+/// frames, frame by frame, in the order depth, labels, instances, color. Any thread.
 std::uint32_t ImagesCrc32c(const v1::FrameBatch& batch);
 
 }  // namespace steadymap

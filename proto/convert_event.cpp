@@ -66,7 +66,7 @@ absl::StatusOr<Eigen::Vector3d> ReadPoint(const char* field, const v1::Vector3& 
   return InvalidField(reason::kBadValue, field, absl::StrCat(field, " must be finite"));
 }
 
-/// The beliefs of an event that has them.
+/// Reads the beliefs before and after an event; robot events may have none.
 absl::Status ReadBeliefs(const v1::ObjectEvent& message, ObjectEvent* event) {
   const bool optional = IsAboutRobot(event->type);
   if (!optional || message.has_before()) {
@@ -94,7 +94,7 @@ absl::Status ReadMove(const v1::ObjectEvent& message, ObjectEvent* event) {
   return absl::OkStatus();
 }
 
-/// Where it happened, and how sure that is.
+/// Reads the places of an event and the confidence of a move.
 absl::Status ReadPlaces(const v1::ObjectEvent& message, ObjectEvent* event) {
   if (!message.has_center_m()) {
     return InvalidField(reason::kBadValue, "center_m", "center_m is absent");

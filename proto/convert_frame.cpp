@@ -95,10 +95,11 @@ absl::Status DecodeInto(const Message& message,
   return absl::OkStatus();
 }
 
-/// Images are worth another core from so many pixels on: there, decoding takes some 100 us.
+/// Images with at least this many pixels are decoded in parallel: decoding takes about 100 us
+/// there.
 constexpr int kMinParallelPixels = 1 << 16;
 
-/// The error is that of the first image that has one.
+/// Decodes all images of a frame; returns the error of the first invalid image.
 absl::Status DecodeImages(const v1::Frame& message, Frame* frame) {
   const PinholeCamera& camera = frame->camera;
   const std::array<std::function<absl::Status()>, 4> images = {
@@ -127,7 +128,7 @@ absl::Status DecodeImages(const v1::Frame& message, Frame* frame) {
   return absl::OkStatus();
 }
 
-/// Everything but the images.
+/// Reads capture time, intrinsics, pose and depth unit.
 absl::Status ReadHeader(const v1::Frame& message, Frame* frame) {
   if (!message.has_capture_time()) {
     return InvalidField(
@@ -146,7 +147,7 @@ absl::Status ReadHeader(const v1::Frame& message, Frame* frame) {
   return absl::OkStatus();
 }
 
-/// What the log keeps of a frame and maps do not use yet.
+/// Checks the fields that the log stores and no update policy uses yet.
 absl::Status CheckAnnotations(const v1::Frame& message) {
   if (!v1::ClockDomain_IsValid(message.clock_domain())) {
     return InvalidField(reason::kBadValue,
@@ -186,7 +187,7 @@ absl::StatusOr<Frame> FromProto(const v1::Frame& message,
   if (status.ok()) status = CheckAnnotations(message);
   if (status.ok()) status = DecodeImages(message, &frame);
   if (status.ok()) status = ValidateFrame(frame, labels);
-  // A pose that leaves MakePose passes ValidateFrame, so its field paths are proto paths.
+  // ValidateFrame accepts every pose that MakePose returns, so all field paths are proto paths.
   if (!status.ok()) return status;
   return frame;
 }
@@ -204,7 +205,7 @@ std::size_t DecodedBytes(const v1::Frame& message) {
 }
 
 absl::StatusOr<PinholeCamera> FromProto(const v1::CameraIntrinsics& message) {
-  // One above the limit stands for anything larger, which would not fit an int.
+  // The limit plus one represents all larger values, which may not fit an int.
   const auto side = [](std::uint32_t side_px) {
     return static_cast<int>(std::min(side_px, static_cast<std::uint32_t>(kMaxImageSidePx) + 1));
   };

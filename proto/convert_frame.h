@@ -10,23 +10,22 @@
 
 namespace steadymap {
 
-/// Decodes and validates a frame that `source` uploaded for a map whose label images may hold
-/// `labels`. The image sizes that the intrinsics declare are checked before anything is
-/// allocated, and every image must have them.
+/// Decodes and validates a frame. `source` is the sensor; `labels` are the classes that label
+/// images of the map may hold. Checks the image size of the intrinsics before any allocation; every
+/// image must have this size.
 ///
-/// Errors: `InvalidArgument` with the reason of the service contract and the field path relative to
-/// the frame, such as `depth.data`.
-/// Cost: decoding, 2 to 3 ms for PNG depth and labels of 640 x 360, shared by free cores. Pure, any
-/// thread.
+/// Errors: `InvalidArgument` with a reason of core/types/error.h and the field path relative to the
+/// frame, such as `depth.data`. Cost: decoding, 2 to 3 ms for PNG depth and labels of 640 x 360,
+/// distributed over free cores. Pure, any thread.
 absl::StatusOr<Frame> FromProto(const v1::Frame& message,
                                 const SensorName& source,
                                 const KnownLabels& labels);
 
-/// Bytes that the images of a frame take once they are decoded, from the sizes that it declares. At
-/// most those of the largest images allowed, whatever it says.
+/// Memory of the decoded images of a frame, bytes, from the image size of its intrinsics. At most
+/// that of the largest permitted images, for any input.
 std::size_t DecodedBytes(const v1::Frame& message);
 
-/// The camera of a frame. Errors: as `ValidateCamera`, with the field of the message.
+/// The camera of a frame. Errors: those of `ValidateCamera`, with the field of the message.
 absl::StatusOr<PinholeCamera> FromProto(const v1::CameraIntrinsics& message);
 v1::CameraIntrinsics ToProto(const PinholeCamera& camera);
 

@@ -10,7 +10,7 @@
 namespace steadymap {
 namespace {
 
-// One second short of the last whole one, so that any nanoseconds fit behind it.
+// One second below the last whole second, so that any number of nanoseconds can be added.
 constexpr std::int64_t kMaxSeconds =
     std::numeric_limits<std::int64_t>::max() / kNanosecondsPerSecond - 1;
 
@@ -42,8 +42,8 @@ v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
 }
 
 absl::StatusOr<Eigen::Isometry3d> FromProto(const v1::Pose& message) {
-  // An absent position is not the origin: the client forgot it. An absent orientation has norm 0,
-  // which MakePose refuses.
+  // An absent position is an error of the client, not the origin. MakePose refuses an absent
+  // orientation, because its norm is 0.
   if (!message.has_position_m()) {
     return InvalidField(
         reason::kNonFinitePose, "position_m", "a pose needs its position, it is absent");

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kDefaultTruncationVoxels = 3.0;
 
-/// 3 * 0.05 is a hair more than 0.15, and would be shown so for ever.
+/// Rounds to a micrometre: 3 * 0.05 is slightly above 0.15 in binary, and clients display the
+/// value.
 double ToMicrometre(double metres) { return std::round(metres * 1e6) / 1e6; }
 
 absl::StatusOr<ClassMotion> MotionOf(v1::ClassMotion motion) {

@@ -16,7 +16,7 @@
 namespace steadymap {
 namespace {
 
-/// A number on its way in. NaN fails every comparison.
+/// A number of a message, with its field name for errors. NaN fails every comparison below.
 struct CheckedNumber {
   const char* field;
   double value;
@@ -54,7 +54,7 @@ absl::Status CheckNotNegative(std::initializer_list<CheckedNumber> numbers) {
   return absl::OkStatus();
 }
 
-/// An absent vector is not the origin: whoever sent it forgot it.
+/// Refuses an absent vector: its absence is an error of the sender, not the origin.
 absl::Status CheckVector(const char* field, bool present, const Eigen::Vector3d& vector) {
   if (!present) return InvalidField(reason::kBadValue, field, absl::StrCat(field, " is absent"));
   return CheckFinite({{field, vector.x()}, {field, vector.y()}, {field, vector.z()}});
@@ -116,7 +116,7 @@ absl::StatusOr<std::vector<ClassVote>> ReadVotes(const v1::Object& message) {
   return votes;
 }
 
-/// The parts that are messages of their own.
+/// Reads the fields of message type.
 absl::Status ReadParts(const v1::Object& message, ObjectState* object) {
   const absl::StatusOr<Cuboid> cuboid = FromProto(message.cuboid());
   if (!cuboid.ok()) return WithFieldPrefix(cuboid.status(), "cuboid");
@@ -136,7 +136,7 @@ absl::Status ReadParts(const v1::Object& message, ObjectState* object) {
   return absl::OkStatus();
 }
 
-/// How much of the votes fell to the winner.
+/// Share of the object's class in all votes; 0 without votes.
 double ClassConfidence(const ObjectState& object) {
   double all = 0.0;
   double winner = 0.0;

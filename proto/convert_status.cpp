@@ -15,34 +15,34 @@ namespace {
 constexpr char kDomain[] = "steadymap";
 constexpr std::string_view kTypeUrlPrefix = "type.googleapis.com/";
 
-// What the details are called on the wire; their messages have names of our own (status.proto).
+// Standard names of the details on the wire; status.proto gives their messages other names.
 constexpr std::string_view kErrorInfo = "google.rpc.ErrorInfo";
 constexpr std::string_view kBadRequest = "google.rpc.BadRequest";
 constexpr std::string_view kRetryInfo = "google.rpc.RetryInfo";
 
 constexpr int kMaxCode = static_cast<int>(absl::StatusCode::kUnauthenticated);
 
-/// How long to wait before the next try.
+/// Default delay of the next attempt after an error with this reason.
 struct RetryDelay {
   std::string_view reason;
   std::int64_t seconds;
 };
 
-// A queue drains in about a second and a restart takes a few; a full or failed disk waits for a
-// person. MESSAGE_TOO_LARGE and MAP_BYTES do not pass by waiting.
+// A queue empties in about a second, a restart takes a few seconds, and a full or failed disk needs
+// an operator. MESSAGE_TOO_LARGE and MAP_BYTES have no entry: waiting does not help.
 constexpr std::array kRetryDelays = {RetryDelay{reason::kQueueFull, 1},
                                      RetryDelay{reason::kRateLimit, 1},
                                      RetryDelay{reason::kDraining, 2},
                                      RetryDelay{reason::kDiskLow, 30},
                                      RetryDelay{reason::kStoreReadOnly, 30}};
 
-// The message travels three times in trailers, of which gRPC takes 8 KiB by default.
+// The trailers contain the message three times, and gRPC limits them to 8 KiB by default.
 constexpr std::size_t kMaxMessageBytes = 1000;
 
 constexpr std::int64_t kMaxRetryDelayS = 600;
 
-/// The text without what could break the trailer. A message may quote a request, and a cut through
-/// a character of several bytes would make the details unreadable.
+/// The message of a status in a form that is safe in a trailer: short printable ASCII. A message
+/// may quote a request, and a cut inside a multi-byte character would make the details unreadable.
 std::string TrailerText(const absl::Status& status) {
   std::string text(status.message().substr(0, kMaxMessageBytes));
   for (char& character : text) {
@@ -59,8 +59,8 @@ void AddDetail(std::string_view name,
   any->set_value(detail.SerializeAsString());
 }
 
-/// Whether `any` is a detail of that name and can be read. Any text may stand before the last
-/// slash.
+/// Reads `any` into `detail`; true if its type URL ends with `name` and it parses. The part of the
+/// URL before the last slash is ignored.
 bool ReadDetail(const google::protobuf::Any& any,
                 std::string_view name,
                 google::protobuf::Message* detail) {
@@ -69,7 +69,7 @@ bool ReadDetail(const google::protobuf::Any& any,
   return slash != url.npos && url.substr(slash + 1) == name && detail->ParseFromString(any.value());
 }
 
-/// When another try makes sense: what the status says, else what its reason does.
+/// Adds the delay of the next attempt: that of the status, or else the default of its reason.
 void AddRetryInfo(const absl::Status& status, v1::Status* message) {
   constexpr std::int64_t kMsPerSecond = 1000;
   std::int64_t delay_ms = RetryDelayMsOf(status);
@@ -84,7 +84,7 @@ void AddRetryInfo(const absl::Status& status, v1::Status* message) {
   AddDetail(kRetryInfo, info, message);
 }
 
-/// What a server asks for, in [0, 10 min].
+/// The delay that a server requests, milliseconds, limited to [0, 10 min].
 std::int64_t ReadDelayMs(const google::protobuf::Duration& delay) {
   const std::int64_t seconds = std::clamp(delay.seconds(), std::int64_t{0}, kMaxRetryDelayS);
   const std::int64_t ms = 1000 * seconds + delay.nanos() / 1'000'000;

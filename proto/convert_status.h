@@ -6,16 +6,16 @@
 
 namespace steadymap {
 
-/// A status with the standard details: ErrorInfo with the reason and the domain `steadymap`,
-/// BadRequest where a field is to blame, and RetryInfo where trying again later may help. A status
-/// without a reason carries no details. The message is cut at 1000 bytes, and what is not printable
-/// ASCII becomes a question mark. Details carry the standard type URLs of google.rpc. Pure, any
-/// thread.
+/// The message of a status with the standard details: ErrorInfo with the reason and the domain
+/// `steadymap`, BadRequest for an invalid field, and RetryInfo if a later attempt may succeed. A
+/// status without a reason has no details. The text is cut at 1000 bytes, and a question mark
+/// replaces each byte that is not printable ASCII. Details have the standard type URLs of
+/// google.rpc. Pure, any thread.
 v1::Status ToProto(const absl::Status& status);
 
-/// The same the other way: code, message, reason, field path and, of at most 10 min, the delay
-/// until another try (`RetryDelayMsOf`). A code that is none becomes `Unknown`; details of other
-/// domains are ignored.
+/// The status of a message: code, text, reason, field path, and the delay of the next attempt
+/// (`RetryDelayMsOf`), at most 10 min. An invalid code becomes `Unknown`; details of other domains
+/// are ignored.
 absl::Status FromProto(const v1::Status& message);
 
 }  // namespace steadymap

@@ -6,16 +6,16 @@
 
 #include "steadymap/v1/watch_service.pb.h"
 
-/// The border between the wire and core: what a watcher wants to see. Pure functions, any thread.
+/// Conversion between messages and core types: the filter of a watch. Pure functions, any thread.
 namespace steadymap {
 
-/// Errors: `InvalidArgument` with reason `BAD_VALUE` for more values than the field may name,
-/// classes out of range, unknown kinds, and as for `v1::Box`. Field paths are relative to the
+/// A filter. Errors: `InvalidArgument` with reason `BAD_VALUE` for too many values in a field,
+/// classes out of range, unknown kinds, and those of `v1::Box`. Field paths are relative to the
 /// message.
 absl::StatusOr<MapFilter> FromProto(const v1::WatchFilter& message);
 
-/// Equal filters give equal messages. A filter that wants no kind at all cannot be written
-/// (asserted).
+/// The message of a filter; equal filters give equal messages. The filter must select at least one
+/// kind (asserted).
 v1::WatchFilter ToProto(const MapFilter& filter);
 
 }  // namespace steadymap

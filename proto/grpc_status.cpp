@@ -6,7 +6,8 @@
 namespace steadymap {
 namespace {
 
-// How gRPC itself refuses a message beyond its limit, with no details: the service never sees it.
+// Text of the status with which gRPC itself refuses a message above its limit. It has no details,
+// because the service does not see the message.
 constexpr char kMessageTooLargeText[] = "larger than max";
 
 bool IsMessageTooLarge(const grpc::Status& status) {
@@ -31,8 +32,8 @@ absl::Status FromGrpcStatus(const grpc::Status& status) {
         absl::StatusCode::kResourceExhausted, reason::kMessageTooLarge, status.error_message());
   }
   v1::Status details;
-  // Other servers and proxies put what they like into the trailer: it counts only where it says
-  // the same as the status.
+  // Other servers and proxies may send other details: use them only if their code equals that of
+  // the status.
   if (status.error_details().empty() || !details.ParseFromString(status.error_details()) ||
       details.code() != static_cast<int>(status.error_code())) {
     details.Clear();

@@ -5,12 +5,13 @@
 
 namespace steadymap {
 
-/// A status for gRPC, with the details of `proto/convert_status.h` in its trailer. Any thread.
+/// The gRPC status of a status, with the details of `proto/convert_status.h` in its trailer. Any
+/// thread.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
-/// What a gRPC call ended with: code, message, and where the server gave them the reason and the
-/// field path (`ReasonOf`, `FieldOf`). A message that gRPC itself finds too large has the reason
-/// `MESSAGE_TOO_LARGE`. Any thread.
+/// The status of a finished gRPC call: code, message and, if the server sent them, reason, field
+/// path and retry delay (`ReasonOf`, `FieldOf`, `RetryDelayMsOf`). The status of gRPC for a message
+/// above its size limit gets the reason `MESSAGE_TOO_LARGE`. Any thread.
 absl::Status FromGrpcStatus(const grpc::Status& status);
 
 }  // namespace steadymap
