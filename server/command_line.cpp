@@ -17,14 +17,16 @@ void AddTools(CLI::App* app, CommandLine* result) {
   app->fallthrough();
   app->require_subcommand(0, 1);
   CLI::App* const check = app->add_subcommand(
-      "check", "Read every file of a store that nobody serves, and name what is damaged");
+      "check", "Check every file of a store that no server uses, and list the damaged ones");
   check->add_option("--map", result->map, kMapHelp)->type_name("NAME");
-  CLI::App* const salvage =
-      app->add_subcommand("salvage", "Repair one map; its old files are kept beside the store's");
+  CLI::App* const salvage = app->add_subcommand(
+      "salvage", "Repair one map of a store that no server uses; the old files are kept");
   salvage->add_option("--map", result->map, kMapHelp)->type_name("NAME")->required();
-  salvage->add_option("--skip-entry", result->skip_entry, "Give this entry of the log no effect")
+  salvage->add_option("--skip-entry", result->skip_entry, "Skip this entry of the log")
       ->type_name("N");
-  salvage->add_option("--output", result->output, "Put the repaired map there, not into the store")
+  salvage
+      ->add_option(
+          "--output", result->output, "Write the repaired map to this folder instead of the store")
       ->type_name("DIR");
 }
 
@@ -32,19 +34,24 @@ void AddTools(CLI::App* app, CommandLine* result) {
 
 CommandLine ParseCommandLine(int argument_count, const char* const* arguments) {
   CommandLine result;
-  CLI::App app("steadymapd: keeps object-level maps of places, fed and read over gRPC",
-               "steadymapd");
+  CLI::App app(
+      "steadymapd: stores object-level maps of changing places; upload and query over gRPC",
+      "steadymapd");
   app.set_version_flag("--version", std::string("steadymapd ") + STEADYMAP_VERSION);
-  app.add_option("--config", result.config_file, "Configuration file (TOML); all defaults without")
+  app.add_option("--config",
+                 result.config_file,
+                 "Configuration file (TOML); without it all settings have their defaults")
       ->type_name("FILE");
-  app.add_option("--listen", result.listen, "Overrides `listen`; port 0 takes a free one")
+  app.add_option("--listen", result.listen, "Overrides `listen`; port 0 selects a free port")
       ->type_name("HOST:PORT");
   app.add_option("--data-dir", result.data_dir, "Overrides `data_dir`")->type_name("DIR");
-  app.add_option("--port-file", result.port_file, "File to write the port to once it is served")
+  app.add_option("--port-file",
+                 result.port_file,
+                 "File to which the port is written when the server is ready")
       ->type_name("FILE");
   app.add_flag("--print-config",
                result.print_config,
-               "Print the configuration that is in force, with comments, and end");
+               "Print the effective configuration with comments, and exit");
   AddTools(&app, &result);
   try {
     app.parse(argument_count, arguments);

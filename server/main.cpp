@@ -76,7 +76,7 @@ void RaiseDescriptorLimit() {
   const rlim_t before = limit.rlim_cur;
   limit.rlim_cur = limit.rlim_max;
   if (before != limit.rlim_cur && ::setrlimit(RLIMIT_NOFILE, &limit) != 0) {
-    spdlog::warn("the limit of open files stays at {}", before);
+    spdlog::warn("could not raise the limit on open files; it remains {}", before);
     return;
   }
   spdlog::info("up to {} files and connections may be open", limit.rlim_cur);

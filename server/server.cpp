@@ -199,7 +199,7 @@ absl::Status Server::Parts::Start() {
 
 absl::Status Server::Parts::Listen() {
   const std::optional<ListenAddress> address = ParseListenAddress(config_.listen);
-  if (!address) return absl::InvalidArgumentError("cannot read the address " + config_.listen);
+  if (!address) return absl::InvalidArgumentError("invalid address " + config_.listen);
   absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> acceptor =
       ConnectionAcceptor::Listen(*address, config_.limits.max_connections);
   if (!acceptor.ok()) return CannotListen(config_.listen, acceptor.status().message());
@@ -218,7 +218,7 @@ absl::Status Server::Parts::Listen() {
   builder.RegisterService(&query_service_);
   builder.RegisterService(&watch_service_);
   grpc_server_ = builder.BuildAndStart();
-  if (grpc_server_ == nullptr) return CannotListen(config_.listen, "gRPC does not start");
+  if (grpc_server_ == nullptr) return CannotListen(config_.listen, "the gRPC server did not start");
   acceptor_->Start([this](int connection, int listener) {
     grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
     parameters.fd = connection;
@@ -280,10 +280,11 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (shut_down_.exchange(true)) return;
   const absl::Time end = absl::Now() + absl::FromChrono(deadline);
   Drain();
-  if (!roster_.AwaitEmpty(end)) spdlog::warn("some uploads had not ended at the deadline");
+  if (!roster_.AwaitEmpty(end)) spdlog::warn("some uploads had not ended at the shutdown deadline");
   watch_hub_.Drain();
   if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
-  if (!calls_.AwaitEnd(end, kGoodbyeTime)) spdlog::warn("some calls were cut off");
+  if (!calls_.AwaitEnd(end, kGoodbyeTime))
+    spdlog::warn("some calls were cancelled by the shutdown");
   // Frames that wait for free disk space are in the log and are integrated at the next start.
   store_->StopWaitingForDisk();
   health_service_ = nullptr;

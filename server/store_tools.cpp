@@ -49,7 +49,7 @@ int RunSalvage(const CommandLine& command_line, const ServerConfig& config, cons
   const absl::StatusOr<SalvageReport> report = SalvageMap(options);
   if (!report.ok()) return CannotRun(report.status());
   PrintLines(map.ToString() + ": salvaged", report->remarks);
-  std::printf("  the map is in %s\n  its old files are in %s\n",
+  std::printf("  the repaired map is in %s\n  its old files are in %s\n",
               report->repaired.c_str(),
               report->old_files.c_str());
   return EXIT_SUCCESS;

@@ -50,69 +50,79 @@ class TypedVisitor {
 
 void VisitRoot(ServerConfig* config, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
-  visitor->Text({"listen", "Host and port of the gRPC listener; port 0 takes a free one."},
+  visitor->Text({"listen", "Host and port of the gRPC listener; port 0 selects a free port."},
                 &config->listen);
-  visitor->Text({"data_dir", "Folder of the store; made if it does not exist."}, &config->data_dir);
+  visitor->Text({"data_dir", "Folder of the store; created if it does not exist."},
+                &config->data_dir);
   visitor->Flag({"allow_plaintext_remote",
-                 "Whether plain text may be spoken on an address that other machines can reach."},
+                 "Allows unencrypted connections on an address that other machines can "
+                 "reach."},
                 &config->allow_plaintext_remote);
-  visitor->Flag({"reflection", "gRPC server reflection, for grpcurl and the like."},
+  visitor->Flag({"reflection", "Enables gRPC server reflection, for grpcurl and similar tools."},
                 &config->reflection);
   visitor->Flag({"channelz",
-                 "gRPC channelz, for debugging connections. Shows peers' addresses to every "
-                 "client."},
+                 "Enables gRPC channelz, for debugging connections. Exposes the addresses "
+                 "of peers to every client."},
                 &config->channelz);
   typed.Duration({"drain_timeout_s",
-                  "Longest time from SIGTERM to the end. systemd's TimeoutStopSec must exceed it."},
+                  "Maximum time from SIGTERM to the end of the process. Must be less than "
+                  "TimeoutStopSec of systemd."},
                  {1, 3600},
                  &config->drain_timeout);
 }
 
 void VisitLog(LoggingOptions* log, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
-  visitor->Section("log", "What the daemon says on stderr. SIGHUP reloads the level.");
+  visitor->Section("log", "The log on stderr. SIGHUP reloads the level.");
   typed.Choice({"level", "Lowest severity that is written."}, kLogLevels, &log->level);
-  typed.Choice({"format", "How a line looks: for people, or one JSON object a line."},
+  typed.Choice({"format", "Format of a log line: text for people, or one JSON object per line."},
                kLogFormats,
                &log->format);
 }
 
 void VisitLimits(LimitOptions* limits, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
-  visitor->Section("limits", "What clients may ask for. SIGHUP reloads all of it.");
-  typed.Integer({"max_message_bytes", "Largest message that is taken."},
+  visitor->Section("limits",
+                   "Limits on the use of the server by clients. SIGHUP reloads all of them "
+                   "except max_message_bytes.");
+  typed.Integer({"max_message_bytes", "Maximum size of an accepted message in bytes."},
                 {64 * kKiB, 256 * kMiB},
                 &limits->max_message_bytes);
   typed.Integer({"max_connections",
-                 "Connections at once; a part of the files that the process may open bounds them "
-                 "too."},
+                 "Maximum number of simultaneous connections. The limit on open files "
+                 "(ulimit -n) also bounds them; a part of it is reserved for the store."},
                 {1, 1'000'000},
                 &limits->max_connections);
   typed.Integer({"max_upload_streams",
-                 "Upload streams at once, all maps together. 0: one for each 512 KiB of "
-                 "queue_bytes_total, and at least 16."},
+                 "Maximum number of simultaneous upload streams, all maps together. 0: one "
+                 "per 512 KiB of queue_bytes_total, and at least 16."},
                 {0, 1'000'000},
                 &limits->max_upload_streams);
   typed.Integer({"upload_window_frames",
-                 "Frames that one upload stream may have under way; below what a robot sends in a "
-                 "commit interval it slows down."},
+                 "Maximum number of in-flight frames of one upload stream. Must cover the "
+                 "frames of a commit interval, or the robot waits for acknowledgements."},
                 {1, 10'000},
                 &limits->upload_window_frames);
   typed.Integer({"upload_window_bytes",
-                 "Bytes that one upload stream may have under way; at least max_message_bytes."},
+                 "Maximum number of in-flight bytes of one upload stream; at least "
+                 "max_message_bytes."},
                 {64 * kKiB, 4096 * kMiB},
                 &limits->upload_window_bytes);
-  typed.Integer({"queue_bytes_per_map", "Bytes of frames that wait for one map's integration."},
+  typed.Integer({"queue_bytes_per_map",
+                 "Maximum number of bytes of frames that wait for the integration into one "
+                 "map."},
                 {64 * kKiB, kTiB},
                 &limits->queue_bytes_per_map);
-  typed.Integer(
-      {"queue_bytes_total", "The same for all maps together: the bound on memory under overload."},
-      {64 * kKiB, kTiB},
-      &limits->queue_bytes_total);
+  typed.Integer({"queue_bytes_total",
+                 "Maximum number of bytes of frames that wait for integration, all maps "
+                 "together. Messages that wait for decoding may use half as much in "
+                 "addition."},
+                {64 * kKiB, kTiB},
+                &limits->queue_bytes_total);
   typed.Integer({"memory_bytes",
-                 "Bytes of memory that the daemon may hold; beyond, uploads and new maps are "
-                 "refused with MEMORY_LOW. 0: three quarters of what the machine, or the control "
-                 "group, has."},
+                 "Maximum number of bytes of memory of the whole process. Above it, "
+                 "uploads and new maps are refused with MEMORY_LOW. 0: three quarters of "
+                 "the memory of the machine or of the limit of the control group."},
                 {0, 1024 * kTiB},
                 &limits->memory_bytes);
 }
@@ -120,92 +130,100 @@ void VisitLimits(LimitOptions* limits, FieldVisitor* visitor) {
 void VisitCommit(CommitOptions* commit, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
   visitor->Section("commit",
-                   "When work becomes visible and durable. Never changes what a map holds.");
+                   "When integrated frames become visible and durable. Does not change the "
+                   "content of a map.");
   typed.Integer({"max_frames", "A revision is committed after this many frames."},
                 {1, 10'000},
                 &commit->max_frames);
   typed.Duration(
-      {"max_delay_ms", "A revision is committed this long after its first frame at the latest."},
+      {"max_delay_ms", "A revision is committed at the latest this long after its first frame."},
       {1, 60'000},
       &commit->max_delay);
 }
 
 void VisitRetention(RetentionOptions* retention, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
-  visitor->Section("retention", "What is kept longer than the present needs it.");
+  visitor->Section("retention", "Retention of data that the current map no longer needs.");
   typed.Duration({"frame_log_age_s",
-                  "Integrated frames leave the log after this time, for maps that do not say "
-                  "otherwise. 0: at once."},
+                  "Integrated frames are removed from the log after this time, unless the "
+                  "map has its own setting. 0: immediately."},
                  {0, 100 * kYearS},
                  &retention->frame_log_age);
   typed.Integer({"frame_log_bytes",
-                 "The oldest integrated frames leave the log when it holds more, for maps that do "
-                 "not say otherwise."},
+                 "The oldest integrated frames are removed from the log when it exceeds "
+                 "this number of bytes, unless the map has its own setting."},
                 {0, 1024 * kTiB},
                 &retention->frame_log_bytes);
   typed.Duration({"session_idle_s",
-                  "Upload sessions are forgotten when idle for this long; a frame that is sent "
-                  "again later would count twice."},
+                  "Upload sessions are deleted when idle for this long. A frame that is "
+                  "sent again after that would be integrated twice."},
                  {7 * kDayS, 100 * kYearS},
                  &retention->session_idle);
-  typed.Duration({"trim_interval_s", "How often retention is applied."},
+  typed.Duration({"trim_interval_s", "Interval at which the retention is applied."},
                  {1, kDayS},
                  &retention->trim_interval);
 }
 
 void VisitWatch(WatchServiceOptions* watch, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
-  visitor->Section("watch", "Those who watch maps.");
-  typed.Integer(
-      {"max_watches", "Watches at once, all maps together."}, {1, 1'000'000}, &watch->max_watches);
-  typed.Integer(
-      {"openings_per_second",
-       "Watches that one address may open a second, behind a burst of twice max_watches."},
-      {1, 1'000'000},
-      &watch->openings_per_second);
+  visitor->Section("watch", "Limits on watches.");
+  typed.Integer({"max_watches", "Maximum number of simultaneous watches, all maps together."},
+                {1, 1'000'000},
+                &watch->max_watches);
+  typed.Integer({"openings_per_second",
+                 "Watches that one IP address may open per second, after a burst of twice "
+                 "max_watches."},
+                {1, 1'000'000},
+                &watch->openings_per_second);
   typed.Duration({"stall_timeout_s",
-                  "A client that takes nothing of what a watch, an export or a section sends it "
-                  "for this long is ended; a watch may resume."},
+                  "A watch, export or section stream whose client reads nothing for this "
+                  "long ends with SLOW_CONSUMER. A watch can be resumed."},
                  {1, kDayS},
                  &watch->stall_timeout);
 }
 
 void VisitStore(StoreOptions* store, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
-  visitor->Section("store", "RocksDB in data_dir, and what it keeps of every map.");
-  typed.Integer({"block_cache_bytes", "Bytes of RocksDB's block cache."},
+  visitor->Section("store",
+                   "The RocksDB databases in data_dir, and the retention of each map's "
+                   "history.");
+  typed.Integer({"block_cache_bytes", "Size of RocksDB's block cache in bytes."},
                 {kMiB, kTiB},
                 &store->block_cache_bytes);
   typed.Integer({"write_buffer_bytes",
-                 "Bytes of RocksDB's write buffers. A restart replays up to twice as much."},
+                 "Size of RocksDB's write buffers in bytes. A restart replays up to twice "
+                 "as much."},
                 {4 * kMiB, kTiB},
                 &store->write_buffer_bytes);
-  typed.Integer(
-      {"min_free_disk_bytes",
-       "Uploads are refused with DISK_LOW when the disk has fewer bytes left; at least three "
-       "times write_buffer_bytes."},
-      {0, 1024 * kTiB},
-      &store->min_free_disk_bytes);
-  typed.Integer(
-      {"log_segment_bytes", "Bytes of a file of a map's log, about; a trim drops whole files."},
-      {64 * kKiB, 4096 * kMiB},
-      &store->log_segment_bytes);
-  typed.Integer({"kept_poses", "Newest frame poses that are kept when their frames are not."},
+  typed.Integer({"min_free_disk_bytes",
+                 "Uploads are refused with DISK_LOW when the disk has fewer free bytes. At "
+                 "least three times write_buffer_bytes."},
+                {0, 1024 * kTiB},
+                &store->min_free_disk_bytes);
+  typed.Integer({"log_segment_bytes",
+                 "Approximate size in bytes of a file of a map's log. Frames are removed "
+                 "in whole files."},
+                {64 * kKiB, 4096 * kMiB},
+                &store->log_segment_bytes);
+  typed.Integer({"kept_poses",
+                 "Number of newest frame poses per map that are kept after their frames "
+                 "were removed."},
                 {0, 1'000'000'000'000},
                 &store->kept_poses);
-  typed.Integer({"kept_events", "Newest events of a map that are kept."},
+  typed.Integer({"kept_events", "Number of newest events that are kept per map."},
                 {1, 1'000'000'000'000},
                 &store->kept_events);
   typed.Duration({"change_list_age_s",
-                  "Change lists are dropped after this time: a reader that is further behind "
-                  "starts from a snapshot."},
+                  "Change lists are removed after this time. A watcher further behind must "
+                  "start again from a snapshot."},
                  {0, 100 * kYearS},
                  &store->change_list_age);
-  typed.Integer({"kept_change_lists", "Most change lists that are kept of a map."},
+  typed.Integer({"kept_change_lists", "Maximum number of change lists per map."},
                 {1, 100'000'000},
                 &store->kept_change_lists);
   typed.Duration({"change_list_grace_s",
-                  "Change lists that a live watcher has not seen yet are kept so much longer."},
+                  "Additional time for which change lists are kept if a connected watcher "
+                  "still needs them."},
                  {0, 100 * kYearS},
                  &store->change_list_grace);
 }

@@ -216,7 +216,7 @@ class Printer final : public FieldVisitor {
 
   std::string text_ =
       "# Configuration of steadymapd: every setting with its default. `steadymapd --print-config`\n"
-      "# prints what is in force.\n";
+      "# prints the effective configuration.\n";
 };
 
 absl::StatusOr<toml::table> ParseToml(std::string_view text, const std::string& source) {

@@ -99,8 +99,8 @@ void CheckListen(const ServerConfig& config, std::vector<std::string>* violation
   }
   if (!IsLoopback(config.listen) && !config.allow_plaintext_remote) {
     violations->push_back("listen = \"" + config.listen +
-                          "\" lets other machines in without encryption; listen on localhost, or "
-                          "set allow_plaintext_remote = true if that is meant");
+                          "\" accepts unencrypted connections from other machines; listen on "
+                          "localhost, or set allow_plaintext_remote = true to allow this");
   }
 }
 
@@ -147,7 +147,7 @@ std::vector<std::string> FindViolations(const ServerConfig& config) {
                                       store.write_buffer_bytes,
                                       "), got ",
                                       store.min_free_disk_bytes,
-                                      ": what is in the buffers has to find room on the disk"));
+                                      ": the contents of the write buffers must fit on the disk"));
   }
   return violations;
 }

@@ -19,8 +19,8 @@ namespace steadymap {
 /// Limits on the use of the server by clients. SIGHUP reloads all of them except
 /// `max_message_bytes`.
 struct LimitOptions {
-  /// Maximum size of an accepted message. The default excludes only a 4096 x 4096 frame of pure
-  /// noise, which no camera produces.
+  /// Maximum size of an accepted message in bytes. The default excludes only a 4096 x 4096 frame of
+  /// pure noise, which no camera produces.
   std::size_t max_message_bytes = std::size_t{8} << 20;
 
   /// Maximum number of simultaneous connections. The limit on open files (`ulimit -n`) also bounds
@@ -80,7 +80,7 @@ struct RetentionOptions {
   /// would be integrated twice. The service contract promises 7 days.
   std::chrono::seconds session_idle{14 * 24 * 3600};
 
-  /// Interval of the removal.
+  /// Interval at which the retention is applied.
   std::chrono::seconds trim_interval{60};
 };
 

@@ -35,14 +35,14 @@ absl::Status CaptureClocks::Note(const SensorName& sensor,
   const bool is_live = domain != v1::CLOCK_DOMAIN_RECORDING;
   const bool knows_time = now > kYear2000;
   if (is_live && knows_time && ahead > kMaxAhead) {
-    return InvalidField(reason::kBadCaptureTime,
-                        "capture_time",
-                        absl::StrCat("capture_time lies ",
-                                     SecondsOf(ahead),
-                                     " s ahead of the server's clock, ",
-                                     SecondsOf(kMaxAhead),
-                                     " s are allowed; is the clock of the robot right, and of the "
-                                     "server?"));
+    return InvalidField(
+        reason::kBadCaptureTime,
+        "capture_time",
+        absl::StrCat("capture_time is ",
+                     SecondsOf(ahead),
+                     " s ahead of the server's clock; at most ",
+                     SecondsOf(kMaxAhead),
+                     " s are allowed; check the clocks of the robot and of the server"));
   }
   std::string notable;
   {
@@ -52,18 +52,19 @@ absl::Status CaptureClocks::Note(const SensorName& sensor,
     clock.ahead = ahead;
     if (!clock.was_logged && is_live) {
       if (capture_time < kYear2000) {
-        notable = "before the year 2000: is it set, and in nanoseconds?";
+        notable = "before the year 2000; check that it is set, in nanoseconds";
       } else if (knows_time && ahead > kNotableAhead) {
         notable = absl::StrCat(SecondsOf(ahead), " s ahead of the server's clock");
       } else if (step_back > kNotableStepBack) {
-        notable = absl::StrCat(SecondsOf(step_back), " s before that of an earlier frame");
+        notable =
+            absl::StrCat(SecondsOf(step_back), " s before the capture time of an earlier frame");
       }
       clock.was_logged = !notable.empty();
     }
     clock.newest = std::max(clock.newest, capture_time);
   }
   if (!notable.empty()) {
-    spdlog::warn("map {} sensor {}: the capture time of a frame lies {}",
+    spdlog::warn("map {} sensor {}: the capture time of a frame is {}",
                  map_name_,
                  sensor.ToString(),
                  notable);

@@ -60,7 +60,7 @@ absl::Status LogGroup::Settle(const PendingBatch& batch, SessionRecord* session)
     if (session->settled.contiguous_end() < batch.predecessor) {
       return absl::AbortedError(absl::StrCat("the frames up to client sequence ",
                                              batch.predecessor.value(),
-                                             ", which come before these, were not stored"));
+                                             ", which precede these frames, were not stored"));
     }
     session->settled.InsertThrough(batch.last);
     return absl::OkStatus();

@@ -44,7 +44,7 @@ struct ParsedEntry {
   absl::StatusOr<DurableEntry> Decode(LogEntry logged, const KnownLabels& labels) const {
     DurableEntry entry{logged.sequence, logged.kind, {}, std::move(logged.classes), {}};
     if (logged.kind != LogEntryKind::kFrame) return entry;
-    absl::StatusOr<Frame> frame = absl::DataLossError("it does not parse");
+    absl::StatusOr<Frame> frame = absl::DataLossError("its bytes are not a valid Frame message");
     if (parses) frame = FromProto(message, logged.source, labels);
     if (!frame.ok()) {
       return MakeError(absl::StatusCode::kDataLoss,
@@ -88,7 +88,7 @@ absl::Status MapIntegrator::Start(const MapRecord& record, const StoredState& st
   rest_at_ = Clock::time_point::max();
   DropWaiting();
   if (mapper_->head() < log_head_) {
-    spdlog::info("map {}: integrating the log from entry {} to {}",
+    spdlog::info("map {}: replaying the log from entry {} to {}",
                  record_.name.ToString(),
                  mapper_->head().Next().value(),
                  log_head_.value());
@@ -111,7 +111,7 @@ MapIntegrator::StepResult MapIntegrator::Step() {
     status = MakeError(absl::StatusCode::kInternal, reason::kInternal, error.what());
   }
   if (status.ok()) return {status, NextStep()};
-  spdlog::error("map {}: integration has stopped at entry {}: {}",
+  spdlog::error("map {}: integration stopped after entry {}: {}",
                 record_.name.ToString(),
                 mapper_->head().value(),
                 std::string(status.message()));
@@ -201,7 +201,7 @@ absl::Status MapIntegrator::ReadAhead() {
   if (!read_ahead_.empty() && read_ahead_.front().sequence == first) return absl::OkStatus();
   return MakeError(absl::StatusCode::kDataLoss,
                    reason::kChecksum,
-                   absl::StrCat("the log lacks entry ", first.value(), " of the map"));
+                   absl::StrCat("the log does not contain entry ", first.value(), " of the map"));
 }
 
 absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
@@ -233,12 +233,12 @@ absl::Status MapIntegrator::CheckSuspect(MapSequence sequence) {
   return MakeError(
       absl::StatusCode::kFailedPrecondition,
       reason::kMapQuarantined,
-      absl::StrCat("the server ended or failed ",
+      absl::StrCat("the server crashed or failed ",
                    suspect->crashes,
-                   " times while it integrated entry ",
+                   " times in a row during the integration of entry ",
                    sequence.value(),
-                   " of the log; the map takes no more frames until the entry is passed over: stop "
-                   "the server and run `steadymapd salvage --data-dir DIR --map ",
+                   " of the log; the map accepts no frames until this entry is skipped: stop the "
+                   "server and run `steadymapd salvage --data-dir DIR --map ",
                    record_.name.ToString(),
                    " --skip-entry ",
                    sequence.value(),

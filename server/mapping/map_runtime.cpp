@@ -134,7 +134,7 @@ absl::Status MapRuntime::CheckUploads() const {
   if (record_.byte_budget == 0 || memory_bytes <= record_.byte_budget) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
                    reason::kMapBytes,
-                   absl::StrCat("the map takes ",
+                   absl::StrCat("the map uses ",
                                 memory_bytes,
                                 " bytes of memory, more than its byte_budget of ",
                                 record_.byte_budget));
@@ -402,7 +402,7 @@ void MapRuntime::Close(const absl::Status& status,
 void MapRuntime::CommitAtEnd() {
   const absl::Status committed = integrator_.CommitNow();
   if (committed.ok()) return;
-  spdlog::warn("map {}: its last frames are integrated at the next start: {}",
+  spdlog::warn("map {}: the last commit failed; its frames are integrated at the next start: {}",
                name_.ToString(),
                std::string(committed.message()));
 }

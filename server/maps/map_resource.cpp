@@ -33,9 +33,10 @@ constexpr char kClassesPath[] = "config.classes";
 
 absl::Status CheckLength(const char* field, const std::string& text, std::size_t max_bytes) {
   if (text.size() <= max_bytes) return absl::OkStatus();
-  return InvalidField(reason::kBadValue,
-                      field,
-                      absl::StrCat(field, " may have ", max_bytes, " bytes, got ", text.size()));
+  return InvalidField(
+      reason::kBadValue,
+      field,
+      absl::StrCat(field, " must have at most ", max_bytes, " bytes, got ", text.size()));
 }
 
 absl::StatusOr<std::chrono::seconds> ReadLogAge(const v1::Retention& retention,
@@ -85,14 +86,14 @@ absl::Status ReadLabels(const v1::Map& map, std::map<std::string, std::string>* 
   }
   for (const auto& [key, value] : map.labels()) {
     if (IsValidId(key) && value.size() <= kMaxValueBytes) continue;
-    return bad(
-        absl::StrCat("a label's key must match [a-z][a-z0-9-]{0,62} and its value have at most ",
-                     kMaxValueBytes,
-                     " bytes, got \"",
-                     key.substr(0, 100),
-                     "\" with ",
-                     value.size(),
-                     " bytes"));
+    return bad(absl::StrCat(
+        "the key of a label must match [a-z][a-z0-9-]{0,62} and its value must have at most ",
+        kMaxValueBytes,
+        " bytes, got \"",
+        key.substr(0, 100),
+        "\" with ",
+        value.size(),
+        " bytes"));
   }
   *labels = {map.labels().begin(), map.labels().end()};
   return absl::OkStatus();
@@ -183,13 +184,14 @@ void FillState(const MapRuntime& map, v1::MapState* state) {
 }
 
 absl::Status NotChangeable(const std::string& path) {
-  return InvalidField(reason::kBadValue,
-                      "update_mask",
-                      absl::StrCat("display_name, retention, retention.frame_log_age, "
-                                   "retention.frame_log_bytes, byte_budget, max_commit_delay, "
-                                   "labels and world_frame can be changed, and config.classes "
-                                   "added to, not ",
-                                   path.substr(0, 100)));
+  return InvalidField(
+      reason::kBadValue,
+      "update_mask",
+      absl::StrCat("display_name, retention, retention.frame_log_age, "
+                   "retention.frame_log_bytes, byte_budget, max_commit_delay, "
+                   "labels and world_frame can be changed, and rows can be added to "
+                   "config.classes; cannot change ",
+                   path.substr(0, 100)));
 }
 
 absl::Status ApplyPath(const std::string& path,
@@ -291,8 +293,8 @@ absl::StatusOr<MapRecord> ReadNewMap(const v1::CreateMapRequest& request,
   if (!IsValidId(record.name.tenant)) {
     return InvalidField(reason::kBadName,
                         "parent",
-                        absl::StrCat("parent must read tenants/{tenant}, the id matching "
-                                     "[a-z][a-z0-9-]{0,62}; got \"",
+                        absl::StrCat("parent must be tenants/{tenant}, with an id that matches "
+                                     "[a-z][a-z0-9-]{0,62}, got \"",
                                      parent.substr(0, 100),
                                      "\""));
   }
@@ -324,7 +326,8 @@ absl::Status ApplyUpdate(const v1::Map& map,
                          const RetentionOptions& defaults,
                          MapRecord* record) {
   if (mask.paths().empty()) {
-    return InvalidField(reason::kBadValue, "update_mask", "update_mask must name what to change");
+    return InvalidField(
+        reason::kBadValue, "update_mask", "update_mask must name at least one field");
   }
   for (const std::string& path : mask.paths()) {
     if (path == kClassesPath) continue;
@@ -345,11 +348,11 @@ absl::StatusOr<std::vector<SemanticClass>> ReadAddedClasses(
     if (kept == table->end()) {
       return InvalidField(reason::kBadValue,
                           "map.config.classes",
-                          absl::StrCat("classes can be added and not changed: the row of class ",
+                          absl::StrCat("classes can only be added: the row of class ",
                                        row.id.value(),
                                        ", \"",
                                        row.name,
-                                       "\", must be there as it is"));
+                                       "\", must remain unchanged"));
     }
     table->erase(kept);
   }

@@ -30,17 +30,17 @@ absl::Status CheckRoom(std::size_t map_count) {
   if (map_count >= kMaxMaps) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      reason::kQueueFull,
-                     absl::StrCat("the server has ", map_count, " maps and takes no more"));
+                     absl::StrCat("the server has ", map_count, " maps, which is the maximum"));
   }
   if (CountFreeDescriptors() >= kDescriptorsOfAMap) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
                    reason::kQueueFull,
                    absl::StrCat("the server may have ",
                                 DescriptorLimit(),
-                                " files and connections open, which ",
+                                " files and connections open, and ",
                                 map_count,
-                                " maps and their clients use up; it can have more maps where that "
-                                "limit (ulimit -n) is raised"));
+                                " maps and their clients use them up; raise this limit (ulimit -n) "
+                                "to allow more maps"));
 }
 
 }  // namespace
@@ -130,7 +130,7 @@ void MapService::Create(const v1::CreateMapRequest& request,
         return finish(
             MakeError(absl::StatusCode::kAlreadyExists,
                       reason::kAlreadyExists,
-                      absl::StrCat("the map ", record->name.ToString(), " is there already"),
+                      absl::StrCat("the map ", record->name.ToString(), " already exists"),
                       "map_id"));
       }
     } else {
@@ -158,7 +158,7 @@ absl::Status MapService::List(const v1::ListMapsRequest& request, v1::ListMapsRe
     return InvalidField(
         reason::kBadName,
         "parent",
-        absl::StrCat("parent must read tenants/{tenant}, got \"", parent.substr(0, 100), "\""));
+        absl::StrCat("parent must be tenants/{tenant}, got \"", parent.substr(0, 100), "\""));
   }
   const absl::StatusOr<std::size_t> page_size =
       ReadPageSize(request.page_size(), kDefaultPageSize, kMaxPageSize);

@@ -10,7 +10,7 @@ namespace steadymap {
 ExitDeadline::ExitDeadline(std::chrono::milliseconds timeout)
     : thread_([this, timeout] {
         if (called_off_.WaitForNotificationWithTimeout(absl::FromChrono(timeout))) return;
-        spdlog::critical("still not stopped after {} ms; ending", timeout.count());
+        spdlog::critical("shutdown did not finish within {} ms; exiting", timeout.count());
         std::_Exit(EXIT_FAILURE);
       }) {}
 

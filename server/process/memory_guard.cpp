@@ -98,13 +98,13 @@ absl::Status MemoryGuard::Check() const {
   if (bytes <= max_bytes) return absl::OkStatus();
   return WithRetryDelay(MakeError(absl::StatusCode::kResourceExhausted,
                                   reason::kMemoryLow,
-                                  absl::StrCat("the server holds ",
+                                  absl::StrCat("the server uses ",
                                                bytes,
                                                " bytes of memory, more than its limits.memory_bytes"
                                                " of ",
                                                max_bytes,
-                                               "; it takes no frames and no maps until it holds "
-                                               "less")),
+                                               "; it accepts no frames and no new maps until "
+                                               "it uses less")),
                         kRetryDelayMs);
 }
 

@@ -28,7 +28,7 @@ WorkerPool::WorkerPool(std::string name, std::size_t thread_count, std::size_t m
       threads_.emplace_back([this, index = threads_.size()] { RunThread(index); });
     }
   } catch (const std::system_error& error) {
-    spdlog::error("the pool '{}' has {} threads instead of {}: {}",
+    spdlog::error("the thread pool '{}' has {} threads instead of {}: {}",
                   name_,
                   threads_.size(),
                   thread_count,
@@ -92,7 +92,7 @@ void WorkerPool::RunThread(std::size_t index) {
     try {
       (*task)();
     } catch (const std::exception& error) {
-      spdlog::error("a task of the pool '{}' failed: {}", name_, error.what());
+      spdlog::error("a task of the thread pool '{}' failed: {}", name_, error.what());
     }
   }
 }

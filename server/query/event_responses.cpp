@@ -56,7 +56,7 @@ absl::Status ReadTimes(const v1::ListEventsRequest& request, EventFilter* filter
     const absl::StatusOr<Timestamp> end = FromProto(request.end_time());
     if (!end.ok()) return WithFieldPrefix(end.status(), "end_time");
     if (*end < filter->start_time) {
-      return InvalidField(reason::kBadValue, "end_time", "end_time must not lie before start_time");
+      return InvalidField(reason::kBadValue, "end_time", "end_time must not be before start_time");
     }
     filter->end_time = *end;
   }

@@ -99,10 +99,10 @@ absl::StatusOr<std::unique_ptr<MessageSource<v1::ExportMapResponse>>> OpenExport
     const Cancellation& cancellation) {
   if (!v1::ExportFormat_IsValid(request.format()) ||
       request.format() == v1::EXPORT_FORMAT_UNSPECIFIED) {
-    return InvalidField(reason::kBadValue,
-                        "format",
-                        absl::StrCat("the format must be one that is known, got ",
-                                     static_cast<int>(request.format())));
+    return InvalidField(
+        reason::kBadValue,
+        "format",
+        absl::StrCat("the format must be a known value, got ", static_cast<int>(request.format())));
   }
   const absl::StatusOr<std::optional<Box>> box =
       ReadBox(request.has_box() ? &request.box() : nullptr);

@@ -25,9 +25,10 @@ constexpr std::size_t kPosesPerRead = 1000;
 
 absl::Status CheckCount(const char* field, int count) {
   if (count <= kMaxPoints) return absl::OkStatus();
-  return InvalidField(reason::kBadValue,
-                      field,
-                      absl::StrCat(field, " may hold ", kMaxPoints, " entries, got ", count));
+  return InvalidField(
+      reason::kBadValue,
+      field,
+      absl::StrCat(field, " must have at most ", kMaxPoints, " entries, got ", count));
 }
 
 absl::Status CheckFinite(const std::string& field, const Eigen::Vector3d& vector) {
@@ -52,7 +53,7 @@ absl::Status StatusOf(const QueryWork& work, const char* field) {
   return MakeError(
       absl::StatusCode::kResourceExhausted,
       reason::kWorkLimit,
-      absl::StrCat(work.status().message(), "; ask for fewer or shorter ", field, " at once"),
+      absl::StrCat(work.status().message(), "; request fewer or shorter ", field, " per call"),
       field);
 }
 

@@ -22,9 +22,8 @@ constexpr std::string_view kObjectsInfix = "/objects/";
 absl::StatusOr<ObjectName> ReadObjectName(const v1::GetObjectRequest& request) {
   if (request.name().empty()) return ObjectName{request.map(), ObjectId(request.object_id())};
   if (!request.map().empty() || request.object_id() != 0) {
-    return InvalidField(reason::kBadValue,
-                        "name",
-                        "name takes the place of map and object_id; give one or the other");
+    return InvalidField(
+        reason::kBadValue, "name", "set either name, or map and object_id, not both");
   }
   const std::string_view name = request.name();
   const std::size_t infix = name.rfind(kObjectsInfix);
@@ -38,13 +37,13 @@ absl::StatusOr<ObjectName> ReadObjectName(const v1::GetObjectRequest& request) {
   }
   return InvalidField(reason::kBadName,
                       "name",
-                      "an object's name must read tenants/{tenant}/maps/{map}/objects/{id}");
+                      "the name of an object must be tenants/{tenant}/maps/{map}/objects/{id}");
 }
 
 absl::Status AsOfError() {
   return MakeError(absl::StatusCode::kUnimplemented,
                    reason::kAsOf,
-                   "this server shows the newest revision alone; leave as_of out",
+                   "this server can only read the newest revision; omit as_of",
                    "as_of");
 }
 
@@ -100,7 +99,8 @@ absl::Status CheckFilterSize(std::string_view field, int size) {
   return InvalidField(
       reason::kBadValue,
       field,
-      absl::StrCat(std::string(field), " may name ", kMaxFilterValues, " values, got ", size));
+      absl::StrCat(
+          std::string(field), " must have at most ", kMaxFilterValues, " values, got ", size));
 }
 
 }  // namespace steadymap

@@ -82,7 +82,7 @@ bool ConnectionAcceptor::AcceptFrom(int listener) {
     const bool is_full = error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
     // Other errors concern only that connection, for example a client that has disconnected.
     if (is_full && log_limiter_.Allows(LogLimiter::Clock::now())) {
-      spdlog::warn("connections have to wait: {}", std::generic_category().message(error));
+      spdlog::warn("new connections must wait: {}", std::generic_category().message(error));
     }
     return !is_full;
   }
@@ -105,15 +105,15 @@ bool ConnectionAcceptor::AcceptFrom(int listener) {
 std::string ConnectionAcceptor::FindRefusal(int connection) {
   const std::size_t max_connections = max_connections_;
   if (connections_.Count(max_connections) >= max_connections) {
-    return absl::StrCat("the server has ", max_connections, " connections and takes no more");
+    return absl::StrCat("the server has ", max_connections, " connections, which is the maximum");
   }
   const std::size_t limit = DescriptorLimit();
   if (static_cast<std::size_t>(connection) + ReservedDescriptors(limit) >= limit) {
     return absl::StrCat("the server may have ",
                         limit,
-                        " files and connections open and keeps the last ",
+                        " files and connections open, and reserves ",
                         ReservedDescriptors(limit),
-                        " for its store");
+                        " of them for its store");
   }
   return {};
 }

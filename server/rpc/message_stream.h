@@ -99,10 +99,10 @@ class MessageStream final : public LimitedStream,
     // kFinished.
     source_.reset();
     dependencies_.gate->Discount(this->shared_from_this());
-    reactor_->Finish(ToGrpcStatus(
-        MakeError(absl::StatusCode::kAborted,
-                  reason::kSlowConsumer,
-                  "the client took nothing of what was sent for longer than the server waits")));
+    reactor_->Finish(
+        ToGrpcStatus(MakeError(absl::StatusCode::kAborted,
+                               reason::kSlowConsumer,
+                               "the client has read nothing for longer than the stall timeout")));
   }
 
  private:
@@ -189,7 +189,7 @@ class MessageStream final : public LimitedStream,
     reactor_->Finish(ToGrpcStatus(status));
   }
 
-  static absl::Status ClientGone() { return absl::CancelledError("the client has gone"); }
+  static absl::Status ClientGone() { return absl::CancelledError("the client has disconnected"); }
 
   const Dependencies dependencies_;
   const Open open_;

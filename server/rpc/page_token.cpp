@@ -39,9 +39,8 @@ absl::StatusOr<std::string> ReadPageToken(std::string_view scope, std::string_vi
     std::string position = text.substr(kChecksumDigits);
     if (text.substr(0, kChecksumDigits) == ChecksumOf(scope, position)) return position;
   }
-  return InvalidField(reason::kBadPageToken,
-                      "page_token",
-                      "the page token is not one that this list has given out");
+  return InvalidField(
+      reason::kBadPageToken, "page_token", "the page token was not issued for this list");
 }
 
 absl::StatusOr<std::uint64_t> ReadNumberToken(std::string_view scope, std::string_view token) {

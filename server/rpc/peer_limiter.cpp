@@ -26,11 +26,11 @@ absl::Status PeerLimiter::Take(std::string_view peer, absl::Time now) {
   Bucket& bucket = FindBucket(address, now);
   Fill(&bucket, now);
   if (bucket.tokens < 1.0) {
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     reason::kRateLimit,
-                     absl::StrCat("more than ",
-                                  options_.per_second,
-                                  " of these a second from one address, for too long"));
+    return MakeError(
+        absl::StatusCode::kResourceExhausted,
+        reason::kRateLimit,
+        absl::StrCat(
+            "more than ", options_.per_second, " calls of this kind per second from one address"));
   }
   bucket.tokens -= 1.0;
   return absl::OkStatus();

@@ -86,7 +86,7 @@ absl::Status RunGuarded(const std::function<absl::Status()>& work) {
 absl::Status PoolFullError() {
   return WithRetryDelay(MakeError(absl::StatusCode::kResourceExhausted,
                                   reason::kQueueFull,
-                                  "too many calls of this kind wait already"),
+                                  "too many calls of this kind are waiting"),
                         1000);
 }
 

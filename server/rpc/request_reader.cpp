@@ -107,7 +107,7 @@ absl::Status ReadRequest(const grpc::ByteBuffer& bytes,
   absl::Status bad_message =
       MakeError(absl::StatusCode::kInvalidArgument,
                 reason::kBadMessage,
-                absl::StrCat("the bytes are no ", message->GetDescriptor()->full_name()));
+                absl::StrCat("the bytes are not a valid ", message->GetDescriptor()->full_name()));
   grpc::ByteBuffer copy(bytes);  // Shares the bytes.
   bool has_unknown = false;
   {

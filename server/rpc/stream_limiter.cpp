@@ -15,7 +15,7 @@ absl::Status TooManyStreams(std::size_t count, const std::string& whence) {
   return MakeError(
       absl::StatusCode::kResourceExhausted,
       reason::kQueueFull,
-      absl::StrCat(count, " exports and sections ", whence, " are under way, no more are taken"));
+      absl::StrCat(count, " exports and sections ", whence, " are open, which is the maximum"));
 }
 
 }  // namespace

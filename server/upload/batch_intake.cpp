@@ -32,17 +32,19 @@ absl::Status CheckNumbering(const v1::FrameBatch& batch) {
     return InvalidField(
         reason::kBadValue,
         "frames",
-        absl::StrCat("a batch holds 1 to ", kMaxBatchFrames, " frames, got ", batch.frames_size()));
+        absl::StrCat(
+            "a batch must have 1 to ", kMaxBatchFrames, " frames, got ", batch.frames_size()));
   }
   const auto count = static_cast<std::uint64_t>(batch.frames_size());
   if (batch.first_client_seq() < 1 ||
       batch.first_client_seq() > std::numeric_limits<std::uint64_t>::max() - count) {
-    return InvalidField(reason::kBadSequence,
-                        "first_client_seq",
-                        absl::StrCat("first_client_seq must be at least 1 and leave room for ",
-                                     count,
-                                     " frames, got ",
-                                     batch.first_client_seq()));
+    return InvalidField(
+        reason::kBadSequence,
+        "first_client_seq",
+        absl::StrCat("first_client_seq must be at least 1 and must not overflow with ",
+                     count,
+                     " frames, got ",
+                     batch.first_client_seq()));
   }
   return absl::OkStatus();
 }
@@ -71,7 +73,7 @@ BatchIntake::~BatchIntake() {
   Finish(!status.ok() ? status
                       : MakeError(absl::StatusCode::kUnavailable,
                                   reason::kDraining,
-                                  "the server takes no more frames"));
+                                  "the server accepts no more frames"));
 }
 
 void BatchIntake::Submit() {
@@ -79,7 +81,7 @@ void BatchIntake::Submit() {
   if (submitted) return;
   Finish(MakeError(absl::StatusCode::kResourceExhausted,
                    reason::kQueueFull,
-                   "too many batches wait to be decoded"));
+                   "too many batches are waiting to be decoded"));
 }
 
 void BatchIntake::Run() {
@@ -110,7 +112,7 @@ absl::Status BatchIntake::CheckBatch() const {
                                 batch_.first_client_seq(),
                                 " have CRC-32C ",
                                 found,
-                                ", announced were ",
+                                ", expected ",
                                 batch_.images_crc32c()),
                    "images_crc32c");
 }

@@ -21,7 +21,7 @@ class UploadCall::Reactor final : public grpc::ServerUnaryReactor {
   Reactor(std::shared_ptr<UploadCall> call, UploadRegistry* registry)
       : call_(std::move(call)), roster_(registry) {}
 
-  void OnCancel() override { call_->Finish(absl::CancelledError("the client has gone")); }
+  void OnCancel() override { call_->Finish(absl::CancelledError("the client has disconnected")); }
 
   void OnDone() override {
     if (roster_ != nullptr) roster_->LeaveCall();
@@ -81,7 +81,7 @@ absl::Status UploadCall::TakeIn(v1::UploadFrameBatchRequest request,
   if (!v1::AckLevel_IsValid(request.wait_for())) {
     return InvalidField(reason::kBadValue,
                         "wait_for",
-                        absl::StrCat("the level must be one that is known, got ",
+                        absl::StrCat("the acknowledgement level must be a known value, got ",
                                      static_cast<int>(request.wait_for())));
   }
   absl::StatusOr<UploadTarget> target = FindUploadTarget(

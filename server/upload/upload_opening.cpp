@@ -14,7 +14,7 @@ v1::UploadFramesResponse MakeOpenedResponse(MapRuntime* map,
                                             ClientSequence known_durable,
                                             const LimitOptions& limits) {
   const SessionState state = map->sessions().State(session, map->snapshot()->integrated());
-  spdlog::debug("map {} sensor {} session {}: upload opened behind {}",
+  spdlog::debug("map {} sensor {} session {}: upload opened, durable up to client sequence {}",
                 map->name().ToString(),
                 session.sensor.ToString(),
                 session.session,
@@ -28,8 +28,8 @@ v1::UploadFramesResponse MakeOpenedResponse(MapRuntime* map,
   opened->mutable_lost()->set_first(state.durable.value() + 1);
   opened->mutable_lost()->set_last(known_durable.value());
   spdlog::warn(
-      "map {} sensor {} session {}: frames {} to {} were acknowledged as durable and are "
-      "not here; was the store set back to an older copy?",
+      "map {} sensor {} session {}: frames {} to {} were acknowledged as durable but are missing; "
+      "check whether the store was restored from an older copy",
       map->name().ToString(),
       session.sensor.ToString(),
       session.session,
@@ -48,8 +48,8 @@ void MissingLabelsWarning::Check(const v1::FrameBatch& batch,
   if (frame == batch.frames().end()) return;
   is_pending_ = false;
   spdlog::warn(
-      "map {} sensor {} session {}: frames have neither labels nor instances; the map keeps "
-      "objects and sees none in them",
+      "map {} sensor {} session {}: frames have neither labels nor instances, so the map gets no "
+      "objects from them",
       map.ToString(),
       session.sensor.ToString(),
       session.session);

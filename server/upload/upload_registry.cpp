@@ -30,7 +30,7 @@ std::size_t MaxUploadStreams(const LimitOptions& limits) {
 absl::Status DrainingError() {
   return MakeError(absl::StatusCode::kUnavailable,
                    reason::kDraining,
-                   "the server is about to stop; go on with the next one");
+                   "the server is shutting down; reconnect after its restart");
 }
 
 absl::Status UploadRegistry::Enter(MapKey map,
@@ -42,12 +42,12 @@ absl::Status UploadRegistry::Enter(MapKey map,
     if (draining_) return DrainingError();
     const Key key(map, session.sensor);
     if (!streams_.contains(key) && streams_.size() >= max_streams_) {
-      return WithRetryDelay(
-          MakeError(absl::StatusCode::kResourceExhausted,
-                    reason::kQueueFull,
-                    absl::StrCat(
-                        "the server has ", streams_.size(), " upload streams and takes no more")),
-          kNoPlaceDelayMs);
+      return WithRetryDelay(MakeError(absl::StatusCode::kResourceExhausted,
+                                      reason::kQueueFull,
+                                      absl::StrCat("the server has ",
+                                                   streams_.size(),
+                                                   " upload streams, which is the maximum")),
+                            kNoPlaceDelayMs);
     }
     Stream& entry = streams_[key];
     entry.session = session;
@@ -80,9 +80,12 @@ absl::Status UploadRegistry::EnterCall() {
   const absl::MutexLock lock(&mutex_);
   if (draining_) return DrainingError();
   if (calls_ >= kMaxCalls) {
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     reason::kQueueFull,
-                     absl::StrCat(kMaxCalls, " calls upload already; use UploadFrames"));
+    return MakeError(
+        absl::StatusCode::kResourceExhausted,
+        reason::kQueueFull,
+        absl::StrCat(
+            kMaxCalls,
+            " UploadFrameBatch calls are in progress, which is the maximum; use UploadFrames"));
   }
   ++calls_;
   return absl::OkStatus();

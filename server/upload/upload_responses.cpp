@@ -37,7 +37,7 @@ absl::Status UploadResponses::ChooseLevels(const v1::UploadOpen& open) {
     if (level == kWireLevels.end()) {
       return InvalidField(reason::kBadValue,
                           absl::StrCat("ack_levels[", i, "]"),
-                          absl::StrCat("the level must be one that is known, got ",
+                          absl::StrCat("the acknowledgement level must be a known value, got ",
                                        static_cast<int>(open.ack_levels(i))));
     }
     levels_[static_cast<std::size_t>(level - kWireLevels.begin())].wanted = true;
@@ -56,11 +56,11 @@ absl::Status UploadResponses::Spend(std::uint64_t frames, std::uint64_t bytes) {
   if (frames > available_.frames || bytes > available_.bytes) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      reason::kQueueFull,
-                     absl::StrCat("the batch takes a credit of ",
+                     absl::StrCat("the batch needs credit for ",
                                   frames,
                                   " frames and ",
                                   bytes,
-                                  " bytes, left are ",
+                                  " bytes, but the client has ",
                                   available_.frames,
                                   " frames and ",
                                   available_.bytes,

@@ -144,17 +144,18 @@ absl::Status UploadStream::HandleMessage(FrameBudget::Reservation memory) {
   switch (request.kind_case()) {
     case v1::UploadFramesRequest::kOpen:
       if (map_ != nullptr) {
-        return InvalidField(reason::kBadValue, "open", "the stream is open already");
+        return InvalidField(reason::kBadValue, "open", "the stream is already open");
       }
       return WithFieldPrefix(HandleOpen(request.open()), "open");
     case v1::UploadFramesRequest::kBatch:
       if (map_ == nullptr) {
-        return InvalidField(reason::kBadValue, "batch", "a stream begins with `open`");
+        return InvalidField(
+            reason::kBadValue, "batch", "the first message of a stream must be `open`");
       }
       return WithFieldPrefix(HandleBatch({std::move(*request.mutable_batch()), std::move(memory)}),
                              "batch");
     default:
-      return InvalidField(reason::kBadValue, "kind", "a message must hold `open` or `batch`");
+      return InvalidField(reason::kBadValue, "kind", "a message must contain `open` or `batch`");
   }
 }
 
@@ -211,9 +212,9 @@ absl::Status UploadStream::HandleBatch(ReadBatch batch) {
   if (batch.frames.first_client_seq() <= last_read_.value()) {
     return InvalidField(reason::kBadSequence,
                         "first_client_seq",
-                        absl::StrCat("client sequences rise within a stream: after ",
+                        absl::StrCat("client sequences must increase within a stream: last was ",
                                      last_read_.value(),
-                                     " came ",
+                                     ", got ",
                                      batch.frames.first_client_seq()));
   }
   if (absl::Status status = answers_.Spend(frames, bytes); !status.ok()) return status;
@@ -236,7 +237,7 @@ void UploadStream::OnCancelled() {
   {
     const absl::MutexLock lock(&mutex_);
     broken_ = true;
-    if (!end_) end_ = absl::CancelledError("the client has gone");
+    if (!end_) end_ = absl::CancelledError("the client has disconnected");
   }
   Drive();
 }

@@ -99,16 +99,16 @@ std::string MakeToken(unsigned flags, const Numbers& numbers, std::size_t count)
 
 absl::Status CheckFit(const Numbers& numbers, const Numbers& wanted) {
   if (numbers[kMapName] != wanted[kMapName]) {
-    return BadToken("resume_token", "the resume token was given to a watch of another map");
+    return BadToken("resume_token", "the resume token was issued for another map");
   }
   if (numbers[kMapKey] != wanted[kMapKey] || numbers[kIncarnation] != wanted[kIncarnation]) {
     return MakeError(absl::StatusCode::kOutOfRange,
                      reason::kRevisionCompacted,
-                     "the history that the resume token is of was replaced: the map was made anew",
+                     "the map was recreated; the resume token is of its old history",
                      "resume_token");
   }
   if (numbers[kFilter] != wanted[kFilter]) {
-    return BadToken("filter", "the resume token was given to a watch with another filter");
+    return BadToken("filter", "the resume token was issued for another filter");
   }
   return absl::OkStatus();
 }
@@ -167,7 +167,7 @@ std::string MakeStepToken(const StepKey& step, std::size_t place) {
 }
 
 absl::StatusOr<ResumeToken> ReadResumeToken(const WatchScope& scope, std::string_view token) {
-  const auto bad = BadToken("resume_token", "the resume token is not one of this service");
+  const auto bad = BadToken("resume_token", "the resume token was not issued by this service");
   if (token.size() < TokenBytes(kPositionNumbers) || token[0] != kTokenVersion) return bad;
   const unsigned flags = static_cast<unsigned char>(token[1]);
   const std::size_t count = (flags & kWithinStep) != 0 ? kStepNumbers : kPositionNumbers;

@@ -29,8 +29,7 @@ absl::Status StalledError(absl::Duration timeout) {
   return MakeError(
       absl::StatusCode::kAborted,
       reason::kSlowConsumer,
-      absl::StrCat(
-          "the watcher took nothing of what was sent for ", absl::ToInt64Seconds(timeout), " s"));
+      absl::StrCat("the watcher has read nothing for ", absl::ToInt64Seconds(timeout), " s"));
 }
 
 }  // namespace
@@ -41,7 +40,7 @@ absl::Status WatchHub::Enter(MapKey map, std::shared_ptr<ActiveWatch> watch) {
   if (count_ >= dependencies_.max_watches) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      reason::kQueueFull,
-                     absl::StrCat("the server has ", count_, " watchers and takes no more"));
+                     absl::StrCat("the server has ", count_, " watches, which is the maximum"));
   }
   if (maps_[map].watches.insert(std::move(watch)).second) ++count_;
   return absl::OkStatus();

@@ -162,7 +162,7 @@ absl::StatusOr<v1::WatchMapResponse> WatchMessages::MakeEvents(std::size_t page)
   if (events->empty() || events->front().number != first || events->back().number != last) {
     return MakeError(absl::StatusCode::kAborted,
                      reason::kSlowConsumer,
-                     absl::StrCat("events from ", first.value(), " on are no longer kept"));
+                     absl::StrCat("events from number ", first.value(), " are no longer stored"));
   }
   v1::WatchMapResponse message;
   v1::EventBatch* batch = message.mutable_events();

@@ -36,7 +36,7 @@ absl::StatusOr<std::size_t> ReadMessageLimit(std::size_t asked) {
 absl::Status NoLeavesToPatch() {
   return InvalidField(reason::kBadValue,
                       "takes_patches",
-                      "a watch from now on has no leaves that patches could be of");
+                      "patches need a start with a snapshot: this watch has no leaves to patch");
 }
 
 grpc::ByteBuffer MakeResync(Revision revision, const std::string& why) {
@@ -122,7 +122,7 @@ void WatchSession::RepeatPosition(const PublishedRevision& newest) {
 absl::Status WatchSession::ResumeBehindToken(const PublishedRevision& newest) {
   if (request_.start() != v1::WATCH_START_UNSPECIFIED) {
     return InvalidField(
-        reason::kBadValue, "start", "`start` must not be set where there is a `resume_token`");
+        reason::kBadValue, "start", "`start` must not be set together with `resume_token`");
   }
   const absl::StatusOr<ResumeToken> token = ReadResumeToken(scope_, request_.resume_token());
   if (!token.ok()) return token.status();
@@ -136,7 +136,7 @@ absl::Status WatchSession::ResumeBehindToken(const PublishedRevision& newest) {
                      reason::kRevisionInFuture,
                      absl::StrCat("the resume token is of revision ",
                                   position.revision.value(),
-                                  ", the map is at ",
+                                  ", which is newer than the map's revision ",
                                   newest.commit.revision.value()),
                      "resume_token");
   } else if (position.revision == newest.commit.revision && position.commit() != newest.commit) {
@@ -276,8 +276,9 @@ absl::StatusOr<WatchSession::Message> WatchSession::HandleGap(const absl::Status
   return MakeError(
       absl::StatusCode::kAborted,
       reason::kSlowConsumer,
-      absl::StrCat("the watcher fell so far behind that the history it needs is gone: ",
-                   std::string(gap.message())));
+      absl::StrCat(
+          "the watcher is too far behind, and the history that it needs is no longer stored: ",
+          std::string(gap.message())));
 }
 
 grpc::ByteBuffer WatchSession::MakeCreated() const {

@@ -22,7 +22,7 @@ class WatchStream::Reactor final : public GrpcReactor {
 
   void OnCancel() override {
     stream_->cancellation_.Cancel();
-    stream_->End(absl::CancelledError("the watcher has gone"));
+    stream_->End(absl::CancelledError("the watcher has disconnected"));
   }
 
   void OnDone() override {
@@ -100,7 +100,7 @@ void WatchStream::OnWritten(bool ok) {
   {
     const absl::MutexLock lock(&mutex_);
     sending_since_ = absl::InfiniteFuture();
-    if (!ok && !end_) end_ = absl::CancelledError("the watcher has gone");
+    if (!ok && !end_) end_ = absl::CancelledError("the watcher has disconnected");
     activity_ = Activity::kAdvancing;
   }
   Submit();
@@ -121,7 +121,7 @@ void WatchStream::OnGone() {
     for (auto& step : course_->StepsInPart()) dependencies_.hub->Hold(std::move(step));
   }
   dependencies_.hub->Leave(map->key(), shared_from_this());
-  spdlog::debug("map {}: a watch ended behind revision {}: {}",
+  spdlog::debug("map {}: a watch ended at revision {}: {}",
                 map->name().ToString(),
                 course_->position().revision.value(),
                 status.ToString());

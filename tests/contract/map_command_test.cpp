@@ -95,7 +95,7 @@ TEST_F(MapCommandTest, ClassesAreAddedAndNoneIsChanged) {
   ExpectSuccess({"map", "update", "depot", "--classes", more});
   EXPECT_EQ(Depot().config().classes_size(), 3);
   ExpectFailure({"map", "update", "depot", "--classes", WriteFile("other.txt", "7 crate static\n")},
-                "the row of class 7, \"box\", must be there as it is [BAD_VALUE, "
+                "the row of class 7, \"box\", must remain unchanged [BAD_VALUE, "
                 "map.config.classes]");
   EXPECT_EQ(Depot().config().classes_size(), 3);
   ExpectFailure({"map", "update", "depot", "--classes", PathOf("missing.txt")}, "missing.txt");

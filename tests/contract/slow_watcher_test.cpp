@@ -43,7 +43,7 @@ class AwaitedLine final : public spdlog::sinks::base_sink<std::mutex> {
 };
 
 TEST(SlowWatcher, LearnsWhyItWasEndedWhenItReadsAgain) {
-  const auto ended = std::make_shared<AwaitedLine>("the watcher took nothing");
+  const auto ended = std::make_shared<AwaitedLine>("the watcher has read nothing");
   spdlog::default_logger()->sinks().push_back(ended);
   {
     // Whoever has a message on its way when the server looks, every second, has stalled.
