@@ -32,8 +32,8 @@ struct CommandLine {
 
   Command command = Command::kServe;
   std::string map;  ///< For `check` and `salvage`: `TENANT/MAP` or a full name.
-  std::optional<std::uint64_t> skip_entry;  ///< For `salvage`: sequence of an entry.
-  std::string output;  ///< For `salvage`: output folder; empty: repair in place.
+  std::optional<std::uint64_t> skip_entry;  ///< Option of `salvage`: sequence of an entry.
+  std::string output;  ///< Option of `salvage`: output folder; empty: in place.
 
   /// Set if no command is to be run: after `--help`, `--version` or an error that has already been
   /// printed. The value is the exit code.

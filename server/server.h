@@ -40,7 +40,7 @@ class Server {
   void Drain();
 
   /// Shuts the server down in this order: drains unless `Drain` was called before; waits until all
-  /// uploads have ended; waits for watches and other calls, but cancels those whose clients have
+  /// uploads have ended; waits for watches and other calls, but cancels calls of clients that have
   /// stopped reading; closes all connections; at `deadline` ends all remaining calls; commits the
   /// integrated frames; ends all threads. Durable frames that are not integrated by then are
   /// integrated at the next start. Only the first call has an effect.

@@ -78,7 +78,7 @@ class LogGroup {
   const Timestamp time_;
   MapSequence head_;
   std::vector<StagedBatch> batches_;
-  std::map<SessionName, SessionRecord> sessions_;  ///< After the write.
+  std::map<SessionName, SessionRecord> sessions_;  ///< Sessions after the write.
   std::vector<DurableEntry> entries_;              ///< New entries, with sequence numbers.
   LogAppend append_;
 };

@@ -121,7 +121,7 @@ class MapIntegrator {
   MapSequence log_head_;                              ///< Entries up to it are read from the log.
   std::deque<LogEntry> read_ahead_;                   ///< Entries read from the log.
   std::deque<absl::StatusOr<DurableEntry>> decoded_;  ///< Entries before `read_ahead_`.
-  CommitDetails details_;                             ///< Of the next commit.
+  CommitDetails details_;                             ///< Details of the next commit.
   std::optional<MapCommit> unstored_;                 ///< Commit that waits for disk space.
   Clock::time_point retry_at_ = Clock::time_point::min();  ///< When to store `unstored_`.
   Clock::time_point commit_due_ = Clock::time_point::max();

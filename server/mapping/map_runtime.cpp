@@ -231,7 +231,7 @@ Strand::Next MapRuntime::AppendStep() {
   const bool stops_map =
       !status.ok() && ReasonOf(status) != reason::kDiskLow && !absl::IsNotFound(status);
   if (stops_map) Fail(status);
-  // Uploads are told DURABLE before the integrator can report INTEGRATED.
+  // DURABLE is reported to the uploads before the integrator can report INTEGRATED.
   group.Report(status);
   for (const PendingClasses& pending : classes) pending.done(status);
   if (status.ok()) {

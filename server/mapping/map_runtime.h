@@ -38,24 +38,24 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   /// The parts of the server that maps use. All of them must outlive the maps.
   struct Dependencies {
     Store* store = nullptr;
-    FrameBudget* budget = nullptr;       ///< For frames.
-    FrameBudget* read_budget = nullptr;  ///< For messages that are not decoded yet.
+    FrameBudget* budget = nullptr;       ///< Budget of frames.
+    FrameBudget* read_budget = nullptr;  ///< Budget of undecoded messages.
     WorkerPool* log_pool = nullptr;
     WorkerPool* map_pool = nullptr;
-    const MemoryGuard* memory = nullptr;  ///< For the process.
+    const MemoryGuard* memory = nullptr;  ///< Memory limit of the process.
     CommitOptions commit;
-    std::size_t queue_bytes = 0;  ///< Per map.
+    std::size_t queue_bytes = 0;  ///< Queue limit of one map.
     /// Called after the map has published a revision, without locks held.
     std::function<void(MapKey)> on_published;
   };
 
   /// Condition of a map.
   enum class Condition {
-    kOpening,      ///< Is being read from disk.
-    kReady,        ///< Accepts frames and serves reads.
-    kReadOnly,     ///< Serves reads. Writes fail temporarily; the map is reopened automatically.
-    kQuarantined,  ///< Serves reads. Accepts no frames until an operator repairs it.
-    kDamaged,      ///< Cannot be read.
+    kOpening,      ///< The map is being read from disk.
+    kReady,        ///< The map accepts frames and serves reads.
+    kReadOnly,     ///< Reads work, writes fail temporarily; the map is reopened automatically.
+    kQuarantined,  ///< Reads work; frames are refused until an operator repairs the map.
+    kDamaged,      ///< The map cannot be read.
     kDeleted,
   };
 
@@ -69,7 +69,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   static std::shared_ptr<MapRuntime> Open(const MapRecord& record,
                                           const Dependencies& dependencies);
 
-  /// For `Open` only.
+  /// Used only by `Open`.
   MapRuntime(const MapRecord& record, const Dependencies& dependencies);
 
   MapKey key() const { return key_; }
@@ -184,7 +184,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   MapIntegrator integrator_;
   std::atomic<std::uint64_t> durable_head_ = 0;
   std::atomic<std::uint64_t> refused_frames_ = 0;
-  std::chrono::milliseconds retry_delay_{0};  ///< Used by `OpenStep`.
+  std::chrono::milliseconds retry_delay_{0};  ///< Delay before the next `OpenStep`.
   std::shared_ptr<Strand> append_strand_;     ///< Set once, in `Open`.
   std::shared_ptr<Strand> map_strand_;        ///< Set once, in `Open`.
 

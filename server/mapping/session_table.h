@@ -18,7 +18,7 @@ namespace steadymap {
 struct SessionState {
   ClientSequence durable;     ///< All frames up to it are durable or refused.
   ClientSequence integrated;  ///< All frames up to it are in a committed revision or refused.
-  Timestamp last_active;      ///< By the server's clock; the epoch for an unknown session.
+  Timestamp last_active;      ///< Server time of the last frame; the epoch for an unknown session.
 };
 
 /// The upload sessions of one map: the known frames, and how far they are integrated.
@@ -71,7 +71,7 @@ class SessionTable {
   struct Session {
     SessionRecord record;
     ClientSequence integrated;
-    std::deque<Milestone> milestones;  ///< After `integrated`; at most `kMaxMilestones`.
+    std::deque<Milestone> milestones;  ///< Milestones after `integrated`; at most `kMaxMilestones`.
   };
 
   static void Advance(Session* session, MapSequence integrated);

@@ -35,7 +35,7 @@ class Strand : public std::enable_shared_from_this<Strand> {
   /// everything it owns, after its last run.
   static std::shared_ptr<Strand> Make(WorkerPool* pool, std::function<Next()> step);
 
-  /// For `Make` only.
+  /// Used only by `Make`.
   Strand(WorkerPool* pool, std::function<Next()> step);
 
   /// Ensures that a step begins after this call.

@@ -42,7 +42,7 @@ absl::StatusOr<std::vector<SectionPart>> ChooseParts(const MapSnapshot& snapshot
       if (!box || LeafTouches(volume, origin, snapshot.scale, *box)) part.leaves.push_back(origin);
       return !cancellation.IsCancelled();
     });
-    if (!finished) return absl::CancelledError("the client has cancelled the call");
+    if (!finished) return absl::CancelledError("the call was cancelled");
     if (!box || !part.leaves.empty()) parts.push_back(std::move(part));
   }
   return parts;

@@ -30,7 +30,7 @@ class QueryService final : public RawQueryService {
     MapDirectory* maps = nullptr;
     Store* store = nullptr;
     WorkerPool* readers = nullptr;
-    StreamLimiter* streams = nullptr;  ///< For exports and sections.
+    StreamLimiter* streams = nullptr;  ///< Limits exports and sections.
   };
 
   explicit QueryService(const Dependencies& dependencies) : dependencies_(dependencies) {}

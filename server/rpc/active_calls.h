@@ -63,7 +63,7 @@ class ActiveCalls {
 
   absl::Mutex mutex_;
   std::set<const Call*> calls_ ABSL_GUARDED_BY(mutex_);
-  bool changed_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since the last check of `AwaitEnd`.
+  bool changed_ ABSL_GUARDED_BY(mutex_) = false;  ///< A call changed since the last check.
 };
 
 }  // namespace steadymap

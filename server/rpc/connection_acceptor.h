@@ -33,7 +33,7 @@ class ConnectionAcceptor {
   static absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> Listen(const ListenAddress& address,
                                                                     std::size_t max_connections);
 
-  /// For `Listen` only.
+  /// Used only by `Listen`.
   ConnectionAcceptor(ListeningSockets listening, Socket wake, std::size_t max_connections);
 
   /// Closes the listening sockets; does not affect accepted connections.
@@ -66,7 +66,7 @@ class ConnectionAcceptor {
   TakeOver take_over_;
   OpenSockets connections_;
   LogLimiter log_limiter_;
-  std::size_t refused_ = 0;  ///< Since the last log line.
+  std::size_t refused_ = 0;  ///< Number since the last log line.
 };
 
 }  // namespace steadymap

@@ -79,7 +79,7 @@ class MessageStream final : public LimitedStream,
     return reactor;
   }
 
-  /// For `Start` only.
+  /// Used only by `Start`.
   MessageStream(const Dependencies& dependencies, grpc::CallbackServerContext* context, Open open)
       : dependencies_(dependencies), open_(std::move(open)), context_(context) {}
 

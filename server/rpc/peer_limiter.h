@@ -30,7 +30,7 @@ class PeerLimiter {
 
  private:
   struct Bucket {
-    double tokens = 0.0;  ///< At `filled`.
+    double tokens = 0.0;  ///< Tokens at the time `filled`.
     absl::Time filled;
   };
 

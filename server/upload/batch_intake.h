@@ -20,7 +20,7 @@ struct UploadRoute {
   std::shared_ptr<const MapConfig> config;  ///< Configuration of the map at its creation.
   SessionName session;
   bool in_order = false;       ///< See `PendingBatch::in_order`.
-  ClientSequence predecessor;  ///< For the first part; see `PendingBatch::predecessor`.
+  ClientSequence predecessor;  ///< `PendingBatch::predecessor` of the first part.
   std::shared_ptr<UploadObserver> observer;
 };
 
@@ -38,7 +38,7 @@ ClientSequence LastSequenceOf(const v1::FrameBatch& batch);
 /// A received batch whose frames are not decoded yet.
 struct ReadBatch {
   v1::FrameBatch frames;
-  FrameBudget::Reservation memory;  ///< For the message.
+  FrameBudget::Reservation memory;  ///< Memory of the message.
 };
 
 /// Processes one batch on a thread pool: checks its checksum, skips frames that are durable
@@ -57,7 +57,7 @@ class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
   /// processing.
   static void Start(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done);
 
-  /// For `Start` only.
+  /// Used only by `Start`.
   BatchIntake(WorkerPool* pool, UploadRoute route, ReadBatch batch, Done done);
 
   /// Calls `done` if it was not called before: a map that closes drops the requests that wait for
@@ -79,15 +79,15 @@ class BatchIntake : public std::enable_shared_from_this<BatchIntake> {
 
   WorkerPool* const pool_;
   const UploadRoute route_;
-  const FrameBudget::Reservation memory_;  ///< For the message.
+  const FrameBudget::Reservation memory_;  ///< Memory of the message.
   v1::FrameBatch batch_;
   const std::uint64_t batch_bytes_;
   Done done_;
 
   int next_ = 0;                          ///< Index of the next frame.
   int handed_over_ = 0;                   ///< Number of frames already in the queue.
-  ClientSequence predecessor_;            ///< Of the next part.
-  FrameBudget::Reservation reservation_;  ///< For the next frame, after a wait.
+  ClientSequence predecessor_;            ///< Predecessor of the next part.
+  FrameBudget::Reservation reservation_;  ///< Memory of the next frame, after a wait.
   std::vector<PendingFrame> frames_;
   std::vector<RefusedFrame> refused_;
 };

@@ -24,7 +24,7 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
                                          const grpc::ByteBuffer& request,
                                          grpc::ByteBuffer* response);
 
-  /// For `Start` only.
+  /// Used only by `Start`.
   explicit UploadCall(const UploadStream::Dependencies& dependencies)
       : dependencies_(dependencies) {}
 

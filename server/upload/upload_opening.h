@@ -9,9 +9,9 @@
 namespace steadymap {
 
 /// Makes the response to the `open` message of an upload stream, without its credit.
-/// `known_durable` is the last frame that the client believes to be durable. If the map does not
-/// contain it, for example after a restore from a backup, the response and the log name the lost
-/// frames. The map must be open.
+/// `known_durable` is the last frame acknowledged as durable, as reported by the client. If the map
+/// does not contain it, for example after a restore from a backup, the response and the log name
+/// the lost frames. The map must be open.
 v1::UploadFramesResponse MakeOpenedResponse(MapRuntime* map,
                                             const SessionName& session,
                                             ClientSequence known_durable,

@@ -53,7 +53,7 @@ class UploadStream final : public UploadObserver,
   /// Starts a stream. The reactor deletes itself.
   static GrpcReactor* Start(const Dependencies& dependencies);
 
-  /// For `Start` only.
+  /// Used only by `Start`.
   explicit UploadStream(const Dependencies& dependencies);
 
   bool IsAbandoned() const override ABSL_LOCKS_EXCLUDED(mutex_);
@@ -88,19 +88,19 @@ class UploadStream final : public UploadObserver,
   void TakeMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleMessage(FrameBudget::Reservation memory) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleOpen(const v1::UploadOpen& open) ABSL_LOCKS_EXCLUDED(mutex_);
-  /// `known_durable`: the last frame that the client believes to be durable.
+  /// `known_durable`: the last frame acknowledged as durable, as reported by the client.
   void OnMapOpened(ClientSequence known_durable) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status HandleBatch(ReadBatch batch) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Dependencies dependencies_;
-  const LimitOptions limits_;   ///< At the start of the stream.
+  const LimitOptions limits_;   ///< Limits at the start of the stream.
   Reactor* reactor_ = nullptr;  ///< Valid until it is finished.
   grpc::ByteBuffer request_;    ///< Pending read, or waiting for memory.
   grpc::ByteBuffer response_;   ///< Pending write.
 
   // Set once, by the reading thread and under the lock, before any batch is processed.
   std::shared_ptr<MapRuntime> map_;
-  std::shared_ptr<const MapConfig> config_;  ///< Of the map; shared by all batches.
+  std::shared_ptr<const MapConfig> config_;  ///< Configuration of the map, shared by all batches.
   SessionName session_;
 
   MissingLabelsWarning missing_labels_;  ///< Used only by the reading thread.
@@ -112,17 +112,17 @@ class UploadStream final : public UploadObserver,
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;  ///< No message can be written any more.
 
-  bool entered_ ABSL_GUARDED_BY(mutex_) = false;                            ///< In the registry.
-  bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;                       ///< Is not open yet.
+  bool entered_ ABSL_GUARDED_BY(mutex_) = false;       ///< In the registry.
+  bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;  ///< The map is not open yet.
   std::optional<v1::UploadFramesResponse> opened_ ABSL_GUARDED_BY(mutex_);  ///< To be written.
   UploadResponses answers_ ABSL_GUARDED_BY(mutex_);
-  std::deque<ReadBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< At most one.
+  std::deque<ReadBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< At most one batch.
   bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;       ///< A batch is being processed.
   bool commit_requested_ ABSL_GUARDED_BY(mutex_) = false;
 
-  ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Last of the newest batch.
-  ClientSequence last_in_intake_ ABSL_GUARDED_BY(mutex_);  ///< Last of the newest batch in intake.
-  ClientSequence last_taken_ ABSL_GUARDED_BY(mutex_);      ///< Last in the queue or refused.
+  ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Last frame of the newest batch.
+  ClientSequence last_in_intake_ ABSL_GUARDED_BY(mutex_);  ///< Last frame of the batch in intake.
+  ClientSequence last_taken_ ABSL_GUARDED_BY(mutex_);      ///< Last frame in the queue or refused.
   BatchProgress durable_ ABSL_GUARDED_BY(mutex_);
   ClientSequence integrated_ ABSL_GUARDED_BY(mutex_);
 

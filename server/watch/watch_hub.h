@@ -109,7 +109,7 @@ class WatchHub {
     bool takes_patches = false;  ///< Patches of leaves instead of whole leaves.
     bool as_snapshot = false;    ///< All data that the filter accepts, not only the changes.
     WatchPosition before;
-    std::shared_ptr<const ShownObjects> shown;  ///< At `before`; null: unknown.
+    std::shared_ptr<const ShownObjects> shown;  ///< Objects shown at `before`; null: unknown.
     PublishedRevision to;
     Cancellation cancellation{};  ///< Cancelled if the watcher disconnects.
   };

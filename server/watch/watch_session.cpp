@@ -107,7 +107,7 @@ void WatchSession::BeginSnapshot(const PublishedRevision& newest) {
 }
 
 /// Sends an empty step to the current position: a new watcher receives a token before the first
-/// change, and a resumed watcher learns that it is up to date.
+/// change, and a resumed watcher is informed that it is up to date.
 void WatchSession::RepeatPosition(const PublishedRevision& newest) {
   StepPlan nothing;
   nothing.from = newest.commit.revision;

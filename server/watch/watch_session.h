@@ -80,7 +80,7 @@ class WatchSession {
   MapFilter filter_;
   std::size_t max_message_bytes_ = 0;
   WatchPosition position_;
-  std::shared_ptr<const ShownObjects> shown_;       ///< At `position_`; null: unknown.
+  std::shared_ptr<const ShownObjects> shown_;  ///< Objects shown at `position_`; null: unknown.
   std::optional<PublishedRevision> next_snapshot_;  ///< Snapshot to send; none: deltas follow.
   absl::Status gap_;  ///< Why the history after the token is missing; reported or resynced.
   std::shared_ptr<WatchMessages> step_;

@@ -28,7 +28,7 @@ struct StepPlan {
   /// Objects of `objects` that the watcher does not have; their leaves are sent whole. By ascending
   /// id.
   std::vector<ObjectId> joined{};
-  std::shared_ptr<const ShownObjects> shown;  ///< After the step.
+  std::shared_ptr<const ShownObjects> shown;  ///< Objects shown after the step.
   std::shared_ptr<const MapSnapshot> snapshot;
   /// The map at `from`; null if it is no longer in memory: leaves are then sent whole.
   std::shared_ptr<const MapSnapshot> base{};

@@ -45,7 +45,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
                             grpc::CallbackServerContext* context,
                             const grpc::ByteBuffer& request);
 
-  /// For `Start` only.
+  /// Used only by `Start`.
   WatchStream(const Dependencies& dependencies, grpc::CallbackServerContext* context);
 
   void Wake() override;
@@ -90,12 +90,12 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   mutable absl::Mutex mutex_;
   grpc::CallbackServerContext* context_ ABSL_GUARDED_BY(mutex_);  ///< Null after the call ended.
   Activity activity_ ABSL_GUARDED_BY(mutex_) = Activity::kIdle;
-  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Since the last check of the map.
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;  ///< Woken since the last check of the map.
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
-  bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub contains it.
+  bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub contains the watch.
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   Revision revision_ ABSL_GUARDED_BY(mutex_);
-  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< Of `course_`.
+  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< Step of `course_`.
   absl::Time sending_since_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
 };
 
