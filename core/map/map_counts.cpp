@@ -12,7 +12,7 @@ MapCounts MapCounter::Count(const MapSnapshot& snapshot) {
     counts.leaves += volume.leaves;
     counts.voxels += volume.voxels;
   };
-  // What is no longer there is left behind.
+  // Entries of volumes that no longer exist stay in the old table and are freed with it.
   std::map<Background::TileOrigin, CountedVolume> tiles;
   for (const auto& [origin, tile] : snapshot.background.tiles()) {
     CountedVolume& counted = tiles[origin] = std::move(tiles_[origin]);

@@ -8,29 +8,31 @@
 
 namespace steadymap {
 
-/// What a map holds, counted.
+/// Sizes of a map.
 struct MapCounts {
   std::size_t present_objects = 0;
   std::size_t archived_objects = 0;
   std::size_t leaves = 0;  ///< Of background and present objects.
-  std::size_t voxels = 0;  ///< Observed, of background and present objects.
-  /// In memory: the volumes of background and objects, whatever their standing, what is kept of
-  /// their surfaces, and the free space.
+  std::size_t voxels = 0;  ///< Observed voxels of background and present objects.
+  /// Bytes in memory: volumes of the background and of objects of every status, evidence of
+  /// objects, and free space.
   std::size_t memory_bytes = 0;
 
   friend bool operator==(const MapCounts&, const MapCounts&) = default;
 };
 
-/// Counts what maps hold, remembering what has not changed since it counted last. One thread at a
-/// time; for the revisions of one map.
+/// Counts the snapshots of one map incrementally: caches the counts of unchanged volumes. One
+/// thread at a time.
 class MapCounter {
  public:
-  /// Cost: that of the volumes that changed, and a look at each of the others. The bytes leave out
-  /// what the map's writer alone keeps: `Mapper::surface_bytes`.
+  /// Counts a snapshot. Cost: one pass over the leaves of each changed volume, and one comparison
+  /// per unchanged volume. `memory_bytes` excludes the memory of the writer,
+  /// `Mapper::surface_bytes`.
   MapCounts Count(const MapSnapshot& snapshot);
 
  private:
-  /// A volume as it was counted, kept so that no other takes its place in memory.
+  /// The cached counts of a volume. It owns the volume, so that no other volume can get the same
+  /// address.
   struct CountedVolume {
     std::shared_ptr<const TsdfGrid> volume;
     std::size_t leaves = 0;
@@ -44,7 +46,7 @@ class MapCounter {
   std::map<ObjectId, CountedVolume> objects_;
 };
 
-/// Counts one map once. Cost: a pass over all leaves, 7 ms for 1000 objects.
+/// Counts a single snapshot. Cost: one pass over all leaves, 7 ms for 1000 objects.
 inline MapCounts CountMap(const MapSnapshot& snapshot) { return MapCounter().Count(snapshot); }
 
 }  // namespace steadymap

@@ -86,7 +86,8 @@ std::vector<RobotChange> DiffRobots(const MapSnapshot& before, const MapSnapshot
   return robots;
 }
 
-/// Appends what `first` and then `second` say, each sorted by `key`, to `merged`.
+/// Merges two lists sorted by `key`. An element of `second` replaces an element of `first` with an
+/// equal key.
 template <typename Change, typename Key>
 std::vector<Change> MergeSorted(const std::vector<Change>& first,
                                 const std::vector<Change>& second,

@@ -17,7 +17,8 @@
 
 namespace steadymap {
 
-/// The new state of one leaf; `packed` as in `tsdf_codec.h`, empty if the leaf is gone.
+/// The new state of one leaf. `packed` has the format of `tsdf_codec.h`; empty if the leaf is
+/// removed.
 struct LeafChange {
   LeafKey key;
   std::string packed;
@@ -25,7 +26,7 @@ struct LeafChange {
   friend bool operator==(const LeafChange&, const LeafChange&) = default;
 };
 
-/// The new state of one object; none if it is forgotten: then all its leaves are gone too.
+/// The new state of one object; none if the object is removed, together with all its leaves.
 struct ObjectChange {
   ObjectId id;
   std::optional<ObjectState> state;
@@ -41,7 +42,7 @@ struct FreeBlockChange {
   friend bool operator==(const FreeBlockChange&, const FreeBlockChange&) = default;
 };
 
-/// The new state of one robot; none if it is forgotten.
+/// The new state of one robot; none if it is removed.
 struct RobotChange {
   SensorName sensor;
   std::optional<RobotState> state;
@@ -49,36 +50,35 @@ struct RobotChange {
   friend bool operator==(const RobotChange&, const RobotChange&) = default;
 };
 
-/// What takes a map from one revision to another: states, never operations, so that a delta may be
-/// applied twice or merged without harm. The store, recovery and watchers use the same one.
+/// The changes of a map between two revisions, as new states. Its application is therefore
+/// idempotent, and deltas can be merged. The store, recovery and watchers use the same delta.
 struct MapDelta {
-  Revision from;                               ///< The revision that the delta applies to.
-  Revision to;                                 ///< The one that it leads to; not below `from`.
+  Revision from;                               ///< The delta applies to this revision.
+  Revision to;                                 ///< The resulting revision; not below `from`.
   Timestamp last_capture_time;                 ///< Of the newest frame in `to`.
-  ObjectId newest_object{};                    ///< As in `MapSnapshot`, in `to`.
-  EventNumber last_event{};                    ///< As in `MapSnapshot`, in `to`.
-  std::vector<SemanticClass> added_classes{};  ///< As in `MapSnapshot`, in `to`: all of them.
-  std::vector<ObjectChange> objects{};         ///< By rising id, no id twice.
-  std::vector<LeafChange> leaves{};            ///< Sorted by key, no key twice.
-  std::vector<FreeBlockChange> free_blocks{};  ///< Sorted by origin, no origin twice.
-  std::vector<RobotChange> robots{};           ///< Sorted by id, no id twice.
-  std::vector<ObjectEvent> events{};           ///< In the order they happened.
+  ObjectId newest_object{};                    ///< See `MapSnapshot`; the value in `to`.
+  EventNumber last_event{};                    ///< See `MapSnapshot`; the value in `to`.
+  std::vector<SemanticClass> added_classes{};  ///< See `MapSnapshot`; the complete list in `to`.
+  std::vector<ObjectChange> objects{};         ///< By increasing id, without duplicates.
+  std::vector<LeafChange> leaves{};            ///< By increasing key, without duplicates.
+  std::vector<FreeBlockChange> free_blocks{};  ///< By increasing origin, without duplicates.
+  std::vector<RobotChange> robots{};           ///< By increasing sensor, without duplicates.
+  std::vector<ObjectEvent> events{};           ///< In order of occurrence.
 
   friend bool operator==(const MapDelta&, const MapDelta&) = default;
 };
 
-/// The delta that takes `before` to `after`, but for the events, which no map holds. Both must be
-/// of one map (same scale, asserted).
+/// Computes the delta from `before` to `after`, without events, since snapshots contain none. Both
+/// must be snapshots of one map (equal scale, asserted).
 MapDelta Diff(const MapSnapshot& before, const MapSnapshot& after);
 
-/// Takes `snapshot` to `delta.to`.
-/// Errors: `FailedPrecondition` if the snapshot is not at a revision in [`delta.from`, `delta.to`];
-/// `DataLoss` for a damaged leaf, or one of an object that is not there. The snapshot is unchanged
-/// after the first, undefined after the second.
+/// Advances `snapshot` to `delta.to`. Errors: `FailedPrecondition` if the revision of the snapshot
+/// is not in [`delta.from`, `delta.to`]; the snapshot is then unchanged. `DataLoss` for a corrupt
+/// leaf, or a leaf of an object that does not exist; the snapshot is then undefined.
 absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot);
 
-/// The delta that does what `first` and then `second` do. `second.from` must equal `first.to`
-/// (asserted). Associative; `Apply(Merge(a, b), m) == Apply(b, Apply(a, m))`.
+/// Merges two consecutive deltas into one. `second.from` must equal `first.to` (asserted).
+/// Associative; `Apply(Merge(a, b), m) == Apply(b, Apply(a, m))`.
 MapDelta Merge(const MapDelta& first, const MapDelta& second);
 
 }  // namespace steadymap

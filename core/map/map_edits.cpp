@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-/// What objects have before their first leaf. Shared, since an empty volume takes 20 KB.
+/// The initial volume of objects. Shared, since an empty volume takes 20 KB.
 const std::shared_ptr<const TsdfGrid>& EmptyVolume() {
   static const auto* const volume =
       new std::shared_ptr<const TsdfGrid>(std::make_shared<const TsdfGrid>());
@@ -43,7 +43,7 @@ void MapEdits::SetState(const ObjectState& state) {
 }
 
 absl::Status MapEdits::StoreLeaf(const LeafKey& key, std::string_view packed) {
-  // Nothing is cloned only to find that there is nothing to remove.
+  // Returns before a tile is cloned or created if there is no leaf to remove.
   if (key.object == kBackgroundId && packed.empty() &&
       !snapshot_->background.FindLeaf(key.origin)) {
     return absl::OkStatus();
@@ -55,7 +55,7 @@ absl::Status MapEdits::StoreLeaf(const LeafKey& key, std::string_view packed) {
   if (grid != nullptr) {
     grid->StoreLeaf(key.origin, voxels);
   } else if (!packed.empty()) {
-    return BadLeaf(absl::StrCat("a leaf of object ", key.object.value(), ", which is not there"));
+    return BadLeaf(absl::StrCat("a leaf of object ", key.object.value(), ", which does not exist"));
   }
   return absl::OkStatus();
 }
@@ -70,7 +70,7 @@ absl::Status MapEdits::PatchLeaf(const LeafKey& key, std::string_view packed) {
   TsdfGrid* const grid = may_be_there ? MutableGrid(key) : nullptr;
   if (grid == nullptr || !grid->FindLeaf(key.origin)) {
     return BadLeaf(
-        absl::StrCat("a patch of a leaf of object ", key.object.value(), " that is not there"));
+        absl::StrCat("a patch of a leaf of object ", key.object.value(), " that does not exist"));
   }
   LeafVoxels leaf;
   grid->LoadLeaf(key.origin, &leaf);

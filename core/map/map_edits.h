@@ -13,47 +13,48 @@
 
 namespace steadymap {
 
-/// Writes new states into a map, in any order and number. What other copies of the map share is
-/// cloned before the first write, once, so the edits cost what they change.
+/// Writes new states into a snapshot, in any order and number. Data shared with other snapshots is
+/// cloned once, before the first write, so the cost is proportional to the changes.
 ///
-/// The background is written at once, objects by `Finish`; whoever gives up before it must drop the
-/// map. The map must outlive the edits and not be written by anyone else meanwhile.
+/// Changes of the background take effect immediately, changes of objects in `Finish`. After an
+/// error the caller must discard the snapshot. The snapshot must outlive the edits, and no other
+/// writer may access it meanwhile.
 class MapEdits {
  public:
   explicit MapEdits(MapSnapshot* snapshot) : snapshot_(snapshot) {}
 
-  /// The object and its volume are gone; no harm if there is none.
+  /// Removes an object with its volume. No effect if it does not exist.
   void RemoveObject(ObjectId id);
 
-  /// A new state of an object, which keeps the volume that it has; one that is not there, or was
-  /// removed, begins with an empty one. The id must be above 0 (asserted).
+  /// Sets the state of an object and keeps its volume. A new or removed object gets an empty
+  /// volume. The id must be above 0 (asserted).
   void SetState(const ObjectState& state);
 
-  /// A new leaf, packed as in `tsdf_codec.h`; empty: it is gone.
-  /// Errors: `DataLoss` for a damaged leaf, or one of an object that is not there, unless it is
-  /// empty.
+  /// Replaces a leaf. `packed` has the format of `tsdf_codec.h`; empty: removes the leaf. Errors:
+  /// `DataLoss` for a corrupt leaf, or a leaf of an object that does not exist, unless it is empty.
   absl::Status StoreLeaf(const LeafKey& key, std::string_view packed);
 
-  /// New voxels of a leaf that keeps its others, packed as a leaf of those alone (`leaf_patch.h`).
-  /// Errors: `DataLoss` for a damaged patch, an empty one, or one of a leaf that is not there.
+  /// Replaces some voxels of a leaf. `packed` is a packed leaf with these voxels only
+  /// (`leaf_patch.h`). Errors: `DataLoss` for a corrupt or empty patch, or a patch of a leaf that
+  /// does not exist.
   absl::Status PatchLeaf(const LeafKey& key, std::string_view packed);
 
-  /// Puts the objects into the map. To be called once, last.
+  /// Writes the changed objects to the snapshot. Call once, last.
   void Finish();
 
  private:
   struct ObjectEdit {
     std::shared_ptr<MapObject> object;
-    std::shared_ptr<TsdfGrid> volume;  ///< Null as long as it is not written to.
+    std::shared_ptr<TsdfGrid> volume;  ///< Null until the first write.
   };
 
-  /// Null if there is no such object.
+  /// Returns the edit of an object; null if the object does not exist.
   ObjectEdit* Edit(ObjectId id);
 
-  /// The volume for writing; null if there is no such object.
+  /// Returns the volume of an object for writing; null if the object does not exist.
   TsdfGrid* MutableVolume(ObjectId id);
 
-  /// What holds a leaf, for writing; null if there is no such object.
+  /// Returns the grid that contains a leaf, for writing; null if the object does not exist.
   TsdfGrid* MutableGrid(const LeafKey& key);
 
   MapSnapshot* snapshot_;

@@ -11,30 +11,31 @@
 
 namespace steadymap {
 
-/// What somebody who watches a map wants to see of it: what passes every filter that is set. An
-/// object passes or not as a whole, with all its leaves. The background counts as object 0 of class
-/// 0; of it, leaf by leaf, what touches a box.
+/// A filter for watchers of a map. Combines all its conditions. An object passes as a whole, with
+/// all its leaves. The background counts as object 0 of class 0; its leaves pass one by one if they
+/// touch a box.
 struct MapFilter {
-  std::vector<Box> boxes_world;  ///< Metres; empty: everywhere.
-  std::set<ClassId> classes;     ///< Empty: of any class.
-  std::set<ObjectId> objects;    ///< Empty: any object.
-  bool events = true;            ///< What happened to objects and robots.
+  std::vector<Box> boxes_world;  ///< Metres, world frame. Empty: everywhere.
+  std::set<ClassId> classes;     ///< Empty: all classes.
+  std::set<ObjectId> objects;    ///< Empty: all objects.
+  bool events = true;            ///< Events of objects and robots.
   bool states = true;            ///< States of objects.
-  bool volumes = true;           ///< Leaves, and with them the states of objects.
-  bool archived = false;         ///< Archived objects too, not only present ones.
+  bool volumes = true;           ///< Leaves, with the states of their objects.
+  bool archived = false;         ///< Archived objects as well as present ones.
 
-  /// Whether states of objects are wanted, for their own sake or for their leaves'.
+  /// True if states of objects are required, on their own or for their leaves.
   bool WantsObjects() const { return states || volumes; }
 
-  /// Whether an object passes. Tentative ones never do.
+  /// True if an object passes. A tentative object never passes.
   bool Shows(const ObjectState& object) const;
 
-  /// Whether any of the background passes, and whether this leaf of it does.
+  /// `ShowsBackground`: true if parts of the background can pass. `ShowsBackgroundLeaf`: true if
+  /// this leaf of the background passes.
   bool ShowsBackground() const;
   bool ShowsBackgroundLeaf(LeafOrigin origin, const VoxelScale& scale) const;
 
-  /// Whether an event passes, by its own object, the related one, or where it happened. Those of
-  /// robots do where neither place nor class nor object is asked for.
+  /// True if an event passes, by its object, its related object, its class and its position. An
+  /// event of a robot passes unless the filter has boxes, classes or objects.
   bool Shows(const ObjectEvent& event) const;
 };
 

@@ -14,7 +14,7 @@
 
 namespace steadymap {
 
-/// Names one leaf of a map: whose volume, and where in it.
+/// The key of a leaf of a map: the owner of the volume, and the origin in that volume.
 struct LeafKey {
   ObjectId object;
   LeafOrigin origin;
@@ -23,38 +23,36 @@ struct LeafKey {
 };
 
 /// A map at one revision. Published as `shared_ptr<const MapSnapshot>`; any number of threads may
-/// read one while the mapper goes on. Copying shares objects and volumes, and costs next to
-/// nothing.
+/// read it while the mapper continues. A copy shares objects and volumes and is cheap.
 ///
-/// A revision is the sequence number of the newest log entry in it, so the same entries lead to the
-/// same revision wherever commits or restarts fell. Nobody outside of the mapper and the store
-/// relies on that: to them it is a number that rises.
+/// A revision is the map sequence of the newest log entry in the map. Equal entries therefore give
+/// equal revisions, independent of commits and restarts. Code outside of the mapper and the store
+/// must not depend on this and treats a revision as an increasing number.
 struct MapSnapshot {
-  /// An empty map.
+  /// Constructs an empty map.
   explicit MapSnapshot(const VoxelScale& voxel_scale = {})
       : scale(voxel_scale), free_space(kFreeCellVoxels * voxel_scale.voxel_size_m) {}
 
-  /// Voxels of a side of a free-space cell.
+  /// Side of a cell of free space, voxels.
   static constexpr double kFreeCellVoxels = 2.0;
 
-  /// The newest log entry that is part of the map.
+  /// Returns the newest log entry in the map.
   MapSequence integrated() const { return MapSequence(revision.value()); }
 
   Revision revision;
-  Timestamp last_capture_time;  ///< Of the newest frame; the epoch while there is none.
+  Timestamp last_capture_time;  ///< Of the newest frame; the epoch if there is none.
   VoxelScale scale;
   Background background;
-  ObjectLibrary objects;   ///< Archived ones included.
-  ObjectId newest_object;  ///< The last id given away; ids are never given twice.
-  EventNumber last_event;  ///< Of the map's history; 0: nothing happened yet.
-  /// Classes that the map's table has gained since it was created, in their order.
+  ObjectLibrary objects;   ///< Objects of every status.
+  ObjectId newest_object;  ///< The last assigned id. Ids are never reused.
+  EventNumber last_event;  ///< The newest event of the history; 0: none yet.
+  /// Classes added to the class table since the creation of the map, in order of addition.
   std::vector<SemanticClass> added_classes;
-  FreeSpace free_space;  ///< What cameras have looked through; empty where nobody keeps it.
-  std::map<SensorName, RobotState>
-      robots;  ///< By what takes the frames; for the mapper alone, too.
+  FreeSpace free_space;                     ///< Empty with policies that do not maintain it.
+  std::map<SensorName, RobotState> robots;  ///< By sensor. Internal state of the mapper.
 };
 
-/// The leaf in the background or in an object; null where there is none.
+/// Returns a leaf of the background or of an object; null if it does not exist.
 LeafView FindLeaf(const MapSnapshot& map, const LeafKey& key);
 
 }  // namespace steadymap

@@ -14,33 +14,33 @@
 
 namespace steadymap {
 
-/// What happened to an object.
+/// The type of an event.
 enum class EventType {
-  kCreated,     ///< Became part of the map.
-  kUpdated,     ///< Its class or extent changed much.
-  kMoved,       ///< Stands elsewhere now; what was created there, `related`, was this.
-  kRemoved,     ///< No longer stands where it stood.
-  kReturned,    ///< Stands again where it stood before it was removed.
-  kMerged,      ///< Turned out to be part of another object, `related`.
-  kSplit,       ///< Became an object of its own; was part of `related` so far.
-  kRobotLost,   ///< A robot's frames disagree with the whole map; they are not used.
-  kRobotFound,  ///< They agree again.
+  kCreated,     ///< An object became part of the map.
+  kUpdated,     ///< The background changed (policy `voxel_change`).
+  kMoved,       ///< An object moved; `related`, created at the new place, is this object.
+  kRemoved,     ///< An object was removed from its place.
+  kReturned,    ///< A removed object is back at its former place.
+  kMerged,      ///< An object proved to be part of another object, `related`.
+  kSplit,       ///< A part of the object `related` became an object.
+  kRobotLost,   ///< A robot's frames disagree with the map; they are ignored.
+  kRobotFound,  ///< A lost robot's frames agree with the map again.
 };
 
-/// Why the map decided so.
+/// The reason of an event.
 enum class EventReason {
-  kNewSurface,    ///< Surface was seen where nothing was known.
-  kSeenThrough,   ///< Depth, or labels of what is out of reach, tell of what is behind it.
-  kDisplaced,     ///< The surface was found next to where it should be.
-  kReplaced,      ///< Something newer stands in front of it, closer than anything fits between.
+  kNewSurface,    ///< Surface was observed in space without known surface.
+  kSeenThrough,   ///< Depth, or the labels of pixels without depth, show space behind it.
+  kDisplaced,     ///< The surface was observed next to its mapped position.
+  kReplaced,      ///< Newer surface in front of it leaves no room for it.
   kShapeMatched,  ///< Its shape was found at the new place.
-  kConnected,     ///< Both are parts of one surface.
-  kDisconnected,  ///< A part agrees while another one is contradicted.
+  kConnected,     ///< Both objects are parts of one connected surface.
+  kDisconnected,  ///< One part of the object is confirmed while another part is contradicted.
   kDisagreement,  ///< Most of a frame contradicts the map.
-  kAgreement,     ///< Frames fit the map again.
+  kAgreement,     ///< The frames agree with the map again.
 };
 
-/// How an object moved: where its frame stood, and where the same frame stands now.
+/// The pose of an object's frame before and after a move.
 struct ObjectMove {
   UprightPose T_world_before;
   UprightPose T_world_after;
@@ -48,37 +48,37 @@ struct ObjectMove {
   friend bool operator==(const ObjectMove&, const ObjectMove&) = default;
 };
 
-/// One entry of a map's history. Who adds each object that is created, returns or is split off, and
-/// drops each that is removed or merged and the `related` one of each move, has those that are part
-/// of the map.
+/// An entry of a map's history. A consumer that adds the object of each `kCreated`, `kReturned`,
+/// `kSplit` and `kMoved`, and then drops the object of each `kRemoved` and `kMerged` and the
+/// `related` object of each `kMoved`, obtains the set of present objects.
 struct ObjectEvent {
   EventType type = EventType::kCreated;
   EventReason reason = EventReason::kNewSurface;
-  ObjectId object;  ///< 0 for events of robots.
+  ObjectId object;  ///< 0 for events of robots and of the background.
   ClassId class_id;
-  Timestamp time;     ///< Capture time of the frame that decided.
-  Revision revision;  ///< Of that frame: the first revision that shows it.
-  Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  ///< Of its cuboid, after the event.
-  std::optional<Eigen::Vector3d> old_center_world;         ///< For moves.
-  std::optional<ObjectMove> move;                          ///< For moves told by the shape.
-  std::optional<double> confidence;                        ///< For moves, in [0, 1].
+  Timestamp time;     ///< Capture time of the deciding frame.
+  Revision revision;  ///< Of the deciding frame: the first revision with the change.
+  Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  ///< Of the cuboid, after the event.
+  std::optional<Eigen::Vector3d> old_center_world;         ///< For `kMoved`, metres.
+  std::optional<ObjectMove> move;                          ///< For moves found by shape.
+  std::optional<double> confidence;                        ///< For `kMoved`, in [0, 1].
   Belief before;
   Belief after;
-  std::uint64_t supporting_frames = 0;     ///< Frames that had agreed with it.
-  std::uint64_t contradicted_updates = 0;  ///< Times that the evidence had spoken against it.
+  std::uint64_t supporting_frames = 0;     ///< Number of frames that supported it.
+  std::uint64_t contradicted_updates = 0;  ///< Number of belief updates with evidence against it.
   ObjectId related;                        ///< The other object of a move, merge or split; else 0.
-  SensorName source;  ///< For events of robots: whom they are about; else empty.
+  SensorName source;                       ///< The sensor, for events of robots; else empty.
 
-  /// Whether it is about a robot, not about an object.
+  /// True for an event of a robot.
   bool IsOfRobot() const { return !source.robot.empty(); }
 
   friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;
 };
 
-/// `created`, `moved`, ...: how a type is written for programs.
+/// Returns the machine-readable name of a type: `created`, `moved`, ...
 std::string_view NameOf(EventType type);
 
-/// `seen_through`, `replaced`, ...
+/// Returns the machine-readable name of a reason: `seen_through`, `replaced`, ...
 std::string_view NameOf(EventReason reason);
 
 }  // namespace steadymap

@@ -10,45 +10,48 @@
 
 namespace steadymap {
 
-/// What frames have said about the surface of one leaf of an object.
+/// The evidence for the surface of one leaf of an object.
 struct LeafEvidence {
   LeafOrigin origin;
-  /// By evidence cell: rises by one with each frame that finds the surface there, up to
-  /// `kMaxCellScore`, falls by one with each that finds it gone.
+  /// By evidence cell. A frame that observes the surface of the cell raises its score by one, at
+  /// least to -1 and at most to `kMaxCellScore`. A frame that contradicts the cell lowers it by
+  /// one, down to `kMinCellScore`.
   std::array<std::int8_t, kEvidenceCells> score{};
-  Timestamp confirmed;  ///< When surface of the leaf was last found; coarse, so that it rests.
+  Timestamp confirmed;  ///< Last presence evidence, rounded so that static objects do not change.
 
   friend bool operator==(const LeafEvidence&, const LeafEvidence&) = default;
 };
 
-/// Stamps of confirmation are that coarse, so that what rests does not change.
+/// Minimum interval between two updates of `LeafEvidence::confirmed`. It keeps the state of a
+/// static object constant.
 inline constexpr Duration kConfirmationGrain = Duration::FromNanoseconds(2'000'000'000);
 
 inline constexpr std::int8_t kMaxCellScore = 3;
 inline constexpr std::int8_t kMinCellScore = -100;
 
-/// What frames have said about an object since its belief was last updated, and about each part of
-/// its surface (evidence.md, rules C and D).
+/// The evidence for an object since the last update of its belief, and for each part of its
+/// surface.
 struct ObjectEvidence {
-  double present_cells = 0.0;  ///< Judged present since the last update.
-  double absent_cells = 0.0;   ///< Judged gone since the last update.
-  /// Judged gone since more of the surface was last found than missed.
+  double present_cells = 0.0;  ///< Presence evidence since the last update, evidence cells.
+  double absent_cells = 0.0;   ///< Absence evidence since the last update, evidence cells.
+  /// Absence evidence since the last frame with more presence than absence evidence, evidence
+  /// cells.
   double absent_streak_cells = 0.0;
-  /// Changes measured since the last update, metres, each times the cells it was measured on: those
-  /// of `present_cells`.
+  /// Sum over the frames since the last update of the change estimate, metres, times the number of
+  /// evidence cells found present.
   double change_sum_m = 0.0;
-  std::vector<LeafEvidence> leaves;  ///< By rising origin.
+  std::vector<LeafEvidence> leaves;  ///< By increasing origin.
 
-  /// When surface of the leaf was last found; the epoch if never.
+  /// Returns the time of the last presence evidence for a leaf; the epoch if there is none.
   Timestamp ConfirmedAt(LeafOrigin origin) const;
 
-  /// When any surface was last found; the epoch if never.
+  /// Returns the time of the last presence evidence for any leaf; the epoch if there is none.
   Timestamp LastConfirmed() const;
 
-  /// The evidence of a leaf, made if there is none.
+  /// Returns the evidence of a leaf; creates it if it does not exist.
   LeafEvidence& MutableLeaf(LeafOrigin origin);
 
-  /// The evidence of a leaf; null if there is none.
+  /// Returns the evidence of a leaf; null if it does not exist.
   const LeafEvidence* FindLeaf(LeafOrigin origin) const;
 
   friend bool operator==(const ObjectEvidence&, const ObjectEvidence&) = default;

@@ -14,21 +14,23 @@
 
 namespace steadymap {
 
-/// The objects of a map at one revision, by id; the part of `std::map` that the project uses.
+/// The objects of a map at one revision, by id. Has the subset of the interface of `std::map` that
+/// the project needs.
 ///
-/// Kept in chunks of consecutive ids. Copying shares the chunks; one that another copy shares is
-/// cloned before it is written, so a published copy never changes (decisions.md 6), and a commit
-/// costs what it changes. Iterators and references are valid until the next write.
+/// Objects are stored in chunks of consecutive ids. A copy shares the chunks. A chunk shared with
+/// another copy is cloned before it is written, so a published copy never changes, and the cost of
+/// a commit is proportional to its changes. Iterators and references are valid until the next
+/// write.
 class ObjectLibrary {
  public:
   /// An id and its object, which is never null.
   using Entry = std::pair<ObjectId, std::shared_ptr<const MapObject>>;
 
-  /// Ids of a chunk, present or not. A commit copies a pointer for each chunk of the map and clones
-  /// the chunks it changes: this many keep both small for thousands of objects.
+  /// Number of ids per chunk. A commit copies one pointer per chunk of the map and clones the
+  /// changed chunks: this size keeps both costs low for thousands of objects.
   static constexpr std::size_t kChunkIds = 16;
 
-  /// Goes through the entries by rising id.
+  /// Iterates over the entries by increasing id.
   class Iterator {
    public:
     using iterator_category = std::forward_iterator_tag;
@@ -51,14 +53,14 @@ class ObjectLibrary {
    private:
     friend class ObjectLibrary;
 
-    /// At the first entry at or behind a place.
+    /// Points to the first entry at or after a position.
     Iterator(const ObjectLibrary* library, std::size_t chunk, std::size_t slot);
 
     void SkipHoles();
 
     const ObjectLibrary* library_ = nullptr;
-    std::size_t chunk_ = 0;  ///< Place in the list of chunks.
-    std::size_t slot_ = 0;   ///< Place in the chunk; 0 at the end.
+    std::size_t chunk_ = 0;  ///< Index in the list of chunks.
+    std::size_t slot_ = 0;   ///< Index in the chunk; 0 at the end.
   };
 
   Iterator begin() const { return {this, 0, 0}; }
@@ -69,25 +71,25 @@ class ObjectLibrary {
 
   bool empty() const { return size_ == 0; }
 
-  /// The end if there is no such object.
+  /// Returns the end if the object does not exist.
   Iterator find(ObjectId id) const;
 
-  /// The first object with an id above this one, or the end.
+  /// Returns the first object with an id above `id`, or the end.
   Iterator upper_bound(ObjectId id) const;
 
   bool contains(ObjectId id) const { return FindEntry(id) != nullptr; }
 
-  /// The object of an id that is there (asserted).
+  /// Returns the object of an existing id (asserted).
   const std::shared_ptr<const MapObject>& at(ObjectId id) const;
 
-  /// Puts an object, not null (asserted), into the place of its id.
+  /// Inserts or replaces an object, not null (asserted).
   void insert_or_assign(ObjectId id, std::shared_ptr<const MapObject> object);
 
-  /// Removes an object; no harm if there is none.
+  /// Removes an object. No effect if it does not exist.
   void erase(ObjectId id);
 
-  /// Calls `visit` by rising id for each object that the two libraries do not share; null stands
-  /// for none. Cost: that of the chunks that they do not share.
+  /// Calls `visit` by increasing id for each object that is not shared by the two libraries; null
+  /// if it does not exist in one of them. Cost: proportional to the chunks that are not shared.
   static void ForEachDifference(
       const ObjectLibrary& before,
       const ObjectLibrary& after,
@@ -95,12 +97,12 @@ class ObjectLibrary {
 
  private:
   struct Chunk {
-    std::array<Entry, kChunkIds> entries;  ///< By the low bits of the id; null objects are holes.
-    std::size_t count = 0;                 ///< Of entries that are no holes; never 0 at rest.
+    std::array<Entry, kChunkIds> entries;  ///< By low bits of the id; null object: unused.
+    std::size_t count = 0;                 ///< Number of used entries; never 0 between calls.
   };
 
   struct NumberedChunk {
-    std::uint64_t number = 0;  ///< Its ids over `kChunkIds`.
+    std::uint64_t number = 0;  ///< Common quotient of its ids and `kChunkIds`.
     std::shared_ptr<Chunk> chunk;
   };
 
@@ -108,13 +110,13 @@ class ObjectLibrary {
 
   static std::size_t SlotOf(ObjectId id) { return id.value() % kChunkIds; }
 
-  /// Place of the first chunk that is not before this number.
+  /// Returns the index of the first chunk with at least this number.
   std::size_t PlaceOf(std::uint64_t number) const;
   bool HasChunk(std::size_t place, std::uint64_t number) const;
   const Entry* FindEntry(ObjectId id) const;
   Chunk& MutableChunk(std::size_t place);
 
-  std::vector<NumberedChunk> chunks_;  ///< By rising number.
+  std::vector<NumberedChunk> chunks_;  ///< By increasing number.
   std::size_t size_ = 0;
 };
 

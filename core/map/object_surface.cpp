@@ -8,14 +8,14 @@
 namespace steadymap {
 namespace {
 
-// Less than this was hardly seen: a sliver at a depth edge, not a surface.
+// A lower weight indicates a fragment at a depth edge, not a surface.
 constexpr float kMinWeight = 0.05F;
 
-// Points of a plane across a leaf, about.
+// Approximate number of points of a plane through a leaf.
 constexpr std::size_t kPlanePoints = std::size_t{kLeafSide} * kLeafSide;
 
-/// Gradient of the distance at a voxel from the voxels of its own leaf, so that a leaf's points
-/// depend on nothing else. Zero where no neighbour is known along an axis.
+/// Computes the gradient of the distance at a voxel from the voxels of its own leaf only, so that
+/// the points of a leaf depend only on the leaf. Zero along an axis without observed neighbours.
 Eigen::Vector3f GradientAt(const LeafView& leaf, std::size_t offset) {
   constexpr std::size_t kStrides[3] = {64, 8, 1};
   Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
@@ -47,13 +47,13 @@ SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelSc
     const float norm = gradient.norm();
     if (norm < 0.25F * voxel_size_m) continue;
     const Eigen::Vector3f normal = gradient / norm;
-    // One voxel of each column along the axis that the surface faces.
+    // Selects one voxel of each column along the dominant axis of the normal.
     if (std::abs(distance_m) > 0.5F * voxel_size_m * normal.cwiseAbs().maxCoeff()) continue;
     const Eigen::Vector3f centre = VoxelIndexAt(origin, offset).cast<float>();
     surface.points.push_back(
         {centre * voxel_size_m - normal * distance_m, normal, EvidenceCellOf(offset)});
   }
-  // The points stay as long as the object: room for more of them would add up.
+  // The points stay in memory as long as the object, so spare capacity would accumulate.
   surface.points.shrink_to_fit();
   return surface;
 }

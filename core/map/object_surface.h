@@ -11,18 +11,18 @@
 
 namespace steadymap {
 
-/// Presence and absence are judged by cubes of this many voxels a side: finer than any change that
-/// matters, coarse enough that a few pixels decide.
+/// Side of an evidence cell, voxels. Cells are the units of presence and absence evidence: smaller
+/// than any relevant change, and large enough that a few pixels decide.
 inline constexpr int kEvidenceSide = 2;
 
-/// Evidence cells of a leaf.
+/// Number of evidence cells of a leaf.
 inline constexpr std::size_t kEvidenceCells = 64;
 
-/// A point of an object's surface, one a voxel that the surface passes.
+/// A surface point of an object, one per voxel on the surface.
 struct SurfaceVoxel {
   Eigen::Vector3f position_object;  ///< Metres.
-  Eigen::Vector3f normal_object;    ///< Unit, towards the side that was observed.
-  std::uint8_t cell = 0;            ///< Evidence cell of its leaf.
+  Eigen::Vector3f normal_object;    ///< Unit length, towards the observed side.
+  std::uint8_t cell = 0;            ///< Index of its evidence cell in the leaf.
 };
 
 /// The surface points of one leaf.
@@ -31,21 +31,21 @@ struct SurfaceLeaf {
   std::vector<SurfaceVoxel> points;
 };
 
-/// The surface of an object as points, kept beside its volume. A function of the volume alone.
+/// The surface points of an object, a function of its volume alone.
 class ObjectSurface {
  public:
-  /// Takes the points of the leaves in `origins` anew.
+  /// Recomputes the points of the leaves in `origins`.
   void Update(const TsdfGrid& volume, const VoxelScale& scale, std::span<const LeafOrigin> origins);
 
-  /// Takes all points anew.
+  /// Recomputes all points.
   void Rebuild(const TsdfGrid& volume, const VoxelScale& scale);
 
-  /// By rising origin; leaves without surface are left out.
+  /// Returns the leaves with surface, by increasing origin.
   const std::vector<SurfaceLeaf>& leaves() const { return leaves_; }
 
   std::size_t point_count() const;
 
-  /// Bytes of the points and their leaves.
+  /// Returns the memory of points and leaves, bytes.
   std::size_t memory_bytes() const {
     return leaves_.capacity() * sizeof(SurfaceLeaf) + point_bytes_;
   }
@@ -55,7 +55,7 @@ class ObjectSurface {
   std::size_t point_bytes_ = 0;  ///< Of all leaves.
 };
 
-/// Evidence cell of the voxel at `offset` of its leaf.
+/// Returns the index of the evidence cell that contains the voxel at `offset` of its leaf.
 constexpr std::uint8_t EvidenceCellOf(std::size_t offset) {
   return static_cast<std::uint8_t>(((offset >> 7) & 3) << 4 | ((offset >> 4) & 3) << 2 |
                                    ((offset >> 1) & 3));

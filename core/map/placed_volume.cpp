@@ -7,7 +7,7 @@
 namespace steadymap {
 namespace {
 
-/// Grown by this, boxes that touch keep touching whatever the rounding, metres.
+/// Margin that keeps touching boxes in contact despite rounding errors, metres.
 constexpr double kRoundingM = 1e-9;
 
 }  // namespace

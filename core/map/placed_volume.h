@@ -13,34 +13,34 @@
 
 namespace steadymap {
 
-/// One volume of a map and where it stands. Valid as long as the snapshot it is of.
+/// A volume of a map with its pose. Valid as long as its snapshot.
 struct PlacedVolume {
   const VoxelReader* voxels = nullptr;  ///< Never null.
-  const MapObject* object = nullptr;    ///< Whose volume it is; null for the background.
-  /// Takes the volume's frame to the world; the identity for the background.
+  const MapObject* object = nullptr;    ///< The owner of the volume; null for the background.
+  /// From the frame of the volume to the world frame; the identity for the background.
   Eigen::Isometry3d T_world_volume = Eigen::Isometry3d::Identity();
 
   ObjectId id() const { return object != nullptr ? object->id : kBackgroundId; }
 
-  /// 0 for the background.
+  /// Returns the class of the object; 0 for the background.
   ClassId class_id() const { return object != nullptr ? object->class_id : ClassId(); }
 };
 
-/// The volume of what belongs to no object.
+/// Returns the volume of the background.
 PlacedVolume BackgroundOf(const MapSnapshot& snapshot);
 
-/// The volume of an object, where it stands or stood last.
+/// Returns the volume of an object at its current or last pose.
 PlacedVolume VolumeOf(const MapObject& object);
 
-/// What a map shows: its background, then its present objects by rising id.
+/// Returns the published volumes of a map: the background, then its present objects by increasing
+/// id.
 std::vector<PlacedVolume> ShownVolumes(const MapSnapshot& snapshot);
 
-/// A world box that holds all surface of the volume's object, `margin_m` (>= 0) wider than its
-/// cuboid. The volume must be an object's (asserted).
+/// Returns a world box that contains all surface of the volume's object: the bounds of its cuboid
+/// plus `margin_m` (>= 0). The volume must belong to an object (asserted).
 Box BoundsOf(const PlacedVolume& volume, double margin_m);
 
-/// Whether the box around the voxel centres of a leaf, where it stands in the world, reaches into
-/// `box_world`; borders count.
+/// True if the box around the voxel centres of a leaf intersects `box_world`, borders included.
 bool LeafTouches(const PlacedVolume& volume,
                  LeafOrigin origin,
                  const VoxelScale& scale,

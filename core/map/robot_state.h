@@ -10,47 +10,48 @@
 
 namespace steadymap {
 
-/// How far a map believes where a robot says that it is.
+/// The trust of a map in the poses of a robot.
 enum class Trust {
-  kTrusted,  ///< Its frames count.
-  kDoubted,  ///< It came to its place in a way that nothing explains; its frames must fit.
-  kLost,     ///< They did not, again and again; none counts.
+  kTrusted,  ///< Its frames are used.
+  kDoubted,  ///< Its motion does not explain its pose. Its frames must agree with the map.
+  kLost,     ///< Several consecutive frames disagreed. Its frames are ignored.
 };
 
-/// Where a camera is, for the record: in single precision but for the position.
+/// A camera pose for storage; the rotation has single precision.
 struct CameraPlace {
   Eigen::Vector3d position_world = Eigen::Vector3d::Zero();  ///< Metres.
-  /// From the camera frame to the world: axis times angle, radians.
+  /// From the camera frame to the world frame: axis times angle, radians.
   Eigen::Vector3f rotation_world = Eigen::Vector3f::Zero();
 
   friend bool operator==(const CameraPlace&, const CameraPlace&) = default;
 };
 
-/// Where a robot saw surface of a dynamic class.
+/// A cell in which a robot observed surface of a dynamic class.
 struct MovingCell {
-  CellIndex cell;             ///< As of `MapSnapshot::free_space`, world frame.
-  Timestamp seen;             ///< Capture time of the last frame that saw it.
-  bool is_confirmed = false;  ///< Whether a frame shortly before had seen it, too.
+  CellIndex cell;             ///< A cell of `MapSnapshot::free_space`, world frame.
+  Timestamp seen;             ///< Capture time of the last frame that observed it.
+  bool is_confirmed = false;  ///< True if two frames within the memory observed it.
 
   friend bool operator==(const MovingCell&, const MovingCell&) = default;
 };
 
-/// What a map remembers of a robot: to notice when it is lost (`localization_monitor.h`), and what
-/// moves before its camera (`dynamic_mask.h`).
+/// The state of a robot in a map: for the detection of wrong poses (`localization_monitor.h`), and
+/// for the mask of moving surface in front of its camera (`dynamic_mask.h`).
 struct RobotState {
   Trust trust = Trust::kTrusted;
-  /// Frames in a row against the trust as it is: that disagree while it is doubted, that agree
-  /// while it is lost. 0 while it is trusted.
+  /// Number of consecutive frames against the current trust: disagreeing frames in state
+  /// `kDoubted`, agreeing frames in state `kLost`. 0 in state `kTrusted`.
   std::uint32_t streak = 0;
   Timestamp last_capture_time;  ///< Of its last frame, used or not.
-  CameraPlace claimed;          ///< Where that frame says that it was taken.
-  /// Where it was taken if the robot only moved, and never jumped, since it was trusted last.
-  /// `claimed` while it is trusted.
+  CameraPlace claimed;          ///< The pose given in its last frame.
+  /// The pose integrated from the motion since the last trusted pose, without jumps. Equals
+  /// `claimed` in state `kTrusted`.
   CameraPlace likely;
-  /// Of the last motion that was believed, camera frame; the turn is axis times rate.
+  /// Velocities of the last plausible motion, camera frame. The angular velocity is axis times
+  /// rate.
   Eigen::Vector3f velocity_m_per_s = Eigen::Vector3f::Zero();
   Eigen::Vector3f turn_rad_per_s = Eigen::Vector3f::Zero();
-  std::vector<MovingCell> moving;  ///< By rising cell, none twice.
+  std::vector<MovingCell> moving;  ///< By increasing cell, without duplicates.
 
   friend bool operator==(const RobotState&, const RobotState&) = default;
 };

@@ -7,11 +7,12 @@
 namespace steadymap {
 namespace {
 
-// Evidence of an object seen once; with E[v] = 2/3 it is Beta(2, 1), as in the paper.
+// Evidence alpha + beta of an object after its first observation. With E[v] = 2/3 it gives Beta(2,
+// 1), as in Qian et al., RSS 2022.
 constexpr double kInitialEvidence = 3.0;
 
-// Magnitudes outside are moved to these: no map comes near, and inside no product of four
-// overflows or vanishes.
+// Limits of magnitudes, far beyond those of any map. Within them, no product of four values
+// overflows or underflows.
 constexpr double kSmallest = 1e-50;
 constexpr double kLargest = 1e50;
 
@@ -19,7 +20,7 @@ double Positive(double value) { return std::clamp(value, kSmallest, kLargest); }
 
 double Square(double value) { return value * value; }
 
-/// The state and the measurement, all within the range of `Positive`.
+/// The belief and the measurement, all within the range of `Positive`.
 struct Step {
   double mean_m;
   double variance_m2;
@@ -41,7 +42,8 @@ Step MakeStep(const Belief& prior, double change_m, const StationarityParameters
           max_change_m};
 }
 
-/// Log of c1 / c2, supplement equations 17 and 18 after the gamma functions cancel.
+/// Returns the log of c1 / c2 (Qian et al., RSS 2022, supplement, equations 17 and 18) after
+/// cancellation of the gamma functions.
 double InlierLogOdds(const Step& step) {
   const double variance_m2 = step.noise_variance_m2 + step.variance_m2;
   const double log_normal = -0.5 * (std::log(2.0 * std::numbers::pi * variance_m2) +
@@ -52,7 +54,8 @@ double InlierLogOdds(const Step& step) {
 
 double Logistic(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 
-/// Adds what the class says where it agrees with what was seen (paper, table 2).
+/// Adds the evidence of the class if it agrees with the measurement (Qian et al., RSS 2022, table
+/// 2).
 void AddClassEvidence(StationarityPrior class_prior, double class_weight, Step* step) {
   const bool inlier = InlierLogOdds(*step) > 0.0;
   const double weight = std::clamp(class_weight, 0.0, kLargest);
@@ -60,10 +63,12 @@ void AddClassEvidence(StationarityPrior class_prior, double class_weight, Step* 
   if (class_prior == StationarityPrior::kMoves && !inlier) step->beta += weight;
 }
 
-/// The Gaussian and the Beta with the moments of the exact posterior, a mixture of two.
+/// Returns the Gaussian and the Beta with the moments of the exact posterior, a mixture of two
+/// components.
 ///
-/// The formulas of pocd.md section 4, with the differences of moments multiplied out: every term
-/// that is left is positive, so nothing cancels however sharp the belief.
+/// The formulas of Qian et al., RSS 2022, supplement, equations 17 to 23, with the differences of
+/// moments expanded (`core/README.md`). All remaining terms are positive, so there is no
+/// cancellation even for narrow beliefs.
 Belief MatchMoments(const Step& step, double inlier, double outlier) {
   const double gain = step.variance_m2 / (step.variance_m2 + step.noise_variance_m2);
   const double fused_variance_m2 = gain * step.noise_variance_m2;
@@ -71,8 +76,8 @@ Belief MatchMoments(const Step& step, double inlier, double outlier) {
   const double variance_m2 =
       inlier * fused_variance_m2 + outlier * step.variance_m2 + inlier * outlier * Square(shift_m);
 
-  // `within` and `between` are the variance inside the two Betas and that of their means, both
-  // times (n + 1)^2 (n + 2); their share says how much evidence one Beta can stand for.
+  // `within` is the variance within the two Betas, `between` the variance of their means, both
+  // times (n + 1)^2 (n + 2). `share` is the evidence of the single Beta relative to n + 1.
   const double within =
       inlier * (step.alpha + 1.0) * step.beta + outlier * step.alpha * (step.beta + 1.0);
   const double between = inlier * outlier * (step.alpha + step.beta + 2.0);

@@ -2,7 +2,7 @@
 
 namespace steadymap {
 
-absl::Status CancelledFileError() { return absl::CancelledError("the file is no longer wanted"); }
+absl::Status CancelledFileError() { return absl::CancelledError("the export was cancelled"); }
 
 absl::StatusOr<std::string> EncodeWhole(FileEncoder* encoder) {
   std::string file;

@@ -8,24 +8,24 @@
 
 namespace steadymap {
 
-/// The longest piece that a `FileEncoder` makes: some milliseconds of work, after which others have
-/// their turn.
+/// Maximum length of a piece from a `FileEncoder`: a few milliseconds of work, after which other
+/// calls can run.
 inline constexpr std::size_t kFilePieceBytes = std::size_t{1} << 18;
 
-/// Makes a file piece by piece, so that nobody has to hold it whole. Not thread-safe.
+/// Produces a file in pieces, so that the caller never holds it as a whole. Not thread-safe.
 class FileEncoder {
  public:
   virtual ~FileEncoder() = default;
 
-  /// Puts the next piece of the file, 1 to `kFilePieceBytes` bytes, in place of what `piece` holds.
-  /// False, and `piece` is empty, once the file is whole. After an error nothing more comes.
+  /// Replaces the content of `piece` by the next piece of the file, 1 to `kFilePieceBytes` bytes.
+  /// At the end of the file returns false with an empty piece. Not to be called after an error.
   virtual absl::StatusOr<bool> Next(std::string* piece) = 0;
 };
 
-/// What an encoder that was cancelled answers.
+/// Returns the status of a cancelled encoder.
 absl::Status CancelledFileError();
 
-/// The rest of a file, whole: for files that are known to be small. Errors: those of the encoder.
+/// Returns the remaining file as a whole, for small files. Errors: of the encoder.
 absl::StatusOr<std::string> EncodeWhole(FileEncoder* encoder);
 
 }  // namespace steadymap

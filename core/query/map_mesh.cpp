@@ -15,16 +15,16 @@ namespace {
 
 constexpr std::uint32_t kDropped = std::numeric_limits<std::uint32_t>::max();
 
-// Volumes whose meshes are made at the same time: enough for all cores.
+// Number of volumes meshed in parallel: enough for all cores.
 constexpr std::size_t kVolumesAtOnce = 32;
 
-/// Takes a mesh from its volume's frame to the world.
+/// Transforms a mesh from the frame of its volume to the world frame.
 void Place(const Eigen::Isometry3f& T_world_volume, Mesh* mesh) {
   for (Eigen::Vector3f& vertex : mesh->vertices_world) vertex = T_world_volume * vertex;
   for (Eigen::Vector3f& normal : mesh->normals_world) normal = T_world_volume.linear() * normal;
 }
 
-/// Drops the vertices outside the box and the triangles that had one.
+/// Drops the vertices outside the box and the triangles with such a vertex.
 void Clip(const Box& box, Mesh* mesh) {
   Mesh kept;
   std::vector<std::uint32_t> place(mesh->vertices_world.size(), kDropped);
@@ -59,7 +59,7 @@ void Append(const Mesh& part, Mesh* whole) {
   }
 }
 
-/// The surface of one volume, in the world.
+/// Extracts the surface of one volume, world frame.
 Mesh ExtractPart(const PlacedVolume& volume,
                  const VoxelScale& scale,
                  const Box* box_world,

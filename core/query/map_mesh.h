@@ -10,13 +10,13 @@
 
 namespace steadymap {
 
-/// The surface of several volumes, each where it stands, as one mesh in the world frame: volume by
-/// volume in their order, each as `ExtractMesh` gives it. Vertices of volumes without colours are
-/// mid-grey beside volumes that have some.
+/// Extracts the surfaces of several volumes as one mesh in the world frame: the results of
+/// `ExtractMesh`, in the order of the volumes. If any volume has colours, vertices of volumes
+/// without colours are mid-grey.
 ///
-/// `box_world`, where given, keeps the cells whose vertex lies within it. Cost: as `ExtractMesh`,
-/// for the volumes whose surface may reach into the box. Ends early once `cancellation` says so;
-/// the mesh is then of no use.
+/// `box_world`, if not null, selects the cells whose vertex is in the box. Cost: that of
+/// `ExtractMesh` for each volume whose surface may reach the box. After cancellation the mesh is
+/// incomplete or empty.
 Mesh ExtractMapMesh(std::span<const PlacedVolume> volumes,
                     const VoxelScale& scale,
                     const Box* box_world,

@@ -14,8 +14,8 @@ std::vector<PlacedVolume> ShownObjects(const MapSnapshot& snapshot) {
   return volumes;
 }
 
-/// What lies further than this from an object's surface is not known to its volume: a cell of
-/// voxels may begin a voxel beyond the truncation.
+/// Returns the maximum distance of known voxels from the surface of an object: a cell of voxels
+/// extends by up to one voxel beyond the truncation distance.
 double ReachM(const VoxelScale& scale) { return scale.truncation_m + scale.voxel_size_m; }
 
 std::vector<Box> ReachOf(const std::vector<PlacedVolume>& objects, const VoxelScale& scale) {
@@ -25,7 +25,7 @@ std::vector<Box> ReachOf(const std::vector<PlacedVolume>& objects, const VoxelSc
   return boxes;
 }
 
-/// Around all leaves of the background, to the tile.
+/// Returns a box around all leaves of the background, rounded to whole tiles.
 Box BoundsOfTiles(const MapSnapshot& snapshot) {
   Box bounds;
   for (const auto& [origin, tile] : snapshot.background.tiles()) {
@@ -36,7 +36,8 @@ Box BoundsOfTiles(const MapSnapshot& snapshot) {
   return bounds;
 }
 
-/// Whether `a` answers rather than `b`.
+/// True if `a` takes precedence over `b`: the known one, then the nearer surface, then the lower
+/// id.
 bool IsNearer(const MapDistance& a, const MapDistance& b) {
   if (!a.sample.known || !b.sample.known) return a.sample.known;
   const double a_m = std::abs(a.sample.distance_m);
@@ -44,7 +45,8 @@ bool IsNearer(const MapDistance& a, const MapDistance& b) {
   return a_m != b_m ? a_m < b_m : a.object < b.object;
 }
 
-/// The parts of a ray within cuboids, by rising start; `bounds` are around the cuboids.
+/// Returns the intervals of a ray within cuboids, by increasing start. `bounds` are boxes around
+/// the cuboids.
 std::vector<RaySpan> OccupiedSpans(const Eigen::Vector3d& origin_world,
                                    const Eigen::Vector3d& unit_direction_world,
                                    double max_range_m,
@@ -123,7 +125,7 @@ const BoxTree& MapSampler::Occupied() {
 
 MapDistance MapSampler::Sample(const Eigen::Vector3d& point_world) {
   MapDistance answer = SampleVolumes(point_world);
-  // The bounds keep away what is too far to be a cell, or not finite.
+  // The bounds exclude points that are not finite or too far away for a cell index.
   if (answer.sample.known || !free_bounds_.contains(point_world)) return answer;
   if (!snapshot_.free_space.IsFree(point_world)) return answer;
   answer.state = PointState::kFree;
@@ -168,7 +170,7 @@ MapRayHit MapSampler::FindSurface(const Eigen::Vector3d& origin_world,
                             T_volume_world * origin_world,
                             T_volume_world.linear() * unit_direction_world,
                             &SamplerOf(crossing.box));
-    // The last step of a ray may end a little behind its limit.
+    // The last step of a ray may end slightly beyond its limit.
     if (!hit.hit || (nearest.hit.hit && hit.range_m >= nearest.hit.range_m)) continue;
     hit.point_m = object.T_world_volume * hit.point_m;
     hit.normal = object.T_world_volume.linear() * hit.normal;
@@ -199,7 +201,8 @@ double MapSampler::FreeUntil(const Eigen::Vector3d& origin_world,
     }
     const Eigen::Vector3d next_world = origin_world + range_m * unit_direction_world;
     if (SampleVolumes(next_world).state != PointState::kFree) break;
-    // No further: what lies within the distance of a point need not have been seen.
+    // Not more than a step: space within the sampled distance of a point is not necessarily
+    // observed.
     range_m += kStepVoxels * scale_.voxel_size_m;
   }
   return std::min(range_m, limit_m);

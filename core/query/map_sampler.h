@@ -20,84 +20,87 @@
 
 namespace steadymap {
 
-/// What a map says of a point or a ray. It says what was seen: what came to stand in free space is
-/// known once a frame has shown it.
+/// The state of a point or ray by the observations so far. An object that appears in free space has
+/// an effect after the first frame that observes it.
 enum class PointState {
-  kUnknown,  ///< Not seen, or not since something came to stand there.
-  kFree,  ///< A point in front of all surfaces, or looked through; a ray that is free to its end.
-  kSurface,  ///< A point at a surface or right behind it; a ray that meets one from its front.
+  kUnknown,  ///< Not observed, or not since an object was mapped there.
+  /// A point in front of all surfaces or in free space. A ray that is free to its end.
+  kFree,
+  /// A point at or just behind a surface. A ray that hits a surface from its observed side.
+  kSurface,
 };
 
-/// What a map shows at one point, world frame.
+/// The distance of a map at one point, world frame.
 struct MapDistance {
-  /// `kSurface` where any volume has the point at or behind its surface; `kFree` where the volumes
-  /// that know it have it in front of theirs, and where none knows it but it was looked through
-  /// (`MapSnapshot::free_space`) and lies in no cuboid of a present or tentative object: free space
-  /// forgets nothing, so what came to stand in it must be taken from the objects.
+  /// `kSurface` if the point is at or behind the surface in any volume. `kFree` if it is in front
+  /// of the surface in all volumes that know it; or if no volume knows it, it is in free space
+  /// (`MapSnapshot::free_space`), and no cuboid of a present or tentative object contains it. The
+  /// last condition is required because free space only grows, also where an object appears later.
   PointState state = PointState::kUnknown;
   DistanceSample sample;
-  ObjectId object;   ///< Whose volume answered; 0 is the background, and where nothing is known.
-  ClassId class_id;  ///< Of that object.
+  ObjectId object;   ///< Owner of the sampled volume; 0 for the background, or if unknown.
+  ClassId class_id;  ///< Of `object`.
 };
 
-/// The first surface that a map shows along a ray, world frame.
+/// The first surface along a ray in a map, world frame.
 struct MapRayHit {
-  /// `kSurface` with a hit; `kFree` where all of the ray is free; else `kUnknown`.
+  /// `kSurface` with a hit, `kFree` if the whole ray is free, else `kUnknown`.
   PointState state = PointState::kUnknown;
-  /// So far the ray is free, without a gap from its origin on, metres, to half a voxel: up to the
-  /// surface or the end of its range. Unknown space stops no ray, so a surface may lie further than
-  /// that.
+  /// Length of the contiguous free part of the ray from its origin, up to the surface or the end of
+  /// its range, metres, to half a voxel. Unknown space does not stop a ray, so the hit may be
+  /// further away.
   double free_until_m = 0.0;
   RayHit hit;
-  ObjectId object;   ///< Whose surface it is; 0 is the background, and where there is none.
-  ClassId class_id;  ///< Of that object.
+  ObjectId object;   ///< Owner of the surface; 0 for the background, or without a hit.
+  ClassId class_id;  ///< Of `object`.
 };
 
-/// Samples all that a map shows, background and present objects, as one volume: of those that know
-/// a point, the one whose surface is nearest answers, the lower id where two are equally near.
+/// Samples the published map, background and present objects, as one volume. Of the volumes that
+/// know a point, the one with the nearest surface determines the result; on a tie, the lower id.
 ///
-/// An object is asked only near its cuboid, so objects elsewhere cost nothing but the 1.5 us each
-/// that it takes to build the sampler. Cost: 0.2 us a point over background, about 1 us among
-/// objects; a ray about 20 us, however far it goes beyond what the map holds.
+/// An object is sampled only near its cuboid, so distant objects cost only the 1.5 us each for the
+/// construction of the sampler. Cost: 0.2 us per point over background, about 1 us among objects;
+/// about 20 us per ray, independent of its length beyond the extent of the map.
 ///
-/// The snapshot must outlive the sampler. One sampler a thread.
+/// The snapshot must outlive the sampler. One sampler per thread.
 class MapSampler {
  public:
   explicit MapSampler(const MapSnapshot& snapshot, QueryWork work = QueryWork());
 
-  /// The map at a point, metres. A point that is not finite is unknown.
+  /// Samples the map at a point, metres. A point that is not finite is unknown.
   MapDistance Sample(const Eigen::Vector3d& point_world);
 
-  /// What was done, and whether it may go on: once its status is not OK, answers mean nothing.
+  /// Returns the executed work with its status. If the status is not OK, all results are invalid.
   const QueryWork& work() const { return work_; }
 
-  /// The nearest surface that a ray meets from its front. `unit_direction` must have length one
-  /// (asserted).
+  /// Returns the nearest surface that a ray hits from its observed side. `unit_direction_world`
+  /// must have length one (asserted).
   MapRayHit CastRay(const Eigen::Vector3d& origin_world,
                     const Eigen::Vector3d& unit_direction_world,
                     double max_range_m);
 
  private:
-  /// The sampler of an object, made when it is first asked for.
+  /// Returns the sampler of an object. Creates it at the first access.
   TsdfSampler& SamplerOf(std::size_t object);
 
-  /// The first surface within `max_range_m`; without a state.
+  /// Returns the first surface within `max_range_m`, without a state.
   MapRayHit FindSurface(const Eigen::Vector3d& origin_world,
                         const Eigen::Vector3d& unit_direction_world,
                         double max_range_m);
 
-  /// So far a ray that meets no surface before `limit_m` is free, metres.
+  /// Returns the length of the free part, metres, of a ray that hits no surface before `limit_m`.
   double FreeUntil(const Eigen::Vector3d& origin_world,
                    const Eigen::Vector3d& unit_direction_world,
                    double limit_m);
 
-  /// What the volumes know of a point, without the space that was looked through.
+  /// Samples the volumes at a point, without the free space.
   MapDistance SampleVolumes(const Eigen::Vector3d& point_world);
 
-  /// Where objects may stand in space that was once looked through; found when first asked for.
+  /// Returns the boxes of all objects that may occupy space marked as free. Built at the first
+  /// access.
   const BoxTree& Occupied();
 
-  /// The part of a ray within one volume, of which nothing is known outside of `span`.
+  /// Casts a ray through one volume, which is unknown outside of `span`.
   RayHit CastWithin(const RaySpan& span,
                     const Eigen::Vector3d& origin,
                     const Eigen::Vector3d& unit_direction,
@@ -107,13 +110,13 @@ class MapSampler {
   QueryWork work_;
   TsdfSampler background_;
   Box background_bounds_;
-  std::vector<PlacedVolume> objects_;  ///< By rising id.
+  std::vector<PlacedVolume> objects_;  ///< By increasing id.
   std::vector<std::unique_ptr<TsdfSampler>> samplers_;
-  BoxTree reach_;  ///< Where the objects may know something.
+  BoxTree reach_;  ///< Boxes around the known voxels of the objects.
   const MapSnapshot& snapshot_;
   Box free_bounds_;
   std::vector<Cuboid> cuboids_;      ///< Of present and tentative objects.
-  std::optional<BoxTree> occupied_;  ///< Around `cuboids_`.
+  std::optional<BoxTree> occupied_;  ///< Boxes around `cuboids_`.
 };
 
 }  // namespace steadymap

@@ -51,10 +51,10 @@ class SectionEncoder final : public FileEncoder {
   }
 
  private:
-  std::string head_;  ///< Empty once it is written.
+  std::string head_;  ///< Empty after it is written.
   const std::vector<FileSection> sections_;
   std::size_t section_ = 0;
-  std::size_t next_element_ = 0;  ///< In that section.
+  std::size_t next_element_ = 0;  ///< In the current section.
 };
 
 }  // namespace

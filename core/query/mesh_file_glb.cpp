@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kRgbaBytes = 4;
 
-// The shortest decimal that reads back as the same float, whatever the locale.
+// Returns the shortest decimal that parses to the same float, independent of the locale.
 std::string Decimal(float value) {
   std::array<char, 32> text{};
   const std::to_chars_result result = std::to_chars(text.data(), text.data() + text.size(), value);
@@ -31,7 +31,7 @@ std::string DecimalArray(const Eigen::Vector3f& vector) {
       "[", Decimal(vector.x()), ",", Decimal(vector.y()), ",", Decimal(vector.z()), "]");
 }
 
-// The linear intensity of every sRGB value, both in bytes (IEC 61966-2-1).
+// Returns the linear intensity of every sRGB value, both in bytes (IEC 61966-2-1).
 std::array<std::uint8_t, 256> MakeLinearOfSrgb() {
   std::array<std::uint8_t, 256> table{};
   for (std::size_t value = 0; value < table.size(); ++value) {
@@ -42,8 +42,8 @@ std::array<std::uint8_t, 256> MakeLinearOfSrgb() {
   return table;
 }
 
-// The pieces of the JSON part that grow with what the mesh has: each attribute is one accessor on
-// one buffer view, numbered alike.
+// The parts of the JSON chunk that depend on the attributes of the mesh. Each attribute has one
+// accessor and one buffer view with the same index.
 struct GlbLayout {
   std::string attributes;
   std::string accessors;
@@ -51,7 +51,7 @@ struct GlbLayout {
   std::uint64_t bytes = 0;
   int count = 0;
 
-  // `tail` closes the accessor with what is particular to it.
+  // `tail` contains the attribute-specific end of the accessor.
   void Add(std::string_view attribute,
            std::uint64_t elements,
            std::uint64_t element_bytes,
@@ -122,7 +122,7 @@ GlbLayout LayOut(const Mesh& mesh) {
   return layout;
 }
 
-// A quarter turn about x takes the world's z (up) to glTF's y (up).
+// A rotation by -90 degrees about x maps the world's z axis (up) to glTF's y axis (up).
 constexpr char kUprightNode[] =
     "\"rotation\":[-0.70710678118654752,0,0,0.70710678118654752],\"name\":\"map\"";
 
@@ -133,7 +133,8 @@ std::string GlbJson(const Mesh& mesh) {
         asset, ",\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{", kUprightNode, "}]}");
   }
   const GlbLayout layout = LayOut(mesh);
-  // Colours multiply the material's base colour, so it is white where there are any.
+  // Vertex colours are multiplied by the base colour of the material, which is therefore white with
+  // colours.
   const char* base_color = mesh.colors.empty() ? "[0.6,0.6,0.6,1]" : "[1,1,1,1]";
   return absl::StrCat(
       asset,
@@ -161,7 +162,8 @@ void AppendNumber(std::uint64_t value, std::string* file) {
   AppendBytes(&narrow, sizeof(narrow), file);
 }
 
-/// The binary part. Every element is a multiple of four bytes long, so it needs no padding.
+/// Returns the sections of the binary chunk. The length of every element is a multiple of four
+/// bytes, so no padding is necessary.
 std::vector<FileSection> GlbSections(const std::shared_ptr<const Mesh>& mesh) {
   const auto append_vertex = [mesh](std::size_t i, std::string* file) {
     AppendBytes(mesh->vertices_world[i].data(), kVectorBytes, file);
@@ -208,7 +210,7 @@ absl::StatusOr<std::unique_ptr<FileEncoder>> MakeGlbEncoder(Mesh mesh) {
     return MakeError(
         absl::StatusCode::kOutOfRange,
         reason::kBadValue,
-        absl::StrCat("a GLB file holds at most 4 GiB, the mesh takes ", file_bytes, " bytes"));
+        absl::StrCat("a GLB file is limited to 4 GiB, the mesh needs ", file_bytes, " bytes"));
   }
   std::string head = "glTF";
   AppendNumber(2, &head);

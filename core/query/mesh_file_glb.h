@@ -11,17 +11,17 @@
 
 namespace steadymap {
 
-/// A binary glTF 2.0 file: one mesh node whose rotation takes the world's z axis to glTF's y axis;
-/// the positions themselves stay in the world frame, metres. One double-sided matt material.
-/// Colours become COLOR_0, RGBA in normalized unsigned bytes, linear as glTF wants it. A
-/// mesh without triangles gives a valid file with an empty scene.
-/// Errors: `OutOfRange` with reason `BAD_VALUE` beyond 4 GiB, the most that the format can hold.
+/// Returns the encoder of a binary glTF 2.0 file. It has one mesh node with a rotation from the
+/// world's z axis to glTF's y axis; the positions are in the world frame, metres. It has one
+/// double-sided matt material. Colours are stored as COLOR_0, RGBA in normalized unsigned bytes,
+/// linear as required by glTF. A mesh without triangles gives a valid file with an empty scene.
+/// Errors: `OutOfRange` with reason `BAD_VALUE` beyond 4 GiB, the limit of the format.
 absl::StatusOr<std::unique_ptr<FileEncoder>> MakeGlbEncoder(Mesh mesh);
 
-/// The whole file. Errors: as the encoder's.
+/// Returns the whole GLB file. Errors: of `MakeGlbEncoder`.
 absl::StatusOr<std::string> EncodeGlb(Mesh mesh);
 
-/// Bytes of a GLB file's binary part.
+/// Returns the length of the binary chunk of a GLB file, bytes.
 std::uint64_t GlbBufferBytes(std::uint64_t vertices, std::uint64_t triangles, bool with_colors);
 
 }  // namespace steadymap

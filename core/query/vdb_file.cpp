@@ -16,8 +16,8 @@
 namespace steadymap {
 namespace {
 
-// Where an OpenVDB file keeps the UUID that it draws at random: behind the magic number (8 bytes),
-// the format and two library versions (4 each) and the offsets flag (1).
+// Position of the random UUID in an OpenVDB file: after the magic number (8 bytes), the format and
+// two library versions (4 each) and the offsets flag (1).
 constexpr std::size_t kUuidPosition = 8 + 3 * 4 + 1;
 constexpr std::size_t kUuidLength = 36;
 
@@ -26,15 +26,15 @@ void InitializeOpenVdb() {
   std::call_once(once, [] { openvdb::initialize(); });
 }
 
-/// The file's header: all before the first grid.
+/// Returns the header of the file: all bytes before the first grid.
 std::string FileHead(std::size_t grid_count) {
   std::ostringstream bytes(std::ios::binary);
   openvdb::io::Stream(bytes).write(openvdb::GridCPtrVec());
   std::string head = std::move(bytes).str();
-  // Equal maps must give equal files.
+  // Equal maps must give equal files, so the random UUID is overwritten.
   std::fill_n(head.begin() + kUuidPosition, kUuidLength, '0');
   for (const std::size_t dash : {8U, 13U, 18U, 23U}) head[kUuidPosition + dash] = '-';
-  // The last there is the number of grids.
+  // The header ends with the number of grids.
   const auto count = static_cast<std::int32_t>(grid_count);
   head.replace(head.size() - sizeof(count),
                sizeof(count),
@@ -50,13 +50,13 @@ openvdb::Vec3f ToVec3f(std::uint32_t color) {
   return {channel(0), channel(8), channel(16)};
 }
 
-/// The grids of one volume, one after the other.
+/// Writes the grids of one volume in sequence.
 class VolumeWriter {
  public:
   VolumeWriter(const MapSnapshot& snapshot, const PlacedVolume& volume, VdbLeaves leaves)
       : snapshot_(snapshot), volume_(volume), leaves_(std::move(leaves)) {}
 
-  /// Writes the next part; false once all grids are written.
+  /// Writes the next part. Returns false if all grids are complete.
   bool WriteNext(std::ostream* out) {
     while (true) {
       if (grid_ != nullptr && grid_->WriteNext(out)) return true;
@@ -122,7 +122,7 @@ class VolumeWriter {
   const PlacedVolume volume_;
   const VdbLeaves leaves_;
   int next_grid_ = kDistance;
-  std::unique_ptr<VdbGridWriter> grid_;  ///< Reads `leaves_`; null before the first.
+  std::unique_ptr<VdbGridWriter> grid_;  ///< Refers to `leaves_`; null before the first.
 };
 
 /// See `MakeVdbEncoder`.
@@ -136,7 +136,7 @@ class VdbEncoder final : public FileEncoder {
         volumes_(std::move(volumes)),
         box_world_(box_world),
         cancellation_(std::move(cancellation)) {
-    // Lest a file lack what there was no memory for.
+    // Without exceptions, a failed allocation would leave a gap in the file unnoticed.
     out_.exceptions(std::ios::badbit | std::ios::failbit);
   }
 
@@ -148,7 +148,7 @@ class VdbEncoder final : public FileEncoder {
     } catch (const std::exception& error) {
       return MakeError(absl::StatusCode::kInternal,
                        reason::kInternal,
-                       std::string("OpenVDB could not write the map: ") + error.what());
+                       std::string("failed to write the OpenVDB file: ") + error.what());
     }
     *piece = std::move(out_).str();
     out_.str({});
@@ -158,7 +158,7 @@ class VdbEncoder final : public FileEncoder {
  private:
   const Box* box() const { return box_world_ ? &*box_world_ : nullptr; }
 
-  /// Writes parts until no other is sure to fit into the piece.
+  /// Writes parts until the next part might exceed the length of a piece.
   absl::Status Fill() {
     if (!head_written_) {
       InitializeOpenVdb();

@@ -20,15 +20,16 @@ void WriteNumber(Number number, std::ostream* out) {
   out->write(reinterpret_cast<const char*>(&number), sizeof(number));
 }
 
-/// What OpenVDB does for a grid of this class when it is asked to zip: level sets stay as they are.
+/// Returns the compression that OpenVDB selects for a grid of this class if zip is requested: none
+/// for level sets.
 std::uint32_t CompressionOf(const openvdb::GridBase& grid) {
   const bool zips = grid.getGridClass() != openvdb::GRID_LEVEL_SET;
   return openvdb::io::COMPRESS_ACTIVE_MASK |
          (zips ? openvdb::io::COMPRESS_ZIP : openvdb::io::COMPRESS_NONE);
 }
 
-/// The box around the voxels of a leaf, by the bits of its mask (core/volume/voxel_leaf.h): a
-/// million leaves must not take long.
+/// Returns the box around the voxels of a leaf, from the words of its mask
+/// (core/volume/voxel_leaf.h), which is fast enough for a million leaves.
 openvdb::CoordBBox BoundsOf(const MaskedLeaf& leaf) {
   int low_x = kLeafSide;
   int high_x = 0;
@@ -49,8 +50,8 @@ openvdb::CoordBBox BoundsOf(const MaskedLeaf& leaf) {
                           kLeafSide - 1 - std::countl_zero(column))};
 }
 
-/// See `VdbGridWriter`. The order is that of OpenVDB: descriptor, metadata and transform; then the
-/// nodes' masks, each before its children's; then the leaves' values.
+/// See `VdbGridWriter`. Uses the order of OpenVDB: descriptor, metadata and transform; the masks of
+/// the nodes, each before its children; the values of the leaves.
 template <typename Grid>
 class StockGridWriter final : public VdbGridWriter {
  public:
@@ -92,7 +93,7 @@ class StockGridWriter final : public VdbGridWriter {
     return {leaf.origin.x & mask, leaf.origin.y & mask, leaf.origin.z & mask};
   }
 
-  /// Whether the leaf at `place` is the first below its node of this kind.
+  /// True if the leaf at `place` is the first in its node of this type.
   template <typename Node>
   bool IsFirstOf(std::size_t place) const {
     return place == 0 || OriginOf<Node>(leaves_[place - 1]) != OriginOf<Node>(leaves_[place]);
@@ -108,7 +109,7 @@ class StockGridWriter final : public VdbGridWriter {
   void WriteHead(std::ostream* out) {
     const openvdb::io::GridDescriptor descriptor(grid_->getName(), grid_->type());
     descriptor.writeHeader(*out);
-    descriptor.writeStreamPos(*out);  // Zeros: a file that is a stream has no places to go to.
+    descriptor.writeStreamPos(*out);  // Zeros: a stream has no offsets.
     openvdb::io::setDataCompression(*out, compression_);
     openvdb::io::setGridBackgroundValuePtr(*out, &background_);
     WriteNumber(compression_, out);
@@ -123,7 +124,7 @@ class StockGridWriter final : public VdbGridWriter {
     PrepareTiles();
   }
 
-  /// The metadata that OpenVDB adds to every grid that it writes.
+  /// Adds the metadata that OpenVDB adds to every grid it writes.
   void AddStatistics() {
     openvdb::CoordBBox bounds;
     std::uint64_t voxels = 0;
@@ -147,15 +148,16 @@ class StockGridWriter final : public VdbGridWriter {
                       openvdb::StringMetadata(openvdb::io::compressionToString(compression_)));
   }
 
-  /// Bytes that an inner node takes where the tree is built.
+  /// Returns the memory of an inner node in a built tree, bytes.
   template <typename Node>
   static std::size_t InnerNodeBytes() {
     return Node::NUM_VALUES * sizeof(typename Node::UnionType) +
            2 * sizeof(typename Node::NodeMaskType) + sizeof(openvdb::Coord);
   }
 
-  /// Lets OpenVDB say how it writes values of which none is active and all are the background; how
-  /// many there are makes no difference. All tiles of our inner nodes are like that.
+  /// Encodes the values of an inner node with OpenVDB: no value is active, all equal the
+  /// background. The encoding is independent of their number, and equal for all inner nodes of
+  /// these grids.
   void PrepareTiles() {
     std::ostringstream out(std::ios::binary);
     openvdb::io::setDataCompression(out, compression_);
@@ -166,7 +168,7 @@ class StockGridWriter final : public VdbGridWriter {
     tiles_ = std::move(out).str();
   }
 
-  /// Writes the masks of the leaf at `place` and of the inner nodes that begin with it.
+  /// Writes the mask of the leaf at `place`, preceded by the inner nodes that start with it.
   void WriteNodes(std::size_t place, std::ostream* out) {
     const MaskedLeaf& leaf = leaves_[place];
     if (IsFirstOf<TopNode>(place)) {
@@ -178,7 +180,7 @@ class StockGridWriter final : public VdbGridWriter {
     ToNodeMask(leaf.mask).save(*out);
   }
 
-  /// The inner node of which the leaf at `first` is the first.
+  /// Writes the inner node whose first leaf is at `first`.
   template <typename Node>
   void WriteInnerNode(std::size_t first, std::ostream* out) const {
     typename Node::NodeMaskType children;
@@ -208,11 +210,11 @@ class StockGridWriter final : public VdbGridWriter {
   const VdbValueReader<Value> read_values_;
   const Value background_;
   const std::uint32_t compression_;
-  std::string tiles_;  ///< The values of an inner node, as they stand in the file.
+  std::string tiles_;  ///< The encoded values of an inner node.
   std::array<Value, LeafNode::SIZE> values_;
   bool head_written_ = false;
-  std::size_t next_node_ = 0;    ///< The leaf whose mask comes next.
-  std::size_t next_values_ = 0;  ///< The leaf whose values come next.
+  std::size_t next_node_ = 0;    ///< Index of the leaf with the next mask.
+  std::size_t next_values_ = 0;  ///< Index of the leaf with the next values.
 };
 
 }  // namespace

@@ -9,11 +9,11 @@
 namespace steadymap {
 namespace {
 
-// The sides of the two kinds of inner nodes of OpenVDB's stock trees, voxels.
+// Sides of the two kinds of inner nodes in OpenVDB's stock trees, voxels.
 constexpr std::int32_t kTopNodeSide = 4096;
 constexpr std::int32_t kMiddleNodeSide = 128;
 
-// A leaf that stays this far from the box has no voxel within it, whatever the rounding, metres.
+// A leaf at this distance from the box has no voxel in it despite rounding errors, metres.
 constexpr double kBoxMarginM = 1e-6;
 
 auto TreeOrder(const LeafOrigin& leaf) {
@@ -31,7 +31,7 @@ void SortForTree(std::vector<MaskedLeaf>* leaves) {
 
 bool HasVoxels(const LeafMask& mask) { return mask != LeafMask{}; }
 
-/// Keeps of `mask` what `keeps(offset)` says.
+/// Returns the bits of `mask` for which `keeps(offset)` is true.
 template <typename Predicate>
 LeafMask Filter(const LeafMask& mask, const Predicate& keeps) {
   LeafMask kept{};
@@ -43,7 +43,7 @@ LeafMask Filter(const LeafMask& mask, const Predicate& keeps) {
   return kept;
 }
 
-/// Which voxels of one volume are chosen.
+/// Selects the voxels of one volume.
 class VoxelChoice {
  public:
   VoxelChoice(const PlacedVolume& volume, const VoxelScale& scale, const Box* box_world)
@@ -72,7 +72,7 @@ class VoxelChoice {
   const PlacedVolume& volume_;
   const VoxelScale scale_;
   const Box* const box_world_;
-  Box reach_world_;  ///< The box, a little larger.
+  Box reach_world_;  ///< The box plus `kBoxMarginM`.
 };
 
 }  // namespace

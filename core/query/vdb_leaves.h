@@ -9,31 +9,32 @@
 #include "core/types/cancellation.h"
 #include "core/volume/voxel_leaf.h"
 
-/// Private to the vdb files: which voxels of a volume a file holds.
+/// Private to the vdb files: the selection of the voxels of a file.
 namespace steadymap {
 
-/// A leaf of a grid and those of its voxels that the grid has, at least one.
+/// A leaf of a grid with the mask of the selected voxels, at least one.
 struct MaskedLeaf {
   LeafOrigin origin;
   LeafMask mask{};
 };
 
-/// The leaves of a volume's grids, each list in the order in which a stock OpenVDB tree (nodes of
-/// 4096, 128 and 8 voxels a side) holds them.
+/// The leaves of the grids of a volume. Each list is in the order of a stock OpenVDB tree (nodes of
+/// 4096, 128 and 8 voxels per side).
 struct VdbLeaves {
-  std::vector<MaskedLeaf> observed;  ///< Of distance and weight.
-  std::vector<MaskedLeaf> colored;   ///< Of the observed voxels, those with a colour.
+  std::vector<MaskedLeaf> observed;  ///< For distance and weight.
+  std::vector<MaskedLeaf> colored;   ///< The observed voxels with a colour.
 };
 
-/// What a file holds of a volume: all that was observed, or what of it has its voxel's centre in
-/// `box_world`, where given. Cost: 0.1 us a leaf, with a box 5 us each leaf that touches it.
-/// Errors: `Cancelled`.
+/// Selects the observed voxels of a volume, or if `box_world` is not null, those with their centre
+/// in the box. Cost: 0.1 us per leaf; with a box 5 us per leaf that touches it. Errors:
+/// `Cancelled`.
 absl::StatusOr<VdbLeaves> ChooseVdbLeaves(const PlacedVolume& volume,
                                           const VoxelScale& scale,
                                           const Box* box_world,
                                           const Cancellation& cancellation);
 
-/// Whether `ChooseVdbLeaves` would find a coloured voxel. Ends at the first. Errors: `Cancelled`.
+/// True if `ChooseVdbLeaves` would select a coloured voxel. Stops at the first. Errors:
+/// `Cancelled`.
 absl::StatusOr<bool> HasVdbColor(const PlacedVolume& volume,
                                  const VoxelScale& scale,
                                  const Box* box_world,

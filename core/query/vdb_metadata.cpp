@@ -5,7 +5,8 @@
 namespace steadymap {
 namespace {
 
-/// From voxel indices to the world. OpenVDB multiplies row vectors from the left.
+/// Returns the transform from voxel indices to the world frame. OpenVDB multiplies row vectors from
+/// the left.
 openvdb::math::Transform::Ptr MakeTransform(const Eigen::Isometry3d& T_world_volume,
                                             double voxel_size_m) {
   openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();

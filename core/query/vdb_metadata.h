@@ -4,10 +4,10 @@
 #include "core/map/placed_volume.h"
 #include "core/volume/tsdf_trees.h"
 
-/// Private to the vdb files: what a grid says of the volume that it is of.
+/// Private to the vdb files: the metadata of a grid.
 namespace steadymap {
 
-/// Names `grid` `<volume>/<kind>`, places it in the world and adds its metadata; see
+/// Sets the name `<volume>/<kind>`, the transform and the metadata of `grid`; see
 /// core/query/vdb_file.h.
 void DescribeGrid(const MapSnapshot& snapshot,
                   const PlacedVolume& volume,

@@ -147,7 +147,7 @@ std::vector<HostileCase> BrokenLeaves() {
                       fragment.mutable_leaves(fragment.leaves_size() - 1)->set_is_patch(true);
                     }),
        data_loss,
-       "a patch of a leaf of object 3 that is not there"},
+       "a patch of a leaf of object 3 that does not exist"},
       {"PatchWithoutVoxels",
        AlteredLeaf([](v1::PackedLeaf* leaf) {
          leaf->set_is_patch(true);
@@ -173,11 +173,11 @@ std::vector<HostileCase> BrokenLeaves() {
                       fragment.mutable_leaves(fragment.leaves_size() - 1)->set_object_id(99);
                     }),
        data_loss,
-       "object 99, which is not there"},
+       "object 99, which does not exist"},
       {"LeafOfARemovedObject",
        AlteredDelta(1, [](Messages* delta) { (*delta)[0].mutable_delta()->clear_objects(); }),
        data_loss,
-       "object 3, which is not there"},
+       "object 3, which does not exist"},
   };
 }
 

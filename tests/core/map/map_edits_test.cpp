@@ -121,7 +121,7 @@ TEST_F(MapEditsTest, DamagedLeavesAndThoseOfNoObjectAreRefused) {
             absl::StatusCode::kDataLoss);
   const absl::Status status = edits.StoreLeaf({ObjectId(9), kOrigin}, light_);
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
-  EXPECT_EQ(status.message(), "a leaf of object 9, which is not there");
+  EXPECT_EQ(status.message(), "a leaf of object 9, which does not exist");
 }
 
 TEST_F(MapEditsTest, APatchLeavesTheOtherVoxelsOfItsLeaf) {
