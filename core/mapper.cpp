@@ -5,7 +5,7 @@
 namespace steadymap {
 namespace {
 
-/// The other policies have no switches.
+/// Only the policy `pocd` has switches.
 bool DropsDynamicClasses(const MapConfig& config, const Ablation& switches) {
   return config.policy != UpdatePolicy::kPocd || switches.dynamic_mask;
 }
@@ -34,7 +34,7 @@ void Mapper::UseClasses() {
   Rest();
 }
 
-/// What lasts stands in the map, so everything else can be made anew.
+/// All state that outlives a frame is in the map, so the other objects can be created again.
 void Mapper::Rest() {
   cloud_.reset();
   updater_.reset();

@@ -18,45 +18,45 @@
 
 namespace steadymap {
 
-/// Builds one map from the entries of its log. A function of the entries alone: the same ones in
-/// the same order give the same map, bit for bit, wherever commits and restarts fall.
+/// Builds one map from the entries of its log. The map is a function of the entries alone: the same
+/// entries in the same order give the same map, bit for bit, independent of commits and restarts.
 ///
-/// One thread at a time. Snapshots that it handed out are never touched again.
+/// One thread at a time. Published snapshots are never modified.
 class Mapper {
  public:
-  /// Errors: as `ValidateMapConfig`.
+  /// Creates a mapper with an empty map. Errors: those of `ValidateMapConfig`.
   static absl::StatusOr<std::unique_ptr<Mapper>> Create(const MapConfig& config,
                                                         const MapperOptions& options = {});
 
-  /// Continues from a stored map instead of an empty one. Call before the first `Integrate`.
+  /// Continues from a stored map instead of the empty one. Call before the first `Integrate`.
   /// `snapshot.scale` must be the configuration's (asserted).
   void Restore(const MapSnapshot& snapshot);
 
-  /// Takes in the frame with sequence number `sequence`, the one after `head()` (asserted). The
-  /// frame must have passed `ValidateFrame` (asserted).
+  /// Integrates the frame with sequence number `sequence`, which must follow `head()` (asserted).
+  /// The frame must have passed `ValidateFrame` (asserted).
   void Integrate(MapSequence sequence, const Frame& frame);
 
-  /// Adds classes to the map's table: the entry with sequence number `sequence`, as above. Together
-  /// with the table they must be a valid one (asserted).
+  /// Adds classes to the class table by the entry with sequence number `sequence`, which must
+  /// follow `head()` (asserted). The extended table must be valid (asserted).
   void AddClasses(MapSequence sequence, const std::vector<SemanticClass>& classes);
 
-  /// Passes over an entry that is not to be integrated.
+  /// Skips the entry with sequence number `sequence`, which must follow `head()` (asserted).
   void Skip(MapSequence sequence);
 
-  /// Gives back the memory that is only needed while frames come, some megabytes; the next one
-  /// takes it again. Changes nothing else.
+  /// Releases the memory that only frames need, a few megabytes. The next frame allocates it again.
+  /// Has no other effect.
   void Rest();
 
-  /// The newest entry taken in, committed or not.
+  /// Returns the newest processed entry, committed or not.
   MapSequence head() const { return MapSequence(map_.revision().value()); }
 
-  /// Bytes that the mapper keeps of the surfaces of objects, beside what snapshots hold.
+  /// Returns the memory of the surfaces of objects, bytes, which snapshots do not contain.
   std::size_t surface_bytes() const { return map_.surface_bytes(); }
 
-  /// Entries taken in since the last commit.
+  /// Returns the number of entries processed since the last commit.
   std::size_t uncommitted_entries() const { return uncommitted_entries_; }
 
-  /// Closes the work since the last commit. With no entry since then: an empty delta.
+  /// Ends the work since the last commit. Without entries since then the delta is empty.
   MapCommit Commit();
 
  private:
@@ -66,12 +66,12 @@ class Mapper {
   void PrepareForFrames();
 
   const std::vector<SemanticClass> created_classes_;  ///< Of the configuration.
-  MapConfig config_;                                  ///< With the classes that were added.
+  MapConfig config_;                                  ///< Including added classes.
   const MapperOptions options_;
   StageTimer stages_;
-  std::unique_ptr<SemanticCloud> cloud_;  ///< Of the frame at hand; null while the mapper rests.
-  std::unique_ptr<MapUpdater> updater_;   ///< Likewise.
-  WorkingMap map_;                        ///< Ahead of the last commit.
+  std::unique_ptr<SemanticCloud> cloud_;  ///< Of the current frame; null after `Rest`.
+  std::unique_ptr<MapUpdater> updater_;   ///< Null after `Rest`.
+  WorkingMap map_;                        ///< Newer than the last commit.
   std::size_t uncommitted_entries_ = 0;
 };
 

@@ -10,23 +10,23 @@
 
 namespace steadymap {
 
-/// Takes frames into a map as one update policy wants it (pocd.md section 7). A function of the map
-/// and the frame: whatever lasts stands in the `WorkingMap`, so that a map goes on after a restart
-/// as if it had never stopped. One thread at a time.
+/// Updates a map by frames with one update policy (`core/README.md`). The result is a function of
+/// the map and the frame: all state between frames is in the `WorkingMap`, so that a restart does
+/// not change it. One thread at a time.
 class MapUpdater {
  public:
   virtual ~MapUpdater() = default;
 
-  /// Takes in `frame`, between `BeginFrame` and `EndFrame` of `map`. `cloud` was just computed from
-  /// it; its cells may be given to owners.
+  /// Integrates `frame` into `map`, between `BeginFrame` and `EndFrame`. `cloud` is the semantic
+  /// cloud of the frame. Sets the owners, and may set the weights, of its cells.
   virtual void Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) = 0;
 };
 
-/// The updater of the configuration's policy. The configuration must be valid.
+/// Makes the updater of the policy in `config`, which must be valid.
 std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const MapperOptions& options);
 
-/// Whether maps of this policy consist of objects, which are found by the labels and instances of
-/// frames: a frame that has neither shows them none.
+/// True if maps of this policy consist of objects. Objects are found by the labels or instances of
+/// frames, so a frame without both adds none.
 bool KeepsObjects(UpdatePolicy policy);
 
 }  // namespace steadymap

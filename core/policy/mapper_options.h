@@ -5,11 +5,11 @@
 
 namespace steadymap {
 
-/// How a mapper differs from the one that a map's configuration asks for: to compare and to
-/// measure. A service has none of this.
+/// Differences between a mapper and the configuration of its map, for comparisons and measurements.
+/// A service uses the defaults.
 struct MapperOptions {
-  Ablation switches{};              ///< Of the policy `pocd`; the others have none.
-  StageObserver* stages = nullptr;  ///< Outlives the mapper; null: nobody watches.
+  Ablation switches{};              ///< Of the policy `pocd`; no effect on other policies.
+  StageObserver* stages = nullptr;  ///< Outlives the mapper. Null: no observer.
 };
 
 }  // namespace steadymap

@@ -4,27 +4,28 @@
 #include <cstddef>
 #include <string_view>
 
-/// Lets somebody with a clock see what a mapper spends its time on; core has none.
+/// Reports the current stage of a mapper to an observer with a clock, for timing. Core has no
+/// clock.
 namespace steadymap {
 
-/// The stages of a frame, in the order of the flow.
+/// The stages of a frame, in order of execution.
 enum class MapperStage {
-  kCloud,         ///< The semantic cloud.
-  kGuard,         ///< The samples, and whether the robot is where it says.
-  kAssociation,   ///< Objects in view, and what belongs to them.
-  kGround,        ///< The ground and its labels.
-  kVisibility,    ///< What stands, what is gone, and how far what stands has changed.
-  kBelief,        ///< Evidence, the state update, and the removal of what is gone.
-  kObservations,  ///< Clusters of what is unknown, and whom they are of.
-  kIntegration,   ///< Fusing.
-  kObjects,       ///< Merging, confirming, recognising, moves.
-  kFreeSpace,     ///< What was looked through.
-  kPolicy,        ///< All from guard to free space of the policies that do not tell them apart.
-  kFrameEnd,      ///< Forgetting.
-  kCommit,        ///< Packing what changed since the last commit.
+  kCloud,         ///< Computation of the semantic cloud.
+  kGuard,         ///< Dynamic mask, samples, localization monitor.
+  kAssociation,   ///< Objects in view and owners of the samples.
+  kGround,        ///< Ground height and the owners of its samples.
+  kVisibility,    ///< Visibility and change of the objects in view.
+  kBelief,        ///< Evidence, belief updates, removal of absent objects and parts.
+  kObservations,  ///< Clusters of samples without owner and their assignment.
+  kIntegration,   ///< Fusion into background and objects.
+  kObjects,       ///< Merging, confirmation, re-identification, moves.
+  kFreeSpace,     ///< Free-space carving.
+  kPolicy,        ///< All stages between cloud and frame end, for policies that do not report them.
+  kFrameEnd,      ///< Deletion of forgotten objects.
+  kCommit,        ///< Packing of the changes since the last commit.
 };
 
-/// Names of the stages, as tables show them.
+/// Names of the stages in tables.
 inline constexpr std::array<std::string_view, 13> kMapperStageNames = {"cloud",
                                                                        "guard",
                                                                        "association",
@@ -41,22 +42,23 @@ inline constexpr std::array<std::string_view, 13> kMapperStageNames = {"cloud",
 
 inline constexpr std::size_t kMapperStageCount = kMapperStageNames.size();
 
-/// Hears when a mapper goes from stage to stage, on the mapper's thread. Must change nothing.
+/// An observer of the stages of a mapper, called on the mapper's thread. Must not change the
+/// mapper.
 class StageObserver {
  public:
   virtual ~StageObserver() = default;
 
-  /// A stage begins, and with it the one before ends.
+  /// Reports the start of a stage, and with it the end of the previous stage.
   virtual void Enter(MapperStage stage) = 0;
 
-  /// The last stage ends; what follows is not the mapper's.
+  /// Reports the end of the last stage. Subsequent time is outside of the mapper.
   virtual void Leave() = 0;
 };
 
-/// Tells an observer, if there is one.
+/// Forwards stages to an observer, if there is one.
 class StageTimer {
  public:
-  /// `observer` outlives this; null: nobody listens.
+  /// `observer` outlives this object; null: no observer.
   explicit StageTimer(StageObserver* observer) : observer_(observer) {}
 
   void Enter(MapperStage stage) const {

@@ -15,21 +15,22 @@ namespace {
 
 using IcpPoints = pcl::PointCloud<pcl::PointNormal>;
 
-// Four unknowns, and some to spare.
+// Four unknowns plus a margin.
 constexpr std::size_t kMinIcpPoints = 10;
 
-// Directions that hold less than this share of the pairs' normals stay as they are: noise in the
-// normals feigns as much.
+// A direction with less than this share of the normals of the pairs is not corrected: noise in the
+// normals can have this share.
 constexpr double kMinIcpDirectionShare = 0.015;
 
-// Squared metres, of the last step: a millimetre.
+// Squared length of the last step, square metres: 1 mm.
 constexpr double kIcpTransformationEpsilon = 1e-6;
 
 using PointToPlane =
     pcl::registration::TransformationEstimationPointToPlaneLLS<pcl::PointNormal, pcl::PointNormal>;
 
-/// The upright motion by which points come nearest to the planes they are paired with. PCL's own
-/// has six degrees of freedom, and is not finite where a plane leaves some of them open.
+/// Estimates the motion (translation and yaw) that minimises the distances of points from their
+/// paired planes. PCL's own estimator has six degrees of freedom, and its result is not finite if
+/// the planes leave some of them undetermined.
 class UprightPointToPlane final : public PointToPlane {
  public:
   using PointToPlane::estimateRigidTransformation;
@@ -49,7 +50,7 @@ class UprightPointToPlane final : public PointToPlane {
       const Eigen::Vector3d arm = PositionOf(source, pair.index_query) - centroid;
       square_lever_m2 += arm.head<2>().squaredNorm() / count;
     }
-    // Turns in units of the lever, so that all four unknowns are metres.
+    // The rotation is scaled by the lever, so that all four unknowns are metres.
     const double lever_m = std::sqrt(square_lever_m2);
 
     Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
@@ -77,7 +78,7 @@ class UprightPointToPlane final : public PointToPlane {
     return points[static_cast<std::size_t>(index)].getVector3fMap().cast<double>();
   }
 
-  /// The shortest solution along the directions that the pairs determine.
+  /// Returns the minimum-norm solution along the directions that the pairs determine.
   static Eigen::Vector4d Solve(const Eigen::Matrix4d& information, const Eigen::Vector4d& right) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(information);
     Eigen::Vector4d solution = Eigen::Vector4d::Zero();
@@ -90,8 +91,8 @@ class UprightPointToPlane final : public PointToPlane {
   }
 };
 
-/// PCL prints what is no error here: that points lie too far away to be paired. Once, since its
-/// level is a global that threads of other maps read.
+/// Suppresses PCL's message about points too far away for a pair, which is not an error here. Only
+/// once, since the verbosity level is a global that threads of other maps read.
 void Silence() {
   [[maybe_unused]] static const bool is_silent = [] {
     pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
@@ -99,7 +100,7 @@ void Silence() {
   }();
 }
 
-/// PCL keeps single precision; near the origin it has enough of it.
+/// PCL uses single precision, which is sufficient near `origin_world`.
 IcpPoints::Ptr CloudOfSurface(const TrackedObject& object, const Eigen::Vector3d& origin_world) {
   IcpPoints::Ptr cloud(new IcpPoints);
   const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
@@ -116,7 +117,7 @@ IcpPoints::Ptr CloudOfSurface(const TrackedObject& object, const Eigen::Vector3d
   return cloud;
 }
 
-/// An even part of at most `wanted` points.
+/// Returns at most `wanted` points, evenly selected.
 IcpPoints::Ptr CloudOfPoints(std::span<const Eigen::Vector3d> points_world,
                              const Eigen::Vector3d& origin_world,
                              std::size_t wanted) {
@@ -189,7 +190,7 @@ class IcpTarget::Implementation {
 
   IcpParameters parameters_;
   Eigen::Vector3d origin_world_;
-  std::size_t size_ = 0;  ///< Points of the target.
+  std::size_t size_ = 0;  ///< Number of points of the target.
   pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal> icp_;
 };
 

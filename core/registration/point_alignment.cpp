@@ -8,21 +8,22 @@
 namespace steadymap {
 namespace {
 
-// How far a descent may turn beyond the searched range: the best motion can lie at its border.
+// Margin of a descent beyond the range of searched yaws: the optimum can lie at the border of the
+// range.
 constexpr double kYawMarginRad = 0.1;
 
-// Shorter steps than this do not matter: a hundredth of the smallest shift that is told apart.
+// Steps shorter than this count as converged, voxels.
 constexpr double kSettledVoxels = 0.005;
 
 constexpr double kFirstDamping = 1e-4;
 constexpr double kDampingRise = 30.0;
 constexpr double kDampingFall = 0.1;
 
-// A step may lose sight of this share of the known points.
+// Maximum share of the known points that may become unknown by a step.
 constexpr double kMaxLostShare = 0.2;
 
-/// Whether a step helped: known points lie closer on average. Those that come to be known or
-/// unknown by it say nothing about it, unless there are many.
+/// True if a step reduced the mean loss of the known points. Points that become known or unknown
+/// are ignored, up to `kMaxLostShare`.
 bool IsBetter(const AlignmentFit& next, const AlignmentFit& last) {
   return next.known_cost<last.known_cost&& static_cast<double>(next.known)>(1.0 - kMaxLostShare) *
          static_cast<double>(last.known);

@@ -12,34 +12,35 @@
 namespace steadymap {
 namespace {
 
-// Starts this far apart lie within each other's reach: a descent needs a surface's points in the
-// truncation band, of which trilinear sampling takes a voxel.
+// Spacing of the starts of the search. Descents from adjacent starts overlap: a descent requires
+// points in the truncation band, of which trilinear sampling excludes one voxel.
 constexpr double kStartSpacingTruncations = 0.7;
 constexpr double kStartSpacingRad = 0.1;
 
-// Starts to either side at most, a direction: bounds the time that parameters can ask for.
+// Maximum number of starts per side and direction. It bounds the time for any parameters.
 constexpr int kMaxStartsASide = 4;
 
-// Enough to tell good starts from bad ones.
+// Number of points and steps sufficient to rank the starts.
 constexpr std::size_t kRankingPoints = 40;
 constexpr std::size_t kTrialPoints = 120;
 constexpr int kTrialIterations = 5;
 constexpr std::size_t kTrials = 3;
 
-// Share of outliers after a trial beyond which the points are not those of this object; the rest of
-// the descent would only cost time.
+// A share of outliers above this value after a trial shows that the points are not of this object.
+// Further steps are then useless.
 constexpr double kHopelessDissimilarity = 0.3;
 
-/// Points further away than any pose may be are mistakes; leaving them out keeps sums finite.
+/// Points beyond the range of valid poses are errors. Their exclusion keeps sums finite.
 constexpr double kMaxPointM = 2.0 * kMaxPositionM;
 
-/// Calls `visit` for at most `wanted` usable points: evenly spread over the span, in its order, but
-/// without a period that could meet the one of an image's rows.
+/// Calls `visit` for at most `wanted` valid points: evenly spread over the span, in its order,
+/// without a period that could alias with the rows of an image.
 template <typename Visit>
 void ForEachOfSample(std::span<const Eigen::Vector3d> points, std::size_t wanted, Visit visit) {
   const std::size_t size = std::min(wanted, points.size());
   const double stride = static_cast<double>(points.size()) / static_cast<double>(wanted);
-  // The golden ratio as a fraction of 2^32: its multiples jitter evenly within the strides.
+  // The golden ratio as a fraction of 2^32: its multiples are evenly distributed within the
+  // strides.
   constexpr std::uint32_t kGoldenRatio = 2654435769U;
   constexpr double kFractionUnit = 1.0 / 4294967296.0;
   std::uint32_t fraction = 0;
@@ -51,18 +52,18 @@ void ForEachOfSample(std::span<const Eigen::Vector3d> points, std::size_t wanted
             : std::min(static_cast<std::size_t>((static_cast<double>(i) + jitter) * stride),
                        points.size() - 1);
     const Eigen::Vector3d& point = points[chosen];
-    // NaN fails the comparison too; maxCoeff() could miss it.
+    // NaN also fails the comparison; maxCoeff() could ignore it.
     if ((point.array().abs() <= kMaxPointM).all()) visit(point);
   }
 }
 
-/// The points to align, object frame, as offsets from their centroid.
+/// The points to align as offsets from their centroid, object frame.
 struct AlignmentPoints {
   std::vector<Eigen::Vector3d> offsets;
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-  double lever_m = 0.0;  ///< Root mean square distance from the upright axis through the centroid.
+  double lever_m = 0.0;  ///< Root mean square distance from the vertical axis through the centroid.
 
-  /// An even part of at most `wanted` offsets.
+  /// Returns at most `wanted` offsets, evenly selected.
   std::vector<Eigen::Vector3d> Part(std::size_t wanted) const {
     std::vector<Eigen::Vector3d> part;
     part.reserve(std::min(wanted, offsets.size()));
@@ -92,7 +93,7 @@ AlignmentPoints SampleAlignmentPoints(std::span<const Eigen::Vector3d> points_wo
   return points;
 }
 
-/// Even steps from `-range` to `range` whose centre cells cover the range, 0 among them.
+/// Returns evenly spaced values from `-range` to `range`, including 0, whose cells cover the range.
 std::vector<double> StartsWithin(double range, double spacing) {
   const int a_side = static_cast<int>(
       std::clamp(std::ceil(range / spacing - 0.5), 0.0, static_cast<double>(kMaxStartsASide)));
@@ -103,7 +104,7 @@ std::vector<double> StartsWithin(double range, double spacing) {
   return starts;
 }
 
-/// One registration, from the points to the motion chosen.
+/// One registration: from the points to the selected motion.
 class Search {
  public:
   Search(TsdfSampler* sampler,
@@ -134,7 +135,7 @@ class Search {
     for (const UprightMotion& start : PromisingStarts()) {
       const AlignmentDescent trial = Try(start, trial_offsets);
       if (trial.fit.cost >= cost_to_beat) continue;
-      // What contradicts nothing where it lies is not moved to where it does.
+      // A consistent alignment is never replaced by an inconsistent one.
       if (IsConsistent(best.fit) && !IsConsistent(trial.fit)) continue;
       best = trial;
       cost_to_beat = trial.fit.cost;
@@ -146,13 +147,13 @@ class Search {
   }
 
  private:
-  /// Whether the volume knows most points.
+  /// True if the volume knows most points.
   bool IsComplete(const AlignmentFit& fit) const {
     return static_cast<double>(fit.known) >=
            parameters_.min_complete_share * static_cast<double>(points_.offsets.size());
   }
 
-  /// Whether next to no point contradicts the volume.
+  /// True if almost no points contradict the volume.
   bool IsConsistent(const AlignmentFit& fit) const {
     const std::size_t unknown = points_.offsets.size() - fit.known;
     const std::size_t counted = parameters_.unknown_is_outlier ? unknown : 0;
@@ -161,23 +162,25 @@ class Search {
     return fit.known > 0 && outliers <= parameters_.max_consistent_dissimilarity * judged;
   }
 
-  /// Whether no further step could make the points belong here.
+  /// True if further steps cannot make the points consistent.
   static bool IsHopeless(const AlignmentFit& fit) {
     return static_cast<double>(fit.outliers) >
            kHopelessDissimilarity * static_cast<double>(fit.known);
   }
 
-  /// Whether the next step would be too short to tell from noise.
+  /// True if the next step is too short to be distinguished from noise.
   bool IsSettled(const AlignmentFit& fit) const {
     const UprightMotion step = alignment_.Advance({}, alignment_.Step(fit, /*damping=*/0.0));
     return step.shift_m.norm() <= parameters_.max_unmoved_shift_m &&
            std::abs(step.yaw_rad) <= parameters_.max_unmoved_yaw_rad;
   }
 
-  /// A short descent with few points; its fit is that of all points. Not converged for these.
+  /// Executes a short descent with few points. The fit of the result is that of all points; it is
+  /// not converged for them.
   AlignmentDescent Try(const UprightMotion& start, std::span<const Eigen::Vector3d> trial_offsets) {
     AlignmentDescent trial = alignment_.Descend(trial_offsets, start, kTrialIterations);
-    // A start may lie better for no other reason than that it slid to where more is known.
+    // The motion along undetermined directions is removed: it may lower the cost only because more
+    // points become known.
     if (start != UprightMotion{}) {
       ++trial.iterations;
       trial.motion = alignment_.DeterminedPart(trial.fit, trial.motion);
@@ -194,7 +197,7 @@ class Search {
     return end;
   }
 
-  /// A lattice of starts around the identity, without it, turn by turn.
+  /// Returns a lattice of starts around the identity, without the identity, ordered by yaw.
   std::vector<UprightMotion> Lattice() const {
     const std::vector<double> steps = StartsWithin(
         parameters_.search_distance_m, kStartSpacingTruncations * sampler_.scale().truncation_m);
@@ -215,7 +218,7 @@ class Search {
     return starts;
   }
 
-  /// Those of the lattice that bring most points to the surface, best first.
+  /// Returns the starts of the lattice with the lowest costs, in increasing order of cost.
   std::vector<UprightMotion> PromisingStarts() {
     const std::vector<UprightMotion> starts = Lattice();
     const std::vector<double> costs = CostsOf(starts);
@@ -233,8 +236,8 @@ class Search {
     return promising;
   }
 
-  /// The cost of each start, to a constant factor. Point by point, since the starts bring a point
-  /// to neighbouring voxels.
+  /// Returns the cost of each start, up to a constant factor. The outer loop runs over the points,
+  /// since the starts move a point to neighbouring voxels.
   std::vector<double> CostsOf(const std::vector<UprightMotion>& starts) {
     std::vector<double> costs(starts.size(), 0.0);
     for (const Eigen::Vector3d& offset : points_.Part(kRankingPoints)) {
@@ -260,7 +263,7 @@ class Search {
   PointAlignment alignment_;
 };
 
-/// Counts inliers and outliers at the end, on more points than were aligned.
+/// Counts inliers and outliers after alignment, on more points than were aligned.
 void Judge(std::span<const Eigen::Vector3d> points_world,
            const Eigen::Isometry3d& T_object_corrected,
            const RegistrationParameters& parameters,

@@ -7,7 +7,7 @@
 namespace steadymap {
 namespace {
 
-// Cells beyond are not told apart; far outside of any map (`kMaxPositionM`).
+// Largest index of a cell, far outside of any map (`kMaxPositionM`).
 constexpr double kMaxCell = 1e6;
 
 void Remove(ObjectId id, std::vector<ObjectId>* ids) {
@@ -31,7 +31,7 @@ std::size_t ObjectIndex::CellRange::count() const {
   return wide * high;
 }
 
-/// None where cells cannot be numbered.
+/// Returns none if a coordinate is not finite or beyond `kMaxCell`.
 std::optional<ObjectIndex::CellRange> ObjectIndex::CellsUnder(const Box& bounds_world) {
   const Eigen::Array2d low = (bounds_world.min().head<2>().array() / kCellM).floor();
   const Eigen::Array2d high = (bounds_world.max().head<2>().array() / kCellM).floor();

@@ -11,36 +11,37 @@
 
 namespace steadymap {
 
-/// Where the objects of a map stand, so that a frame asks for those around it instead of all: a
-/// grid of square cells over the world's x and y, each with the objects whose bounds reach into it.
+/// A spatial index of the objects of a map: a grid of square cells over the world's xy plane, each
+/// with the objects whose bounds intersect it. A frame then accesses only the objects around it.
 ///
-/// Answers depend on the bounds alone, not on the cells nor on the order of updates.
+/// Results depend only on the bounds, not on the cells or the order of updates.
 class ObjectIndex {
  public:
-  /// Side of a cell, metres: about what a camera sees at once. Smaller cells list large things more
-  /// often, larger ones make a query look at more that it does not ask for.
+  /// Side of a cell, metres: about the extent of a camera's view. With smaller cells large objects
+  /// have more entries; with larger cells a query inspects more objects outside of its box.
   static constexpr double kCellM = 4.0;
 
-  /// Bounds that cover more cells are kept apart, and every query looks at them: 28 m by 28 m.
+  /// Objects with bounds over more cells are stored in a separate list, which every query inspects:
+  /// 28 m by 28 m.
   static constexpr std::size_t kMaxCells = 64;
 
-  /// Says where an object stands now. Empty bounds are nowhere; those that are not finite, or
-  /// larger than `kMaxCells`, are found all the same, as far as `Box::intersects` finds them.
-  /// Cost: well below a microsecond as long as the object covers the same cells.
+  /// Sets the bounds of an object. Empty bounds remove it. Bounds that are not finite, or cover
+  /// more than `kMaxCells` cells, are also found as far as `Box::intersects` is true. Cost: well
+  /// below a microsecond if the object stays in the same cells.
   void Update(ObjectId id, const Box& bounds_world);
 
-  /// The object is gone; no harm if it was nowhere.
+  /// Removes an object. No effect if it has no bounds.
   void Erase(ObjectId id);
 
-  /// The objects whose bounds meet the box (touching counts), by rising id, each once. None for an
-  /// empty box. Cost: that of the objects in the cells that the box covers, and at most that of all
-  /// objects, however large the box is.
+  /// Returns the objects whose bounds intersect the box, borders included, by increasing id, each
+  /// once. An empty box gives none. Cost: proportional to the objects in the cells of the box, and
+  /// at most to all objects, for a box of any size.
   std::vector<ObjectId> Find(const Box& box_world) const;
 
-  /// Where an object stands, as last said; empty if it is nowhere.
+  /// Returns the bounds of an object as last set; empty if it has none.
   Box BoundsOf(ObjectId id) const;
 
-  /// Objects that stand somewhere.
+  /// Returns the number of objects with bounds.
   std::size_t size() const { return entries_.size(); }
 
  private:
@@ -74,8 +75,8 @@ class ObjectIndex {
   void Unlist(ObjectId id, const std::optional<CellRange>& cells);
 
   std::unordered_map<ObjectId, Entry> entries_;
-  std::unordered_map<Cell, std::vector<ObjectId>, CellHash> cells_;  ///< No empty ones.
-  std::vector<ObjectId> everywhere_;  ///< Those of too many cells, or too far away.
+  std::unordered_map<Cell, std::vector<ObjectId>, CellHash> cells_;  ///< Without empty cells.
+  std::vector<ObjectId> everywhere_;  ///< Objects over too many cells, or too far away.
 };
 
 }  // namespace steadymap

@@ -30,7 +30,7 @@ void TakeBetterVoxels(const LeafView& leaf, LeafVoxels* voxels) {
   }
 }
 
-/// The leaves of another frame that the leaves of a volume may reach into.
+/// Returns the leaves in the target frame that the leaves of a volume may intersect.
 std::set<LeafOrigin> LeavesUnder(const TsdfGrid& volume,
                                  const Eigen::Isometry3d& T_target_volume,
                                  const VoxelScale& scale) {
@@ -55,7 +55,7 @@ std::set<LeafOrigin> LeavesUnder(const TsdfGrid& volume,
   return leaves;
 }
 
-/// Stores a sample as one look that is worth at most `max_weight`, rounded as voxels are.
+/// Stores a sample as a voxel with at most `max_weight`, rounded to canonical values.
 void StoreCanonical(const DistanceSample& sample,
                     double max_weight,
                     const VoxelScale& scale,
@@ -76,14 +76,14 @@ void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
   }
 }
 
-/// The cells of a leaf that hold surface, one bit a cell.
+/// Returns the evidence cells of a leaf that contain surface, one bit per cell.
 std::uint64_t OccupiedCells(const SurfaceLeaf& leaf) {
   std::uint64_t occupied = 0;
   for (const SurfaceVoxel& point : leaf.points) occupied |= std::uint64_t{1} << point.cell;
   return occupied;
 }
 
-/// A cell's place among all cells of its object.
+/// The position of an evidence cell among all cells of its object.
 using CellPlace = std::array<int, 3>;
 
 CellPlace PlaceOf(LeafOrigin origin, std::uint8_t cell) {
@@ -92,7 +92,7 @@ CellPlace PlaceOf(LeafOrigin origin, std::uint8_t cell) {
           origin.z / kEvidenceSide + (cell & 3)};
 }
 
-/// Moves the 26 cells around one that are in `cells` to the end of `group`.
+/// Moves the cells of `cells` adjacent to `cell` (26-neighbourhood) to the end of `group`.
 void TakeNeighbours(const CellPlace& cell,
                     std::set<CellPlace>* cells,
                     std::vector<CellPlace>* group) {
@@ -106,7 +106,7 @@ void TakeNeighbours(const CellPlace& cell,
   }
 }
 
-/// The cells of an object that are gone.
+/// Returns the absent evidence cells of an object.
 std::set<CellPlace> FindGoneCells(const TrackedObject& object, const GoneScores& scores) {
   std::vector<CellPlace> gone;
   std::set<CellPlace> doubted;
@@ -260,7 +260,8 @@ std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
       SetBit(offset, &gone.observed);
       ClearBit(offset, &voxels.observed);
     }
-    // Cells without voxels forget their scores, too: what comes to stand there is something else.
+    // Scores are also reset in cells without voxels: surface that appears there belongs to another
+    // object.
     std::array<std::int8_t, kEvidenceCells> gone_score{};
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if (!is_gone[cell]) continue;

@@ -5,56 +5,58 @@
 
 #include "core/working/tracked_object.h"
 
-/// Moves voxels between objects that turn out to be one, or one that turns out to be two.
+/// Moves voxels between objects, after a merge or for a split.
 namespace steadymap {
 
-/// Leaves that changed, each in its own object's frame.
+/// The changed leaves, each in the frame of its own object.
 struct MovedLeaves {
   std::vector<LeafOrigin> from;
   std::vector<LeafOrigin> into;
 };
 
-/// Whether the voxels of two objects lie on one lattice: neither was turned.
+/// True if the voxels of two objects are on a common lattice: neither is rotated.
 bool ShareLattice(const ObjectState& a, const ObjectState& b);
 
-/// Copies all voxels and evidence of `from` into `into`; of two voxels in one place the one that
-/// was seen better stays. The objects must share their lattice (asserted). `from` keeps its voxels.
+/// Copies all voxels and evidence of `from` to `into`. At equal positions, the voxel with the
+/// larger weight is kept. The objects must share their lattice (asserted). `from` is unchanged.
 MovedLeaves CopyVoxels(const TrackedObject& from, const VoxelScale& scale, TrackedObject* into);
 
-/// Gives `into` what `from` knows and it does not, as if `from` stood at `T_world_from`, with
-/// weights of at most `max_weight`; the leaves that changed, in the frame of `into`. Distances are
-/// interpolated where the lattices differ.
+/// Adds the voxels of `from`, placed at `T_world_from`, to `into` where `into` has none, with
+/// weights of at most `max_weight`. Interpolates distances. Returns the changed leaves in the frame
+/// of `into`.
 std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
                                        const Eigen::Isometry3d& T_world_from,
                                        double max_weight,
                                        const VoxelScale& scale,
                                        TrackedObject* into);
 
-/// Cells of an object's surface that frames have missed.
+/// The numbers of evidence cells on an object's surface with absence evidence.
 struct DoubtedCells {
   std::size_t gone = 0;     ///< With scores of at most `max_score`.
-  std::size_t doubted = 0;  ///< With negative scores, those included.
-  std::size_t all = 0;      ///< Missed or not.
+  std::size_t doubted = 0;  ///< With negative scores.
+  std::size_t all = 0;      ///< Of any score.
 };
 
+/// Counts the evidence cells of an object's surface by score.
 DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score);
 
-/// Cells of an object's surface that were found oftener than missed, in leaves where something was
-/// found at `since` or later.
+/// Returns the number of evidence cells of an object's surface with a positive score, in leaves
+/// with presence evidence at `since` or later.
 std::size_t CountFoundCells(const TrackedObject& object, Timestamp since);
 
-/// Cells of the largest group of an object's surface that are connected, by their corners at least.
+/// Returns the number of evidence cells in the largest connected part of an object's surface
+/// (26-neighbourhood).
 std::size_t CountConnectedCells(const TrackedObject& object);
 
-/// Up to which scores cells are gone.
+/// The maximum scores of absent evidence cells.
 struct GoneScores {
   int gone = 0;
-  /// Beside cells that are gone, and beside those that are gone for that reason.
+  /// For cells connected to absent cells, directly or through other such cells.
   int beside_gone = 0;
 };
 
-/// Moves the evidence cells that are gone to `part`, which must have the same frame as `object`:
-/// their voxels and their scores. The leaves that changed.
+/// Moves the voxels and scores of the absent evidence cells of `object` to `part`, which must have
+/// the same frame. Returns the changed leaves.
 std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
                                        TrackedObject* object,
                                        TrackedObject* part);

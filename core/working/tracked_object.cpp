@@ -15,7 +15,7 @@ TrackedObject::TrackedObject(ObjectId id,
 TrackedObject::TrackedObject(const MapObject& published, const VoxelScale& scale)
     : state_(static_cast<const ObjectState&>(published)),
       scale_(scale),
-      // Shared until it is written, as after `Publish`.
+      // Shared until the first write, as after `Publish`.
       volume_(std::const_pointer_cast<TsdfGrid>(published.volume)) {
   surface_.Rebuild(*volume_, scale_);
   UpdateBounds();

@@ -12,13 +12,13 @@
 
 namespace steadymap {
 
-/// An object in the hands of the mapper: its published state and what is kept beside it for speed.
+/// An object of the working map: its published state with cached values.
 class TrackedObject {
  public:
-  /// A new object whose frame has its origin at `position_world`.
+  /// Constructs a new object whose frame has its origin at `position_world`.
   TrackedObject(ObjectId id, const Eigen::Vector3d& position_world, const VoxelScale& scale);
 
-  /// Goes on from a published object, whose volume it shares.
+  /// Continues from a published object and shares its volume.
   TrackedObject(const MapObject& published, const VoxelScale& scale);
 
   ObjectState& state() { return state_; }
@@ -29,10 +29,10 @@ class TrackedObject {
 
   bool is_archived() const { return state_.status == ObjectStatus::kArchived; }
 
-  /// Whether it leaves the map for good when the frame ends; it is archived until then.
+  /// True if it is deleted from the map at the end of the frame; until then it is archived.
   bool is_forgotten() const { return is_forgotten_; }
 
-  /// Whether it is history: archived, and to stay so.
+  /// True if it is archived and not to be deleted at the end of the frame.
   bool is_history() const { return is_archived() && !is_forgotten_; }
 
   void MarkForgotten() {
@@ -42,33 +42,34 @@ class TrackedObject {
 
   const TsdfGrid& volume() const { return *volume_; }
 
-  /// The volume for writing; cloned first if a published state shares it.
+  /// Returns the volume for writing; cloned first if a published state shares it.
   TsdfGrid& MutableVolume();
 
-  /// Takes pose and volume of another object instead of its own.
+  /// Replaces pose and volume by copies of those of another object.
   void TakeVolume(const TrackedObject& other);
 
   const ObjectSurface& surface() const { return surface_; }
 
-  /// The points of the surface, world frame, metres.
+  /// Returns the surface points, world frame, metres.
   std::vector<Eigen::Vector3d> SurfaceInWorld() const;
 
-  /// Around the surface, object frame.
+  /// Returns the bounds of the surface, object frame.
   const Box& bounds_object() const { return bounds_object_; }
 
-  /// Around these bounds, along the axes of the world frame; empty without surface.
+  /// Returns the world-aligned box around `bounds_object()`; empty without surface.
   Box BoundsInWorld() const;
 
-  /// Brings surface and bounds up to date after leaves of the volume changed.
+  /// Updates surface and bounds after a change of some leaves of the volume.
   void UpdateSurface(std::span<const LeafOrigin> changed_leaves);
 
-  /// The same after the whole volume changed.
+  /// Updates surface and bounds after a change of the whole volume.
   void RebuildSurface();
 
-  /// The upright box around the surface, world frame. Cost: some 100 us after a change, else none.
+  /// Returns the cuboid around the surface, world frame. Cost: about 100 us after a change, else
+  /// none.
   const Cuboid& cuboid() const;
 
-  /// The state for publication; shares the volume.
+  /// Returns the state for publication, which shares the volume.
   std::shared_ptr<const MapObject> Publish() const;
 
  private:
@@ -80,8 +81,8 @@ class TrackedObject {
   std::shared_ptr<TsdfGrid> volume_;
   ObjectSurface surface_;
   Box bounds_object_;
-  mutable std::optional<Cuboid> cuboid_;  ///< None: to be computed.
-  mutable UprightPose cuboid_pose_;       ///< Of the object when it was.
+  mutable std::optional<Cuboid> cuboid_;  ///< None: not computed yet.
+  mutable UprightPose cuboid_pose_;       ///< Pose of the object for `cuboid_`.
 };
 
 }  // namespace steadymap

@@ -10,13 +10,13 @@
 namespace steadymap {
 namespace {
 
-// Boxes that touch may miss each other by rounding, which differs with the frame it is done in.
+// Rounding depends on the frame of the computation, so touching boxes may be slightly apart.
 constexpr double kTouchM = 1e-3;
 
-// More robots than any place has, so that ids that are made up fill no memory.
+// Limits the memory if clients invent robot ids; larger than any fleet.
 constexpr std::size_t kMaxRobots = 1000;
 
-// Leaves that a core packs at a time: some 50 us of work.
+// Minimum number of leaves packed per core and task: about 50 us of work.
 constexpr std::size_t kMinRangeLeaves = 32;
 
 template <typename Value>
@@ -25,7 +25,7 @@ void SortUnique(std::vector<Value>* values) {
   values->erase(std::unique(values->begin(), values->end()), values->end());
 }
 
-/// Brings the membership of an id up to date.
+/// Adds an id to a set or removes it.
 void Keep(ObjectId id, bool is_member, std::set<ObjectId>* ids) {
   if (is_member) {
     ids->insert(id);
@@ -98,7 +98,7 @@ std::vector<TrackedObject*> WorkingMap::FindAll(const std::set<ObjectId>& ids) {
   return objects;
 }
 
-/// Notes where an object stands, and as what.
+/// Updates the index and the status sets for an object.
 void WorkingMap::Register(const TrackedObject& object) {
   const ObjectStatus standing = object.state().status;
   places_.Update(object.id(), object.BoundsInWorld());
@@ -106,7 +106,8 @@ void WorkingMap::Register(const TrackedObject& object) {
   Keep(object.id(), standing == ObjectStatus::kArchived, &archived_);
 }
 
-/// Whether all changes to objects were marked, as far as place and standing show it.
+/// True if the index and the status sets agree with all objects: a missing mark of a changed
+/// position or status is an error.
 bool WorkingMap::IsRegistered() const {
   const auto is_registered = [this](const auto& entry) {
     const auto& [id, object] = entry;

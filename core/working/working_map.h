@@ -21,43 +21,42 @@
 
 namespace steadymap {
 
-/// What a commit makes of the frames since the one before: the delta to be stored, and the snapshot
-/// to be published once it is.
+/// The result of a commit: a delta to store, and a snapshot to publish after the delta is stored.
 struct MapCommit {
   MapDelta delta;
   std::shared_ptr<const MapSnapshot> snapshot;
 };
 
-/// A map in the hands of its one writer: all that outlives a frame, and what has changed of it
-/// since the last commit. Whatever a policy wants to remember from frame to frame stands here, so
-/// that a map goes on after a restart as if it had never stopped.
+/// The map of the single writer: all state that outlives a frame, with the changes since the last
+/// commit. A policy keeps all its state between frames here, so that a restart does not change the
+/// result.
 ///
-/// Whoever changes something says so with one of the `Mark` functions, and does so after the
-/// change: what is not marked is not stored, nor found by place or standing. What integration
-/// changes is marked by the `Fuse` functions themselves. One thread at a time.
+/// After a change the writer calls one of the `Mark` functions. A change that is not marked is
+/// neither stored nor visible in the index and the status sets. The `Fuse` functions mark their own
+/// changes. One thread at a time.
 class WorkingMap {
  public:
   explicit WorkingMap(const MapConfig& config);
 
-  /// Continues from a stored map; `snapshot.scale` must be the configuration's (asserted).
+  /// Continues from a stored map. `snapshot.scale` must be the configuration's (asserted).
   void Restore(const MapSnapshot& snapshot);
 
-  /// Opens the frame that leads to `revision`; what follows happens at its capture time.
+  /// Starts the frame of `revision`. Subsequent changes have its capture time.
   void BeginFrame(Revision revision, Timestamp capture_time);
 
-  /// Closes it: objects forgotten meanwhile are gone now.
+  /// Ends the frame: deletes the objects passed to `Forget` in it.
   void EndFrame();
 
-  /// Leads to `revision` with nothing but more classes.
+  /// Advances to `revision`, with additional classes as the only change.
   void AddClasses(Revision revision, const std::vector<SemanticClass>& classes);
 
-  /// Leads to `revision` with nothing changed.
+  /// Advances to `revision` without changes.
   void Advance(Revision revision) { map_.revision = revision; }
 
-  /// Classes that were added since the map was created.
+  /// Returns the classes added since the creation of the map.
   const std::vector<SemanticClass>& added_classes() const { return map_.added_classes; }
 
-  /// The frame at hand, or the last one.
+  /// Returns the revision of the current frame, or of the last one.
   Revision revision() const { return map_.revision; }
 
   Timestamp now() const { return map_.last_capture_time; }
@@ -68,72 +67,76 @@ class WorkingMap {
 
   const FreeSpace& free_space() const { return map_.free_space; }
 
-  /// All objects by id, archived ones included. Valid until they are forgotten.
+  /// Returns all objects by id, including archived ones. A reference to an object is valid until
+  /// the object is deleted.
   const std::map<ObjectId, TrackedObject>& objects() const { return objects_; }
 
   std::map<ObjectId, TrackedObject>& mutable_objects() { return objects_; }
 
-  /// The objects of any standing whose surface bounds (upright box along the world's axes, metres)
-  /// come within a millimetre of a box, by rising id: all that could be found there, though
-  /// rounding differs. Cost: that of the objects around the box, not of the map.
+  /// Returns the objects of any status whose surface bounds (aligned with the world's axes, metres)
+  /// are within 1 mm of a box, by increasing id. The margin covers rounding differences. Cost:
+  /// proportional to the objects around the box.
   std::vector<TrackedObject*> ObjectsNear(const Box& box_world);
   std::vector<const TrackedObject*> ObjectsNear(const Box& box_world) const;
 
-  /// Those with the standing `kTentative`, by rising id. Cost: theirs.
+  /// Returns the objects of status `kTentative`, by increasing id. Cost: proportional to their
+  /// number.
   std::vector<TrackedObject*> TentativeObjects() { return FindAll(tentative_); }
 
-  /// Those with the standing `kArchived`, being forgotten or not, by rising id. Cost: theirs.
+  /// Returns the objects of status `kArchived`, including those passed to `Forget`, by increasing
+  /// id. Cost: proportional to their number.
   std::vector<TrackedObject*> ArchivedObjects() { return FindAll(archived_); }
 
-  /// A new object of a new id, first and last seen now, whose frame has its origin at the corner of
-  /// voxels nearest to `position_world`, so that its voxels are voxels of the world.
+  /// Adds an object with a new id, first and last seen now. The origin of its frame is the leaf
+  /// corner nearest to `position_world`, so that its lattice is that of the world.
   TrackedObject& AddObject(const Eigen::Vector3d& position_world);
 
-  /// A new object in the frame and with the state of `whole`, without its evidence and voxels.
+  /// Adds an object with the frame and state of `whole`, without evidence and voxels.
   TrackedObject& AddPart(const TrackedObject& whole);
 
-  /// Archives the object, and takes it out of the map for good when the frame ends.
+  /// Archives the object, and deletes it at the end of the frame.
   void Forget(TrackedObject* object);
 
-  /// Puts `object` with the volume of `other` into the place of `other`, which keeps its own.
+  /// Replaces pose and volume of `object` by copies of those of `other`.
   void TakeVolume(TrackedObject* object, const TrackedObject& other);
 
-  /// The state of the object has changed, or its surface.
+  /// Marks a change of the object's state or surface.
   void MarkChanged(TrackedObject* object);
 
-  /// Voxels of the object have changed, and with them its state.
+  /// Marks changed leaves of the object, and its state if there are any.
   void MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> leaves);
 
-  /// Fuses the cells of the integrator's frame that belong to the background (owner 0) into it.
+  /// Fuses the background's cells (owner 0) of the integrator's frame into the background.
   void FuseBackground(TsdfIntegrator* integrator);
 
-  /// Replaces one leaf of the background; one without observed voxels removes it.
+  /// Replaces one leaf of the background. If `voxels` has no observed voxel, removes the leaf.
   void StoreBackgroundLeaf(LeafOrigin origin, const LeafVoxels& voxels);
 
-  /// Fuses those of one owner into an object.
+  /// Fuses the cells of one owner in the integrator's frame into an object.
   void FuseObject(std::uint32_t owner, TrackedObject* object, TsdfIntegrator* integrator);
 
-  /// Bytes of the surfaces of all objects.
+  /// Returns the memory of the surfaces of all objects, bytes.
   std::size_t surface_bytes() const;
 
-  /// Marks what lies between two points as looked through.
+  /// Marks the segment between two points as free space.
   void MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);
 
-  /// What is remembered of a robot; null if nothing is. Valid until one is stored.
+  /// Returns the state of a robot; null if there is none. Valid until the next `StoreRobot`.
   const RobotState* FindRobot(const SensorName& sensor) const;
 
-  /// Remembers a robot, and forgets the one seen longest ago where that makes too many.
+  /// Stores the state of a robot. Beyond the maximum number of robots, removes the one with the
+  /// oldest last frame.
   void StoreRobot(const SensorName& sensor, const RobotState& state);
 
-  /// An event about an object as it stands now; add what it lacks and `RecordEvent` it.
+  /// Makes an event with the current state of an object. Complete it and pass it to `RecordEvent`.
   ObjectEvent MakeEvent(EventType type, EventReason reason, const TrackedObject& object) const;
 
-  /// An event about a robot.
+  /// Makes an event of a robot.
   ObjectEvent MakeRobotEvent(EventType type, EventReason reason, const SensorName& sensor) const;
 
   void RecordEvent(const ObjectEvent& event) { events_.push_back(event); }
 
-  /// Closes the work since the last commit. With nothing since then: an empty delta.
+  /// Ends the work since the last commit. Without changes the delta is empty.
   MapCommit Commit();
 
  private:
@@ -147,20 +150,20 @@ class WorkingMap {
   void CommitFreeSpace(MapDelta* delta);
   void CommitRobots(MapDelta* delta);
 
-  MapSnapshot map_;  ///< Ahead of the last commit but for `objects`, which are as published.
+  MapSnapshot map_;  ///< Newer than the last commit, except `objects`, which are as published.
   std::map<ObjectId, TrackedObject> objects_;
   ObjectIndex places_;            ///< Of all objects, as last marked.
-  std::set<ObjectId> tentative_;  ///< Those of this standing, as last marked.
-  std::set<ObjectId> archived_;   ///< Likewise.
+  std::set<ObjectId> tentative_;  ///< Objects of status `kTentative`, as last marked.
+  std::set<ObjectId> archived_;   ///< Objects of status `kArchived`, as last marked.
   Revision committed_;
 
-  // Since the last commit.
-  std::vector<LeafKey> changed_leaves_;     ///< With repetitions.
-  std::set<ObjectId> changed_objects_;      ///< Forgotten ones included.
-  std::vector<LeafOrigin> changed_blocks_;  ///< Of free space; with repetitions.
-  std::set<SensorName> changed_robots_;     ///< Forgotten ones included.
+  // Changes since the last commit.
+  std::vector<LeafKey> changed_leaves_;     ///< With duplicates.
+  std::set<ObjectId> changed_objects_;      ///< Including deleted objects.
+  std::vector<LeafOrigin> changed_blocks_;  ///< Of free space, with duplicates.
+  std::set<SensorName> changed_robots_;     ///< Including removed robots.
   std::vector<ObjectEvent> events_;
-  std::vector<ObjectId> forgotten_;  ///< In the frame at hand.
+  std::vector<ObjectId> forgotten_;  ///< In the current frame.
 };
 
 }  // namespace steadymap
