@@ -19,7 +19,7 @@
 namespace steadymap {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "raw pixels are copied as they lie");
+static_assert(std::endian::native == std::endian::little, "raw pixels are copied in memory order");
 
 // Level 1 compresses a depth image in about 1 ms. Higher levels save only a few percent.
 constexpr int kImageZstdLevel = 1;

@@ -14,7 +14,7 @@ std::vector<PlacedVolume> ShownObjects(const MapSnapshot& snapshot) {
   return volumes;
 }
 
-/// Returns the maximum distance of known voxels from the surface of an object: a cell of voxels
+/// Returns the maximum distance of observed voxels from the surface of an object: a cell of voxels
 /// extends by up to one voxel beyond the truncation distance.
 double ReachM(const VoxelScale& scale) { return scale.truncation_m + scale.voxel_size_m; }
 

@@ -33,9 +33,10 @@ enum class PointState {
 /// The distance of a map at one point, world frame.
 struct MapDistance {
   /// `kSurface` if the point is at or behind the surface in any volume. `kFree` if it is in front
-  /// of the surface in all volumes that know it; or if no volume knows it, it is in free space
-  /// (`MapSnapshot::free_space`), and no cuboid of a present or tentative object contains it. The
-  /// last condition is required because free space only grows, also where an object appears later.
+  /// of the surface in all volumes with a known distance there; or if there is no such volume, it
+  /// is in free space (`MapSnapshot::free_space`), and no cuboid of a present or tentative object
+  /// contains it. The last condition is required because free space only grows, also where an
+  /// object appears later.
   PointState state = PointState::kUnknown;
   DistanceSample sample;
   ObjectId object;   ///< Owner of the sampled volume; 0 for the background, or if unknown.
@@ -55,8 +56,9 @@ struct MapRayHit {
   ClassId class_id;  ///< Of `object`.
 };
 
-/// Samples the published map, background and present objects, as one volume. Of the volumes that
-/// know a point, the one with the nearest surface determines the result; on a tie, the lower id.
+/// Samples the published map, background and present objects, as one volume. Of the volumes with a
+/// known distance at a point, the one with the nearest surface determines the result; on a tie, the
+/// lower id.
 ///
 /// An object is sampled only near its cuboid, so distant objects cost only the 1.5 us each for the
 /// construction of the sampler. Cost: 0.2 us per point over background, about 1 us among objects;
@@ -112,7 +114,7 @@ class MapSampler {
   Box background_bounds_;
   std::vector<PlacedVolume> objects_;  ///< By increasing id.
   std::vector<std::unique_ptr<TsdfSampler>> samplers_;
-  BoxTree reach_;  ///< Boxes around the known voxels of the objects.
+  BoxTree reach_;  ///< Boxes around the observed voxels of the objects.
   const MapSnapshot& snapshot_;
   Box free_bounds_;
   std::vector<Cuboid> cuboids_;      ///< Of present and tentative objects.

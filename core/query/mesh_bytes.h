@@ -37,6 +37,6 @@ inline constexpr std::size_t kVectorBytes = 3 * sizeof(float);
 inline constexpr std::size_t kTriangleBytes = 3 * sizeof(std::uint32_t);
 
 static_assert(sizeof(Eigen::Vector3f) == kVectorBytes, "vectors are copied whole");
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
+static_assert(std::endian::native == std::endian::little, "numbers are copied in memory order");
 
 }  // namespace steadymap

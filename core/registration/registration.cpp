@@ -147,7 +147,7 @@ class Search {
   }
 
  private:
-  /// True if the volume knows most points.
+  /// True if most points have a known distance.
   bool IsComplete(const AlignmentFit& fit) const {
     return static_cast<double>(fit.known) >=
            parameters_.min_complete_share * static_cast<double>(points_.offsets.size());

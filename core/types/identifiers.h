@@ -76,7 +76,7 @@ struct MapName {
   std::string tenant;
   std::string map;
 
-  /// Errors: `InvalidArgument` with reason `BAD_NAME` and the field `name`.
+  /// Parses a map name. Errors: `InvalidArgument` with reason `BAD_NAME` and the field `name`.
   static absl::StatusOr<MapName> Parse(std::string_view name);
 
   std::string ToString() const;

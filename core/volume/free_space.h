@@ -78,7 +78,7 @@ class FreeSpace {
   static LeafOrigin TileOf(LeafOrigin block);
   static std::size_t PlaceInTile(LeafOrigin block);
 
-  /// Valid until the next call.
+  /// Returns a block for writing; valid until the next call.
   LeafMask& MutableBlock(LeafOrigin origin);
 
   double cell_size_m_;
