@@ -17,6 +17,7 @@ std::vector<std::string> RouteNames();
 /// - `baseline`: one loop through the TorWIC hall;
 /// - `1-1` to `1-9`, `2-1` to `2-4`, `3-1` to `3-3`, `4-1`: `baseline`, then that scenario;
 /// - `2-4-4`: scenarios 2-2, 2-4, 4-1; `9-2`: scenarios 1-9, 2-1;
+/// - `unchanged`: `baseline` twice;
 /// - `table-top`, `twin`, `people`, `hall`: the scenes of those names;
 /// - `clutter` or `clutter-SEED`: a storeroom in use, another with every seed.
 /// Errors: `InvalidArgument`, listing the names there are.
