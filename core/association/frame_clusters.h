@@ -32,8 +32,8 @@ struct ClusterParameters {
 };
 
 /// The connected surfaces of one label that a frame falls into by itself, whatever the map knows
-/// (pocd.md section 2, step 3). Ground and background belong to none. There are none, and nothing
-/// is bounded, unless the parameters ask for it. One frame at a time, one thread.
+/// (the observations of Qian et al., RSS 2022). Ground and background belong to none. There are
+/// none, and nothing is bounded, unless the parameters ask for it. One frame at a time, one thread.
 class FrameClusters {
  public:
   FrameClusters(const MapConfig& config, const ClusterParameters& parameters)

@@ -13,8 +13,8 @@ namespace steadymap {
 /// a table's top. None if there is no such level below the camera.
 std::optional<double> FindGroundHeight(const SampleGrid& samples, double camera_height_m);
 
-/// Gives the samples of the ground to the background, whatever their labels say (pocd.md section 2,
-/// step 2: the ground is planar, labels are noisy).
+/// Gives the samples of the ground to the background, whatever their labels say: the ground is
+/// planar, labels are noisy.
 void AssignGround(const SampleGrid& samples, double ground_height_m, Association* association);
 
 }  // namespace steadymap

@@ -14,7 +14,7 @@ struct BorderContact {
   std::size_t samples = 0;  ///< Of the observation, that touch the owner's surface.
 };
 
-/// Connected surface of one class that no known surface explains (pocd.md section 2, step 3).
+/// Connected surface of one class that no known surface explains (core/README.md#terms).
 struct Observation {
   std::vector<std::size_t> samples;  ///< Indices into the grid, in the order they were found.
   std::uint16_t label = 0;

@@ -56,8 +56,8 @@ void AddEvidence(const ObjectVerdict& verdict,
                  ObjectEvidence* evidence);
 
 /// Turns the evidence since the last update into one measurement and updates the belief with it, if
-/// there is enough of it (evidence.md, rule C); whether there was. Evidence for the object measures
-/// the mean change of the surface found, evidence against it the greatest change there is.
+/// there is enough of it (core/README.md#evidence); whether there was. Evidence for the object
+/// measures the mean change of the surface found, evidence against it the greatest change there is.
 bool UpdateBelief(StationarityPrior prior,
                   Timestamp now,
                   const BeliefUpdateParameters& parameters,

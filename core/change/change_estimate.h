@@ -9,7 +9,7 @@ namespace steadymap {
 
 /// How the change between an object and its observation is measured.
 struct ChangeParameters {
-  /// Factor on the mean difference (lambda_diff), > 0. Default: TorWIC (pocd.md section 5).
+  /// Factor on the mean difference (lambda_diff), > 0. Default: TorWIC (Qian et al., RSS 2022).
   double change_scale = 1.6;
   /// Distances are clamped to this, and what is further than it in front of both surfaces is not
   /// compared, metres, > 0. Finite: the paper, where no change can exceed half of it times
@@ -26,7 +26,7 @@ struct ChangeParameters {
 };
 
 /// Sums the rays of one camera into the geometric change `delta` between an object and its
-/// observation (pocd.md section 3):
+/// observation (core/README.md#change-estimate):
 ///
 ///     delta = sign * change_scale / |Omega| * sum over Omega of |observed distance - object
 ///     distance|

@@ -11,7 +11,7 @@
 /// Where two volumes of the same frame disagree.
 namespace steadymap {
 
-/// When voxels differ, and when that is a change. Defaults: pocd.md section 7.
+/// When voxels differ, and when that is a change.
 struct ChangedVoxelParameters {
   /// Voxels are compared if both weigh at least this; one look at 1 m, face on, weighs 1.
   double min_weight = 0.3;

@@ -116,7 +116,7 @@ bool VisibilityTest::IsMatched(const TrackedObject& object) const {
 }
 
 /// The verdict on an object that nothing was matched with, as the paper has it: gone, if enough of
-/// its points lie in the frustum (pocd.md section 2, step 4, "Paper").
+/// its points lie in the frustum (Qian et al., RSS 2022).
 ObjectVerdict VisibilityTest::JudgeByFrustum(const TrackedObject& object) const {
   ObjectVerdict result;
   std::size_t visible = 0;

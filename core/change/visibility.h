@@ -94,8 +94,8 @@ struct JudgedFrame {
   const NoReturnLabels& far_tiles;
 };
 
-/// Judges the surface of each object in view against a frame (pocd.md section 2, step 4: by depth,
-/// not by frustum, unless told otherwise).
+/// Judges the surface of each object in view against a frame: by depth, not by frustum, unless
+/// told otherwise (core/README.md#evidence).
 class VisibilityTest {
  public:
   VisibilityTest(const JudgedFrame& frame,

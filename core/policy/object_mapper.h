@@ -25,8 +25,8 @@
 
 namespace steadymap {
 
-/// How objects come, are judged and go. Defaults: TorWIC (pocd.md section 5), and what evidence.md
-/// found.
+/// How objects come, are judged and go. Defaults: TorWIC (Qian et al., RSS 2022), and what was
+/// measured on simulated routes.
 struct ObjectMapperParameters {
   LocalizationMonitorParameters guard;
   DynamicMaskParameters moving;

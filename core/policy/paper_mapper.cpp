@@ -66,7 +66,7 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
 }
 
 /// Matches segments with objects: registers the pairs within the gate, then assigns at the least
-/// cost (pocd.md section 2, step 4, "Paper").
+/// cost (Qian et al., RSS 2022).
 std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
   const std::vector<ObjectInView>& in_view = segments_.in_view();
   const std::vector<Observation>& segments = segments_.segments();

@@ -14,7 +14,7 @@
 
 namespace steadymap {
 
-/// The paper's parameters (pocd.md section 5, TorWIC).
+/// The paper's parameters for TorWIC (Qian et al., RSS 2022).
 struct PaperParameters {
   SegmentFusionParameters segments{.overlap = {}, .max_depth_m = 3.0};
   IcpParameters icp;
@@ -39,7 +39,7 @@ struct PaperParameters {
   double min_stationarity = 0.40;
 };
 
-/// POCD as its paper has it, without what steadymap adds (pocd.md, "Paper"; Qian et al., RSS 2022):
+/// POCD as its paper has it, without what steadymap adds (Qian et al., RSS 2022):
 /// clusters of one label are registered by ICP to the objects whose centres are near and matched
 /// one to one at the least cost; an object in the frustum that is not matched is contradicted,
 /// hidden or not; new objects are believed at once. The `pocd_paper` policy, to compare with.

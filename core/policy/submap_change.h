@@ -36,9 +36,10 @@ struct SubmapChangeParameters {
   double max_depth_m = 5.0;
 };
 
-/// The `submap_change` policy (pocd.md section 7; Panoptic Multi-TSDFs): objects are submaps, found
-/// again by their overlap in the picture alone. What was not detected for a few frames is tested
-/// against what is seen now, and is in or out of the map as a whole by the last test.
+/// The `submap_change` policy (Schmid et al., Panoptic Multi-TSDFs, ICRA 2022): objects are
+/// submaps, found again by their overlap in the picture alone. What was not detected for a few
+/// frames is tested against what is seen now, and is in or out of the map as a whole by the last
+/// test.
 ///
 /// `ObjectState::views` counts detections, `absences` the misses in a row, up to those that make a
 /// submap inactive. The belief means nothing.

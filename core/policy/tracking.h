@@ -32,7 +32,7 @@ struct TrackingParameters {
   double reported_move_m = 0.1;
 };
 
-/// The `tracking` policy (pocd.md section 7; MaskFusion): each object that a frame shows is
+/// The `tracking` policy (Runz et al., MaskFusion, ISMAR 2018): each object that a frame shows is
 /// registered to its segment and takes the pose found; what cannot be registered is dropped. What
 /// is simply gone stays in the map for ever.
 ///

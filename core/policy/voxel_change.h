@@ -26,7 +26,7 @@ struct VoxelChangeParameters {
   double max_depth_m = 5.0;
 };
 
-/// The `voxel_change` policy (pocd.md section 7; Fehr et al.): what a visit sees is fused into a
+/// The `voxel_change` policy (Fehr et al., ICRA 2017): what a visit sees is fused into a
 /// layer of its own, and goes over into the map where the map knows nothing, or knew it less well,
 /// or where enough connected voxels have changed. There are no objects: each change is an
 /// UPDATED event of the background (object 0, class 0) with the reason seen_through where something

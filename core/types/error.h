@@ -11,7 +11,7 @@
 /// `proto/convert` maps them to `google.rpc.ErrorInfo` and `google.rpc.BadRequest`.
 namespace steadymap {
 
-/// The stable reasons of the service contract. The spelling is part of the wire format.
+/// The stable reasons of the service's errors. The spelling is part of the wire format.
 namespace reason {
 inline constexpr std::string_view kNonFinitePose = "NON_FINITE_POSE";
 inline constexpr std::string_view kNotARotation = "NOT_A_ROTATION";

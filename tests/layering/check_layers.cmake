@@ -1,4 +1,4 @@
-# Checks which headers each folder includes (the layers of the design): Debian puts every library
+# Checks which headers each folder includes (the layers): Debian puts every library
 # under /usr/include, so link dependencies alone would let anything through. And that no two headers
 # define a type of the same name: a program that links both would take one for the other.
 #

@@ -12,21 +12,18 @@
 
 namespace steadymap {
 
-/// Holds a watch to the seven promises of service.md section 4, message by message, over any number
-/// of streams that resume one another. What is broken is noted under the promise's name:
+/// Holds a watch to its seven promises, message by message, over any number of streams that resume
+/// one another. What is broken is noted under the promise's name:
 ///
 /// - **Ordered**: revisions and event numbers rise.
 /// - **Unique**: no revision and no event comes twice.
 /// - **Reliable**: none is missing: every step begins where the one before ended, and its events
-/// are
-///   all that the filter lets pass.
+///   are all that the filter lets pass.
 /// - **Atomic**: a step is whole: its fragments are complete and of one revision, its events are
-/// its
-///   own, and only then there is a token.
+///   its own, and only then there is a token.
 /// - **Resumable**: behind a token a stream goes on where the token says.
 /// - **Bookmarkable**: at a progress the watcher has everything that the map had at its revision,
-/// bit
-///   for bit.
+///   bit for bit.
 /// - **Filtered**: nothing comes that the filter does not show, and what leaves it does not stay.
 ///
 /// For one thread.

@@ -1,5 +1,6 @@
-// The law of watches (service.md section 4) over random histories: robots that upload, watchers
-// that are cut, stall, filter and resume, servers that are killed, change lists that are compacted.
+// The promises of a watch (tests/watch/watch_promises.h) over random histories: robots that upload,
+// watchers that are cut, stall, filter and resume, servers that are killed, change lists that are
+// compacted.
 //
 // STEADYMAP_LAW_SEEDS (default 2) and STEADYMAP_LAW_OPERATIONS (default 250) make it longer.
 

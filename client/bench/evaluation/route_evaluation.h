@@ -29,7 +29,7 @@ struct RouteEvaluationOptions {
 /// Errors: as `Mapper::Create`.
 absl::StatusOr<Evaluation> EvaluateRoute(const Route& route, const RouteEvaluationOptions& options);
 
-/// The configuration that maps of a route have in common: the paper's (pocd.md section 5).
+/// The configuration that maps of a route have in common: POCD's (Qian et al., RSS 2022).
 MapConfig MapConfigFor(std::string_view route);
 
 /// The voxel on which a route is scored unless told otherwise, metres.

@@ -27,7 +27,7 @@ void KeepObjects(MapConfig* config) { config->policy = UpdatePolicy::kPocd; }
 void FollowThePaper(MapConfig* config) { config->policy = UpdatePolicy::kPocdPaper; }
 
 // One line a method. `static` is what a map becomes that never forgets, `fresh` what it could be
-// that forgot everything else (targets.md).
+// that forgot everything else (client/README.md#evaluation).
 constexpr std::array<MethodRow, 7> kMethods = {{
     {"static", FuseEverything, true, false},
     {"fresh", FuseEverything, true, true},

@@ -13,7 +13,7 @@ struct ReportedScore {
   double false_positive_percent = 0.0;
 };
 
-/// The rows of the paper's table (pocd.md section 6; Qian et al., RSS 2022) for a route: `1-5`,
+/// The rows of POCD's table (Qian et al., RSS 2022) for a route: `1-5`,
 /// `2-4-4`, `9-2` and `table-top`, which stands for ToyCar; none for other routes. Measured by its
 /// authors on real data, on voxels of 20 cm, ToyCar 6 cm: they stand beside ours, never in place of
 /// a measurement.

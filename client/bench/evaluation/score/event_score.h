@@ -8,7 +8,7 @@
 #include "client/bench/evaluation/truth/event_truth.h"
 #include "core/map/object_event.h"
 
-/// How well a map's events tell what changed (datasets.md section 3).
+/// How well a map's events tell what changed.
 ///
 /// A move is a removal from the old place and a creation at the new one, and a map may report it as
 /// one event or as two; so created and removed are scored for moves, too, and moves once more.

@@ -7,7 +7,7 @@
 #include "client/bench/evaluation/truth/observed_space.h"
 #include "client/bench/evaluation/truth/surface_points.h"
 
-/// How true a map's surface is (datasets.md section 3).
+/// How true a map's surface is (client/README.md#evaluation).
 namespace steadymap {
 
 /// A part of a whole, counted.

@@ -9,7 +9,7 @@
 #include "client/bench/simulator/scene/scene.h"
 #include "client/bench/simulator/scene/trajectory.h"
 
-/// The hall of the TorWIC-Mapping recordings and its scenarios (`datasets.md` section 2).
+/// The hall of the TorWIC-Mapping recordings (Qian et al., RSS 2022) and its scenarios.
 ///
 /// World frame: the origin is the centre of the loop on the ground; +y is the top of the drawing.
 /// Names of objects, and groups of those that touch:

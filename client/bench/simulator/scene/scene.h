@@ -12,7 +12,7 @@
 
 namespace steadymap {
 
-/// The classes that scenes use: the class table of `pocd.md` section 5.
+/// The classes that scenes use: those of `TorwicClasses` in core/types/map_config.h.
 enum class SceneClass : std::uint16_t {
   kBackground = 0,
   kGround = 1,
