@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Checks form: layers, shell scripts and Python all over, clang-format and clang-tidy on what changed.
+# Checks form: layers, references, shell scripts and Python all over, clang-format and clang-tidy on
+# what changed.
 #
 #   deploy/lint.sh [--all | --since COMMIT]
 #
@@ -77,6 +78,9 @@ status=0
 echo "== lint.sh: layers"
 cmake -D "ROOT=$PWD" -P tests/layering/check_layers.cmake || status=1
 cmake -D "ROOT=$PWD" -P tests/layering/check_rooms.cmake || status=1
+
+echo "== lint.sh: references"
+cmake -D "ROOT=$PWD" -P tests/layering/check_documents.cmake || status=1
 
 echo "== lint.sh: shellcheck"
 mapfile -t scripts < <(git ls-files --cached --others --exclude-standard -- '*.sh' .ci/run)
