@@ -25,17 +25,16 @@ constexpr int kFailed = 1;
 constexpr int kMisused = 2;
 
 constexpr char kCommandLineFooter[] =
-    "Maps are kept in metres in a right-handed frame with z up. A map's NAME is its id in the\n"
-    "tenant `default`, or tenants/T/maps/M. `steadymap COMMAND --help` tells more of each "
-    "command.\n"
-    "Results go to standard output, everything else to standard error; the exit code is 0 only on\n"
-    "success.\n\n"
+    "Maps use metres in a right-handed frame with z up. The NAME of a map is its id in the\n"
+    "tenant `default`, or tenants/T/maps/M. `steadymap COMMAND --help` describes each command.\n"
+    "Results are written to standard output, all other messages to standard error. The exit\n"
+    "code is 0 only on success.\n\n"
     "  steadymapd --data-dir /var/lib/steadymap &\n"
     "  steadymap map create kitchen --policy static --voxel-size 0.02\n"
     "  steadymap upload kitchen --format seven-scenes ~/data/7scenes-kitchen\n"
     "  steadymap export kitchen --format ply --output kitchen.ply";
 
-// What a person typed may hold anything; an error is one line.
+// User input may contain control characters, but an error must be one line.
 std::string OnOneLine(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
@@ -54,7 +53,7 @@ absl::Status RunAction(const CommandContext& context) {
   }
 }
 
-// What CLI11 says, made to name the word that it did not know and where to read on.
+// Returns CLI11's message, with the unknown word and a reference to the help text added.
 std::string MisuseLine(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   std::string path = app.get_name();
@@ -83,7 +82,7 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   app.require_subcommand(1);
   app.fallthrough();
   app.set_version_flag("--version", STEADYMAP_VERSION);
-  app.add_option("--server", context->server, "Server to talk to")
+  app.add_option("--server", context->server, "Address of the server")
       ->type_name("HOST:PORT")
       ->check(CheckServer)
       ->capture_default_str();

@@ -7,9 +7,9 @@
 
 namespace steadymap {
 
-/// Parses `arguments` (without the program's name) and runs the command. Returns the exit code: 0
-/// only on success, 2 for a command line that makes no sense, 1 for everything else. An error is
-/// one line on `context.err`.
+/// Parses `arguments` (without the program name) and runs the command. Returns the exit code: 0 on
+/// success, 2 for an invalid command line, 1 for any other error. An error is written as one line
+/// to `context.err`.
 int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* context);
 
 }  // namespace steadymap

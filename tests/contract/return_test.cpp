@@ -116,7 +116,7 @@ class CommandBeforeItsDaemon : public ReturnTest {
 TEST_F(CommandBeforeItsDaemon, UploadsOnceItIsThere) {
   EXPECT_EQ(Run({"simulate", "yard", "--route", "twin", "--stride", "30", "--retry-for", "30"}), 0)
       << err_.str();
-  EXPECT_NE(err_.str().find("waiting for it"), std::string::npos) << err_.str();
+  EXPECT_NE(err_.str().find("waiting for the server"), std::string::npos) << err_.str();
 }
 
 TEST_F(CommandBeforeItsDaemon, MirrorsOnceItIsThere) {

@@ -21,28 +21,29 @@
 namespace steadymap {
 namespace {
 
-// Where their descriptions start in the list of switches.
+// Column of the descriptions in the list of switches.
 constexpr std::size_t kSwitchColumn = 14;
 
-/// What is wrong with the name of a route; empty if nothing is.
+/// Returns the error of a route name; empty if the name is valid.
 std::string FindRouteFault(const std::string& name) {
   return std::string(MakeRoute(name).status().message());
 }
 
 std::string EvaluateFooter() {
   std::string footer =
-      "Frames of a simulated route, or of recorded sequences, are built into maps in this "
-      "process,\n"
-      "one by each policy, and the maps' surface is compared voxel by voxel with what truly was\n"
-      "there at the end: precision, recall and false positive rate of the same voxel, and near:\n"
-      "within half a voxel. Ghosts: share of what has vanished that the map still shows. Kept:\n"
-      "share of what only earlier sequences saw that the map still has. Two yardsticks stand\n"
-      "beside every policy: static fuses everything, fresh the last sequence only. The truth of a\n"
-      "recording is the map of its last sequence.\n\nRoutes:";
+      "Builds maps in this process, one for each policy, from the frames of a simulated route\n"
+      "or of recorded sequences, and compares their surfaces with the ground truth at the end,\n"
+      "voxel by voxel. Prints precision, recall and false positive rate, for matches in the\n"
+      "same voxel and for matches within half a voxel (near). Ghosts: share of the vanished\n"
+      "surface that the map still shows. Kept: share of the true surface observed only by\n"
+      "earlier sequences that the map still has. Two references are always included: static\n"
+      "fuses all frames, fresh only the last sequence. The ground truth of a recording is the\n"
+      "map of its last sequence.\n\n"
+      "Routes:";
   for (const std::string& route : RouteNames()) footer += " " + route;
   footer += " clutter-SEED\nPolicies:";
   for (const std::string& method : MethodNames()) footer += " " + method;
-  footer += "\nSwitches of pocd, and what it is like without:";
+  footer += "\nSwitches of pocd, and the behaviour of the map without each:";
   for (const AblationSwitch& row : AllAblationSwitches()) {
     std::string name(row.name);
     name.resize(kSwitchColumn, ' ');
@@ -65,27 +66,29 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
       app->add_subcommand("evaluate", "Build maps by several policies and score them");
   command->footer(EvaluateFooter());
   AddSources(command);
-  command->add_option("--policy", policies_, "Policies to compare; without it, all of them")
+  command->add_option("--policy", policies_, "Policies to compare (default: all)")
       ->check(CLI::IsMember(MethodNames()));
   command
       ->add_option("--switch-off",
                    switched_off_,
-                   "Show pocd without these, too, each by itself; all: all of them")
+                   "Also score pocd without these switches, one at a time; all: each switch")
       ->type_name("NAME")
       ->check(CLI::IsMember(SwitchNames()));
-  command->add_option("--stride", stride_, "Keep every N-th frame")
+  command->add_option("--stride", stride_, "Use every N-th frame")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command
       ->add_option("--voxel",
                    voxel_size_m_,
-                   "Edge of the voxels that are compared; 0.06 m on a table, else 0.2")
+                   "Edge of the compared voxels (default: 0.06 m for table scenes, otherwise 0.2)")
       ->type_name("METRES")
       ->check(CLI::Range(0.02, 1.0));
-  command->add_flag("--ground", with_ground_, "Score the ground, too");
-  command->add_flag("--stages", with_stages_, "Show where the time of a frame goes");
-  command->add_option("--pictures", pictures_folder_, "Draw each map's verdicts into this folder")
+  command->add_flag("--ground", with_ground_, "Score the ground too");
+  command->add_flag("--stages", with_stages_, "Show the time per stage of a frame");
+  command
+      ->add_option(
+          "--pictures", pictures_folder_, "Draw the scored voxels of each map into this folder")
       ->type_name("DIR");
   command->add_flag("--json", as_json_, "Print the tables as JSON");
   command->callback([this] { context_->action = [this] { return Run(); }; });
@@ -95,38 +98,41 @@ void EvaluateCommand::AddSources(CLI::App* command) {
   CLI::Option* const route = command->add_option("--route", routes_, "Simulated routes")
                                  ->type_name("ROUTE")
                                  ->check(CLI::Validator(FindRouteFault, ""));
-  command->add_option("--seed", seeds_, "Seeds of all noise; scores are of all of them together")
+  command->add_option("--seed", seeds_, "Seeds of all noise; the scores are totals over all seeds")
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag("--ideal", is_ideal_, "A sensor without noise, holes or drift");
+  command->add_flag("--ideal", is_ideal_, "Use a sensor without noise, holes or drift");
   command
       ->add_option(
           "--wrong-labels",
           wrong_labels_,
-          "Share of the things in view that each frame of a route takes for another class; "
-          "0.01 unless told")
+          "Share of the objects in view that get a wrong class label, drawn for each frame; "
+          "0.01 by default")
       ->type_name("SHARE")
       ->check(CLI::Range(0.0, 1.0))
       ->needs(route);
   command
       ->add_option("--lost",
                    lost_,
-                   "Frames of a route in which the robot takes itself to be 1.5 m and 40 degrees "
-                   "elsewhere: the first, and how many")
+                   "Frames of a route in which the robot's pose is wrong by 1.5 m and 40 degrees: "
+                   "the first frame, and their number")
       ->type_name("FRAME COUNT")
       ->expected(2)
       ->needs(route);
   CLI::Option* const format =
-      command->add_option("--format", format_, "How recorded sequences are laid out")
+      command->add_option("--format", format_, "Layout of the recorded sequences")
           ->type_name("FORMAT")
           ->check(CLI::IsMember(DatasetFormats()));
   command->add_option("--sequence", sequences_, "Recorded sequences, in the order of the drives")
       ->type_name("PATH")
       ->needs(format)
       ->excludes(route);
-  command->add_option("--label-map", label_map_file_, "Turn class ids into the map's")
+  command->add_option("--label-map", label_map_file_, "Convert class ids to the map's")
       ->type_name("FILE");
-  command->add_option("--T-world-dataset", T_world_dataset_file_, "Place recordings in the map")
+  command
+      ->add_option("--T-world-dataset",
+                   T_world_dataset_file_,
+                   "Transform from the recordings' world frame to the map's")
       ->type_name("FILE");
 }
 
@@ -230,9 +236,9 @@ MapVisitor EvaluateCommand::PictureWriter(const std::string& title, absl::Status
                                const MapScorer& scorer,
                                const std::vector<SurfacePoint>& surface) {
     if (!status->ok()) return;
-    const ScorePictureText text = {
-        title + ", " + method,
-        "verdicts within half a voxel of " + LengthText(scorer.voxel_size_m()) + ", from above"};
+    const ScorePictureText text = {title + ", " + method,
+                                   "surface scored within half a voxel of " +
+                                       LengthText(scorer.voxel_size_m()) + ", from above"};
     std::string name = title + "-" + method + ".png";
     std::erase(name, ' ');
     const std::filesystem::path path = std::filesystem::path(pictures_folder_) / name;

@@ -14,7 +14,7 @@
 
 namespace steadymap {
 
-/// `steadymap evaluate`. Lives as long as the parsed command line.
+/// The command `steadymap evaluate`. Its lifetime must cover parsing and execution.
 class EvaluateCommand {
  public:
   EvaluateCommand(CLI::App* app, CommandContext* context);
@@ -27,7 +27,8 @@ class EvaluateCommand {
   absl::StatusOr<Evaluation> EvaluateNamedRoute(const std::string& name) const;
   absl::StatusOr<Evaluation> EvaluateSequences() const;
 
-  /// Draws maps into the pictures' folder; empty without one. The first error lands in `status`.
+  /// Returns a visitor that draws each map into the folder for pictures; empty without a folder.
+  /// Stores the first error in `status`.
   MapVisitor PictureWriter(const std::string& title, absl::Status* status) const;
 
   CommandContext* context_;
@@ -37,12 +38,12 @@ class EvaluateCommand {
   std::string label_map_file_;
   std::string T_world_dataset_file_;
   std::vector<std::string> policies_;
-  std::vector<std::string> switched_off_;  ///< Of pocd.
+  std::vector<std::string> switched_off_;  ///< Switches of pocd.
   std::vector<std::uint64_t> seeds_ = {1};
   std::size_t stride_ = 1;
   std::optional<double> wrong_labels_;
-  std::vector<std::size_t> lost_;  ///< First frame and how many; empty: none.
-  double voxel_size_m_ = 0.0;      ///< 0: as the route says.
+  std::vector<std::size_t> lost_;  ///< First frame and number of frames; empty: none.
+  double voxel_size_m_ = 0.0;      ///< 0: the default of the route.
   std::string pictures_folder_;
   bool is_ideal_ = false;
   bool with_ground_ = false;

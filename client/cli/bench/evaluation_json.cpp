@@ -61,7 +61,7 @@ void WriteEvents(const EventScore& score, JsonWriter* json) {
   json->EndObject();
 }
 
-// Times by name, words joined by underscores.
+// Writes times by stage name, with words joined by underscores.
 void WriteStages(const StageTimes& stage_ms, JsonWriter* json) {
   json->Key("stage_ms").BeginObject();
   for (std::size_t stage = 0; stage < stage_ms.size(); ++stage) {

@@ -7,8 +7,8 @@
 
 namespace steadymap {
 
-/// Tables as one JSON document: an array of objects with all that `ScoreTable` shows, shares in
-/// [0, 1], the counts behind them, and null for what there is nothing to say about.
+/// Returns the tables as one JSON document: an array of objects with all values of `ScoreTable`,
+/// shares in [0, 1], the counts behind them, and null for undefined values.
 std::string EvaluationJson(const std::vector<Evaluation>& evaluations);
 
 }  // namespace steadymap

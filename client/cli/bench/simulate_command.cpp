@@ -14,15 +14,15 @@ namespace {
 
 std::string SimulateFooter() {
   std::string footer =
-      "A simulated robot drives a route through a small warehouse whose boxes and fences have\n"
-      "moved from one sequence to the next, and what its depth camera sees is uploaded, or "
-      "written\n"
-      "to a folder in the TorWIC layout. The same route and seed give the same frames.\n\nRoutes:";
+      "Simulates a robot on a route through a small warehouse whose boxes and fences have\n"
+      "moved between the sequences. The frames of its depth camera are uploaded, or written to\n"
+      "a folder in the TorWIC layout. The same route and seed always give the same frames.\n\n"
+      "Routes:";
   for (const std::string& route : RouteNames()) footer += " " + route;
   return footer +
-         " clutter-SEED\n\nA map that does not exist is created if --policy says how; the options "
-         "from --policy to\n--classes are those of `steadymap map create`, whose --help tells more "
-         "of them.";
+         " clutter-SEED\n\n"
+         "A map that does not exist is created if --policy is given. The options from --policy\n"
+         "to --classes are those of `steadymap map create`, whose --help describes them.";
 }
 
 }  // namespace
@@ -33,17 +33,18 @@ SimulateCommand::SimulateCommand(CLI::App* app, CommandContext* context) : conte
       app->add_subcommand("simulate", "Upload or write the frames of a simulated robot");
   command->footer(SimulateFooter());
   CLI::Option* const name = command->add_option("NAME", options_.map, "The map to upload to");
-  command->add_option("--write", directory_, "Write a recording to this folder instead")
+  command
+      ->add_option("--write", directory_, "Write a recording to this folder instead of uploading")
       ->type_name("DIR")
       ->excludes(name);
-  command->add_option("--route", route_, "What the robot drives through")->required();
+  command->add_option("--route", route_, "Route of the robot")->required();
   command->add_option("--seed", simulation_.seed, "Seed of all noise")->capture_default_str();
-  command->add_flag("--ideal", is_ideal_, "A sensor without noise, holes or drift");
-  command->add_option("--stride", simulation_.stride, "Keep every N-th frame")
+  command->add_flag("--ideal", is_ideal_, "Use a sensor without noise, holes or drift");
+  command->add_option("--stride", simulation_.stride, "Use every N-th frame")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_flag("--color", simulation_.include_color, "Take colour images too");
+  command->add_flag("--color", simulation_.include_color, "Include colour images");
   AddUploadRunOptions(command, &options_);
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }

@@ -10,7 +10,7 @@
 
 namespace steadymap {
 
-/// `steadymap simulate`. Lives as long as the parsed command line.
+/// The command `steadymap simulate`. Its lifetime must cover parsing and execution.
 class SimulateCommand {
  public:
   SimulateCommand(CLI::App* app, CommandContext* context);

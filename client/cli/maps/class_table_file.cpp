@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kMaxClassId = std::numeric_limits<std::uint16_t>::max();
 
-// A file that is no table may hold words of any length.
+// A file that is not a class table may contain words of any length.
 constexpr std::size_t kMaxMessageBytes = 300;
 
 std::optional<ClassMotion> ParseMotion(const std::string& word) {
@@ -37,7 +37,7 @@ absl::StatusOr<ClassId> ParseClassId(const std::string& word) {
       absl::StrCat("expected an id in [0, ", kMaxClassId, "], got \"", word, "\""));
 }
 
-// What the last word of a line may say of a class.
+// Parses the last word of a line, the motion or `background`.
 absl::Status ParseTraits(const std::string& word, SemanticClass* semantic_class) {
   if (word == "background") {
     semantic_class->in_background = true;
@@ -51,16 +51,15 @@ absl::Status ParseTraits(const std::string& word, SemanticClass* semantic_class)
   return absl::InvalidArgumentError(
       absl::StrCat("expected static, semi-static, dynamic or background as the last word, got \"",
                    word,
-                   "\"; a name of several words needs one of them behind it"));
+                   "\"; a name of several words must be followed by one of these words"));
 }
 
-// A class from the words of its line, of which there is at least one. The messages of errors lack
-// file and line.
+// Parses a class from the words of its line, of which there is at least one. Error messages contain
+// neither file nor line.
 absl::StatusOr<SemanticClass> ParseClass(std::vector<std::string> words) {
   const absl::StatusOr<ClassId> id = ParseClassId(words.front());
   if (!id.ok()) return id.status();
-  if (words.size() < 2)
-    return absl::InvalidArgumentError("expected a name behind the id, got none");
+  if (words.size() < 2) return absl::InvalidArgumentError("expected a name after the id, got none");
   SemanticClass semantic_class;
   semantic_class.id = *id;
   if (words.size() > 2) {
@@ -106,7 +105,8 @@ absl::StatusOr<std::vector<SemanticClass>> LoadClassTable(const std::filesystem:
     classes.push_back(*std::move(semantic_class));
   }
   if (classes.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(file.string(), ": holds no class"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(file.string(), ": expected at least one class, got none"));
   }
   return classes;
 }

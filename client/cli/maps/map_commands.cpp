@@ -31,23 +31,24 @@ MapCommands::MapCommands(CLI::App* app, CommandContext* context) : context_(cont
 
 void MapCommands::AddCreate(CLI::App* map) {
   CLI::App* const command = map->add_subcommand("create", "Create an empty map");
-  command->footer(std::string(kMapOptionsHelp) + "\nThe policy is static unless one is named.");
+  command->footer(std::string(kMapOptionsHelp) + "\nThe default policy is static.");
   command->add_option("NAME", name_, kNameHelp)->required();
   AddMapOptions(command, &map_options_);
   command
-      ->add_option("--max-commit-delay",
-                   max_commit_delay_ms_,
-                   "Show a frame so many milliseconds after it came at the latest, 1 to 60000; the "
-                   "server's own, 200 unless told, without it")
+      ->add_option(
+          "--max-commit-delay",
+          max_commit_delay_ms_,
+          "Longest time from the arrival of a frame to its commit, milliseconds, 1 to 60000 "
+          "(default: the server's setting, normally 200)")
       ->type_name("MS")
       ->check(CLI::Range(1, 60'000));
-  command->add_option("--label", labels_, "Give the map a label; may be given several times")
+  command->add_option("--label", labels_, "Label of the map; may be given several times")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command
       ->add_option("--world-frame",
                    world_description_,
-                   "Where the map's origin is and where x points, in words")
+                   "Description of the map's origin and of the direction of x")
       ->type_name("TEXT");
   command->add_flag("--json", as_json_, "Print the map as JSON");
   command->callback([this] { context_->action = [this] { return Create(); }; });
@@ -55,21 +56,22 @@ void MapCommands::AddCreate(CLI::App* map) {
 
 void MapCommands::AddList(CLI::App* map) {
   CLI::App* const command = map->add_subcommand("list", "List the maps of a tenant");
-  command->add_option("--tenant", tenant_, "Whose maps")->capture_default_str();
+  command->add_option("--tenant", tenant_, "Id of the tenant")->capture_default_str();
   command->add_flag("--json", as_json_, "Print JSON: {\"maps\": [...]}");
   command->callback([this] { context_->action = [this] { return List(); }; });
 }
 
 void MapCommands::AddGet(CLI::App* map) {
-  CLI::App* const command = map->add_subcommand("get", "Show a map and what it holds");
+  CLI::App* const command =
+      map->add_subcommand("get", "Show a map, its configuration and its state");
   command->add_option("NAME", name_, kNameHelp)->required();
   command->add_flag("--json", as_json_, "Print JSON");
   command->callback([this] { context_->action = [this] { return Get(); }; });
 }
 
 void MapCommands::AddDelete(CLI::App* map) {
-  CLI::App* const command =
-      map->add_subcommand("delete", "Delete a map with its log and its history, at once");
+  CLI::App* const command = map->add_subcommand(
+      "delete", "Delete a map with its log and its history, without confirmation");
   command->add_option("NAME", name_, kNameHelp)->required();
   command->callback([this] { context_->action = [this] { return Delete(); }; });
 }
@@ -111,7 +113,7 @@ absl::Status MapCommands::Get() const {
 absl::Status MapCommands::List() const {
   if (!IsValidId(tenant_)) {
     return absl::InvalidArgumentError(
-        "expected a tenant's id, lower-case letters, digits and hyphens beginning with a letter, "
+        "expected a tenant id: lower-case letters, digits and hyphens, starting with a letter; "
         "got \"" +
         tenant_ + "\"");
   }

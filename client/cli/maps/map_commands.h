@@ -13,7 +13,8 @@
 
 namespace steadymap {
 
-/// `steadymap map create|get|list|update|delete`. Lives as long as the parsed command line.
+/// The command `steadymap map create|get|list|update|delete`. Its lifetime must cover parsing and
+/// execution.
 class MapCommands {
  public:
   MapCommands(CLI::App* app, CommandContext* context);
@@ -34,7 +35,7 @@ class MapCommands {
   std::string tenant_ = "default";
   bool as_json_ = false;
   MapOptions map_options_;
-  std::int64_t max_commit_delay_ms_ = 0;  ///< 0: the server's.
+  std::int64_t max_commit_delay_ms_ = 0;  ///< 0: the server's setting.
   std::vector<std::string> labels_;       ///< `KEY=VALUE` each.
   std::optional<std::string> world_description_;
   std::optional<MapUpdateCommand> update_;

@@ -30,7 +30,8 @@ absl::StatusOr<v1::Map> LookUpMap(const MapName& name,
         backoff.NextDelay({.was_answered = false, .took = took});
     if (!delay) return map;
     if (!has_said) {
-      context->err << ErrorLine(map.status(), context->server) << "; waiting for it" << std::endl;
+      context->err << ErrorLine(map.status(), context->server) << "; waiting for the server"
+                   << std::endl;
     }
     std::this_thread::sleep_for(*delay);
   }

@@ -11,12 +11,12 @@
 
 namespace steadymap {
 
-/// What `--retry-for` says, in seconds, as the time to give up after.
+/// Converts the value of `--retry-for`, in seconds, to the time after which retries end.
 std::chrono::milliseconds RetryTime(double retry_for_s);
 
-/// The map as it is. While no server answers, asks again as uploads and watches do, for `retry_for`
-/// in all, and says so once on `context->err`.
-/// Errors: what a server answered; what the last try ended with.
+/// Returns the map. While no server responds, retries for `retry_for` in total with the back-off of
+/// uploads and watches, and writes one message to `context->err`. Errors: the error from the
+/// server; the error of the last attempt.
 absl::StatusOr<v1::Map> LookUpMap(const MapName& name,
                                   std::chrono::milliseconds retry_for,
                                   CommandContext* context);

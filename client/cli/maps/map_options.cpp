@@ -16,12 +16,12 @@
 namespace steadymap {
 namespace {
 
-// Truncations that the server takes, in voxels, and the one it takes when it has the choice.
+// Range of truncations that the server accepts, and its default, in voxels.
 constexpr double kMinTruncationVoxels = 2.0;
 constexpr double kMaxTruncationVoxels = 16.0;
 constexpr double kUsualTruncationVoxels = 3.0;
 
-// The default truncation where the voxel size allows it.
+// Returns the default truncation if it is in range for the voxel size, otherwise three voxels.
 double DefaultTruncation(const MapConfig& config) {
   const double voxels = config.truncation_m / config.voxel_size_m;
   if (voxels >= kMinTruncationVoxels && voxels <= kMaxTruncationVoxels) return config.truncation_m;
@@ -52,42 +52,36 @@ absl::Status Differs(const v1::Map& present,
                                                     found,
                                                     ", not ",
                                                     wanted,
-                                                    "; leave the option out, or take another map"));
+                                                    "; omit the option or use another map"));
 }
 
 }  // namespace
 
 const char kMapOptionsHelp[] =
-    "How a map is built is fixed when it is created, so that its frames always lead to the same "
-    "map.\n"
-    "--policy static fuses every frame and forgets nothing; pocd keeps objects, and notices what "
-    "was\n"
-    "moved or removed: it needs labels, or instances, of each frame. The others are there to "
-    "compare\n"
-    "with. The truncation's default is 0.15 m, or three voxels where 0.15 m is not 2 to 16 of "
-    "them.\n"
-    "--classes names a text file with a line `ID NAME [static|semi-static|dynamic|background]` a "
-    "class;\n"
-    "pixels of dynamic classes are never mapped. A name of several words needs the word behind "
-    "it.\n"
-    "Without --classes the map has the TorWIC classes.";
+    "These options are fixed when a map is created, so that the same frames always give the\n"
+    "same map. --policy static fuses all frames and removes nothing. pocd keeps objects and\n"
+    "detects moved and removed ones; it needs labels or instances in each frame. The other\n"
+    "policies are baselines for comparison. The default truncation is 0.15 m, or three voxels\n"
+    "if 0.15 m is not 2 to 16 voxels. --classes is a text file with one line `ID NAME\n"
+    "[static|semi-static|dynamic|background]` for each class. Pixels of dynamic classes are\n"
+    "never mapped. A name of several words must be followed by one of these words. Without\n"
+    "--classes, the map has the TorWIC classes.";
 
 void AddMapOptions(CLI::App* command, MapOptions* options) {
   const MapConfig defaults;
-  command->add_option(
-      "--policy",
-      options->policy,
-      "How the map decides what to believe: " + WordsOf(v1::UpdatePolicy_descriptor()));
+  command->add_option("--policy",
+                      options->policy,
+                      "Update policy of the map: " + WordsOf(v1::UpdatePolicy_descriptor()));
   command->add_option("--voxel-size", options->voxel_size_m, "Edge of a voxel, metres, 0.001 to 1")
       ->default_str(absl::StrCat(defaults.voxel_size_m));
   command
       ->add_option("--truncation",
                    options->truncation_m,
-                   "Distances are kept within this of a surface, metres, 2 to 16 voxels")
+                   "Half-width of the truncation band around surfaces, metres, 2 to 16 voxels")
       ->default_str(absl::StrCat(defaults.truncation_m));
   command
       ->add_option(
-          "--max-depth", options->max_depth_m, "Depth beyond this is not used, metres, 0.1 to 100")
+          "--max-depth", options->max_depth_m, "Largest depth that is used, metres, 0.1 to 100")
       ->default_str(absl::StrCat(defaults.max_depth_m));
   command->add_option("--classes", options->classes_file, "File with the map's class table")
       ->type_name("FILE");
@@ -108,7 +102,7 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
     if (!classes.ok()) return classes.status();
     config.classes = *std::move(classes);
   }
-  // Here rather than on the server, which takes zeros for "the default".
+  // Validated here, because the server treats a zero as "the default".
   if (absl::Status status = ValidateMapConfig(config); !status.ok()) return status;
   return config;
 }

@@ -16,31 +16,31 @@ class App;
 
 namespace steadymap {
 
-/// The options of the command line that say how a new map is built. What is not given has the
+/// The command-line options for the configuration of a new map. An option that is not given has the
 /// default of `MapConfig`.
 struct MapOptions {
   std::optional<std::string> policy;   ///< A word of `WordsOf(v1::UpdatePolicy_descriptor())`.
   std::optional<double> voxel_size_m;  ///< Edge of a voxel, metres.
-  std::optional<double> truncation_m;  ///< Metres; else 0.15, or three voxels if that fits better.
-  std::optional<double> max_depth_m;   ///< Metres.
-  std::optional<std::string> classes_file;  ///< As `LoadClassTable` reads it.
+  /// Metres. Default: 0.15, or three voxels if 0.15 is out of range.
+  std::optional<double> truncation_m;
+  std::optional<double> max_depth_m;        ///< Metres.
+  std::optional<std::string> classes_file;  ///< A file for `LoadClassTable`.
 
   friend bool operator==(const MapOptions&, const MapOptions&) = default;
 };
 
-/// Adds options that change a MapOptions, which must outlive the command.
+/// Adds the options that set `options`, which must outlive the command.
 void AddMapOptions(CLI::App* command, MapOptions* options);
 
-/// What the footer of a command with these options says of them.
+/// Description of these options for the footer of a command.
 extern const char kMapOptionsHelp[];
 
-/// The configuration that the options describe.
-/// Errors: `InvalidArgument` for a policy that is unknown and for what no map can have; as
-/// `LoadClassTable`.
+/// Returns the configuration described by the options. Errors: `InvalidArgument` for an unknown
+/// policy and for an invalid configuration; as `LoadClassTable`.
 absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options);
 
-/// OK if a map that is there agrees with every option that was given; `wanted` is `ConfigOf` of the
-/// options. Errors: `FailedPrecondition` that names the first option that differs.
+/// Checks that an existing map agrees with every given option. `wanted` is `ConfigOf` of the
+/// options. Errors: `FailedPrecondition` with the first differing option in the message.
 absl::Status CheckPresentMap(const MapOptions& options,
                              const MapConfig& wanted,
                              const v1::Map& present);

@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-// A server of before policies were told means the only one there was.
+// Servers that do not send a policy support only the static one.
 std::string PolicyText(v1::UpdatePolicy policy) {
   return WordOf(v1::UpdatePolicy_descriptor(),
                 policy == v1::UPDATE_POLICY_UNSPECIFIED ? v1::UPDATE_POLICY_STATIC : policy);
@@ -33,7 +33,7 @@ const char* MotionText(v1::ClassMotion motion) {
   }
 }
 
-// In the order of their keys.
+// Returns the labels sorted by key.
 std::map<std::string, std::string> LabelsOf(const v1::Map& map) {
   return {map.labels().begin(), map.labels().end()};
 }
@@ -51,7 +51,8 @@ std::string ConditionText(const v1::MapState& state) {
   return ConditionWord(state) + (reason.empty() ? "" : ": " + reason);
 }
 
-// `47.37, 8.54 degrees at 410 m, x points to 90 degrees from north`.
+// `47.3700000, 8.5400000 degrees, 410.00 m above the ellipsoid, x points 90.00 degrees clockwise
+// from north`.
 std::string AnchorText(const v1::GeoAnchor& anchor) {
   return FixedText(anchor.latitude_deg(), 7) + ", " + FixedText(anchor.longitude_deg(), 7) +
          " degrees, " + FixedText(anchor.altitude_m(), 2) + " m above the ellipsoid, x points " +

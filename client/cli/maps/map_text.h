@@ -10,18 +10,19 @@
 
 namespace steadymap {
 
-/// Everything about a map, a line a fact, for people.
+/// Writes all properties of a map as readable text, one line for each.
 void WriteMapText(const v1::Map& map, std::ostream* out);
 
-/// A line a map, under a line of headings, for people; below it a line with its labels and one with
-/// its world frame, where it has any.
+/// Writes a readable table with one line for each map. A line with the labels and a line with the
+/// world frame follow, where the map has them.
 void WriteMapTable(const std::vector<v1::Map>& maps, std::ostream* out);
 
-/// Everything about a map as a JSON object, fields spelt as in map.proto, counts as numbers.
+/// Writes all properties of a map as a JSON object, with the field names of map.proto and counts as
+/// numbers.
 void WriteMapJson(const v1::Map& map, JsonWriter* json);
 
-/// The answer to a change of a map: `done` and its name, such as "created tenants/t/maps/m", or as
-/// `WriteMapJson`.
+/// Writes the result of a change to a map: `done` and the map's name, such as "created
+/// tenants/t/maps/m", or the map as `WriteMapJson`.
 void WriteChangedMap(std::string_view done, const v1::Map& map, bool as_json, std::ostream* out);
 
 }  // namespace steadymap

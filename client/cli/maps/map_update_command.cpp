@@ -16,13 +16,11 @@ namespace steadymap {
 namespace {
 
 constexpr char kUpdateFooter[] =
-    "What is not named stays as it is. --classes names a file as `steadymap map create` takes it: "
-    "its\n"
-    "rows are added to the map's class table, for the frames that come after. Rows that the table "
-    "has\n"
-    "already may be in the file; none can be changed. If the map is changed by somebody else at "
-    "the\n"
-    "same time, both changes are made, unless --etag says which state of it may be changed.";
+    "Properties that are not given do not change. --classes takes a file in the format of\n"
+    "`steadymap map create`: its rows are added to the map's class table and apply to later\n"
+    "frames. The file may repeat existing rows, but cannot change them. If another client\n"
+    "changes the map at the same time, both changes are applied, unless --etag restricts the\n"
+    "change to one state of the map.";
 
 absl::StatusOr<std::vector<v1::SemanticClass>> LoadClasses(const std::string& file) {
   absl::StatusOr<std::vector<SemanticClass>> classes = LoadClassTable(file);
@@ -40,24 +38,22 @@ MapUpdateCommand::MapUpdateCommand(CLI::App* map, CommandContext* context) : con
       map->add_subcommand("update", "Change a map's labels or world frame, or add classes");
   command->footer(kUpdateFooter);
   command->add_option("NAME", name_, "The map")->required();
-  command
-      ->add_option(
-          "--label", labels_, "Give the map a label, or another value; may be given several times")
+  command->add_option("--label", labels_, "Add or change a label; may be given several times")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command
       ->add_option("--remove-label",
                    removed_labels_,
-                   "Take a label away, if the map has it; may be given several times")
+                   "Remove a label if the map has it; may be given several times")
       ->allow_extra_args(false)
       ->type_name("KEY");
   command
       ->add_option("--world-frame",
                    world_description_,
-                   "Where the map's origin is and where x points, in words")
+                   "Description of the map's origin and of the direction of x")
       ->type_name("TEXT");
   command->add_option("--classes", classes_file_, "File with classes to add")->type_name("FILE");
-  command->add_option("--etag", etag_, "Fail if the map has changed since it had this etag")
+  command->add_option("--etag", etag_, "Fail if the etag of the map differs from this one")
       ->type_name("ETAG");
   command->add_flag("--json", as_json_, "Print the map as JSON");
   command->callback([this] { context_->action = [this] { return Run(); }; });
@@ -74,7 +70,7 @@ absl::Status MapUpdateCommand::Run() const {
   for (const std::string& key : removed_labels_) {
     if (!change.labels.contains(key)) continue;
     return absl::InvalidArgumentError(
-        absl::StrCat("expected the label \"", key, "\" either to be given or to be removed"));
+        absl::StrCat("expected the label \"", key, "\" in only one of --label and --remove-label"));
   }
   if (classes_file_) {
     absl::StatusOr<std::vector<v1::SemanticClass>> classes = LoadClasses(*classes_file_);

@@ -10,10 +10,10 @@
 
 namespace steadymap {
 
-/// `steadymap map update`. Lives as long as the parsed command line.
+/// The command `steadymap map update`. Its lifetime must cover parsing and execution.
 class MapUpdateCommand {
  public:
-  /// Adds the command to `map`, the parent of all commands about maps.
+  /// Adds the command to `map`, the parent of all map commands.
   MapUpdateCommand(CLI::App* map, CommandContext* context);
 
  private:

@@ -13,25 +13,22 @@ namespace steadymap {
 namespace {
 
 constexpr char kEventsFooter[] =
-    "A TIME is a moment as the listing prints it, 2024-05-01T12:00:00Z, or seconds since 1970.\n\n"
-    "JSON: {\"revision\", \"events\": [{\"number\", \"type\", \"reason\", \"object\", \"class\", "
-    "\"class_name\",\n"
-    "\"time\" (capture time), \"revision\", \"center\" [x, y, z]; for moves also \"old_center\",\n"
-    "\"new_center\", \"confidence\", and \"pose_before\" and \"pose_after\" of the object's frame\n"
-    "where its shape was recognised; \"related\" where another object is part of it: for a "
-    "move, the\n"
-    "one created at the new place, which is this one and none of its own any more; for robots\n"
-    "\"robot\", for objects \"views\" and \"absences\", the evidence so far, \"before\" and "
-    "\"after\", the\n"
-    "belief}]}. `class` is the id in the map's class table. Metres in the world frame, seconds "
-    "since\n"
-    "1970.";
+    "A TIME is in the format of the listing, 2024-05-01T12:00:00Z, or in seconds since 1970.\n\n"
+    "JSON: {\"revision\", \"events\": [{\"number\", \"type\", \"reason\", \"object\",\n"
+    "\"class\", \"class_name\", \"time\" (capture time), \"revision\", \"center\" [x, y, z];\n"
+    "for moves also \"old_center\", \"new_center\", \"confidence\", and \"pose_before\" and\n"
+    "\"pose_after\" of the object's frame if its shape was recognised; \"related\" for moves,\n"
+    "merges and splits, the other object: for a move, the object that was created at the new\n"
+    "place and is merged into this one; for robots \"robot\", for objects \"views\" and\n"
+    "\"absences\", the evidence so far, and \"before\" and \"after\", the belief}]}. `class`\n"
+    "is the id in the map's class table. Lengths are metres in the world frame, times seconds\n"
+    "since 1970.";
 
 }  // namespace
 
 EventsCommand::EventsCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command =
-      app->add_subcommand("events", "List what happened to the objects and robots of a map");
+      app->add_subcommand("events", "List the events of the objects and robots of a map");
   command->footer(kEventsFooter);
   command->add_option("NAME", map_, "The map")->required();
   command
@@ -51,9 +48,9 @@ EventsCommand::EventsCommand(CLI::App* app, CommandContext* context) : context_(
   command->add_option("--changed-since", changed_since_, "Only events after this revision")
       ->check(CLI::NonNegativeNumber)
       ->type_name("REVISION");
-  command->add_option("--since", since_, "Only events of frames captured then or later")
+  command->add_option("--since", since_, "Only events of frames captured at this time or later")
       ->type_name("TIME");
-  command->add_option("--until", until_, "Only events of frames captured before")
+  command->add_option("--until", until_, "Only events of frames captured before this time")
       ->type_name("TIME");
   command->add_flag("--json", as_json_, "Print JSON");
   command->callback([this] { context_->action = [this] { return Run(); }; });

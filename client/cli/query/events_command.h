@@ -13,7 +13,7 @@
 
 namespace steadymap {
 
-/// `steadymap events`. Lives as long as the parsed command line.
+/// The command `steadymap events`. Its lifetime must cover parsing and execution.
 class EventsCommand {
  public:
   EventsCommand(CLI::App* app, CommandContext* context);
@@ -28,8 +28,8 @@ class EventsCommand {
   std::vector<std::string> classes_;
   std::vector<std::uint64_t> objects_;
   std::uint64_t changed_since_ = 0;
-  std::optional<std::string> since_;  ///< As `ParseMoment` reads it.
-  std::optional<std::string> until_;  ///< Likewise.
+  std::optional<std::string> since_;  ///< Text for `ParseMoment`.
+  std::optional<std::string> until_;  ///< Text for `ParseMoment`.
   bool as_json_ = false;
 };
 

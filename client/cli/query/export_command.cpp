@@ -14,15 +14,14 @@ namespace {
 
 constexpr char kExportFooter[] =
     "  ply  triangles with normals, and colours where known; metres, map frame, z up\n"
-    "  glb  the same as binary glTF 2.0, turned so that y is up, for viewers\n"
+    "  glb  the same triangles as binary glTF 2.0, rotated so that y is up, for viewers\n"
     "  vdb  OpenVDB volumes of signed distance and weight\n\n"
-    "The file appears under its name once it is complete; until then it has a temporary name\n"
-    "beside it. --box keeps what lies between two corners, world frame, metres.\n\n"
-    "Without --object the file holds all that the map shows, its background and its present "
-    "objects.\n"
-    "--object 0 is the background; archived objects can be chosen too. A vdb file has grids of its "
-    "own\n"
-    "for each, with its class, its state and where it stands.";
+    "The file is written under a temporary name in the same folder, and renamed when it is\n"
+    "complete. --box exports only the part of the map between two corners (world frame,\n"
+    "metres).\n\n"
+    "Without --object, the file contains the background and all present objects. --object 0 is\n"
+    "the background; archived objects can be selected too. A vdb file has separate grids for\n"
+    "each object, with its class, its state and its pose.";
 
 const std::map<std::string, v1::ExportFormat>& Formats() {
   static const auto* const formats =
@@ -38,10 +37,10 @@ ExportCommand::ExportCommand(CLI::App* app, CommandContext* context) : context_(
   CLI::App* const command = app->add_subcommand("export", "Write a map to a file");
   command->footer(kExportFooter);
   command->add_option("NAME", map_, "The map")->required();
-  command->add_option("--format", format_, "Format of the file, and its ending")
+  command->add_option("--format", format_, "Format of the file, and its extension")
       ->required()
       ->check(CLI::IsMember({"ply", "vdb", "glb"}));
-  command->add_option("--output", output_, "The file")->required()->type_name("FILE");
+  command->add_option("--output", output_, "The file to write")->required()->type_name("FILE");
   command->add_option("--box", box_, "Only this part of the map")->type_name("x0,y0,z0,x1,y1,z1");
   command->add_option("--object", objects_, "Only this object; may be given several times")
       ->check(CLI::NonNegativeNumber)

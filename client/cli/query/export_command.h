@@ -10,7 +10,7 @@
 
 namespace steadymap {
 
-/// `steadymap export`. Lives as long as the parsed command line.
+/// The command `steadymap export`. Its lifetime must cover parsing and execution.
 class ExportCommand {
  public:
   ExportCommand(CLI::App* app, CommandContext* context);

@@ -31,7 +31,7 @@ void WriteVectorJson(const char* key, const v1::Vector3& vector, JsonWriter* jso
   json->Key(key).Vector(vector.x(), vector.y(), vector.z());
 }
 
-// The members of a belief, within an object that is open.
+// Writes a pose as a member of the JSON object that is open.
 void WritePoseJson(const char* key, const v1::UprightPose& pose, JsonWriter* json) {
   json->Key(key).BeginObject();
   WriteVectorJson("position", pose.position_m(), json);
@@ -39,6 +39,7 @@ void WritePoseJson(const char* key, const v1::UprightPose& pose, JsonWriter* jso
   json->EndObject();
 }
 
+// Writes the members of a belief into the JSON object that is open.
 void WriteBeliefMembers(const v1::Belief& belief, JsonWriter* json) {
   json->Key("stationarity").Number(StationarityOf(belief));
   json->Key("alpha").Number(belief.alpha());
@@ -47,7 +48,7 @@ void WriteBeliefMembers(const v1::Belief& belief, JsonWriter* json) {
   json->Key("change_std_m").Number(belief.change_std_m());
 }
 
-// What happened to whom, as the rest of an event's line.
+// Returns the part of an event's line after its type: the object or robot and the change.
 std::string EventText(const v1::ObjectEvent& event, const ClassNames& classes) {
   if (!event.robot().empty()) return absl::StrCat("robot ", event.robot(), "/", event.sensor());
   if (event.object_id() == 0) return "";
@@ -110,7 +111,7 @@ absl::StatusOr<std::vector<ClassId>> ClassNames::ParseAll(
 absl::StatusOr<v1::EventType> ParseEventType(std::string_view text) {
   const int type = NumberOf(v1::EventType_descriptor(), text);
   if (type != 0) return static_cast<v1::EventType>(type);
-  return absl::InvalidArgumentError(absl::StrCat("expected a type of events (",
+  return absl::InvalidArgumentError(absl::StrCat("expected an event type (",
                                                  WordsOf(v1::EventType_descriptor()),
                                                  "), got \"",
                                                  std::string(text),

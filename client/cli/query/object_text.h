@@ -18,43 +18,45 @@
 #include "steadymap/v1/map.pb.h"
 #include "steadymap/v1/object.pb.h"
 
-/// Objects and their history, for people and for programs.
+/// Objects and their history as text and as JSON.
 namespace steadymap {
 
-/// What the classes of a map are called.
+/// The names of a map's classes.
 class ClassNames {
  public:
   explicit ClassNames(const v1::MapConfig& config);
 
-  /// The class's name; `class 12` for one that the table lacks.
+  /// Returns the name of a class; `class 12` for a class that is not in the table.
   std::string NameOf(std::uint32_t class_id) const;
 
-  /// A class by its name or its id. Errors: `InvalidArgument` for one that the map does not have.
+  /// Returns a class by its name or its id. Errors: `InvalidArgument` for a class that the map does
+  /// not have.
   absl::StatusOr<ClassId> Parse(const std::string& text) const;
 
-  /// Several of them, in their order. Errors: the first one's.
+  /// Parses several classes, in order. Returns the first error.
   absl::StatusOr<std::vector<ClassId>> ParseAll(const std::vector<std::string>& texts) const;
 
  private:
   std::map<std::uint32_t, std::string> names_;
 };
 
-/// The type of an event by its name. Errors: `InvalidArgument` that lists the types.
+/// Returns the type of an event by its name. Errors: `InvalidArgument` with the list of types in
+/// the message.
 absl::StatusOr<v1::EventType> ParseEventType(std::string_view text);
 
-/// A line an object, under a line of headings.
+/// Writes a table with one line for each object.
 void WriteObjectTable(const std::vector<v1::Object>& objects,
                       const ClassNames& classes,
                       std::ostream* out);
 
-/// An object in one line, without a line feed.
+/// Returns an object as one line, without a line feed.
 std::string ObjectText(const v1::Object& object, const ClassNames& classes);
 
-/// Seconds since 1970.
+/// Converts a time to seconds since 1970.
 double SecondsOf(const google::protobuf::Timestamp& moment);
 
-/// What a list call gave, as JSON: `{"revision", "<key>": [...]}`, each entry as `write_entry`
-/// does.
+/// Returns the result of a list call as JSON: `{"revision", "<key>": [...]}`. `write_entry` writes
+/// each entry.
 template <typename Message>
 std::string ListJson(const MapList<Message>& list,
                      std::string_view key,
@@ -67,16 +69,16 @@ std::string ListJson(const MapList<Message>& list,
   return json.Finish();
 }
 
-/// An object as JSON: lengths in metres in the world frame, angles in radians, times in seconds
-/// since 1970.
+/// Writes an object as JSON: lengths in metres in the world frame, angles in radians, times in
+/// seconds since 1970.
 void WriteObjectJson(const v1::Object& object, const ClassNames& classes, JsonWriter* json);
 
-/// A line an event.
+/// Writes one line for each event.
 void WriteEventLines(const std::vector<v1::ObjectEvent>& events,
                      const ClassNames& classes,
                      std::ostream* out);
 
-/// An event as JSON, units as for objects.
+/// Writes an event as JSON, in the units of `WriteObjectJson`.
 void WriteEventJson(const v1::ObjectEvent& event, const ClassNames& classes, JsonWriter* json);
 
 }  // namespace steadymap

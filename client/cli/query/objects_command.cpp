@@ -13,18 +13,14 @@ namespace steadymap {
 namespace {
 
 constexpr char kObjectsFooter[] =
-    "An object's E[v] is how probably it stands where it stood; `alpha` and `beta` weigh what "
-    "spoke\n"
-    "for and against that. Maps of the static policy have no objects.\n\n"
-    "JSON: {\"revision\", \"objects\": [{\"id\", \"class\", \"class_name\", \"class_confidence\", "
-    "\"standing\",\n"
-    "\"center\" and \"size\" [x, y, z] and \"yaw\" of its cuboid, \"stationarity\", \"alpha\", "
-    "\"beta\",\n"
-    "\"change_mean_m\", \"change_std_m\", \"first_seen\", \"last_seen\", \"views\", \"absences\", "
-    "\"revision\",\n"
-    "\"leaves\"}]}. `class` is the id in the map's class table. Metres in the world frame, "
-    "radians,\n"
-    "seconds since 1970.";
+    "E[v] of an object is the probability that it is still in its place; `alpha` and `beta`\n"
+    "are the evidence for and against that. Maps of the static policy have no objects.\n\n"
+    "JSON: {\"revision\", \"objects\": [{\"id\", \"class\", \"class_name\",\n"
+    "\"class_confidence\", \"standing\", \"center\" and \"size\" [x, y, z] and \"yaw\" of its\n"
+    "cuboid, \"stationarity\", \"alpha\", \"beta\", \"change_mean_m\", \"change_std_m\",\n"
+    "\"first_seen\", \"last_seen\", \"views\", \"absences\", \"revision\", \"leaves\"}]}.\n"
+    "`class` is the id in the map's class table. Lengths are metres in the world frame, angles\n"
+    "radians, times seconds since 1970.";
 
 }  // namespace
 
@@ -43,7 +39,7 @@ ObjectsCommand::ObjectsCommand(CLI::App* app, CommandContext* context) : context
   command->add_option("--changed-since", changed_since_, "Only objects changed after this revision")
       ->check(CLI::NonNegativeNumber)
       ->type_name("REVISION");
-  command->add_flag("--all", all_, "Archived and tentative objects too");
+  command->add_flag("--all", all_, "Include archived and tentative objects");
   command->add_flag("--json", as_json_, "Print JSON");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }

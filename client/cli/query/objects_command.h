@@ -10,7 +10,7 @@
 
 namespace steadymap {
 
-/// `steadymap objects`. Lives as long as the parsed command line.
+/// The command `steadymap objects`. Its lifetime must cover parsing and execution.
 class ObjectsCommand {
  public:
   ObjectsCommand(CLI::App* app, CommandContext* context);

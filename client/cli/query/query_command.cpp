@@ -12,13 +12,12 @@ namespace steadymap {
 namespace {
 
 constexpr char kQueryFooter[] =
-    "For each point (world frame, metres) its state: `surface` at a surface or right behind it,\n"
-    "`free` in front of all surfaces or where a camera has looked through, `unknown` elsewhere. "
-    "Within\n"
-    "the truncation of a surface also the signed distance to the nearest: positive in front of "
-    "it,\n"
-    "negative behind, together with the direction away from the surface, the object (0 is the\n"
-    "background), its class, and the weight of the evidence (1 is one look from 1 m).";
+    "Prints the state of each point (world frame, metres): `surface` at a surface or directly\n"
+    "behind it, `free` in front of all surfaces or where a camera observed free space,\n"
+    "`unknown` elsewhere. Inside the truncation band, also prints the signed distance to the\n"
+    "nearest surface (positive in front of it, negative behind it), the gradient (the\n"
+    "direction away from the surface), the object (0 is the background), its class, and the\n"
+    "weight of the evidence (1 is one observation from 1 m).";
 
 const char* StateText(v1::PointState state) {
   switch (state) {
@@ -73,10 +72,10 @@ void WriteSampleJson(const Eigen::Vector3d& point,
 
 QueryCommand::QueryCommand(CLI::App* app, CommandContext* context) : context_(context) {
   CLI::App* const command =
-      app->add_subcommand("query", "Ask how far points are from the nearest surface");
+      app->add_subcommand("query", "Show the distance of points from the nearest surface");
   command->footer(kQueryFooter);
   command->add_option("NAME", map_, "The map")->required();
-  command->add_option("--point", points_, "Point to ask for; may be given several times")
+  command->add_option("--point", points_, "Point to query; may be given several times")
       ->required()
       ->type_name("x,y,z");
   command->add_flag("--json", as_json_, "Print JSON");

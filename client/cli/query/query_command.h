@@ -9,7 +9,7 @@
 
 namespace steadymap {
 
-/// `steadymap query`. Lives as long as the parsed command line.
+/// The command `steadymap query`. Its lifetime must cover parsing and execution.
 class QueryCommand {
  public:
   QueryCommand(CLI::App* app, CommandContext* context);

@@ -22,10 +22,10 @@ namespace steadymap {
 namespace {
 
 constexpr char kRenderFooter[] =
-    "A bird's-eye picture: the surface from straight above, lit and coloured by height (or by the\n"
-    "colours that were recorded), the robots' paths and a scale bar. A ceiling is cut away.\n"
-    "Objects are outlined in the colour of their E[v], how probably they stand where they stood;\n"
-    "broken outlines are the ghosts of what was removed or moved away.";
+    "Draws the map from above: the surface, shaded and coloured by height (or in the recorded\n"
+    "colours), the paths of the robots and a scale bar. A ceiling is cut away. Objects are\n"
+    "outlined in the colour of their E[v], the probability that they are still in their place.\n"
+    "Broken outlines show the former places of objects that were removed or moved.";
 
 std::vector<RobotPath> PathsOf(const std::vector<v1::FramePose>& poses) {
   std::map<SensorName, RobotPath> paths;
@@ -42,10 +42,11 @@ std::vector<RobotPath> PathsOf(const std::vector<v1::FramePose>& poses) {
   return ordered;
 }
 
-// Events that say where something stood and no longer stands.
+// Events of objects that left their place.
 constexpr std::array<v1::EventType, 2> kDepartures = {v1::EVENT_TYPE_REMOVED, v1::EVENT_TYPE_MOVED};
 
-/// What the map shows, and the ghosts of what left its place. An object that came back leaves none.
+/// Returns the shown objects, and the former places of removed or moved objects. An object that
+/// returned has no such mark.
 absl::StatusOr<std::vector<ObjectMark>> ReadMarks(MapClient* client,
                                                   const MapName& name,
                                                   const MapSnapshot& section) {
@@ -86,16 +87,16 @@ RenderCommand::RenderCommand(CLI::App* app, CommandContext* context) : context_(
   CLI::App* const command = app->add_subcommand("render", "Draw a map from above");
   command->footer(kRenderFooter);
   command->add_option("NAME", map_, "The map")->required();
-  command->add_option("--output", output_, "The PNG file")->required()->type_name("FILE");
+  command->add_option("--output", output_, "The PNG file to write")->required()->type_name("FILE");
   command->add_option("--size", picture_.longest_side_px, "Length of the longer side, pixels")
       ->check(CLI::Range(600, 8000))
       ->capture_default_str();
-  command->add_flag("--by-height", by_height_, "Colour by height even where colours were recorded");
+  command->add_flag("--by-height", by_height_, "Colour by height even if colours were recorded");
   command
       ->add_option_function<double>(
           "--cut-height",
           [this](const double& height_m) { picture_.cut_height_m = height_m; },
-          "Leave out what is higher, metres; without it, only a ceiling")
+          "Omit everything above this height, metres (default: only a ceiling)")
       ->type_name("METRES");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }

@@ -9,7 +9,7 @@
 
 namespace steadymap {
 
-/// `steadymap render`. Lives as long as the parsed command line.
+/// The command `steadymap render`. Its lifetime must cover parsing and execution.
 class RenderCommand {
  public:
   RenderCommand(CLI::App* app, CommandContext* context);

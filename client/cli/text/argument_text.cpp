@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t kNanosecondDigits = 9;
 
-// What nanoseconds in 64 bits hold ends in 2262.
+// The range of 64-bit nanoseconds ends in 2262.
 const absl::Time kFirstMoment = absl::UnixEpoch();
 const absl::Time kLastMoment = absl::FromUnixSeconds(9'214'646'400);
 
-// Exactly `count` finite numbers separated by commas, or none.
+// Parses exactly `count` finite numbers separated by commas; none for any other text.
 std::optional<std::vector<double>> ParseNumbers(std::string_view text, std::size_t count) {
   std::vector<double> numbers;
   const char* place = text.data();
@@ -36,7 +36,8 @@ std::optional<std::vector<double>> ParseNumbers(std::string_view text, std::size
   return numbers;
 }
 
-// Seconds since 1970 in plain decimals as RFC 3339 text would give them; none for any other text.
+// Parses seconds since 1970 as a decimal number, with the exact result of the equal RFC 3339 text;
+// none for any other text.
 std::optional<absl::Time> ParseSeconds(std::string_view text) {
   const std::size_t point = text.find('.');
   const std::string_view whole = text.substr(0, point);
@@ -68,8 +69,8 @@ absl::StatusOr<MapName> ParseMapArgument(std::string_view text) {
   if (text.find('/') != std::string_view::npos) return MapName::Parse(text);
   if (IsValidId(text)) return MapName{"default", std::string(text)};
   return Expected(
-      "a map's name, lower-case letters, digits and hyphens beginning with a letter, at most 63 "
-      "characters, or tenants/{tenant}/maps/{map}",
+      "a map name (lower-case letters, digits and hyphens, starting with a letter, at most 63 "
+      "characters) or tenants/{tenant}/maps/{map}",
       text);
 }
 
@@ -84,7 +85,7 @@ absl::StatusOr<Box> ParseBox(std::string_view text) {
   if (!numbers) return Expected("a box x0,y0,z0,x1,y1,z1 in metres", text);
   const Box box(Eigen::Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]),
                 Eigen::Vector3d((*numbers)[3], (*numbers)[4], (*numbers)[5]));
-  if (box.isEmpty()) return Expected("a box whose first corner is the lowest", text);
+  if (box.isEmpty()) return Expected("a box with the lowest corner first", text);
   return box;
 }
 
@@ -96,7 +97,7 @@ absl::StatusOr<Timestamp> ParseMoment(std::string_view text) {
     moment = parsed;
   }
   if (!moment || *moment < kFirstMoment || *moment >= kLastMoment) {
-    return Expected("a moment such as 2024-05-01T12:00:00Z, or seconds since 1970", text);
+    return Expected("a time such as 2024-05-01T12:00:00Z, or seconds since 1970", text);
   }
   return Timestamp::FromNanoseconds(absl::ToUnixNanos(*moment));
 }
@@ -108,7 +109,7 @@ absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) return Expected("a label KEY=VALUE", text);
     if (!labels.emplace(text.substr(0, equals), text.substr(equals + 1)).second) {
-      return Expected("each label once", text);
+      return Expected("each label at most once", text);
     }
   }
   return labels;

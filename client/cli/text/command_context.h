@@ -16,22 +16,22 @@ class App;
 
 namespace steadymap {
 
-/// What the command line gives every command. One process runs one command.
+/// The environment of a command. One process runs one command.
 struct CommandContext {
-  std::ostream& out;                      ///< Results.
-  std::ostream& err;                      ///< Progress, warnings and the one line of an error.
-  bool err_is_terminal = false;           ///< Whether progress may be drawn over itself.
+  std::ostream& out;                      ///< Output of results.
+  std::ostream& err;                      ///< Output of progress, warnings and the one-line error.
+  bool err_is_terminal = false;           ///< True if progress may be redrawn in place.
   std::string server = "localhost:7443";  ///< `HOST:PORT`.
 
-  /// Makes the channel to `server`.
+  /// Creates the channel to `server`.
   std::function<std::shared_ptr<grpc::ChannelInterface>(const std::string& server)> open_channel{};
 
-  /// Set by the parsed command: what it does.
+  /// Runs the command. Set by the parsed command.
   std::function<absl::Status()> action{};
 
   std::shared_ptr<grpc::ChannelInterface> Channel() const { return open_channel(server); }
 
-  /// For what outlives its server; not for longer than the context.
+  /// Returns a function that opens channels, for users that reconnect. The context must outlive it.
   ChannelOpener Channels() const {
     return [this] { return Channel(); };
   }

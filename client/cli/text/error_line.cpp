@@ -7,7 +7,7 @@
 namespace steadymap {
 namespace {
 
-// The rest of gRPC's sentence says the same.
+// The rest of gRPC's message contains the same information.
 constexpr std::string_view kGrpcPreamble = "failed to connect to all addresses; last error: ";
 
 }  // namespace

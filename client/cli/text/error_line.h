@@ -6,8 +6,8 @@
 
 namespace steadymap {
 
-/// An error as one line without its line feed: what happened, and where the service named them the
-/// reason and the field.
+/// Returns an error as one line without a line feed: the message, and the reason and the field if
+/// the service sent them.
 std::string ErrorLine(const absl::Status& status, const std::string& server);
 
 }  // namespace steadymap

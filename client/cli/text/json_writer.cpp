@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::string_view kReplacementCharacter = "\xEF\xBF\xBD";
 
-// Bytes of the UTF-8 character at the front of `text`; 0 if it is none. Overlong forms, surrogates
-// and what lies beyond U+10FFFF are no characters.
+// Returns the number of bytes of the UTF-8 character at the front of `text`; 0 if there is none.
+// Overlong forms, surrogates and code points beyond U+10FFFF are not characters.
 std::size_t CharacterLength(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -143,7 +143,7 @@ std::string JsonWriter::Finish() const {
   return text_ + '\n';
 }
 
-// Separates what comes now from what stands before it.
+// Separates the next value from the previous one.
 void JsonWriter::BeginValue() {
   if (after_key_) {
     after_key_ = false;

@@ -7,14 +7,14 @@
 
 namespace steadymap {
 
-/// How a JSON document is laid out.
+/// The layout of a JSON document.
 enum class JsonLayout {
-  kIndented,  ///< A value a line, two spaces an indentation level.
-  kOneLine,   ///< All in one line, for streams of documents.
+  kIndented,  ///< One value per line, two spaces per level.
+  kOneLine,   ///< The whole document in one line, for streams of documents.
 };
 
-/// Writes one JSON document (RFC 8259). The caller's order is kept. Keys and values must alternate
-/// within objects, and every Begin must have its End (asserted).
+/// Writes one JSON document (RFC 8259), in the order of the calls. Keys and values must alternate
+/// within objects, and every Begin needs its End (asserted).
 class JsonWriter {
  public:
   explicit JsonWriter(JsonLayout layout = JsonLayout::kIndented) : layout_(layout) {}
@@ -24,23 +24,25 @@ class JsonWriter {
   JsonWriter& BeginArray();
   JsonWriter& EndArray();
 
-  /// The name of the value that comes next.
+  /// Writes the key of the next value.
   JsonWriter& Key(std::string_view key);
 
-  /// Text in UTF-8; bytes that are not become U+FFFD.
+  /// Writes UTF-8 text. Invalid bytes become U+FFFD.
   JsonWriter& Text(std::string_view value);
 
-  /// The shortest spelling that reads back as `value`; null for NaN and infinity, which JSON lacks.
+  /// Writes the shortest decimal text that parses to `value`; null for NaN and infinity, which JSON
+  /// does not have.
   JsonWriter& Number(double value);
 
-  /// An array of three numbers.
+  /// Writes an array of three numbers.
   JsonWriter& Vector(double x, double y, double z);
 
   JsonWriter& Integer(std::uint64_t value);
   JsonWriter& Boolean(bool value);
   JsonWriter& Null();
 
-  /// The document, with a line feed at its end. Everything must be closed (asserted).
+  /// Returns the document, with a line feed at its end. All objects and arrays must be closed
+  /// (asserted).
   std::string Finish() const;
 
  private:
@@ -51,7 +53,7 @@ class JsonWriter {
 
   JsonLayout layout_;
   std::string text_;
-  std::vector<bool> is_empty_;  ///< One an open object or array, innermost last.
+  std::vector<bool> is_empty_;  ///< One element per open object or array, innermost last.
   bool after_key_ = false;
 };
 

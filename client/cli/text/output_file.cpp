@@ -14,7 +14,7 @@
 namespace steadymap {
 namespace {
 
-constexpr int kFileMode = 0666;  // Less what the umask takes.
+constexpr int kFileMode = 0666;  // Reduced by the umask.
 
 absl::Status CannotWrite(const std::filesystem::path& path, std::error_code error) {
   return absl::FailedPreconditionError(
@@ -85,7 +85,7 @@ absl::Status OutputFile::Commit() {
 absl::Status CheckEnding(const std::filesystem::path& path, std::string_view ending) {
   if (absl::AsciiStrToLower(path.extension().string()) == ending) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrCat("expected a file that ends in ", Absl(ending), ", got ", path.string()));
+      absl::StrCat("expected a file name that ends in ", Absl(ending), ", got ", path.string()));
 }
 
 absl::Status MakeFolder(const std::filesystem::path& folder) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kNone = -1;
 
-// What a signal handler may touch.
+// State that the signal handler may access.
 std::atomic<int> wake_descriptor{kNone};
 std::atomic<bool> signal_came{false};
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
@@ -27,7 +27,7 @@ struct sigaction terminate_before;
 
 void Wake() {
   const std::uint64_t one = 1;
-  // It fails only where the counter is full, and then nobody sleeps.
+  // Fails only if the counter is full; then no thread is blocked.
   [[maybe_unused]] const ssize_t written = write(wake_descriptor, &one, sizeof(one));
 }
 
@@ -68,7 +68,7 @@ void StopSignal::Wait(std::optional<std::chrono::milliseconds> timeout) {
   const int timeout_ms =
       timeout ? static_cast<int>(std::clamp(*timeout, Milliseconds(0), longest).count()) : -1;
   pollfd waiting{wake_descriptor, POLLIN, 0};
-  // A wait that a signal cut short has been woken by it.
+  // If a signal interrupts the wait, its handler has already ended it.
   if (poll(&waiting, 1, timeout_ms) <= 0) return;
   std::uint64_t count = 0;
   [[maybe_unused]] const ssize_t taken = read(wake_descriptor, &count, sizeof(count));

@@ -5,8 +5,9 @@
 
 namespace steadymap {
 
-/// For commands that run until they are stopped: while it lives, SIGINT and SIGTERM end `Wait`
-/// instead of the process. One at a time in a process (asserted).
+/// Handles stop signals for commands that run until they are stopped: while an instance exists,
+/// SIGINT and SIGTERM end `Wait` instead of the process. At most one instance per process
+/// (asserted).
 class StopSignal {
  public:
   StopSignal();
@@ -15,13 +16,13 @@ class StopSignal {
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  /// Ends the wait that runs, or else the next one. Any thread.
+  /// Ends the current wait, or the next one if there is none. Any thread.
   void Notify();
 
-  /// Waits for a signal or a `Notify`, at most for so long. One thread.
+  /// Waits for a signal or a `Notify`, at most for `timeout`. One thread.
   void Wait(std::optional<std::chrono::milliseconds> timeout = std::nullopt);
 
-  /// Whether a signal came.
+  /// True if a signal was received.
   bool came() const;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kBarWidth = 30;
 
-// Redrawing more often only costs the terminal time.
+// A shorter period would only load the terminal.
 constexpr double kRedrawPeriodS = 0.1;
 
 constexpr char kEraseLine[] = "\r\x1b[K";

@@ -11,31 +11,32 @@
 
 namespace steadymap {
 
-/// A clock that never goes back, seconds since some moment.
+/// Returns the time of a monotonic clock in seconds, since an arbitrary origin.
 double SteadySeconds();
 
-/// Shows how far a job of many frames has come: a bar that is drawn over itself on a terminal, a
-/// line every tenth of the way elsewhere. Thread-safe.
+/// Shows the progress of a job of many frames: a bar that is redrawn in place on a terminal,
+/// otherwise one line for every tenth of the frames. Thread-safe.
 class ProgressReport {
  public:
-  /// `verb` says what happens to the frames, such as `integrated`. `now_s` is a clock, seconds.
+  /// `verb` describes the processing of the frames, such as `integrated`. `now_s` returns the time
+  /// in seconds.
   ProgressReport(std::ostream* out,
                  bool is_terminal,
                  std::string verb,
                  std::size_t frame_total,
                  std::function<double()> now_s);
 
-  /// Notes that `done` frames have come the whole way, `refused` others never will, and `ahead`,
-  /// these two included, are half of the way or further.
+  /// Records the progress: `done` frames are complete, `refused` frames will never be, and `ahead`
+  /// frames, including both, have completed at least the first half of the processing.
   void Update(std::size_t done, std::size_t ahead, std::size_t refused = 0);
 
-  /// Names a reason that frames are refused for; once is enough.
+  /// Adds a reason for refused frames. Repeated calls with the same reason have no effect.
   void NameRefusal(const std::string& reason);
 
-  /// Writes a line of its own, above the bar.
+  /// Writes a separate line above the bar.
   void Note(const std::string& line);
 
-  /// Leaves the bar behind.
+  /// Ends the report and leaves the bar on the terminal.
   void End();
 
  private:
@@ -50,11 +51,11 @@ class ProgressReport {
   std::function<double()> now_s_;
   double start_s_;
 
-  std::mutex mutex_;  ///< Guards what follows and `out_`.
+  std::mutex mutex_;  ///< Guards `out_` and the members below.
   std::size_t done_ = 0;
   std::size_t ahead_ = 0;
   std::size_t refused_ = 0;
-  std::set<std::string> refusals_;  ///< Few: the service has some dozen reasons.
+  std::set<std::string> refusals_;  ///< Bounded: the service has about a dozen reasons.
   std::size_t tenths_shown_ = 0;
   double last_drawn_s_ = 0.0;
   bool is_drawn_ = false;

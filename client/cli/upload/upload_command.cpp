@@ -12,68 +12,53 @@
 namespace steadymap {
 namespace {
 
-// Enough that a covered lens or a close wall does not decide; read in a fraction of a second.
+// Enough frames that a single covered lens or close wall does not determine the median. They are
+// read in a fraction of a second.
 constexpr std::size_t kSampledFrames = 9;
 
 constexpr char kUploadFooter[] =
-    "A PATH is the folder of a sequence or one that holds several; sequences are played one after\n"
-    "the other. Returns when every frame is part of the map, and fails if any was refused or "
-    "could\n"
-    "not be read. Lost connections and server restarts are survived: only frames that are not\n"
-    "durable yet are sent again, and those that the server lost because its disk was set back; "
-    "none\n"
-    "counts twice.\n\n"
-    "Where a folder or file name is followed by a question mark, a recording may lack it. Images\n"
-    "belong together by their place in natural order (torwic), by their number or by their time.\n"
-    "Depth is 16-bit PNG, 0 and 65535 meaning none, unless told otherwise; poses are those of the\n"
-    "camera (x right, y down, z forward) unless told otherwise.\n\n"
-    "  torwic        TorWIC-Mapping. Depth/*.png in mm; poses.txt, a line an image: id sec nsec x "
-    "y z\n"
-    "                qx qy qz qw of the robot's base in metres; RGB/? ; Segmentation/? classes;\n"
-    "                Instances/? ; calibration.txt? of three lines: w= h= fx= fy= cx= cy= of the "
-    "camera,\n"
-    "                tx ty tz qx qy qz qw of the camera on the base, metres a depth unit\n"
-    "  seven-scenes  7-Scenes. frame-000000.depth.png in mm, frame-000000.pose.txt with the 4x4 "
-    "matrix\n"
-    "                of the camera, frame-000000.color.png?; 640 x 480 with a focal length of 585, "
-    "or\n"
-    "                camera-intrinsics.txt? with the 3x3 camera matrix. Its world is turned so "
-    "that z\n"
-    "                is up\n"
-    "  tum           TUM RGB-D. depth.txt and rgb.txt?, a line an image: time file; "
-    "groundtruth.txt,\n"
-    "                a line a pose: time tx ty tz qx qy qz qw; times in seconds, at most 20 ms "
-    "apart.\n"
-    "                Depth has 5000 units a metre unless --depth-scale says otherwise, the camera "
-    "is\n"
-    "                640 x 480 with a focal length of 525 unless camera-intrinsics.txt? or "
-    "--intrinsics do\n"
-    "  co-fusion     Co-Fusion. calibration.txt: fx fy cx cy, or with w h behind; depth_original/ "
-    "or\n"
-    "                else depth_noise/ with *0001.exr in metres; trajectories/gt-cam-0.txt, a line "
-    "a\n"
-    "                pose: frame tx ty tz qx qy qz qw; colour/? ; mask_id/?, which are instances, "
-    "and\n"
-    "                classes for --label-map to turn into the map's. Its world is wherever the "
-    "first\n"
-    "                camera pose puts it: --T-world-dataset sets it upright\n"
-    "  panoptic      the flat of panoptic mapping. timestamps.csv, a line a frame: id, "
-    "nanoseconds;\n"
-    "                000000_depth.tiff in metres; 000000_pose.txt with the 4x4 matrix of the "
-    "camera;\n"
-    "                000000_color.png? ; 000000_segmentation.png? with groundtruth_labels.csv in "
-    "the\n"
-    "                folder or beside it, or 000000_predicted.png? with 000000_labels.json\n\n"
-    "Depth whose median is below 5 cm or above 100 m is refused as of a wrong unit. --depth-scale "
-    "and\n"
-    "--intrinsics are for torwic, seven-scenes and tum.\n\n"
-    "--label-map names a text file with a line `FROM TO` for each class id of the recording that\n"
-    "the map knows by another one. --T-world-dataset names a text file with the 4x4 matrix that\n"
-    "takes the recording's world to the map's. A map that does not exist is created if --policy "
-    "says\n"
-    "how; the options from --policy to --classes are those of `steadymap map create`, whose "
-    "--help\n"
-    "tells more of them.";
+    "A PATH is the folder of a sequence, or a folder that contains several; sequences are\n"
+    "played one after the other. The command returns when every frame is in the map, and fails\n"
+    "if a frame was refused or could not be read. The upload continues after lost connections\n"
+    "and server restarts. Only frames that are not durable yet are sent again, and frames that\n"
+    "the server lost because its disk was restored from an older copy. No frame is integrated\n"
+    "twice.\n\n"
+    "A question mark after a folder or a file marks it as optional. Images are associated by\n"
+    "their position in natural order (torwic), by their number or by their time. Unless stated\n"
+    "otherwise, depth is 16-bit PNG, where 0 and 65535 mean no depth, and poses are those of\n"
+    "the camera (x right, y down, z forward).\n\n"
+    "  torwic        TorWIC-Mapping. Depth/*.png in mm; poses.txt, one line per image: id sec\n"
+    "                nsec x y z qx qy qz qw of the robot's base in metres; RGB/? ;\n"
+    "                Segmentation/? with classes; Instances/? ; calibration.txt? with three\n"
+    "                lines: w= h= fx= fy= cx= cy= of the camera, tx ty tz qx qy qz qw of the\n"
+    "                camera in the base frame, metres per depth unit\n"
+    "  seven-scenes  7-Scenes. frame-000000.depth.png in mm, frame-000000.pose.txt with the\n"
+    "                4x4 matrix of the camera, frame-000000.color.png?; 640 x 480 with a focal\n"
+    "                length of 585, or camera-intrinsics.txt? with the 3x3 camera matrix. The\n"
+    "                world frame is rotated so that z is up\n"
+    "  tum           TUM RGB-D. depth.txt and rgb.txt?, one line per image: time file;\n"
+    "                groundtruth.txt, one line per pose: time tx ty tz qx qy qz qw; times in\n"
+    "                seconds, at most 20 ms apart. Depth has 5000 units per metre, or\n"
+    "                --depth-scale; the camera is 640 x 480 with a focal length of 525, or\n"
+    "                camera-intrinsics.txt? or --intrinsics\n"
+    "  co-fusion     Co-Fusion. calibration.txt: fx fy cx cy, optionally followed by w h;\n"
+    "                depth_original/, otherwise depth_noise/, with *0001.exr in metres;\n"
+    "                trajectories/gt-cam-0.txt, one line per pose: frame tx ty tz qx qy qz qw;\n"
+    "                colour/? ; mask_id/?, used as instances, and as classes that --label-map\n"
+    "                converts to the map's. The world frame depends on the first camera pose:\n"
+    "                --T-world-dataset makes z point up\n"
+    "  panoptic      the flat of Panoptic Mapping. timestamps.csv, one line per frame: id,\n"
+    "                nanoseconds; 000000_depth.tiff in metres; 000000_pose.txt with the 4x4\n"
+    "                matrix of the camera; 000000_color.png? ; 000000_segmentation.png? with\n"
+    "                groundtruth_labels.csv in the folder or its parent, or\n"
+    "                000000_predicted.png? with 000000_labels.json\n\n"
+    "A recording with a median depth below 5 cm or above 100 m is refused, because its unit\n"
+    "must be wrong. --depth-scale and --intrinsics are for torwic, seven-scenes and tum.\n\n"
+    "--label-map is a text file with one line `FROM TO` for each class id of the recording\n"
+    "that has another id in the map. --T-world-dataset is a text file with the 4x4 matrix that\n"
+    "transforms the recording's world frame to the map's. A map that does not exist is created\n"
+    "if --policy is given. The options from --policy to --classes are those of `steadymap map\n"
+    "create`, whose --help describes them.";
 
 }  // namespace
 
@@ -91,18 +76,21 @@ UploadCommand::UploadCommand(CLI::App* app, CommandContext* context) : context_(
       ->type_name("N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--label-map", label_map_file_, "Turn class ids into the map's")
+  command->add_option("--label-map", label_map_file_, "Convert class ids to the map's")
       ->type_name("FILE");
-  command->add_option("--T-world-dataset", T_world_dataset_file_, "Place the recording in the map")
+  command
+      ->add_option("--T-world-dataset",
+                   T_world_dataset_file_,
+                   "Transform from the recording's world frame to the map's")
       ->type_name("FILE");
   command
       ->add_option("--depth-scale",
                    dataset_.metres_per_unit,
-                   "Metres a unit of depth images, 1e-6 to 0.1; without it, as the format has it")
+                   "Metres per unit of depth images, 1e-6 to 0.1 (default: that of the format)")
       ->type_name("METRES");
   command
       ->add_option(
-          "--intrinsics", intrinsics_, "The camera, pixels; without it, as the format has it")
+          "--intrinsics", intrinsics_, "Camera intrinsics, pixels (default: those of the format)")
       ->type_name("fx,fy,cx,cy");
   AddUploadRunOptions(command, &options_);
   command->callback([this] { context_->action = [this] { return Run(); }; });
@@ -127,7 +115,7 @@ absl::Status UploadCommand::Run() const {
   if (const std::optional<std::string> note = NoteOnTimes(sample)) context_->err << *note << '\n';
   status = RunUpload(options_, source->get(), context_);
   if ((*source)->skipped_count() > 0) {
-    context_->err << (*source)->skipped_count() << " frames without a usable pose were left out\n";
+    context_->err << (*source)->skipped_count() << " frames without a usable pose were skipped\n";
   }
   return status;
 }

@@ -11,7 +11,7 @@
 
 namespace steadymap {
 
-/// `steadymap upload`. Lives as long as the parsed command line.
+/// The command `steadymap upload`. Its lifetime must cover parsing and execution.
 class UploadCommand {
  public:
   UploadCommand(CLI::App* app, CommandContext* context);
@@ -25,7 +25,7 @@ class UploadCommand {
   std::vector<std::string> paths_;
   std::string label_map_file_;
   std::string T_world_dataset_file_;
-  std::string intrinsics_;  ///< As on the command line.
+  std::string intrinsics_;  ///< Text of the option.
   DatasetOptions dataset_;
 };
 

@@ -11,7 +11,7 @@ std::optional<std::string> UploadNotes::Look(const v1::Frame& frame) {
   if (!wants_labels_ || frame.has_labels() || frame.has_instances()) return std::nullopt;
   wants_labels_ = false;
   return "warning: frame " + std::to_string(frames_) +
-         " has neither labels nor instances; this map keeps objects and sees none in such frames "
+         " has neither labels nor instances; this map keeps objects and finds none in such frames "
          "(a map created with --policy static needs no labels)";
 }
 

@@ -10,14 +10,14 @@
 
 namespace steadymap {
 
-/// Watches what an upload sends, for what is allowed but hardly meant. One thread.
+/// Checks the frames of an upload for input that is valid but probably unintended. One thread.
 class UploadNotes {
  public:
-  /// `policy` is that of the map.
+  /// `policy` is the policy of the map.
   explicit UploadNotes(UpdatePolicy policy);
 
-  /// A line for the user, or none. Says of the first frame with neither labels nor instances that a
-  /// map of objects sees none in it, and nothing of those behind.
+  /// Returns a warning for the user, or none. Warns once, at the first frame with neither labels
+  /// nor instances in an upload to a map of objects.
   std::optional<std::string> Look(const v1::Frame& frame);
 
  private:

@@ -26,8 +26,8 @@ namespace {
 absl::Status CheckId(const char* what, const std::string& id) {
   if (IsValidId(id)) return absl::OkStatus();
   return absl::InvalidArgumentError(std::string("expected a ") + what +
-                                    " id, lower-case letters, digits and hyphens beginning with a "
-                                    "letter, at most 63 characters, got \"" +
+                                    " id: lower-case letters, digits and hyphens, starting with a "
+                                    "letter, at most 63 characters; got \"" +
                                     id + "\"");
 }
 
@@ -35,8 +35,8 @@ absl::Status NoSuchMap(const MapName& name) {
   return MakeError(absl::StatusCode::kNotFound,
                    reason::kNotFound,
                    "there is no map " + name.ToString() +
-                       "; say how to build it with --policy, such as --policy static or --policy "
-                       "pocd, or use: steadymap map create " +
+                       "; to create it, give a policy, such as --policy static or --policy "
+                       "pocd, or run: steadymap map create " +
                        (name.tenant == "default" ? name.map : name.ToString()));
 }
 
@@ -44,12 +44,13 @@ absl::StatusOr<UpdatePolicy> PolicyOfPresentMap(const v1::Map& map,
                                                 const MapConfig& wanted,
                                                 const MapOptions& options) {
   if (absl::Status status = CheckPresentMap(options, wanted, map); !status.ok()) return status;
-  // A newer server may have more policies. Nothing is known of what they make of frames.
+  // A newer server may have other policies, whose use of frames is unknown here.
   return FromProto(map.config().policy()).value_or(UpdatePolicy::kStatic);
 }
 
-// Makes sure that the map is there, as the options want it; its policy. How a map is built cannot
-// be changed later, so that none is created before somebody has chosen its policy.
+// Ensures that the map exists and agrees with the options, and returns its policy. The
+// configuration of a map cannot be changed later, so the map is created only if the user has given
+// a policy.
 absl::StatusOr<UpdatePolicy> EnsureMap(const MapName& name,
                                        const UploadRunOptions& options,
                                        CommandContext* context) {
@@ -87,17 +88,18 @@ UploaderOptions OptionsOfUploader(const UploadRunOptions& options,
     report->NameRefusal(ReasonOf(refused.status));
   };
   uploader.on_retry = [report](const absl::Status& status, std::chrono::milliseconds delay) {
-    report->Note("the upload broke off (" + std::string(status.message()) + "); trying again in " +
-                 DurationText(1e-3 * static_cast<double>(delay.count())));
+    report->Note("the upload was interrupted (" + std::string(status.message()) +
+                 "); retrying in " + DurationText(1e-3 * static_cast<double>(delay.count())));
   };
   uploader.read_again = [frames](std::uint64_t client_seq) {
     return frames->ReadPushed(client_seq);
   };
   uploader.on_lost = [report](const LostFrames& lost) {
-    report->Note("warning: the server lost the frames " + std::to_string(lost.first) + " to " +
-                 std::to_string(lost.last) +
-                 ", which it had acknowledged, as if it was set back to an older copy; sending "
-                 "them again");
+    report->Note(
+        "warning: the server lost the frames " + std::to_string(lost.first) + " to " +
+        std::to_string(lost.last) +
+        ", which it had acknowledged; its data were probably restored from an older copy; sending "
+        "these frames again");
   };
   return uploader;
 }
@@ -154,7 +156,7 @@ void WriteSummaryJson(const UploadOutcome& outcome, std::ostream* out) {
   *out << json.Finish();
 }
 
-// OK only if every frame of the source is in the map.
+// Returns OK only if every frame of the source is in the map.
 absl::Status StatusOf(const UploadOutcome& outcome) {
   const UploadProgress& progress = outcome.summary.progress;
   if (progress.refused > 0) {
@@ -178,7 +180,7 @@ absl::Status StatusOf(const UploadOutcome& outcome) {
 }  // namespace
 
 void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
-  command->add_option("--robot", options->source.robot, "Id of the robot that the frames come from")
+  command->add_option("--robot", options->source.robot, "Id of the robot that sends the frames")
       ->type_name("ID")
       ->capture_default_str();
   command->add_option("--sensor", options->source.sensor, "Id of the sensor on the robot")
@@ -187,13 +189,13 @@ void AddUploadRunOptions(CLI::App* command, UploadRunOptions* options) {
   command
       ->add_option("--session",
                    options->session,
-                   "Id of the upload session, by which the same command goes on where a killed one "
-                   "stopped")
+                   "Id of the upload session; the same command with the same id continues an "
+                   "interrupted upload")
       ->type_name("ID");
   command
       ->add_option("--retry-for",
                    options->retry_for_s,
-                   "How long to go on trying while the server cannot be reached, seconds")
+                   "Time for which to retry while the server cannot be reached, seconds")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_flag("--json", options->as_json, "Print the summary as JSON");

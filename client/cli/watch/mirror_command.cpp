@@ -32,26 +32,21 @@ constexpr char kMapFile[] = "map.vdb";
 constexpr char kStateFile[] = "mirror.json";
 
 constexpr char kMirrorFooter[] =
-    "FOLDER/map.vdb is what `steadymap export --format vdb` would write, kept up to date: "
-    "background\n"
-    "and present objects, or what the filter lets pass of them, in whole leaves and whole "
-    "objects.\n"
-    "FOLDER/mirror.json tells what map.vdb holds: {map, revision, last_capture_time (seconds "
-    "since\n"
-    "1970), objects, bytes, resume_token}. Both are replaced as a whole, map.vdb first, whenever "
-    "the\n"
-    "map changed, at most every --interval seconds; a line is printed for each time. SIGINT and "
-    "SIGTERM\n"
-    "end it, with exit code 0.\n\n"
-    "Lost connections and server restarts are survived. Started again it begins with a snapshot, "
-    "since\n"
-    "a vdb file does not hold all that a mirror needs; --once writes one and ends.";
+    "FOLDER/map.vdb has the content of `steadymap export --format vdb` and is kept up to date:\n"
+    "the background and the present objects, or the part of them selected by the filter, in\n"
+    "whole leaves and whole objects. FOLDER/mirror.json describes map.vdb: {map, revision,\n"
+    "last_capture_time (seconds since 1970), objects, bytes, resume_token}. When the map has\n"
+    "changed, both files are replaced as a whole, map.vdb first, at most every --interval\n"
+    "seconds, and one line is printed. SIGINT and SIGTERM end the command with exit code 0.\n\n"
+    "The mirror continues after lost connections and server restarts. A new run starts with a\n"
+    "snapshot, because a vdb file does not contain all data that a mirror needs. --once writes\n"
+    "the files once and ends.";
 
 std::chrono::milliseconds MillisecondsOf(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * seconds));
 }
 
-/// The newest step of a mirror, handed from its thread to the one that writes.
+/// The newest step of a mirror, passed from the mirror's thread to the writing thread.
 class NewestStep {
  public:
   explicit NewestStep(StopSignal* wake) : wake_(wake) {}
@@ -86,7 +81,7 @@ std::vector<PlacedVolume> MirroredVolumes(const MapSnapshot& map, const MapFilte
   return volumes;
 }
 
-/// Makes a file of what `encoder` makes, piece by piece; its length in bytes.
+/// Writes the output of `encoder` to a file, piece by piece. Returns its length in bytes.
 absl::StatusOr<std::uint64_t> WriteEncodedFile(const std::filesystem::path& path,
                                                FileEncoder* encoder) {
   absl::StatusOr<OutputFile> file = OutputFile::Create(path);
@@ -119,18 +114,18 @@ MirrorCommand::MirrorCommand(CLI::App* app, CommandContext* context) : context_(
   CLI::App* const command = app->add_subcommand("mirror", "Keep a map's vdb file up to date");
   command->footer(kMirrorFooter);
   command->add_option("NAME", map_, "The map")->required();
-  command->add_option("--output", output_, "The folder; made where there is none")
+  command->add_option("--output", output_, "The folder for the files; created if it does not exist")
       ->required()
       ->type_name("FOLDER");
   AddWatchFilterOptions(command, &filter_);
-  command->add_option("--interval", interval_s_, "Least time from one writing to the next, seconds")
+  command->add_option("--interval", interval_s_, "Shortest time between two writes, seconds")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_flag("--once", once_, "Write the files once and end");
   command
       ->add_option("--retry-for",
                    retry_for_s_,
-                   "How long to go on trying while the server cannot be reached, seconds")
+                   "Time for which to retry while the server cannot be reached, seconds")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->callback([this] { context_->action = [this] { return Run(); }; });
@@ -160,8 +155,8 @@ absl::Status MirrorCommand::Follow(const MapName& name, const MapFilter& filter)
   callbacks.on_state = [&](const WatchStateChange& change) {
     if (change.state == WatchState::kEnded) stop.Notify();
     if (change.state != WatchState::kReconnecting) return;
-    context_->err << "the mirror broke off (" << ErrorLine(change.status, context_->server)
-                  << "); trying again in "
+    context_->err << "the mirror was interrupted (" << ErrorLine(change.status, context_->server)
+                  << "); retrying in "
                   << DurationText(1e-3 * static_cast<double>(change.delay.count())) << std::endl;
   };
   const std::unique_ptr<MapMirror> mirror =
@@ -178,7 +173,7 @@ absl::Status MirrorCommand::Follow(const MapName& name, const MapFilter& filter)
       next_write = Clock::now() + MillisecondsOf(interval_s_);
     } else if (is_last) {
       if (!stop.came()) return mirror->status();
-      return once_ ? absl::CancelledError("stopped before the map had come") : absl::OkStatus();
+      return once_ ? absl::CancelledError("stopped before the map was received") : absl::OkStatus();
     } else if (newest.Has()) {
       stop.Wait(left);
     } else {

@@ -15,7 +15,7 @@ namespace steadymap {
 
 class StopSignal;
 
-/// `steadymap mirror`. Lives as long as the parsed command line.
+/// The command `steadymap mirror`. Its lifetime must cover parsing and execution.
 class MirrorCommand {
  public:
   MirrorCommand(CLI::App* app, CommandContext* context);

@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-// Far more than the longest token takes.
+// Far more than the length of any token.
 constexpr std::streamsize kMaxTokenFileBytes = 4096;
 
 }  // namespace

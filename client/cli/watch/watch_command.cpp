@@ -15,67 +15,65 @@ namespace steadymap {
 namespace {
 
 constexpr char kWatchFooter[] =
-    "Prints a line for each event, each new state of an object, each object that is no longer "
-    "shown,\n"
-    "and the volumes of each step; `progress` ends a step and gives the token to go on from. The "
-    "lines\n"
-    "of a step appear together, once all of it has come. Lost connections and server restarts are\n"
-    "survived: the watch goes on behind its last step. SIGINT and SIGTERM end it, with exit code "
-    "0.\n\n"
-    "--from now (the default) begins with what happens next, snapshot with all that is there, and "
-    "a\n"
-    "token, as `progress` gives it, behind the step that it stands for; the filter must be the "
-    "same.\n"
-    "With --token-file the newest token is kept in a file after each step, and the watch begins "
-    "behind\n"
-    "the one that the file has; only --from with that same token goes with such a file. Delete it "
-    "to\n"
-    "begin anew.\n\n"
-    "JSON: a document a line, by \"kind\": created {revision, voxel_size_m, truncation_m, "
-    "incarnation};\n"
-    "event {event} as in `steadymap events --json`; object {revision, object} as in `steadymap "
-    "objects\n"
-    "--json`; removed {revision, object}; volume {revision, previous_revision, commits,\n"
-    "last_capture_time, leaves: [{object, changed, gone}]}, object 0 being the background; resync\n"
-    "{revision, reason}: forget everything, the history to go on from was gone; progress "
-    "{revision,\n"
-    "previous_revision, commits, snapshot, resume_token}.";
+    "Prints one line for each event, each new state of an object, each object that is no\n"
+    "longer shown, and the volumes of each step. `progress` ends a step and contains its\n"
+    "resume token. The lines of a step are printed together, when the step is complete. The\n"
+    "watch continues after lost connections and server restarts, from the last complete step.\n"
+    "SIGINT and SIGTERM end it with exit code 0.\n\n"
+    "--from now (the default) starts with the next change, --from snapshot with the current\n"
+    "map, and --from TOKEN after the step whose `progress` contains the token, with the same\n"
+    "filter. With --token-file, the newest token is stored in a file after each step, and the\n"
+    "watch starts after the stored token. --from is then allowed only with the same token.\n"
+    "Delete the file to start again without it.\n\n"
+    "JSON: one document per line, by \"kind\": created {revision, voxel_size_m, truncation_m,\n"
+    "incarnation}; event {event} as in `steadymap events --json`; object {revision, object} as\n"
+    "in `steadymap objects --json`; removed {revision, object}; volume {revision,\n"
+    "previous_revision, commits, last_capture_time, leaves: [{object, changed, gone}]}, where\n"
+    "object 0 is the background; resync {revision, reason}: discard all earlier content,\n"
+    "because the history after the token was dropped; progress {revision, previous_revision,\n"
+    "commits, snapshot, resume_token}.";
 
 absl::Status TwoStarts(const std::string& token_file) {
-  return absl::InvalidArgumentError("--from goes with a token file only where it is the token in " +
-                                    token_file + "; delete the file to begin anew");
+  return absl::InvalidArgumentError(
+      "--from can be combined with a token file only if it is the token in " + token_file +
+      "; delete the file to start without it");
 }
 
 }  // namespace
 
 WatchCommand::WatchCommand(CLI::App* app, CommandContext* context) : context_(context) {
-  CLI::App* const command = app->add_subcommand("watch", "Print what happens to a map, as it does");
+  CLI::App* const command =
+      app->add_subcommand("watch", "Print the changes of a map as they occur");
   command->footer(kWatchFooter);
   command->add_option("NAME", map_, "The map")->required();
   AddWatchFilterOptions(command, &filter_);
-  command->add_option("--kinds", kinds_, "Only these (events, objects, volume), by commas")
+  command
+      ->add_option(
+          "--kinds", kinds_, "Only these kinds (events, objects, volume), separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember({"events", "objects", "volume"}))
       ->type_name("KINDS");
-  command->add_flag("--archived", archived_, "Archived objects too");
-  command->add_option("--from", from_, "Where to begin (now, snapshot, or a token)")
+  command->add_flag("--archived", archived_, "Include archived objects");
+  command->add_option("--from", from_, "Start of the watch (now, snapshot, or a token)")
       ->type_name("TOKEN|snapshot|now");
-  command->add_option("--token-file", token_file_, "Keep the newest token there, and go on from it")
+  command
+      ->add_option(
+          "--token-file", token_file_, "Store the newest token in this file, and resume from it")
       ->type_name("FILE");
-  command->add_option("--until-revision", until_revision_, "End once this revision is reached")
+  command->add_option("--until-revision", until_revision_, "End when this revision is reached")
       ->check(CLI::PositiveNumber)
       ->type_name("REVISION");
-  command->add_option("--count", count_, "End after so many steps")
+  command->add_option("--count", count_, "End after this number of steps")
       ->check(CLI::PositiveNumber)
       ->type_name("N");
   command
       ->add_option("--retry-for",
                    retry_for_s_,
-                   "How long to go on trying while the server cannot be reached, seconds")
+                   "Time for which to retry while the server cannot be reached, seconds")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  command->add_flag("--json", as_json_, "Print JSON, a document a line");
+  command->add_flag("--json", as_json_, "Print JSON, one document per line");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
 

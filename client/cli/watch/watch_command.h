@@ -15,7 +15,7 @@
 
 namespace steadymap {
 
-/// `steadymap watch`. Lives as long as the parsed command line.
+/// The command `steadymap watch`. Its lifetime must cover parsing and execution.
 class WatchCommand {
  public:
   WatchCommand(CLI::App* app, CommandContext* context);
@@ -23,7 +23,7 @@ class WatchCommand {
  private:
   absl::Status Run() const;
 
-  /// Where the watch begins, by `--from` and the token file.
+  /// Determines the start of the watch from `--from` and the token file.
   absl::StatusOr<WatchOptions> ReadStart() const;
   absl::StatusOr<MapFilter> ReadFilter(const ClassNames& names) const;
 
@@ -34,8 +34,8 @@ class WatchCommand {
   bool archived_ = false;
   std::string from_;
   std::string token_file_;
-  std::uint64_t until_revision_ = 0;  ///< 0: none.
-  std::uint64_t count_ = 0;           ///< 0: any number.
+  std::uint64_t until_revision_ = 0;  ///< 0: no end revision.
+  std::uint64_t count_ = 0;           ///< 0: no limit.
   double retry_for_s_ = 60.0;
   bool as_json_ = false;
 };

@@ -8,7 +8,9 @@ namespace steadymap {
 
 void AddWatchFilterOptions(CLI::App* command, WatchFilterOptions* options) {
   command
-      ->add_option("--box", options->boxes, "Only what touches the box; may be given several times")
+      ->add_option("--box",
+                   options->boxes,
+                   "Only objects and leaves that touch the box; may be given several times")
       ->allow_extra_args(false)
       ->type_name("x0,y0,z0,x1,y1,z1");
   command->add_option("--class", options->classes, "Only this class; may be given several times")

@@ -15,17 +15,18 @@ class App;
 
 namespace steadymap {
 
-/// What of a map is watched, as on the command line.
+/// The watched part of a map, as given on the command line.
 struct WatchFilterOptions {
   std::vector<std::string> boxes;
   std::vector<std::string> classes;    ///< Ids or names.
   std::vector<std::uint64_t> objects;  ///< 0 is the background.
 };
 
-/// Adds the options that change a WatchFilterOptions.
+/// Adds the options that set `options`.
 void AddWatchFilterOptions(CLI::App* command, WatchFilterOptions* options);
 
-/// The filter they stand for, of all kinds. Errors: `InvalidArgument` for what makes no sense.
+/// Returns the filter described by the options, for all kinds. Errors: `InvalidArgument` for
+/// invalid options.
 absl::StatusOr<MapFilter> ReadWatchFilter(const WatchFilterOptions& options,
                                           const ClassNames& classes);
 

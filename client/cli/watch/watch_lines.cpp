@@ -104,7 +104,7 @@ std::string WatchLines::Volume(const WatchStep& step, const VolumeChange& change
 
 std::string WatchLines::Resync(Revision revision, std::string_view reason) const {
   if (!as_json_) {
-    return absl::StrCat("resync    everything anew at revision ",
+    return absl::StrCat("resync    all earlier content is invalid; restarted at revision ",
                         revision.value(),
                         " (",
                         std::string(reason),

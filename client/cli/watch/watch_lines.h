@@ -15,17 +15,17 @@
 
 namespace steadymap {
 
-/// How many leaves of a volume changed in a step.
+/// The number of leaves of a volume that changed in a step.
 struct LeafCounts {
-  std::uint64_t changed = 0;  ///< New ones included.
+  std::uint64_t changed = 0;  ///< Includes new leaves.
   std::uint64_t gone = 0;
 };
 
-/// What of the volumes changed in a step, by object; 0 is the background.
+/// The changed leaves of a step by object; 0 is the background.
 using VolumeChange = std::map<std::uint64_t, LeafCounts>;
 
-/// What happens on a watch as lines, each with its line feed: for people, or JSON documents with a
-/// `kind`.
+/// Formats the messages of a watch as lines, each with its line feed: readable text, or JSON
+/// documents with a `kind`.
 class WatchLines {
  public:
   /// `classes` must outlive the lines.
@@ -35,15 +35,15 @@ class WatchLines {
 
   std::string Event(const v1::ObjectEvent& event) const;
 
-  /// The new state of an object at `revision`.
+  /// Formats the new state of an object at `revision`.
   std::string Object(Revision revision, const v1::Object& object) const;
 
-  /// An object that is no longer shown.
+  /// Formats the removal of an object that is no longer shown.
   std::string Removed(Revision revision, std::uint64_t object) const;
 
   std::string Volume(const WatchStep& step, const VolumeChange& change) const;
 
-  /// Everything before is void.
+  /// Formats a resync, which invalidates all previous content.
   std::string Resync(Revision revision, std::string_view reason) const;
 
   std::string Progress(const WatchStep& step) const;

@@ -95,8 +95,8 @@ void WatchPrinter::OnState(const WatchStateChange& change) {
   if (change.state != WatchState::kReconnecting) return;
   trouble_ = ReasonOf(change.status);
   if (trouble_.empty()) trouble_ = absl::StatusCodeToString(change.status.code());
-  context_->err << "the watch broke off (" << ErrorLine(change.status, context_->server)
-                << "); trying again in "
+  context_->err << "the watch was interrupted (" << ErrorLine(change.status, context_->server)
+                << "); retrying in "
                 << DurationText(1e-3 * static_cast<double>(change.delay.count())) << std::endl;
 }
 

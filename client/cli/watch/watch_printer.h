@@ -15,19 +15,19 @@
 
 namespace steadymap {
 
-/// When `steadymap watch` ends by itself, and where it keeps its token.
+/// The end conditions of `steadymap watch`, and its token file.
 struct WatchPrinterOptions {
   bool as_json = false;
   std::filesystem::path token_file;             ///< Empty: none.
-  std::optional<std::uint64_t> until_revision;  ///< Once this one is reached.
-  std::optional<std::uint64_t> count;           ///< After so many steps.
+  std::optional<std::uint64_t> until_revision;  ///< End when this revision is reached.
+  std::optional<std::uint64_t> count;           ///< End after this number of steps.
 };
 
-/// Prints what a watch brings, step by step: a step's lines appear together, once it is whole, and
-/// then its token is kept. What may come twice after a crash is therefore the last step.
+/// Prints a watch step by step. The lines of a step are printed together when the step is complete;
+/// then its token is stored. After a crash, only the last step may therefore be printed twice.
 class WatchPrinter final : public WatchConsumer {
  public:
-  /// `classes`, `context` and `stop`, which is notified at the end, must outlive the printer.
+  /// `classes`, `context` and `stop` must outlive the printer. `stop` is notified at the end.
   WatchPrinter(WatchPrinterOptions options,
                const ClassNames* classes,
                CommandContext* context,
@@ -42,10 +42,10 @@ class WatchPrinter final : public WatchConsumer {
   void Discard() override;
   void OnState(const WatchStateChange& change) override;
 
-  /// Whether nothing more will be printed. Any thread.
+  /// True if no more output will be printed. Any thread.
   bool is_done() const;
 
-  /// OK if it ended as asked, or has not ended. Any thread.
+  /// Returns OK if the watch ended as requested, or has not ended. Any thread.
   absl::Status result() const;
 
  private:
@@ -58,14 +58,14 @@ class WatchPrinter final : public WatchConsumer {
   CommandContext* const context_;
   StopSignal* const stop_;
 
-  // Of the watch's thread alone.
-  std::string step_lines_;  ///< Of the step that is on its way.
-  VolumeChange volume_;     ///< Likewise.
+  // Used only on the thread of the watch.
+  std::string step_lines_;  ///< Lines of the incomplete step.
+  VolumeChange volume_;     ///< Changed leaves of the incomplete step.
   bool has_begun_ = false;
-  std::string trouble_;  ///< The reason of the last trouble.
+  std::string trouble_;  ///< The reason of the last interruption.
   std::uint64_t steps_ = 0;
 
-  mutable std::mutex mutex_;  ///< Guards what follows.
+  mutable std::mutex mutex_;  ///< Guards the members below.
   bool is_done_ = false;
   absl::Status result_;
 };

@@ -156,7 +156,7 @@ TEST_F(UploadCommandTest, DepthOfAWrongUnitIsRefusedBeforeAnythingIsUploaded) {
     return command;
   };
   ExpectFailure(upload({"--depth-scale", "0.000001"}), 1, "--depth-scale");
-  ExpectFailure(upload({"--depth-scale", "0.1"}), 1, "at 0.1 m a unit");
+  ExpectFailure(upload({"--depth-scale", "0.1"}), 1, "at 0.1 m per unit");
   ExpectFailure(upload({"--depth-scale", "1000"}), 1, "metres per unit in [1e-6, 0.1]");
   ExpectFailure(upload({"--intrinsics", "525,525,320"}), 1, "fx,fy,cx,cy");
   ExpectFailure(upload({"--intrinsics", "525,525,9999,240"}), 1, "640 x 360");
