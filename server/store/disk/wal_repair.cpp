@@ -59,9 +59,8 @@ std::optional<Fragment> ReadFragment(std::string_view log, std::uint64_t place) 
   return Fragment{static_cast<FragmentType>(type), end};
 }
 
-// True if an intact fragment behind `place` begins a record. Behind damage, the offsets of
-// fragments are known again only from the next block on, so every offset in the rest of this block
-// is tried.
+// True if an intact fragment after `place` begins a record. After damage, the offsets of fragments
+// are known again only from the next block on, so every offset in the rest of this block is tried.
 bool RecordBeginsBehind(std::string_view log, std::uint64_t place) {
   const auto begins = [](const std::optional<Fragment>& fragment) {
     return fragment &&

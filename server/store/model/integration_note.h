@@ -23,7 +23,7 @@ namespace steadymap {
 /// `Begin`, `End` and `AgeAll` may be called from any thread, one at a time for each map.
 class IntegrationNote {
  public:
-  /// An entry during whose integration processes ended.
+  /// An entry whose integration ended or failed in one or more processes.
   struct Suspect {
     MapSequence sequence;
     std::uint32_t crashes = 0;  ///< Number of consecutive process ends during its integration.
