@@ -17,10 +17,10 @@ namespace {
 
 const SensorName kSource{"recording", SensorName::kDefaultSensor};
 
-// Between the end of a sequence and the start of one whose times had to be moved.
+// Pause between the end of a sequence and the start of one with shifted times.
 constexpr std::int64_t kPauseNs = 1'000'000'000;
 
-/// Plays sequences one after the other, their times moved so that they never fall back.
+/// Plays sequences one after the other, with their times shifted so that they never decrease.
 class RecordingPlayer {
  public:
   RecordingPlayer(const RecordingEvaluationOptions& options, std::vector<MethodRun>* runs)
@@ -58,7 +58,7 @@ class RecordingPlayer {
       Take(*frame, is_last);
     }
     if (frame_count_ > first_count) return absl::OkStatus();
-    return absl::InvalidArgumentError(path.string() + ": expected frames, found none usable: " +
+    return absl::InvalidArgumentError(path.string() + ": expected frames, but none is usable: " +
                                       std::string(first_error.message()));
   }
 
@@ -92,7 +92,7 @@ std::vector<MethodOutcome> FinishAll(double spacing_m, std::vector<MethodRun>* r
   return outcomes;
 }
 
-// Which method's map is the truth.
+// Returns the index of the method whose map is the truth.
 std::size_t TruthRow(const std::vector<Method>& methods) {
   const auto found = std::find_if(methods.begin(), methods.end(), [](const Method& method) {
     return method.last_sequence_only;
@@ -105,7 +105,7 @@ std::size_t TruthRow(const std::vector<Method>& methods) {
 
 absl::StatusOr<Evaluation> EvaluateRecording(const RecordingEvaluationOptions& options) {
   if (options.sequences.empty()) {
-    return absl::InvalidArgumentError("expected the path of a sequence, found none");
+    return absl::InvalidArgumentError("expected the path of at least one sequence");
   }
   std::vector<MethodRun> runs;
   for (const Method& method : options.methods) {

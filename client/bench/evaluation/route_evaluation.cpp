@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kTableTop = "table-top";
 
-// Plays all frames, and notes when they were taken; an error only before the first.
+// Plays all frames and records their capture times; errors occur only before the first frame.
 absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptions& options,
                                                       Simulation* simulation,
                                                       std::vector<Timestamp>* capture_times) {
@@ -53,7 +53,7 @@ bool HasBeliefs(const Method& method) {
          method.config.policy == UpdatePolicy::kPocdPaper;
 }
 
-// What the map believes of each object that it has shown.
+// Adds the map's beliefs about all objects that were confirmed.
 void AddBeliefs(const MapSnapshot& map,
                 const MapScorer& scorer,
                 double spacing_m,

@@ -13,29 +13,28 @@
 
 namespace steadymap {
 
-/// How a simulated route is evaluated.
+/// Options of an evaluation on a simulated route.
 struct RouteEvaluationOptions {
   SimulationOptions simulation;            ///< Its seed is replaced.
   std::vector<std::uint64_t> seeds = {1};  ///< Never empty.
   double voxel_size_m = 0.2;
-  bool with_ground = false;  ///< Whether the ground's voxels are scored.
+  bool with_ground = false;  ///< Scores the voxels of the ground, too.
   std::vector<Method> methods;
-  MapVisitor visit_map;            ///< Of the first seed; may be empty.
-  std::function<void()> on_frame;  ///< After each frame; may be empty.
+  MapVisitor visit_map;            ///< For the maps of the first seed; may be empty.
+  std::function<void()> on_frame;  ///< Called after each frame; may be empty.
 };
 
-/// Plays `route` once a seed through all methods at a time and scores what they made of it. One
-/// thread, so that the times mean something.
-/// Errors: as `Mapper::Create`.
+/// Plays `route` once per seed, each frame through all methods, and scores the resulting maps. Uses
+/// one thread, so that the measured times are comparable. Errors: those of `Mapper::Create`.
 absl::StatusOr<Evaluation> EvaluateRoute(const Route& route, const RouteEvaluationOptions& options);
 
-/// The configuration that maps of a route have in common: POCD's (Qian et al., RSS 2022).
+/// Returns the common configuration of maps of a route, as in the paper.
 MapConfig MapConfigFor(std::string_view route);
 
-/// The voxel on which a route is scored unless told otherwise, metres.
+/// Returns the default voxel size of the scores of a route, metres.
 double EvaluationVoxelFor(std::string_view route);
 
-/// How far apart surface is sampled for scores on voxels of `voxel_size_m`.
+/// Returns the spacing of surface samples for scores on voxels of `voxel_size_m`.
 double SampleSpacingFor(double voxel_size_m);
 
 }  // namespace steadymap

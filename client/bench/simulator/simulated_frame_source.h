@@ -13,24 +13,24 @@
 namespace steadymap {
 
 /// The frames of a simulated route, packed for upload: depth as ZSTD_UINT16, labels and instances
-/// as ZSTD_UINT8 (instances as ZSTD_UINT16 where an id needs it), colour as PNG.
+/// as ZSTD_UINT8 (instances as ZSTD_UINT16 if an id requires it), colour as PNG.
 class SimulatedFrameSource : public FrameSource {
  public:
   SimulatedFrameSource(Route route, SimulationOptions options);
 
-  /// A source of the route of that name.
-  /// Errors: `InvalidArgument` for a name that `MakeRoute` does not know or a stride of 0.
+  /// Opens the route with this name. Errors: `InvalidArgument` for a name that `MakeRoute` rejects
+  /// or a stride of 0.
   static absl::StatusOr<std::unique_ptr<SimulatedFrameSource>> Open(
       std::string_view route_name, const SimulationOptions& options);
 
   std::size_t frame_count() const override { return simulation_.frame_count(); }
 
-  /// Never an error.
+  /// Never returns an error.
   absl::StatusOr<std::optional<v1::Frame>> Next() override;
 
   absl::StatusOr<v1::Frame> Read(std::size_t index) override;
 
-  /// The simulation behind it, for its truth.
+  /// The underlying simulation, for its ground truth.
   const Simulation& simulation() const { return simulation_; }
 
  private:
@@ -38,7 +38,7 @@ class SimulatedFrameSource : public FrameSource {
   std::size_t next_index_ = 0;
 };
 
-/// Packs a frame for upload as described above. Images that are empty are left out.
+/// Packs a frame for upload in the encodings of `SimulatedFrameSource`. Omits empty images.
 v1::Frame PackSimulatedFrame(const Frame& frame);
 
 }  // namespace steadymap

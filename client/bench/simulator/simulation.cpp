@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::int64_t kPauseNs = 60'000'000'000;
 
-/// Takes the true pose of a robot that got lost at `T_world_camera` to where it takes itself to be.
+/// Returns the transform from the true pose to the reported pose of a robot that was lost at
+/// `T_world_camera`.
 Eigen::Isometry3d MisleadingStep(const LostStretch& lost, const Eigen::Isometry3d& T_world_camera) {
   const Eigen::Translation3d here(T_world_camera.translation());
   const Eigen::Vector3d left = -T_world_camera.linear().col(0);
@@ -56,8 +57,9 @@ Frame Simulation::Render(std::size_t index) {
     renderer_ = std::make_unique<Renderer>(&scene, route_.camera, options_.sensor);
     renderer_sequence_ = moment.sequence;
   }
-  // Keyed by the time, not by the index: a frame looks the same at any stride.
-  const std::int64_t elapsed_ns = (moment.capture_time - options_.start_time).nanoseconds();
+  // Keyed by the time, not by the index, so that a frame is identical at any stride.
+  const std::int64_t elapsed_ns =
+      moment.capture_time.nanoseconds() - options_.start_time.nanoseconds();
   View view;
   view.T_world_camera = TruePose(index);
   view.time_s = moment.time_s;

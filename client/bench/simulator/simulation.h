@@ -14,33 +14,33 @@
 
 namespace steadymap {
 
-/// A robot whose localisation jumps away, and back after a while.
+/// A period with a wrong localisation: the reported pose jumps away and later back.
 struct LostStretch {
   std::size_t first_frame = 0;
-  std::size_t frame_count = 0;  ///< 0: it never gets lost.
-  /// What the poses are off by meanwhile: turned about where it was lost, and shifted to its left.
+  std::size_t frame_count = 0;  ///< 0: no such period.
+  /// Error of the poses meanwhile: a rotation about the true position, and a shift to the robot's
+  /// left.
   double shift_m = 1.5;
   double turn_rad = 0.7;
 };
 
-/// How a route is played.
+/// Options of a simulation.
 struct SimulationOptions {
   SensorModel sensor = {};  ///< `SensorModel::Ideal()` for a perfect sensor.
   std::uint64_t seed = 1;   ///< Of all noise.
-  std::size_t stride = 1;   ///< Every how many frames one is kept, >= 1.
-  LostStretch lost = {};    ///< Frames whose poses are wrong.
+  std::size_t stride = 1;   ///< Keeps every `stride`-th frame, >= 1.
+  LostStretch lost = {};    ///< Frames with wrong poses.
   bool include_color = false;
-  std::optional<bool> include_instances = std::nullopt;           ///< Unset: as the route says.
+  std::optional<bool> include_instances = std::nullopt;           ///< Unset: the route's default.
   SensorName source = {"simulator", SensorName::kDefaultSensor};  ///< Of every frame.
-  /// Capture time of the first frame. Later sequences start a minute after the end of the one
-  /// before.
+  /// Capture time of the first frame. Each later sequence starts one minute after the end of the
+  /// previous one.
   Timestamp start_time = Timestamp::FromNanoseconds(1'650'000'000'000'000'000);
 };
 
-/// Plays a route: renders any of its frames, in any order, always with the same bits.
+/// Plays a route: renders any frame, in any order, always with the same bits.
 ///
-/// Frame `i` of the simulation is the same whatever was rendered before. One thread at a time; give
-/// each thread a simulation of its own.
+/// Frame `i` is independent of earlier calls. Not thread-safe; use one simulation per thread.
 class Simulation {
  public:
   Simulation(Route route, SimulationOptions options);
@@ -52,16 +52,16 @@ class Simulation {
 
   const SimulationOptions& options() const { return options_; }
 
-  /// Frames of all sequences together.
+  /// Number of frames of all sequences.
   std::size_t frame_count() const { return frames_.size(); }
 
   /// Index into `route().sequences` of frame `index`.
   std::size_t SequenceOf(std::size_t index) const { return frames_[index].sequence; }
 
-  /// The true pose of the camera in frame `index`, `T_world_camera`.
+  /// Returns the true pose of the camera in frame `index`, `T_world_camera`.
   Eigen::Isometry3d TruePose(std::size_t index) const;
 
-  /// Frame `index`, in [0, frame_count()), complete with pose (drift and error included), time and
+  /// Renders frame `index`, in [0, frame_count()), with pose (including drift and error), time and
   /// robot.
   Frame Render(std::size_t index);
 

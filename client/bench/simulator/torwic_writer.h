@@ -10,14 +10,14 @@
 
 namespace steadymap {
 
-/// Writes a route as recordings in the TorWIC-Mapping layout: in `directory` a folder for each
-/// sequence (`01-baseline`, `02-1-5`, ...) with `Depth/`, `Segmentation/`, `Instances/` and `RGB/`
-/// where the options ask for them, `poses.txt` and `calibration.txt`. What the loader reads from it
-/// equals what the simulation renders.
+/// Writes a route as recordings in the TorWIC-Mapping layout: in `directory` one folder per
+/// sequence (`01-baseline`, `02-1-5`, ...) with `Depth/`, `Segmentation/`, optional `Instances/`
+/// and `RGB/`, `poses.txt` and `calibration.txt`. The frames that the loader reads equal the
+/// simulated ones.
 ///
-/// `directory` is created where it is missing; files in it are overwritten. `on_frame`, if given,
-/// is called after each frame with the number written so far.
-/// Errors: the status of the first file that cannot be written, naming it.
+/// Creates `directory` if it is missing; overwrites files in it. `on_frame`, if not empty, is
+/// called after each frame with the number of frames written. Errors: the status of the first file
+/// that cannot be written, with its name.
 absl::Status WriteTorwicFolder(const Route& route,
                                const std::filesystem::path& directory,
                                const SimulationOptions& options,

@@ -26,8 +26,8 @@ void KeepObjects(MapConfig* config) { config->policy = UpdatePolicy::kPocd; }
 
 void FollowThePaper(MapConfig* config) { config->policy = UpdatePolicy::kPocdPaper; }
 
-// One line a method. `static` is what a map becomes that never forgets, `fresh` what it could be
-// that forgot everything else (client/README.md#evaluation).
+// One line per method. `static` is a map that never removes surface, `fresh` a map of the last
+// sequence alone.
 constexpr std::array<MethodRow, 7> kMethods = {{
     {"static", FuseEverything, true, false},
     {"fresh", FuseEverything, true, true},
@@ -40,7 +40,7 @@ constexpr std::array<MethodRow, 7> kMethods = {{
 
 constexpr std::string_view kAllSwitches = "all";
 
-// One after the other, each named once.
+// Returns the switches in order, each once.
 absl::StatusOr<std::vector<std::string>> ListSwitches(const std::vector<std::string>& names) {
   std::vector<std::string> listed;
   const auto list = [&listed](std::string_view name) {
@@ -57,7 +57,7 @@ absl::StatusOr<std::vector<std::string>> ListSwitches(const std::vector<std::str
   return listed;
 }
 
-// `whole` without one switch after the other.
+// Appends `whole` without one switch, for each switch.
 void AppendWithout(const std::vector<std::string>& switches,
                    const Method& whole,
                    std::vector<Method>* methods) {
@@ -90,7 +90,7 @@ absl::StatusOr<std::vector<Method>> SelectMethods(const std::vector<std::string>
   const std::vector<std::string> known = MethodNames();
   for (const std::string& name : names) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    std::string message = "there is no policy \"" + name.substr(0, 80) + "\"; the policies are";
+    std::string message = "unknown policy \"" + name.substr(0, 80) + "\"; the policies are";
     for (const std::string& other : known) message += " " + other;
     return absl::InvalidArgumentError(message);
   }
@@ -112,7 +112,7 @@ absl::StatusOr<std::vector<Method>> SelectMethods(const std::vector<std::string>
     AppendWithout(*switches, Method(method), &methods);
   }
   if (!has_switches) {
-    return absl::InvalidArgumentError("expected the policy pocd with its switches, found others");
+    return absl::InvalidArgumentError("switches can only be turned off with the policy pocd");
   }
   return methods;
 }

@@ -10,26 +10,25 @@
 
 namespace steadymap {
 
-/// A way to build a map, a row of the tables.
+/// A method of building a map; one row of the tables.
 struct Method {
   std::string name;
   MapConfig config;
   Ablation switches;                ///< Of the policy `pocd`.
-  bool last_sequence_only = false;  ///< Whether it is shown the last sequence alone.
+  bool last_sequence_only = false;  ///< Integrates the last sequence only.
 };
 
-/// Names of all methods, yardsticks first.
+/// Returns the names of all methods, the two reference methods first.
 std::vector<std::string> MethodNames();
 
-/// Names of the switches of `pocd`, and `all`.
+/// Returns the names of the ablation switches of `pocd`, and `all`.
 std::vector<std::string> SwitchNames();
 
-/// The methods with these names, in the order of `MethodNames`, and always the two yardsticks;
-/// all methods if `names` is empty. `base` is what they have in common: all but the policy and its
-/// switches. After `pocd` comes, for each of `switched_off`, a method `pocd -NAME` that has all
-/// switches on but that one; `all` stands for all of them, each by itself.
-/// Errors: `InvalidArgument`, listing the names there are; the same if there are switches without
-/// `pocd`.
+/// Returns the methods with these names, in the order of `MethodNames`, and always the two
+/// reference methods; all methods if `names` is empty. `base` is the common configuration without
+/// the policy and its switches. For each of `switched_off`, `pocd` is followed by a method `pocd
+/// -NAME` with only that switch off; `all` means every switch, one at a time. Errors:
+/// `InvalidArgument`, listing the valid names; also for switches without `pocd`.
 absl::StatusOr<std::vector<Method>> SelectMethods(
     const std::vector<std::string>& names,
     const MapConfig& base,

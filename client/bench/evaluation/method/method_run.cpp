@@ -9,7 +9,7 @@
 namespace steadymap {
 namespace {
 
-// About what a daemon does at the rate of a live robot.
+// About the commit rate of a daemon at the frame rate of a live robot.
 constexpr std::size_t kFramesACommit = 15;
 
 double Median(std::vector<double> values) {
@@ -19,7 +19,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Keys and stamps add little to the evidence and the masks.
+// Keys and stamps are small compared with the evidence and the masks.
 std::size_t BytesOf(const MapDelta& delta) {
   std::size_t bytes = delta.events.size() * sizeof(ObjectEvent);
   for (const LeafChange& leaf : delta.leaves) bytes += sizeof(LeafKey) + leaf.packed.size();

@@ -17,32 +17,32 @@
 
 namespace steadymap {
 
-/// What a map costs.
+/// Cost of a map.
 struct MapCost {
   std::size_t memory_bytes = 0;  ///< Of the final map's volumes.
-  /// Mean of the present objects' volumes; NaN without objects.
+  /// Mean size of the present objects' volumes; NaN without objects.
   double bytes_per_object = std::numeric_limits<double>::quiet_NaN();
-  /// What the deltas tell of packed leaves, states and events, by frame; 0 without frames.
+  /// Mean size of the delta (packed leaves, states, events) per frame; 0 without frames.
   double delta_bytes_per_frame = 0.0;
   double median_frame_ms = 0.0;  ///< Wall time of a frame without commits; 0 without frames.
-  StageTimes stage_ms{};         ///< Mean by frame, commits included; zeros without frames.
+  StageTimes stage_ms{};         ///< Mean per frame, with commits; 0 without frames.
 };
 
-/// What a method made of a route.
+/// Result of a method on a route.
 struct MethodOutcome {
   std::shared_ptr<const MapSnapshot> map;
   std::vector<SurfacePoint> surface;  ///< Of the final map.
-  std::vector<ObjectEvent> events;    ///< In the order they were decided.
+  std::vector<ObjectEvent> events;    ///< In the order of the decisions.
   MapCost cost;
 };
 
-/// Builds a map by one method, frame by frame, on the calling thread.
+/// Builds a map with one method, frame by frame, on the calling thread.
 class MethodRun {
  public:
-  /// Errors: as `Mapper::Create`.
+  /// Errors: those of `Mapper::Create`.
   static absl::StatusOr<MethodRun> Start(const Method& method);
 
-  /// Takes in a valid frame, unless the method is not to be shown it.
+  /// Integrates a valid frame, unless the method skips its sequence.
   void Integrate(const Frame& frame, bool is_last_sequence);
 
   /// Samples the final map's surface every `spacing_m`. Call once.
@@ -56,7 +56,7 @@ class MethodRun {
   void Commit();
 
   bool last_sequence_only_ = false;
-  std::unique_ptr<StageClock> clock_;  ///< Watches the mapper.
+  std::unique_ptr<StageClock> clock_;  ///< Observes the mapper.
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> snapshot_;
   std::vector<ObjectEvent> events_;

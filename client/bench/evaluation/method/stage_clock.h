@@ -7,16 +7,16 @@
 
 namespace steadymap {
 
-/// Milliseconds by stage, as in `MapperStage`.
+/// Milliseconds per stage, indexed by `MapperStage`.
 using StageTimes = std::array<double, kMapperStageCount>;
 
-/// Sums up the wall time that a mapper spends in each stage. One thread at a time.
+/// Sums the wall time that a mapper spends in each stage. Not thread-safe.
 class StageClock final : public StageObserver {
  public:
   void Enter(MapperStage stage) override;
   void Leave() override;
 
-  /// What was spent so far.
+  /// Time spent so far.
   const StageTimes& total_ms() const { return total_ms_; }
 
  private:
@@ -24,8 +24,8 @@ class StageClock final : public StageObserver {
 
   StageTimes total_ms_{};
   bool is_running_ = false;
-  MapperStage stage_ = MapperStage::kCloud;        ///< While it runs: the one at hand,
-  std::chrono::steady_clock::time_point start_{};  ///< and since when.
+  MapperStage stage_ = MapperStage::kCloud;        ///< Current stage, if running.
+  std::chrono::steady_clock::time_point start_{};  ///< Start of the current stage.
 };
 
 }  // namespace steadymap

@@ -13,13 +13,13 @@
 
 namespace steadymap {
 
-/// What is said of one method on one route.
+/// Scores of one method on one route.
 struct MethodScore {
   std::string name;
-  bool last_sequence_only = false;  ///< So it cannot notice changes, and has no events to score.
+  bool last_sequence_only = false;  ///< It observes no changes, so it has no event scores.
   MapScore map;                     ///< Counts of all seeds together.
-  EventScore events;                ///< The same.
-  /// Brier score of the map's beliefs (`belief_score.h`); NaN where it has none.
+  EventScore events;                ///< Counts of all seeds together.
+  /// Brier score of the map's beliefs (`belief_score.h`); NaN if it has none.
   double brier = std::numeric_limits<double>::quiet_NaN();
   MapCost cost;  ///< Of the last seed.
 };
@@ -28,15 +28,15 @@ struct MethodScore {
 struct Evaluation {
   std::string title;  ///< Of the route or recording.
   double voxel_size_m = 0.2;
-  std::size_t frame_count = 0;    ///< A seed.
-  std::size_t skipped_count = 0;  ///< Frames of a recording that could not be used.
+  std::size_t frame_count = 0;    ///< Per seed.
+  std::size_t skipped_count = 0;  ///< Unusable frames of a recording.
   std::size_t seed_count = 1;
-  bool has_history = false;  ///< Whether the scores of ghosts, memory and events mean anything.
-  std::size_t scored_voxels = 0;  ///< Observed voxels that count.
+  bool has_history = false;       ///< The scores of ghosts, memory and events are valid.
+  std::size_t scored_voxels = 0;  ///< Observed voxels that are scored.
   std::vector<MethodScore> rows;
 };
 
-/// Sees each final map, to draw it.
+/// Receives each final map, e.g. to draw it.
 using MapVisitor = std::function<void(
     const std::string& method, const MapScorer& scorer, const std::vector<SurfacePoint>& surface)>;
 

@@ -19,7 +19,7 @@ struct VerdictStyle {
   Rgb color;
 };
 
-// In the order of VoxelVerdict. Told apart with any kind of colour vision.
+// In the order of VoxelVerdict. Distinguishable with any kind of colour vision.
 constexpr std::array<VerdictStyle, 3> kStyles = {
     {{"true", {70, 125, 105}}, {"wrong", {213, 80, 0}}, {"missed", {60, 130, 235}}}};
 
@@ -28,7 +28,7 @@ constexpr int kMapSidePx = 900;
 constexpr int kMinMapSidePx = 320;
 constexpr double kRowPx = 24.0;
 
-// This many voxels on top of each other get the full colour.
+// This many voxels in a column get the full colour.
 constexpr double kFullColumn = 4.0;
 
 using Counts = std::array<std::size_t, kStyles.size()>;
@@ -42,7 +42,7 @@ Columns StackUp(const std::vector<JudgedVoxel>& voxels) {
   return columns;
 }
 
-// The verdict of a column: the last of the largest counts.
+// Returns the verdict of a column: the last of the largest counts.
 std::size_t VerdictOf(const Counts& counts) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < counts.size(); ++i) {
@@ -51,7 +51,7 @@ std::size_t VerdictOf(const Counts& counts) {
   return best;
 }
 
-// The view that holds all columns with a margin of two, in whole pixels a voxel.
+// Returns the view of all columns with a margin of two, with whole pixels per voxel.
 TopDownView ViewOf(const Columns& columns, double voxel_size_m) {
   Eigen::AlignedBox2i cells;
   for (const auto& [cell, counts] : columns) cells.extend(Eigen::Vector2i(cell.first, cell.second));

@@ -8,15 +8,15 @@
 
 namespace steadymap {
 
-/// What stands around the picture.
+/// Texts around the picture.
 struct ScorePictureText {
-  std::string title;     ///< One line, ASCII; cut where it does not fit.
-  std::string subtitle;  ///< One smaller line under it.
+  std::string title;     ///< One line, ASCII; truncated if too long.
+  std::string subtitle;  ///< One smaller line below the title.
 };
 
-/// Draws verdicts from straight above: a square a column of voxels, in the colour of the verdict
-/// that most of them got (of equal ones the worse), paler where the column holds few, with a legend
-/// that counts them. No verdicts give an empty picture that says so.
+/// Draws voxel verdicts from above: one square per column of voxels, in the colour of its most
+/// frequent verdict (the worse of equal ones), paler for columns with few voxels, and a legend with
+/// counts. Without verdicts the picture contains a message.
 Image<Rgb> DrawScorePicture(const std::vector<JudgedVoxel>& voxels,
                             double voxel_size_m,
                             const ScorePictureText& text);

@@ -43,7 +43,7 @@ const MethodScore* FindRow(const Evaluation& evaluation, std::string_view name) 
   return nullptr;
 }
 
-// How much of what the map that never forgets remembers this one remembers, too.
+// Returns the `kept` score relative to that of `static`, which never removes surface.
 double KeptOfStatic(const MethodScore& row, const Evaluation& evaluation) {
   const MethodScore* yardstick = FindRow(evaluation, "static");
   if (yardstick == nullptr) return std::nan("");

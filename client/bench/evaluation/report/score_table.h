@@ -6,9 +6,9 @@
 
 namespace steadymap {
 
-/// The scores as a table for people: a row a method, then what others reported for the route.
-/// Percentages have one digit, false positive rates two; a dash stands for what there is nothing to
-/// say about.
+/// Returns the scores as a text table: one row per method, then the scores reported by other
+/// authors for the route. Percentages have one digit, false positive rates two; a dash marks an
+/// undefined value.
 std::string ScoreTable(const Evaluation& evaluation);
 
 }  // namespace steadymap

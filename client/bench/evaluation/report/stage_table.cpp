@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMinStageWidth = 6;
 
-// Stages that take less than this show as nothing.
+// Shorter times appear as a dash.
 constexpr double kShownMs = 0.0005;
 
 }  // namespace

@@ -6,8 +6,9 @@
 
 namespace steadymap {
 
-/// Mean milliseconds a frame by stage, a line a method: a table for people, with a line feed at its
-/// end. The commits of every 15th frame are shared out among all.
+/// Returns the mean milliseconds per frame of each stage as a text table, one line per method,
+/// ending with a line feed. The cost of the commits, one every 15 frames, is distributed over all
+/// frames.
 std::string StageTable(const Evaluation& evaluation);
 
 }  // namespace steadymap

@@ -4,14 +4,14 @@
 
 namespace steadymap {
 
-/// What a map believed of one object, and what is so.
+/// A map's belief about one object, and the truth.
 struct BeliefSample {
   double stationarity = 0.0;   ///< E[v], in [0, 1].
-  bool is_still_true = false;  ///< Whether the thing stands where the map has it.
+  bool is_still_true = false;  ///< The object is still in place.
 };
 
-/// The Brier score: the mean squared distance of belief and truth. 0 is perfect, 0.25 what always
-/// believing one half gets; NaN for no samples.
+/// Returns the Brier score: the mean squared difference of belief and truth. 0 is perfect; a
+/// constant belief of one half scores 0.25; NaN without samples.
 double BrierScore(std::span<const BeliefSample> samples);
 
 }  // namespace steadymap

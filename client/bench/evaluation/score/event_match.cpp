@@ -7,8 +7,8 @@
 namespace steadymap {
 namespace {
 
-// Where only part of a thing was seen, its cuboid's centre is off by up to half its size; poses and
-// surfaces add little to that.
+// If only part of an object was observed, its cuboid's centre is off by up to half its size; errors
+// of poses and surfaces are small in comparison.
 constexpr double kPlaceToleranceM = 0.4;
 
 bool IsAt(const Eigen::Vector3d& center_world, const Eigen::AlignedBox3d& box_world) {
@@ -42,7 +42,7 @@ bool DescribesAny(const Claim& claim, const EventTruth& truth) {
       ends.begin(), ends.end(), [&](const EndKey& end) { return Describes(claim, truth, end); });
 }
 
-// The last frame taken at or before the event.
+// Returns the last frame captured at or before the event.
 std::size_t FrameOf(const EventTruth& truth, Timestamp time) {
   const auto after = std::upper_bound(truth.capture_times.begin(), truth.capture_times.end(), time);
   return after == truth.capture_times.begin()
@@ -58,8 +58,8 @@ std::size_t SequenceOf(const EventTruth& truth, std::size_t frame) {
 
 constexpr std::size_t kFree = static_cast<std::size_t>(-1);
 
-// One step of the matching (an augmenting path): finds a candidate for `slot`, moving others to
-// another of theirs where it must. Slots that have one never lose it.
+// One step of the matching (an augmenting path): assigns a candidate to `slot`, reassigning others
+// if needed. Slots with a candidate never lose it.
 bool FindCandidate(std::size_t slot,
                    const Candidates& candidates,
                    std::vector<bool>* visited,
@@ -128,7 +128,8 @@ bool Describes(const Claim& claim, const EventTruth& truth, const EndKey& key) {
 std::vector<std::size_t> CountMatches(const Candidates& candidates,
                                       const std::vector<std::size_t>& capacities,
                                       std::size_t candidate_count) {
-  // A slot for every taker, then those for more than one, which only get what is left.
+  // One slot per taker comes first, then the slots of capacities above one, which get only the
+  // remaining candidates.
   std::vector<std::size_t> taker_of_slot(candidates.size());
   std::iota(taker_of_slot.begin(), taker_of_slot.end(), 0U);
   for (std::size_t taker = 0; taker < candidates.size(); ++taker) {

@@ -34,7 +34,7 @@ class EventScorer {
     return is_arrival ? scores->created : scores->removed;
   }
 
-  // The first claim about an end, or null.
+  // Returns the first claim about an end, or null.
   const Claim* FirstClaim(const EndKey& end) const {
     const auto found = std::find_if(claims_.begin(), claims_.end(), [&](const Claim& claim) {
       return Describes(claim, truth_, end);
@@ -79,7 +79,7 @@ class EventScorer {
     }
   }
 
-  // Whether both claims of a move event are about the ends of one move.
+  // True if the two claims of a move event describe both ends of one move.
   bool TellsMove(std::size_t event, std::size_t change) const {
     bool tells_departure = false;
     bool tells_arrival = false;

@@ -15,13 +15,13 @@ namespace {
 using VoxelPoints = std::unordered_map<VoxelIndex, std::vector<Eigen::Vector3f>>;
 using VoxelSet = std::unordered_set<VoxelIndex>;
 
-// How far apart surfaces of map and truth may be in the row `near`, in voxels.
+// Largest distance between surfaces of map and truth in the row `near`, in voxels.
 constexpr double kNearVoxels = 0.5;
 
-// Noise and drift of a few metres' distance put the ground up to this far from where it is.
+// Largest error of the mapped ground's height, from noise and drift at a few metres' distance.
 constexpr double kGroundNoiseM = 0.12;
 
-// What faces up as the ground does is mapped ground.
+// Surface near the ground with at least this upward cosine is mapped ground.
 constexpr float kMinGroundCosine = 0.7F;
 
 double Ratio(std::uint64_t part, std::uint64_t whole) {
@@ -57,7 +57,7 @@ bool AnyNear(const std::vector<Eigen::Vector3f>& points, const PointIndex& index
   });
 }
 
-// The points of a voxel; none where it is not listed.
+// Returns the points of a voxel, or null.
 const std::vector<Eigen::Vector3f>* FindPoints(const VoxelPoints& voxels, const VoxelIndex& voxel) {
   const auto found = voxels.find(voxel);
   return found == voxels.end() ? nullptr : &found->second;
@@ -128,7 +128,7 @@ struct MapScorer::State {
     ground_points.Add(reference.ground);
   }
 
-  // The surface of a map without the ground.
+  // Returns the surface of a map without the ground.
   std::vector<SurfacePoint> WithoutGround(std::vector<SurfacePoint> map) const {
     std::erase_if(map, [this](const SurfacePoint& point) {
       return point.normal_world.z() > kMinGroundCosine &&
@@ -137,15 +137,15 @@ struct MapScorer::State {
     return map;
   }
 
-  // The surface of a map that is not true.
+  // Returns the surface of a map that is not true.
   std::vector<SurfacePoint> WithoutTruth(std::vector<SurfacePoint> map) const {
     std::erase_if(
         map, [this](const SurfacePoint& point) { return truth.HasNear(point.position_world); });
     return map;
   }
 
-  // Calls `judge(voxel, points of the map, points of the truth, whether there is unseen truth)` for
-  // every voxel that counts.
+  // Calls `judge(voxel, points of the map, points of the truth, whether unseen truth exists)` for
+  // every scored voxel.
   template <typename Function>
   void ForEachCounted(const VoxelPoints& map, Function judge) const {
     observed.ForEach([&](const VoxelIndex& voxel) {
@@ -162,7 +162,7 @@ struct MapScorer::State {
   VoxelPoints vanished;
   VoxelPoints remembered;
   VoxelPoints swept;
-  PointIndex truth;  // All that is true, seen or not.
+  PointIndex truth;  // All true surface, seen or not.
   PointIndex ground_points;
 };
 

@@ -7,72 +7,72 @@
 #include "client/bench/evaluation/truth/observed_space.h"
 #include "client/bench/evaluation/truth/surface_points.h"
 
-/// How true a map's surface is (client/README.md#evaluation).
+/// Accuracy of a map's surface.
 namespace steadymap {
 
-/// A part of a whole, counted.
+/// A counted share.
 struct Share {
   std::uint64_t part = 0;
   std::uint64_t whole = 0;
 
-  /// In [0, 1]; NaN where there is no whole.
+  /// In [0, 1]; NaN if `whole` is 0.
   double value() const;
 
   Share& operator+=(const Share& other);
 };
 
-/// Voxels by what the map and the truth have in them. Where a tolerance lets one voxel answer for
-/// another, as many true voxels may be found as it takes, so map and truth count their own.
+/// Voxel counts of map and truth. With a tolerance, one map voxel can match several true voxels, so
+/// map and truth are counted separately.
 struct SurfaceScore {
-  std::uint64_t true_positives = 0;   ///< Of the map: its surface is true.
-  std::uint64_t false_positives = 0;  ///< Of the map: its surface is not.
-  std::uint64_t recalled = 0;         ///< Of the truth: the map has the surface.
-  std::uint64_t missed = 0;           ///< Of the truth: the map lacks the surface.
+  std::uint64_t true_positives = 0;   ///< Map voxels with true surface.
+  std::uint64_t false_positives = 0;  ///< Map voxels without true surface.
+  std::uint64_t recalled = 0;         ///< True voxels that the map contains.
+  std::uint64_t missed = 0;           ///< True voxels that the map lacks.
   std::uint64_t true_negatives = 0;   ///< Neither map nor truth has surface.
 
-  double precision() const;            ///< Of the map; NaN for an empty map.
-  double recall() const;               ///< Of the truth; NaN where nothing is true.
+  double precision() const;            ///< NaN for an empty map.
+  double recall() const;               ///< NaN without true surface.
   double false_positive_rate() const;  ///< false / (false positives + true negatives).
 
   SurfaceScore& operator+=(const SurfaceScore& other);
 };
 
-/// All that is said about the surface of one map.
+/// All scores of the surface of one map.
 struct MapScore {
-  SurfaceScore voxel;  ///< A voxel of the map is true if there is true surface in that very voxel.
-  SurfaceScore near;   ///< A voxel matches if the other side's surface comes within half a voxel.
-  Share ghosts;  ///< Of the voxels of vanished surface, those where the map still has surface.
-  Share kept;    ///< Of the voxels of surface only remembered, those where the map has surface.
-  /// Of the voxels that moving things were seen in, those where it has surface that is not true:
-  /// what they stood or rolled on may be there.
+  SurfaceScore voxel;  ///< Match: map and truth have surface in the same voxel.
+  SurfaceScore near;   ///< Match: surfaces are at most half a voxel apart.
+  Share ghosts;        ///< Voxels of removed surface that the map still contains.
+  Share kept;          ///< Voxels of surface seen only earlier, in the map.
+  /// Voxels visited by moving objects in which the map has untrue surface. The floor under the
+  /// objects is true surface and does not count.
   Share trail;
 
   MapScore& operator+=(const MapScore& other);
 };
 
-/// What a map is compared with.
+/// Ground truth of a map score.
 struct Reference {
-  /// Other voxels do not count.
+  /// Only these voxels are scored.
   ObservedSpace observed;
-  /// True surface that the last run could see.
+  /// True surface visible in the last sequence.
   std::vector<SurfacePoint> seen{};
-  /// True surface that it could not: voxels with no other true surface do not count.
+  /// True surface invisible in the last sequence: voxels without other true surface are not scored.
   std::vector<SurfacePoint> unseen{};
-  /// Surface that earlier runs saw, that is no more, and that the last run looked through.
+  /// Surface observed by earlier sequences, removed since, and carved free by the last one.
   std::vector<SurfacePoint> vanished{};
-  /// True surface that only earlier runs saw.
+  /// True surface observed by earlier sequences only.
   std::vector<SurfacePoint> remembered{};
-  /// Surface of things that move, wherever a run saw it.
+  /// Surface of moving objects at every observed position.
   std::vector<SurfacePoint> swept{};
-  /// Not scored: the voxels it runs through, and what of a map lies within 0.12 m of it and faces
-  /// up. There is so much ground that it would drown what the score is about.
+  /// Not scored: the voxels of the ground, and map surface that lies within 0.12 m of it and faces
+  /// up. The ground is so large that it would dominate the score.
   std::vector<SurfacePoint> ground{};
 };
 
-/// What a voxel of the row `near` turned out to be.
+/// Verdict on a voxel of the row `near`.
 enum class VoxelVerdict {
-  kMatched,  ///< Surface of the map that is true.
-  kWrong,    ///< Surface of the map that is not.
+  kMatched,  ///< Map surface that is true.
+  kWrong,    ///< Map surface that is not true.
   kMissed,   ///< True surface that the map lacks.
 };
 
@@ -82,27 +82,26 @@ struct JudgedVoxel {
   VoxelVerdict verdict = VoxelVerdict::kMatched;
 };
 
-/// Compares maps with one reference. What a map has outside the observed voxels is neither right
-/// nor wrong.
+/// Compares maps with one reference. Map surface outside the observed voxels is not scored.
 class MapScorer {
  public:
   explicit MapScorer(Reference reference);
   ~MapScorer();
   MapScorer(MapScorer&&) noexcept;
 
-  /// Scores the surface of a map, sampled at most a quarter of a voxel apart.
+  /// Scores a map's surface, sampled at most a quarter of a voxel apart.
   MapScore Score(const std::vector<SurfacePoint>& map) const;
 
-  /// The verdicts behind the row `near`, in no particular order.
+  /// Returns the verdicts of the row `near`, in no particular order.
   std::vector<JudgedVoxel> Judge(const std::vector<SurfacePoint>& map) const;
 
-  /// Whether a thing with this surface stands where the map has it: at least half of the surface
-  /// lies within half a voxel of true surface. Nothing is not true.
+  /// True if an object with this surface is in place: at least half of the surface lies within half
+  /// a voxel of true surface. False for an empty surface.
   bool IsStillTrue(const std::vector<SurfacePoint>& surface) const;
 
   double voxel_size_m() const;
 
-  /// Observed voxels that count.
+  /// Number of scored voxels.
   std::size_t scored_voxels() const;
 
  private:

@@ -8,7 +8,7 @@
 namespace steadymap {
 namespace {
 
-// Sorts the surface of one place after another into a reference.
+// Sorts the surface of all places into a reference.
 class Sorter {
  public:
   Sorter(const RouteSurvey& survey, Reference* reference)
@@ -36,7 +36,7 @@ class Sorter {
     reference_->ground.insert(reference_->ground.end(), place.points.begin(), place.points.end());
   }
 
-  // Once all surface that stands is sorted.
+  // Requires that all present surface is sorted.
   void SortRemembered(const SurveyedPlace& place) {
     for (std::size_t i = 0; i < place.points.size(); ++i) {
       const SurfacePoint& point = place.points[i];
@@ -45,7 +45,7 @@ class Sorter {
     }
   }
 
-  // Once all surface that stands is sorted.
+  // Requires that all present surface is sorted.
   void SortVanished(const SurveyedPlace& place) {
     for (std::size_t i = 0; i < place.points.size(); ++i) {
       const SurfacePoint& point = place.points[i];
@@ -55,7 +55,7 @@ class Sorter {
     }
   }
 
-  // Once all surface that stands is sorted.
+  // Requires that all present surface is sorted.
   void SortSwept(const std::vector<SurfacePoint>& points) {
     for (const SurfacePoint& point : points) {
       if (!truth_.HasNear(point.position_world)) reference_->swept.push_back(point);
@@ -65,9 +65,9 @@ class Sorter {
  private:
   std::uint32_t last_bit_;
   std::uint32_t earlier_bits_;
-  // A map's surface may be off by half a voxel from what it stands for. So that the same surface
-  // never counts for two things, what has vanished or was swept lies a voxel from what is true, and
-  // what is remembered a voxel from what is seen.
+  // A map's surface may be off by half a voxel. So that map surface never matches two categories,
+  // vanished and swept surface keeps a distance of one voxel from true surface, and remembered
+  // surface from seen surface.
   PointIndex truth_;
   PointIndex seen_;
   Reference* reference_;

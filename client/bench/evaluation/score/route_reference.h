@@ -5,9 +5,9 @@
 
 namespace steadymap {
 
-/// Sorts a route's surface into what the score asks for. The survey's observed space is moved out.
-/// What lies within a voxel of true surface is neither `vanished` nor `swept`, and what lies within
-/// a voxel of seen surface is not `remembered`: a map's surface there may stand for either.
+/// Builds the ground truth of a route. Moves the observed space out of the survey. Surface within a
+/// voxel of true surface is neither `vanished` nor `swept`, and surface within a voxel of seen
+/// surface is not `remembered`, since map surface there could match either.
 Reference MakeReference(RouteSurvey* survey, bool with_ground);
 
 }  // namespace steadymap

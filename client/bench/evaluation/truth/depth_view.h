@@ -7,14 +7,14 @@
 
 namespace steadymap {
 
-/// How far something lies along each pixel of one picture.
+/// A depth image with camera and pose.
 struct DepthView {
   PinholeCamera camera;
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
-  Image<float> depth_m;  ///< Along the camera's z axis; 0: unknown; infinite: nothing there.
+  Image<float> depth_m;  ///< Along the camera's z axis; 0: unknown; infinite: no surface.
 };
 
-/// The view that a recorded frame gives.
+/// Returns the view of a recorded frame.
 DepthView ViewOf(const Frame& frame);
 
 }  // namespace steadymap

@@ -6,7 +6,7 @@
 namespace steadymap {
 namespace {
 
-// Less surface than that tells a map little: half the side of a small parcel.
+// Less surface is hardly noticeable in a map: half the side of a small parcel.
 constexpr double kMinSurfaceM2 = 0.1;
 
 using PlaceList = std::vector<const SurveyedPlace*>;
@@ -22,7 +22,8 @@ double AreaSeenM2(const SurveyedPlace& place, std::uint32_t sequences, const Rou
   return static_cast<double>(count) * survey.point_area_m2;
 }
 
-// Surface that sequences before `sequence` saw and that `sequence` looks through.
+// Returns the area of surface that earlier sequences observed and that `sequence` measured depth
+// behind.
 double AreaRefutedM2(const SurveyedPlace& place, std::size_t sequence, const RouteSurvey& survey) {
   const std::uint32_t bit = 1U << sequence;
   std::size_t count = 0;
@@ -56,13 +57,13 @@ void AddFrames(const SurveyedPlace& place,
   frames->erase(std::unique(frames->begin(), frames->end()), frames->end());
 }
 
-/// Collects the changes of one sequence, those of one group together.
+/// Collects the changes of one sequence, grouped by object group.
 class ChangeCollector {
  public:
   ChangeCollector(const RouteSurvey& survey, std::size_t sequence, EventTruth* truth)
       : survey_(survey), sequence_(sequence), first_(truth->changes.size()), truth_(truth) {}
 
-  // Either place may be null.
+  // Either place may be null, but not both.
   void Add(const SurveyedPlace* left, const SurveyedPlace* taken) {
     const SurveyedPlace* const place = left != nullptr ? left : taken;
     if (place == nullptr) return;
@@ -86,7 +87,7 @@ class ChangeCollector {
     return static_cast<std::size_t>(&change - truth_->changes.data()) - first_;
   }
 
-  // The change of the group so far, or a new one.
+  // Returns the present change of the group, or a new one.
   TrueChange& ChangeFor(const SurveyedPlace& place, bool departs, bool arrives) {
     for (std::size_t i = 0; i < groups_.size(); ++i) {
       TrueChange& change = truth_->changes[first_ + i];
@@ -110,7 +111,7 @@ class ChangeCollector {
   std::size_t sequence_;
   std::size_t first_;  // Of this sequence's changes.
   EventTruth* truth_;
-  std::vector<std::string> groups_;  // One a change of this sequence, as are the areas.
+  std::vector<std::string> groups_;  // One per change of this sequence, like the areas below.
   std::vector<double> departed_m2_;
   std::vector<double> arrived_m2_;
 };

@@ -10,29 +10,30 @@
 #include "core/types/identifiers.h"
 #include "core/types/timestamp.h"
 
-/// What truly changed on a simulated route, for the events of a map to be compared with.
+/// The true changes of a simulated route, as reference for the events of a map.
 namespace steadymap {
 
-/// One end of a change: the place that was left, or the one that was taken.
+/// One end of a change: the place that was left, or the new place.
 struct ChangeEnd {
-  std::vector<Eigen::AlignedBox3d> boxes_world;  ///< One a thing; empty: the change lacks this end.
-  bool is_in_view = false;  ///< Whether the robot could notice: see `ListTrueEvents`.
-  std::vector<std::size_t> frames_in_view;  ///< Of the change's sequence, rising.
+  /// One per object; empty: the change lacks this end.
+  std::vector<Eigen::AlignedBox3d> boxes_world;
+  bool is_in_view = false;                  ///< Observable: see `ListTrueEvents`.
+  std::vector<std::size_t> frames_in_view;  ///< Of the change's sequence, ascending.
 };
 
-/// A thing that is not where it was a sequence before, or several of one group that changed alike:
-/// things that touch and look alike may be one object of a map.
+/// A change of one object between consecutive sequences, or the same kind of change of several
+/// objects of one group: objects that touch and look alike may be one object of a map.
 struct TrueChange {
-  std::string name;  ///< Of the first thing.
+  std::string name;  ///< Of the first object.
   ClassId class_id;
-  std::size_t sequence = 0;  ///< The first in which it is true.
-  ChangeEnd departure;       ///< Empty for what was created.
-  ChangeEnd arrival;         ///< Empty for what was removed.
+  std::size_t sequence = 0;  ///< The first sequence after the change.
+  ChangeEnd departure;       ///< Empty for a created object.
+  ChangeEnd arrival;         ///< Empty for a removed object.
 
   bool is_move() const { return !departure.boxes_world.empty() && !arrival.boxes_world.empty(); }
 };
 
-/// Something that a sequence is the first to see although it may always have been there.
+/// An object that a sequence observes first although it may have been present before.
 struct FirstSight {
   ClassId class_id;
   std::size_t sequence = 0;
@@ -41,17 +42,19 @@ struct FirstSight {
 
 /// The truth about a route's events.
 struct EventTruth {
-  std::vector<TrueChange> changes;        ///< By rising sequence.
-  std::vector<FirstSight> first_sights;   ///< To be created by a map, though nothing changed.
+  std::vector<TrueChange> changes;        ///< In ascending order of sequence.
+  std::vector<FirstSight> first_sights;   ///< Created by a map without a change.
   std::vector<Timestamp> capture_times;   ///< Of all frames.
   std::vector<std::size_t> first_frames;  ///< Of each sequence, then the number of frames.
 };
 
-/// Compares each sequence with the one before. The first has no changes: all is new to the map.
+/// Compares each sequence with the previous one. The first has no changes, since everything is new
+/// to the map.
 ///
-/// A departure is in view if the sequence looked through at least 0.1 m2 of surface that an earlier
-/// one had seen at the place; an arrival, if it saw at least 0.1 m2 of the new surface. Things that
-/// move while the robot looks are no part of it. The capture times are left empty.
+/// A departure is in view if the rays of the sequence pass through at least 0.1 m2 of surface that
+/// an earlier one observed at the place; an arrival, if the sequence observes at least 0.1 m2 of
+/// the new surface. Objects that move during a sequence are excluded. The capture times are left
+/// empty.
 EventTruth ListTrueEvents(const Route& route, const RouteSurvey& survey);
 
 }  // namespace steadymap

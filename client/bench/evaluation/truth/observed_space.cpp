@@ -10,8 +10,8 @@ namespace {
 constexpr int kBlockShift = 3;
 constexpr int kBlockMask = 7;
 
-// Rays this close to each other, in voxels at the far end, leave none out that matters; no more
-// than that many pixels apart.
+// With this ray spacing at the far end, in voxels, rays miss no relevant voxel; and at most
+// kMaxStridePx pixels apart.
 constexpr double kRaySpacingVoxels = 0.5;
 constexpr int kMaxStridePx = 4;
 
@@ -43,16 +43,16 @@ void ObservedSpace::AddView(const DepthView& view) {
   }
 }
 
-// The voxel walk of Amanatides and Woo ("A Fast Voxel Traversal Algorithm for Ray Tracing", 1987),
-// in voxel units.
+// The voxel traversal of Amanatides and Woo ("A Fast Voxel Traversal Algorithm for Ray Tracing",
+// 1987), in voxel units.
 void ObservedSpace::CastRay(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) {
   const Eigen::Array3d from = from_world.array() / voxel_size_m_;
   const Eigen::Array3d span = to_world.array() / voxel_size_m_ - from;
   Eigen::Array3i voxel = from.round().cast<int>();
   const Eigen::Array3i last = (from + span).round().cast<int>();
   Eigen::Array3i step;
-  Eigen::Array3d share_a_voxel;  // Of the ray, to cross one voxel along each axis.
-  Eigen::Array3d next_share;     // Of the ray, where it enters the next voxel along each axis.
+  Eigen::Array3d share_a_voxel;  // Share of the ray per voxel along each axis.
+  Eigen::Array3d next_share;     // Share of the ray up to the next voxel along each axis.
   for (int axis = 0; axis < 3; ++axis) {
     step[axis] = span[axis] < 0 ? -1 : 1;
     const double length = std::abs(span[axis]);

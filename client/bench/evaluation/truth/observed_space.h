@@ -11,25 +11,25 @@
 
 namespace steadymap {
 
-/// Which voxels a run could tell anything about: those its rays passed through or ended in.
+/// The voxels that a run observed: those its rays passed through or ended in.
 class ObservedSpace {
  public:
-  /// Voxels of edge `voxel_size_m`; rays count up to the depth `max_depth_m`, all > 0.
+  /// Voxels have the edge `voxel_size_m`; rays end at the depth `max_depth_m`; all > 0.
   ObservedSpace(double voxel_size_m, double max_depth_m);
   ObservedSpace(ObservedSpace&&) = default;
   ObservedSpace& operator=(ObservedSpace&&) = default;
 
-  /// Casts a ray through a grid of the picture's pixels, dense enough to miss no voxel within
-  /// reach: from the camera through free voxels to the one that holds the surface, which ends it.
-  /// Pixels of depth 0 tell nothing; infinite depth is free as far as rays count. Cost: about 20 ns
-  /// a voxel that a ray crosses.
+  /// Casts rays through a grid of the picture's pixels, dense enough to miss no voxel within range.
+  /// A ray starts at the camera and ends at the voxel with the surface. Pixels of depth 0 are
+  /// ignored; a ray of infinite depth is free up to `max_depth_m`. Cost: about 20 ns per voxel
+  /// crossed.
   void AddView(const DepthView& view);
 
   double voxel_size_m() const { return voxel_size_m_; }
 
   bool IsObserved(const VoxelIndex& voxel) const;
 
-  /// Voxels observed so far.
+  /// Number of voxels observed so far.
   std::size_t observed_count() const;
 
   /// Calls `visit` for every observed voxel, in no particular order.
@@ -47,7 +47,7 @@ class ObservedSpace {
   double max_depth_m_;
   std::unordered_map<VoxelIndex, Block> blocks_;  ///< By voxel index / kBlockSide.
   VoxelIndex last_index_;                         ///< Of `last_block_`.
-  Block* last_block_ = nullptr;                   ///< Rays stay in a block for a while.
+  Block* last_block_ = nullptr;  ///< Cache: successive voxels of a ray share a block.
 };
 
 }  // namespace steadymap

@@ -25,7 +25,7 @@ bool PointIndex::HasNear(const Eigen::Vector3f& point_world) const {
   };
   if (has_near(center)) return true;
   for (int i = 0; i < 27; ++i) {
-    if (i == 13) continue;  // The middle, which has been asked.
+    if (i == 13) continue;  // The centre cell was tested first.
     const VoxelIndex cell = {center.x + i / 9 - 1, center.y + i / 3 % 3 - 1, center.z + i % 3 - 1};
     if (has_near(cell)) return true;
   }

@@ -12,23 +12,23 @@
 namespace steadymap {
 namespace {
 
-// Surface this oblique gives no depth (`SensorModel::grazing_cosine`), so nothing could map it.
+// More oblique surface gives no depth (`SensorModel::grazing_cosine`), so it cannot be mapped.
 constexpr float kMinCosine = 0.1F;
 
-// How far the depth of a point's pixel may be off: rounding, then a whole pixel along the slope.
+// Tolerance of the depth of a point's pixel: rounding, then a whole pixel along the slope.
 constexpr float kSameDepthM = 0.005F;
 
-// A ray that ends this far behind a point has certainly passed through it.
+// A ray that ends this far behind a point certainly passed through it.
 constexpr float kBehindM = 0.05F;
 
-// A place is in view in a frame that tells something about this much of it.
+// A place is in view in a frame that observes at least this much of it.
 constexpr double kInViewM2 = 0.05;
 
 constexpr double kSamePlaceM = 1e-6;
 
 enum class Sight { kNone, kSeen, kLookedThrough };
 
-/// A view prepared for many points.
+/// A view prepared for many visibility tests.
 class Viewer {
  public:
   Viewer(const DepthView& view, const SurveyOptions& options)
@@ -56,7 +56,7 @@ class Viewer {
  private:
   static constexpr float kMinDepthM = 0.3F;
 
-  // Whether the measured depth is the point's own, as far as a pixel can tell.
+  // True if the measured depth is the point's own, within the size of a pixel.
   bool IsBesideSlope(const SurfacePoint& point, float depth_m, float measured_m) const {
     const Eigen::Vector3f to_eye = (eye_world_ - point.position_world).normalized();
     const float cosine = to_eye.dot(point.normal_world);
@@ -70,10 +70,11 @@ class Viewer {
   Eigen::Isometry3f T_camera_world_;
   Eigen::Vector3f eye_world_;
   float max_depth_m_;
-  float max_range_m_;  // Beyond it there is no return, and nothing is learnt.
+  float max_range_m_;  // Beyond it there is no return and no evidence.
 };
 
-// Whether any of a place may be within sight: a sphere against the reach and the camera's plane.
+// True if a part of a place may be in view: tests its bounding sphere against the range and the
+// camera's plane.
 bool MayBeInView(const SurveyedPlace& place, const DepthView& view, double max_depth_m) {
   const double radius_m = 0.5 * place.box_world.diagonal().norm();
   const double depth_m = (view.T_world_camera.inverse() * place.box_world.center()).z();
@@ -90,7 +91,7 @@ void LookAtPlace(const Viewer& viewer,
   for (std::size_t i = 0; i < place->points.size(); ++i) {
     const Sight sight = viewer.Look(place->points[i]);
     if (sight == Sight::kNone) continue;
-    // What was measured on a thing that is not there is another thing's surface at the same place.
+    // A depth measured at a point of an absent object belongs to another object at the same place.
     const bool is_seen = sight == Sight::kSeen && place->StandsIn(sequence);
     if (is_seen) place->seen_in[i] |= bit;
     if (sight == Sight::kLookedThrough) place->looked_through_in[i] |= bit;
@@ -101,7 +102,7 @@ void LookAtPlace(const Viewer& viewer,
   }
 }
 
-/// The surface of the things that move during one sequence.
+/// The surface of the objects that move during one sequence.
 class Movers {
  public:
   Movers(const Scene& scene, const SurveyOptions& options) : spacing_m_(options.spacing_m) {
@@ -113,7 +114,7 @@ class Movers {
     }
   }
 
-  // Adds what a view shows of them at `time_s` to `swept`, unless a point close to it was `met`.
+  // Adds the observed surface points at `time_s` to `swept`, unless their cell is in `met`.
   void Look(const Viewer& viewer,
             double time_s,
             std::unordered_set<VoxelIndex>* met,
@@ -141,7 +142,7 @@ class Movers {
   std::vector<Mover> movers_;
 };
 
-// Where a ray meets nothing, its depth is infinite.
+// The depth of a ray without a hit is infinite.
 void FillDepth(const SurfaceImage& surfaces, Image<float>* depth_m) {
   const float* inverse_depth = surfaces.pixels.inverse_depth_per_m.data();
   for (std::size_t i = 0; i < depth_m->size(); ++i) {
@@ -170,13 +171,13 @@ SurveyedPlace MakePlace(const SceneObject& object,
   return place;
 }
 
-// Where any camera of the route can see to.
+// Returns the region within range of any camera pose of the route.
 Eigen::AlignedBox3d ReachOf(const Simulation& simulation, double max_depth_m) {
   Eigen::AlignedBox3d reach_world;
   for (std::size_t frame = 0; frame < simulation.frame_count(); ++frame) {
     reach_world.extend(simulation.TruePose(frame).translation());
   }
-  // A pixel in a corner of the picture is farther away than its depth.
+  // The distance of a corner pixel exceeds its depth.
   const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(1.5 * max_depth_m);
   return {reach_world.min() - margin_m, reach_world.max() + margin_m};
 }

@@ -9,15 +9,15 @@
 namespace steadymap {
 namespace {
 
-// The middles of the pieces that a triangle falls into when its sides are cut in `n` lie about two
-// thirds of a piece's side apart.
+// If the sides of a triangle are divided into `n` parts, the centres of the resulting small
+// triangles are about two thirds of a part apart.
 constexpr float kTriangleSideToSpacing = 1.5F;
 
 int PiecesAlong(float length_m, double spacing_m) {
   return std::max(1, static_cast<int>(std::ceil(length_m / static_cast<float>(spacing_m))));
 }
 
-// The middles of the `n` * `n` small triangles.
+// Adds the centres of the `n` * `n` small triangles.
 void SampleTriangle(const std::array<Eigen::Vector3f, 3>& corners,
                     double spacing_m,
                     std::vector<SurfacePoint>* points) {

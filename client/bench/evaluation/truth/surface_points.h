@@ -17,20 +17,20 @@ struct SurfacePoint {
   Eigen::Vector3f normal_world = Eigen::Vector3f::Zero();    ///< Unit, towards the outside.
 };
 
-/// Points on every triangle, no two neighbours more than about `spacing_m` (> 0) apart. Triangles
-/// without area have none.
+/// Samples every triangle with neighbouring points at most about `spacing_m` (> 0) apart. Triangles
+/// without area have no points.
 std::vector<SurfacePoint> SampleMesh(const Mesh& mesh, double spacing_m);
 
-/// Points on every facet, on a grid of `spacing_m` (> 0) or a little less, each in the middle of
-/// its cell; the same facets give the same points. Facets are parallelograms or triangles.
+/// Samples every facet on a grid of at most `spacing_m` (> 0), with points at the cell centres;
+/// deterministic. Facets are parallelograms or triangles.
 std::vector<SurfacePoint> SampleFacets(const std::vector<Facet>& facets_world, double spacing_m);
 
-/// The surface of an object's volume, where the object stands.
+/// Samples the surface of an object's volume at the object's pose.
 std::vector<SurfacePoint> SampleObject(const MapObject& object,
                                        const VoxelScale& scale,
                                        double spacing_m);
 
-/// All surface that a map shows: what a reader of the map takes to be there.
+/// Samples the whole visible surface of a map: background and present objects.
 std::vector<SurfacePoint> SampleMap(const MapSnapshot& snapshot, double spacing_m);
 
 }  // namespace steadymap

@@ -9,9 +9,9 @@
 
 namespace steadymap {
 
-/// A voxel of the lattice that maps are scored on, whatever voxels the map itself has. Its centre
-/// lies at its index times the voxel size, world frame: a floor at z = 0 runs through the middle of
-/// voxels, not along their border.
+/// A voxel of the scoring grid, independent of the map's own voxels. Its centre is its index times
+/// the voxel size, world frame, so a floor at z = 0 runs through the centres of voxels and not
+/// along their faces.
 struct VoxelIndex {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -20,7 +20,7 @@ struct VoxelIndex {
   friend constexpr auto operator<=>(const VoxelIndex&, const VoxelIndex&) = default;
 };
 
-/// The voxel of edge `voxel_size_m` that holds a point.
+/// Returns the voxel of edge `voxel_size_m` that contains a point.
 inline VoxelIndex VoxelAt(const Eigen::Vector3f& point_world, double voxel_size_m) {
   const Eigen::Vector3f index =
       (point_world / static_cast<float>(voxel_size_m)).array().round().matrix();
@@ -29,7 +29,7 @@ inline VoxelIndex VoxelAt(const Eigen::Vector3f& point_world, double voxel_size_
           static_cast<std::int32_t>(index.z())};
 }
 
-/// The middle of a voxel, world frame, metres.
+/// Returns the centre of a voxel, world frame, metres.
 inline Eigen::Vector3f CenterOf(const VoxelIndex& voxel, double voxel_size_m) {
   return Eigen::Vector3i(voxel.x, voxel.y, voxel.z).cast<float>() *
          static_cast<float>(voxel_size_m);

@@ -16,7 +16,7 @@
 namespace steadymap {
 namespace {
 
-// Inner sides of the room, and the ellipse that the camera goes round, its middle in the room's.
+// Inner sides of the room, and the ellipse of the camera's path, concentric with the room.
 constexpr double kRoomLengthM = 8.1;
 constexpr double kRoomWidthM = 7.1;
 constexpr double kWallHeightM = 2.4;
@@ -30,18 +30,18 @@ constexpr int kLooseOnBoards = 16;
 constexpr int kNewThings = 4;
 constexpr int kTries = 60;
 
-// Of the loose things, between two drives.
+// Shares of the movable objects, between two sequences.
 constexpr double kGoneShare = 0.12;
 constexpr double kElsewhereShare = 0.12;
 constexpr double kPushedShare = 0.15;
 
-/// A place that things stand on: the ground, a table's top, a shelf's board.
+/// A supporting surface: the ground, a table top or a shelf board.
 struct Board {
   Eigen::AlignedBox2d area_world;
   double height_m = 0.0;
 };
 
-/// A thing that people carry about, and the circle on its board that it keeps free of others.
+/// A movable object, and the circle on its board that it occupies exclusively.
 struct LooseThing {
   std::uint16_t id = 0;
   std::size_t board = 0;  ///< Index; 0 is the ground.
@@ -49,7 +49,7 @@ struct LooseThing {
   double radius_m = 0.0;
 };
 
-/// First a lap with the room around in view, then one with its middle.
+/// First lap: the camera faces outwards; second lap: it faces the centre of the room.
 Eigen::Isometry3d LookAround(double time_s) {
   const double angle_rad = 2 * M_PI * time_s / kLapDurationS;
   const Eigen::Vector3d eye(
@@ -59,7 +59,7 @@ Eigen::Isometry3d LookAround(double time_s) {
   return LookAt(eye, {4 * std::cos(ahead_rad), 4 * std::sin(ahead_rad), 0.5});
 }
 
-/// Whether a thing of that radius stands in the camera's way.
+/// True if an object of this radius blocks the camera's path.
 bool IsInTheWay(const Eigen::Vector2d& center_world, double radius_m) {
   const double lap = std::hypot(center_world.x() / kLapLengthM, center_world.y() / kLapWidthM);
   return std::abs(lap - 1.0) * kLapWidthM < radius_m + 0.3;
@@ -76,7 +76,7 @@ class ClutterRoom {
 
   const Scene& scene() const { return scene_; }
 
-  /// What people do while nobody looks.
+  /// Rearranges the movable objects between two sequences.
   void Rearrange() {
     const std::vector<LooseThing> before = loose_;
     for (const LooseThing& thing : before) {
@@ -157,7 +157,7 @@ class ClutterRoom {
     const Eigen::Vector2d footprint_m = yaw_rad == 0 ? Eigen::Vector2d(size_m.x(), size_m.y())
                                                      : Eigen::Vector2d(size_m.y(), size_m.x());
     furniture_.push_back(CenteredArea(center_world, footprint_m));
-    // Nothing is put on the lowest, which hardly shows.
+    // The lowest board is hardly visible and stays empty.
     for (int board = 1; board < kBoards; ++board) {
       boards_.push_back({furniture_.back(), ShelfBoardHeight(size_m.z(), kBoards, board)});
     }
@@ -168,7 +168,7 @@ class ClutterRoom {
     added.instance = added.id;
   }
 
-  /// Draws a thing and puts it somewhere, if there is room.
+  /// Generates an object and places it, if there is space.
   void AddLoose(bool is_small) {
     SceneObject object;
     LooseThing thing;
@@ -184,7 +184,7 @@ class ClutterRoom {
     Put(loose);
   }
 
-  /// Returns the radius of its footprint.
+  /// Returns the radius of the object's footprint.
   double DrawThing(bool is_small, SceneObject* object) {
     const auto tone = static_cast<std::uint8_t>(Uniform(110, 220));
     object->color = {tone, static_cast<std::uint8_t>(Uniform(80, 200)), 90};
@@ -232,7 +232,8 @@ class ClutterRoom {
     }
   }
 
-  /// A free place for a thing, on the ground if it stood there, on any other board if not.
+  /// Returns a free place for an object: on the ground if it was there before, else on any other
+  /// board.
   std::optional<LooseThing> FindPlace(LooseThing thing) {
     const bool was_on_ground = thing.board == 0;
     for (int i = 0; i < kTries; ++i) {
@@ -244,7 +245,7 @@ class ClutterRoom {
       const Eigen::Vector2d low = board.area_world.min();
       const Eigen::Vector2d high = board.area_world.max();
       thing.center_world = {Uniform(low.x(), high.x()), Uniform(low.y(), high.y())};
-      // Every other one leans on a neighbour.
+      // Every second attempt places it against a neighbour.
       if (i % 2 == 0) LeanOnNeighbour(&thing);
       if (IsFree(thing)) return thing;
     }
@@ -263,7 +264,7 @@ class ClutterRoom {
     return std::nullopt;
   }
 
-  /// Moves a thing so that its circle touches that of one which stands on the same board.
+  /// Moves an object so that its circle touches the circle of another object on the same board.
   void LeanOnNeighbour(LooseThing* thing) {
     if (loose_.empty()) return;
     const LooseThing& other =
@@ -275,7 +276,7 @@ class ClutterRoom {
 
   bool IsFree(const LooseThing& thing) const {
     const Eigen::AlignedBox2d& area = boards_[thing.board].area_world;
-    // A little may stick out over a board.
+    // An object may protrude slightly over the edge of a board.
     const double inside_m = thing.board == 0 ? thing.radius_m : 0.6 * thing.radius_m;
     if (((thing.center_world - area.min()).array() < inside_m).any() ||
         ((area.max() - thing.center_world).array() < inside_m).any()) {
@@ -324,7 +325,7 @@ class ClutterRoom {
   std::uint64_t drawn_ = 0;
   Scene scene_;
   std::vector<Board> boards_;
-  std::vector<Eigen::AlignedBox2d> furniture_;  ///< What of the ground it takes.
+  std::vector<Eigen::AlignedBox2d> furniture_;  ///< Footprints on the ground.
   std::vector<LooseThing> loose_;
 };
 

@@ -6,10 +6,10 @@
 
 namespace steadymap {
 
-/// A storeroom in use, drawn from `seed`: tables and shelves along the walls and one in the middle,
-/// and on and between them chairs, boxes, crates, barrels, plants and sacks, many of which touch.
-/// All are meshes. The robot looks at it three times; in between some of the loose things go,
-/// some come, some are put elsewhere, and some are only pushed by a hand's breadth or two.
+/// A storeroom generated from `seed`: tables and shelves along the walls and one in the middle, and
+/// chairs, boxes, crates, barrels, plants and sacks on and between them, many of which touch. All
+/// objects are meshes. The robot records three sequences; in between some of the movable objects
+/// are removed, added, relocated, or pushed by 10 to 20 cm.
 Route MakeClutterRoute(std::uint64_t seed);
 
 }  // namespace steadymap

@@ -103,7 +103,7 @@ double AisleX(const LargeHallOptions& options, int aisle) {
   return (aisle - (options.aisles - 1) / 2.0) * kAislePitchM;
 }
 
-// Up one aisle, down the next.
+// Returns a path up one aisle and down the next.
 GroundPath Serpentine(const LargeHallOptions& options) {
   std::vector<Eigen::Vector2d> corners;
   const double end_m = options.aisle_length_m / 2 + kHeadroomM / 2;
@@ -124,8 +124,8 @@ absl::Status Check(const LargeHallOptions& options) {
   if (fits) return absl::OkStatus();
   return InvalidField(reason::kBadValue,
                       "options",
-                      absl::StrCat("a large hall has 1 to 60 aisles of 5 to 100 m, 0 to 1 of it "
-                                   "filled; got ",
+                      absl::StrCat("expected 1 to 60 aisles of 5 to 100 m and a filled share in "
+                                   "[0, 1]; got ",
                                    options.aisles,
                                    " aisles of ",
                                    options.aisle_length_m,

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::string_view kClutter = "clutter";
 
-// The configurations of the TorWIC hall that a route passes through; empty if it is none.
+// Returns the sequence of TorWIC hall configurations of a route; empty for other routes.
 std::vector<std::string> TorwicConfigurationsOf(std::string_view route) {
   if (route == "2-4-4") return {"2-2", "2-4", "4-1"};
   if (route == "9-2") return {"1-9", "2-1"};
@@ -46,7 +46,7 @@ absl::StatusOr<Route> MakeTorwicRoute(std::string_view name,
   return route;
 }
 
-/// Of `clutter` or `clutter-SEED`; none for other names.
+/// Returns the seed of `clutter` or `clutter-SEED`; none for other names.
 std::optional<std::uint64_t> ClutterSeedOf(std::string_view route) {
   if (!route.starts_with(kClutter)) return std::nullopt;
   route.remove_prefix(kClutter.size());
@@ -83,8 +83,8 @@ absl::StatusOr<Route> MakeRoute(std::string_view name) {
   if (!configurations.empty()) return MakeTorwicRoute(name, configurations);
   return InvalidField(reason::kBadName,
                       "route",
-                      "there is no route \"" + std::string(name.substr(0, 80)) +
-                          "\"; the routes are " + Join(RouteNames()));
+                      "unknown route \"" + std::string(name.substr(0, 80)) + "\"; the routes are " +
+                          Join(RouteNames()));
 }
 
 }  // namespace steadymap

@@ -41,7 +41,7 @@ Route MakePeopleRoute() {
   assert(hall.ok());
   Scene scene = *std::move(hall);
   const Trajectory drive = DriveTorwicLoop();
-  // One lane on each side of the robot's way: nobody walks through the camera.
+  // One lane on each side of the robot's path, so that no person walks through the camera.
   const GroundPath outer_lane = SquareLane(2.97);
   const GroundPath inner_lane = SquareLane(2.13);
   const double duration_s = drive.duration_s;
@@ -62,7 +62,7 @@ Route MakePeopleRoute() {
            SceneClass::kPerson,
            person,
            MoveAlong(outer_lane, {.start_m = 6, .speed_m_per_s = 0.8, .duration_s = 9}));
-  // Ahead of the robot and a little faster.
+  // Ahead of the robot and slightly faster.
   AddMover(
       &scene,
       "forklift",

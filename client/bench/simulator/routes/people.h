@@ -4,8 +4,8 @@
 
 namespace steadymap {
 
-/// The TorWIC hall with persons and a forklift passing through. They are where the robot has been
-/// and will be, and must leave nothing behind in a map.
+/// The TorWIC hall with persons and a forklift passing through. They cross the robot's past and
+/// future field of view and must leave no trace in a map.
 Route MakePeopleRoute();
 
 }  // namespace steadymap

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSwayDurationS = 12.0;
 
-// From one side to the other and back, both boxes in view.
+// Moves from side to side with both boxes in view.
 Trajectory SwayBefore() {
   Trajectory trajectory;
   trajectory.duration_s = kSwayDurationS;

@@ -4,8 +4,8 @@
 
 namespace steadymap {
 
-/// Two boxes alike in front of a wall: at first both; then they have changed places, which no
-/// camera can see; then one of them is gone.
+/// Two equal boxes in front of a wall. First sequence: both; second: they have swapped places,
+/// which is unobservable; third: one of them is removed.
 Route MakeSwappedBoxesRoute();
 
 }  // namespace steadymap

@@ -51,7 +51,7 @@ void AddCar(Scene* scene, std::string_view name, const Rgb& color, std::vector<M
   added.instance = added.id;
 }
 
-// Round the table once, rising and sinking a little.
+// Circles the table once, with small changes of height.
 Trajectory CircleTable() {
   Trajectory trajectory;
   trajectory.duration_s = kCircleDurationS;

@@ -4,8 +4,8 @@
 
 namespace steadymap {
 
-/// A table with static blocks and two toy cars that drive about, seen by a camera that circles it;
-/// frames carry instance labels. The cars are `misc dynamic`, the blocks `misc static`.
+/// A table with static blocks and two moving toy cars, observed by a camera that circles it; frames
+/// contain instance labels. The cars are `misc dynamic`, the blocks `misc static`.
 Route MakeTableTopRoute();
 
 }  // namespace steadymap

@@ -15,7 +15,7 @@ constexpr double kLoopSideM = 5.0;
 constexpr double kCornerRadiusM = 0.8;
 constexpr double kDriveSpeedMPerS = 0.5;
 
-// Two stacks side by side are 0.94 m long, so each is 0.47 m along its row and 0.5 m deep.
+// Two adjacent stacks are 0.94 m long, so each is 0.47 m along its row and 0.5 m deep.
 const Eigen::Vector3d kStackSizeM(0.47, 0.5, 2.0);
 constexpr double kStackPitchM = 0.47;
 constexpr double kOuterRowM = 3.5;
@@ -27,13 +27,13 @@ constexpr double kFenceFaceM = 3.75;
 constexpr double kFenceThicknessM = 0.1;
 constexpr double kFenceHeightM = 3.0;
 
-// Everything is laid out for the top side, or the top right corner, and turned from there.
+// The layout is defined for the top side or the top right corner and rotated from there.
 constexpr std::array<const char*, 4> kSides = {"top", "left", "bottom", "right"};
 constexpr std::array<const char*, 4> kCorners = {
     "top-right", "top-left", "bottom-left", "bottom-right"};
 
-// Length of each corner's two fence legs. The top right one is short: scenario 1-4 pushes stacks
-// that way.
+// Lengths of each corner's two fence legs. The top right one is short: scenario 1-4 pushes stacks
+// in that direction.
 constexpr std::array<std::array<double, 2>, 4> kFenceLegsM = {
     {{1.0, 1.3}, {1.6, 1.9}, {1.4, 1.7}, {1.9, 1.2}}};
 
@@ -43,7 +43,7 @@ Eigen::Vector3d Turn(const Eigen::Vector3d& x_y_yaw, std::size_t quarter) {
   return {turned.x(), turned.y(), x_y_yaw.z() + angle_rad};
 }
 
-// Adds touching things `group-a`, `group-b`, ... at places given for the first quarter.
+// Adds touching objects `group-a`, `group-b`, ... at places given for the first quarter.
 void AddGroup(Scene* scene,
               const std::string& group,
               const std::vector<Eigen::Vector3d>& x_y_yaws,
@@ -66,7 +66,7 @@ void AddOuterRow(Scene* scene, std::size_t side) {
   }
 }
 
-// Three stacks in an L whose corner stack stands in the two rows at `row_m`.
+// Returns three stacks in an L; the corner stack lies in both rows at `row_m`.
 std::vector<Eigen::Vector3d> CornerStacks(double row_m) {
   const double beside_m = row_m - (kStackSizeM.y() + kStackPitchM) / 2;
   return {{row_m, row_m, 0}, {row_m - kStackPitchM, row_m, 0}, {row_m, beside_m, M_PI / 2}};
@@ -88,7 +88,7 @@ void AddFence(Scene* scene, std::size_t corner) {
   const auto [first_m, second_m] = kFenceLegsM[corner];
   const double outside_m = kFenceFaceM + kFenceThicknessM;
   const double middle_m = kFenceFaceM + kFenceThicknessM / 2;
-  // The first leg takes the corner, the second ends at it.
+  // The first leg includes the corner, the second ends at it.
   const double second_rest_m = second_m - kFenceThicknessM;
   AddWall(scene,
           group + "-a",
@@ -114,8 +114,8 @@ void AddTagStand(Scene* scene) {
   plate.T_world_object.translation().z() = 1.35;
 }
 
-// What only some scenarios have. It is part of every hall while it is built, so that an id means
-// the same thing in all of them.
+// Adds the objects of single scenarios. They are part of every hall during its construction, so
+// that an id identifies the same object in all configurations.
 void AddScenarioExtras(Scene* scene) {
   constexpr double kAddedM = 2.9;
   for (std::size_t corner = 0; corner < kCorners.size(); ++corner) {
@@ -124,7 +124,7 @@ void AddScenarioExtras(Scene* scene) {
   for (std::size_t corner = 0; corner < kCorners.size(); ++corner) {
     AddGroup(scene, std::string("4-1-") + kCorners[corner], CornerStacks(kOuterRowM), corner);
   }
-  // They reach from the left row into the robot's view, through the gaps between its piles.
+  // They extend from the left row into the robot's view, through the gaps between its piles.
   AddWall(scene, "4-1-wall-a", "4-1-wall-a", {0.9, 0.1, 2.0}, {-3.45, 0.7, 0});
   AddWall(scene, "4-1-wall-b", "4-1-wall-b", {0.9, 0.1, 2.0}, {-3.45, -0.7, 0});
 }
@@ -168,10 +168,10 @@ absl::StatusOr<Scene> MakeTorwicHall(std::string_view configuration) {
     scenario.apply(&scene);
     return scene;
   }
-  return InvalidField(
-      reason::kBadName,
-      "configuration",
-      "the TorWIC hall has no configuration \"" + std::string(configuration.substr(0, 80)) + "\"");
+  return InvalidField(reason::kBadName,
+                      "configuration",
+                      "unknown configuration of the TorWIC hall: \"" +
+                          std::string(configuration.substr(0, 80)) + "\"");
 }
 
 GroundPath TorwicLoop() {

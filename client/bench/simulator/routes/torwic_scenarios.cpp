@@ -14,7 +14,7 @@ constexpr double kRingShrinkM = 0.25;
 constexpr double kAlternationM = 0.3;
 constexpr double kStepM = 0.2;
 
-// All that stands on the ground and can be carried about: stacks, not fences or the tag.
+// Selects the stacks, not the fences or the tag.
 bool IsStack(const SceneObject& object) {
   return object.name.starts_with("outer-") || object.name.starts_with("inner-");
 }
@@ -25,7 +25,7 @@ bool Has(const SceneObject& object, std::string_view part) {
   return object.name.find(part) != std::string::npos;
 }
 
-// Place of an outer pile in its row: 1, 2 or 3.
+// Position of an outer pile in its row: 1, 2 or 3.
 int PlaceOf(const SceneObject& object) { return object.group.back() - '0'; }
 
 template <typename Predicate>
@@ -39,14 +39,15 @@ auto NameStarts(std::string_view prefix) {
   return [prefix](const SceneObject& object) { return object.name.starts_with(prefix); };
 }
 
-// Which way is out for an object of a row or a corner: one axis for rows, both for corners.
+// Returns the outward direction of an object of a row or a corner: one axis for rows, both for
+// corners.
 Eigen::Vector3d OutwardOf(const SceneObject& object) {
   const double x = Has(object, "-right") ? 1 : (Has(object, "-left") ? -1 : 0);
   const double y = Has(object, "-top") ? 1 : (Has(object, "-bottom") ? -1 : 0);
   return {x, y, 0};
 }
 
-// Along each axis that is outward for it.
+// Moves an object along each of its outward axes.
 void MoveOutward(SceneObject* object, double distance_m) {
   object->T_world_object.translation() += distance_m * OutwardOf(*object);
 }
@@ -62,7 +63,7 @@ void ShrinkBothRings(Scene* scene) {
   for (SceneObject& object : scene->objects()) {
     if (!object.name.starts_with("outer-")) continue;
     MoveOutward(&object, -kRingShrinkM);
-    // The piles beside the middle one close up to it.
+    // The piles beside the middle one move next to it.
     const Eigen::Vector3d out = OutwardOf(object);
     const Eigen::Vector3d along(out.y(), -out.x(), 0);
     object.T_world_object.translation() += (2 - PlaceOf(object)) * kStepM * along;

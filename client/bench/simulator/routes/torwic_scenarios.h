@@ -9,12 +9,12 @@ namespace steadymap {
 
 /// A change of the TorWIC hall against its baseline.
 struct TorwicScenario {
-  std::string_view number;      ///< Such as `2-1`.
-  void (*apply)(Scene* scene);  ///< Changes a baseline hall; ids of what stays are kept.
+  std::string_view number;      ///< For example `2-1`.
+  void (*apply)(Scene* scene);  ///< Changes a baseline hall; keeps the ids of remaining objects.
 };
 
-/// The scenarios 1-1 to 4-1 in order. What 2-2 and 4-1 add is in the hall already when they are
-/// applied (see `MakeTorwicHall`).
+/// Returns the scenarios 1-1 to 4-1 in order. The hall already contains the objects that 2-2 and
+/// 4-1 add when `apply` is called (see `MakeTorwicHall`).
 const std::vector<TorwicScenario>& TorwicScenarios();
 
 }  // namespace steadymap

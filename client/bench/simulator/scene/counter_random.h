@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-/// Random numbers that are a function of what they are for, not of what was drawn before: the noise
-/// of a pixel is the same in whatever order pixels are computed.
+/// Counter-based random numbers: each number is a function of its key, not of earlier draws, so the
+/// noise of a pixel is independent of the order of computation.
 namespace steadymap {
 
-/// Scrambles 64 bits so that every input bit moves every output bit (an xor-shift-multiply
+/// Mixes 64 bits so that every input bit affects every output bit (an xor-shift-multiply
 /// bijection).
 constexpr std::uint64_t Scramble(std::uint64_t bits) {
   bits ^= bits >> 32;
@@ -17,17 +17,17 @@ constexpr std::uint64_t Scramble(std::uint64_t bits) {
   return bits;
 }
 
-/// A key for the pair of `key` and `counter`; chain it for longer tuples.
+/// Returns a key for the pair of `key` and `counter`; chain it for longer tuples.
 constexpr std::uint64_t Combine(std::uint64_t key, std::uint64_t counter) {
   return Scramble(key + 0x9e3779b97f4a7c15ULL * (counter + 1));
 }
 
-/// A uniform number in [0, 1) from the upper 53 bits of `key`.
+/// Returns a uniform number in [0, 1) from the upper 53 bits of `key`.
 constexpr double UniformOf(std::uint64_t key) {
   return static_cast<double>(key >> 11) * (1.0 / 9007199254740992.0);
 }
 
-/// A uniform number in [low, high) for the pair of `key` and `counter`.
+/// Returns a uniform number in [low, high) for the pair of `key` and `counter`.
 constexpr double UniformBetween(std::uint64_t key, std::uint64_t counter, double low, double high) {
   return low + (high - low) * UniformOf(Combine(key, counter));
 }

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kSegments = 16;
 
-/// Four posts from the ground up to `height_m`, in the corners of a footprint.
+/// Adds four posts from the ground up to `height_m` in the corners of a footprint.
 void AppendLegs(const Eigen::Vector2d& footprint_m,
                 double height_m,
                 double thickness_m,

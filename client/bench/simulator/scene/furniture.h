@@ -2,8 +2,8 @@
 
 #include "client/bench/simulator/scene/shape.h"
 
-/// Shapes of things that stand in rooms. Each stands on z = 0 of its object's frame, centred on the
-/// z axis, its front towards +x.
+/// Shapes of furniture and goods. The base of each shape is at z = 0 of its object's frame, centred
+/// on the z axis, with the front towards +x.
 namespace steadymap {
 
 /// Seat, back and four legs, 0.45 x 0.45 x 0.9 m.
@@ -12,12 +12,12 @@ MeshShape MakeChairShape();
 /// A board 4 cm thick on four legs. `size_m`: length (x), depth (y), height, each > 0.2.
 MeshShape MakeTableShape(const Eigen::Vector3d& size_m);
 
-/// Boards between two sides, open to the front and the back. `size_m`: depth (x), width (y),
+/// Boards between two sides, open at the front and the back. `size_m`: depth (x), width (y),
 /// height; `boards` >= 2.
 MeshShape MakeShelfShape(const Eigen::Vector3d& size_m, int boards);
 
-/// How high things stand on a shelf's board, counted from 0: 10 cm on the lowest, `height_m` on the
-/// highest.
+/// Returns the height of the top of board `board` (from 0) of a shelf: 10 cm for the lowest,
+/// `height_m` for the highest.
 double ShelfBoardHeight(double height_m, int boards, int board);
 
 /// A box without a lid, 3 cm thick. `size_m`: outer side lengths, each > 0.1.

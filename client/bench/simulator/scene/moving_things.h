@@ -7,15 +7,15 @@
 
 namespace steadymap {
 
-/// How something moves along a path on the ground.
+/// Motion along a path on the ground.
 struct PathMotion {
-  double start_m = 0.0;        ///< Where on the path it is at time 0.
-  double speed_m_per_s = 0.0;  ///< Negative: against the path's direction, facing that way.
-  double duration_s = 0.0;     ///< It stops after this time.
-  double height_m = 0.0;       ///< Of its origin above the ground.
+  double start_m = 0.0;        ///< Position on the path at time 0.
+  double speed_m_per_s = 0.0;  ///< Negative: backwards along the path, facing that way.
+  double duration_s = 0.0;     ///< Stops after this time.
+  double height_m = 0.0;       ///< Height of the origin above the ground.
 };
 
-/// The keys of that motion, four a second.
+/// Returns the keys of that motion, four per second.
 std::vector<MotionKey> MoveAlong(const GroundPath& path, const PathMotion& motion);
 
 /// A standing person 1.75 m tall, origin between the feet.

@@ -12,17 +12,17 @@ namespace steadymap {
 
 /// One drive through one configuration of the world.
 struct RouteSequence {
-  std::string name;  ///< Such as `baseline` or `1-5`; fit for a folder name.
-  Scene scene;       ///< The truth during the sequence.
+  std::string name;  ///< For example `baseline` or `1-5`; valid as a folder name.
+  Scene scene;       ///< Ground truth during the sequence.
   Trajectory trajectory;
 };
 
 /// Sequences that one robot drives one after the other, all in one world frame. Objects keep their
-/// ids from sequence to sequence (see `CompareScenes`).
+/// ids across sequences (see `CompareScenes`).
 struct Route {
   std::string name;
   PinholeCamera camera;
-  bool has_instances = false;  ///< Whether frames carry instance labels unless told otherwise.
+  bool has_instances = false;            ///< Frames have instance labels by default.
   std::vector<RouteSequence> sequences;  ///< At least one.
 };
 

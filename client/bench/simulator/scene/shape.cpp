@@ -9,10 +9,10 @@
 namespace steadymap {
 namespace {
 
-// Smaller facets are seen by no pixel, and their planes are not defined.
+// Smaller facets are invisible, and their planes are undefined.
 constexpr double kMinDoubleAreaM2 = 1e-12;
 
-// Corner i of a box has the upper side along x, y, z where bit 0, 1, 2 of i is set.
+// Corner i of a box is on the upper side along x, y, z if bit 0, 1, 2 of i is set.
 using BoxCorners = std::array<Eigen::Vector3d, 8>;
 constexpr std::array<std::array<std::uint32_t, 4>, 6> kBoxFaces = {
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};

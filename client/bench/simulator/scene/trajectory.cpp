@@ -14,7 +14,7 @@ double HeadingOf(const Eigen::Vector2d& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
-// The rounding of one corner: where the arc begins and ends, and how it turns.
+// The arc of one corner: its start and end, and its turn.
 struct Corner {
   Eigen::Vector2d start_world;
   Eigen::Vector2d end_world;
@@ -31,7 +31,7 @@ Corner RoundCorner(const Eigen::Vector2d& previous,
   const Eigen::Vector2d out = (next - corner).normalized();
   const double turn_rad = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
   const double tangent = std::tan(std::abs(turn_rad) / 2);
-  // Each leg gives at most half of itself to either of its corners.
+  // Each corner uses at most half of a leg.
   const double shortest_m = std::min((corner - previous).norm(), (next - corner).norm());
   const double cut_m = std::min(radius_m * tangent, shortest_m / 2);
   return {corner - cut_m * in,

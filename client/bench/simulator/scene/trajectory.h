@@ -8,27 +8,28 @@
 
 namespace steadymap {
 
-/// How a camera moves during one sequence.
+/// Motion of a camera during one sequence.
 struct Trajectory {
   double duration_s = 0.0;      ///< Length of the sequence, > 0.
   double frame_period_s = 0.1;  ///< Time between frames at stride 1, > 0.
-  /// The pose of the camera `time_s` seconds after the start, in [0, duration_s].
+  /// Returns the pose of the camera `time_s` seconds after the start, in [0, duration_s].
   std::function<Eigen::Isometry3d(double time_s)> T_world_camera;
 };
 
-/// A way over the ground: straight legs joined by circular corners. Measured by arc length.
+/// A path over the ground: straight legs joined by circular corners. Measured by arc length.
 class GroundPath {
  public:
-  /// Through `corners_world` (>= 2, or >= 3 when closed), each rounded with `corner_radius_m`, less
-  /// where a leg is too short. A closed path starts in the middle of its last leg.
+  /// Builds a path through `corners_world` (>= 2, or >= 3 if closed), each rounded with
+  /// `corner_radius_m`, or less if a leg is too short. A closed path starts in the middle of its
+  /// last leg.
   GroundPath(const std::vector<Eigen::Vector2d>& corners_world,
              double corner_radius_m,
              bool is_closed);
 
   double length_m() const { return length_m_; }
 
-  /// Position and heading (x forward, y left, z up, at z = 0) after `distance_m`, which is taken
-  /// modulo the length on a closed path and clamped to [0, length] on an open one.
+  /// Returns position and heading (x forward, y left, z up, at z = 0) after `distance_m`, which is
+  /// taken modulo the length on a closed path and clamped to [0, length] on an open one.
   Eigen::Isometry3d PoseAt(double distance_m) const;
 
  private:
@@ -46,15 +47,15 @@ class GroundPath {
   bool is_closed_ = false;
 };
 
-/// Of the base frame of the robot that took the TorWIC recordings above the ground.
+/// Height above the ground of the base frame of the robot in the TorWIC recordings.
 inline constexpr double kTorwicBaseHeightM = 0.49;
 
-/// A robot that carries the TorWIC camera along `path` at constant speed, from end to end, or once
+/// Drives a robot with the TorWIC camera along `path` at constant speed, from end to end, or once
 /// round a closed path. Its base frame is `base_height_m` above the ground.
 Trajectory DriveAlong(const GroundPath& path, double speed_m_per_s, double base_height_m);
 
-/// The camera pose at `eye_world` that has `target_world` in the middle of the picture and the
-/// picture upright. `eye` must not be straight above or below `target`.
+/// Returns the camera pose at `eye_world` with `target_world` in the centre of the picture and the
+/// picture upright. `eye_world` must not be vertically above or below `target_world`.
 Eigen::Isometry3d LookAt(const Eigen::Vector3d& eye_world, const Eigen::Vector3d& target_world);
 
 }  // namespace steadymap

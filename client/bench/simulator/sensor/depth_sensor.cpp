@@ -20,12 +20,12 @@ constexpr float kMillimetresPerMetre = 1000.0F;
 constexpr double kMinHoleRadiusPx = 3.0;
 constexpr double kMaxHoleRadiusPx = 9.0;
 
-// The pixel's 64 random bits are shared out: 12 for the Gaussian, 16 for each yes-or-no and for how
-// far a flying pixel is.
+// Use of a pixel's 64 random bits: 12 for the Gaussian, 16 for each binary decision and for the
+// depth of a flying pixel.
 constexpr std::size_t kNormalBits = 12;
 constexpr std::size_t kNormalCount = std::size_t{1} << kNormalBits;
 
-// The nearest whole number for a number >= 0. `lround` would be a call for each pixel.
+// Rounds a number >= 0. `lround` would be a function call per pixel.
 int RoundPositive(float number) {
   const float shifted = number + 0.5F;
   return static_cast<int>(shifted);
@@ -41,7 +41,8 @@ float FlyingMix(std::uint64_t hash) { return UnitFromBits(hash, 28); }
 
 float GrazingDice(std::uint64_t hash) { return UnitFromBits(hash, 44); }
 
-// The quantile of the standard normal distribution, by bisection of its distribution function.
+// Returns a quantile of the standard normal distribution, by bisection of its distribution
+// function.
 double NormalQuantile(double probability) {
   double low = -8.0;
   double high = 8.0;
@@ -110,7 +111,7 @@ void DepthSensor::LoadRow(const SurfaceImage& surfaces, int v, Row* row) const {
   for (int u = 0; u < camera_.width_px; ++u) {
     depth_m[u] = inverse_depth[u] > 0.0F ? 1.0F / inverse_depth[u] : 0.0F;
   }
-  // The padding repeats the border, where there is no edge.
+  // The padding repeats the border and so creates no edge.
   row->front() = depth_m[0];
   row->back() = depth_m[camera_.width_px - 1];
 }
@@ -158,7 +159,7 @@ void DepthSensor::AddGaussianNoise() {
 void DepthSensor::RoundToDisparitySteps() {
   const auto steps_metres =
       static_cast<float>(camera_.fx * sensor_.stereo_baseline_m / sensor_.disparity_step_px);
-  // Keeps the quotients within an int; what is so near or so far is out of range anyway.
+  // Keeps the quotients within an int; such depths are out of range anyway.
   constexpr float kNearestM = 1e-3F;
   constexpr float kLeastSteps = 0.5F;
   for (float& depth_m : measured_m_) {

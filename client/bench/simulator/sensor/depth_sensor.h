@@ -10,20 +10,21 @@
 
 namespace steadymap {
 
-/// Turns true depths into what the sensor reports. Each pixel's noise depends on the key and the
-/// pixel only. Holds its buffers; one thread at a time.
+/// Adds sensor noise to true depths. The noise of a pixel depends only on the key and the pixel.
+/// Reuses its buffers; not thread-safe.
 class DepthSensor {
  public:
   DepthSensor(const SensorModel& sensor, const PinholeCamera& camera);
 
-  /// Depth in millimetres, 0 where there is no return, with every noise that the model switches on.
+  /// Returns the depth in millimetres, 0 without a return, with every noise that the model enables.
   /// `surfaces` must have the camera's size.
   Image<std::uint16_t> Measure(const SurfaceImage& surfaces, std::uint64_t noise_key);
 
  private:
   using Row = std::vector<float>;
 
-  /// True depths of row `v`, metres, 0 for nothing, without the border columns around it.
+  /// Copies the true depths of row `v`, metres, 0 without surface, to the columns inside the
+  /// padding.
   void LoadRow(const SurfaceImage& surfaces, int v, Row* row) const;
   void HashRow(std::uint64_t key, int v);
   void FloatPixelsAtEdges(const Row& above, const Row& row, const Row& below);

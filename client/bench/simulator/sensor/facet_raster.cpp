@@ -11,17 +11,17 @@ namespace {
 // A plane this close to the camera's centre is seen edge-on.
 constexpr double kMinPlaneDistanceM = 1e-9;
 
-// Vertices nearer than this do not bound the rows a facet can cover.
+// Vertices nearer than this do not bound the rows of a facet.
 constexpr double kMinProjectedDepthM = 1e-6;
 
-// A function of the pixel: `per_u * u + per_v * v + constant`.
+// A linear function of the pixel: `per_u * u + per_v * v + constant`.
 struct PixelPlane {
   double per_u = 0.0;
   double per_v = 0.0;
   double constant = 0.0;
 };
 
-// `direction . ray(u, v)` as a function of the pixel.
+// Returns `direction . ray(u, v)` as a function of the pixel.
 PixelPlane AlongRays(const Eigen::Vector3d& direction, const PinholeCamera& camera) {
   const double per_u = direction.x() / camera.fx;
   const double per_v = direction.y() / camera.fy;
@@ -33,7 +33,7 @@ struct Span {
   int end = 0;
 };
 
-// Rows that the facet can touch.
+// Returns the rows that the facet can touch.
 Span RowsOf(const Facet& facet, const PinholeCamera& camera) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -44,13 +44,13 @@ Span RowsOf(const Facet& facet, const PinholeCamera& camera) {
     low = std::min(low, v);
     high = std::max(high, v);
   }
-  // A pixel of slack for the rounding of the projection; the edges decide.
+  // Adds one pixel for the rounding of the projection; the edges decide exactly.
   low = std::clamp(std::ceil(low) - 1, 0.0, static_cast<double>(camera.height_px));
   high = std::clamp(std::floor(high) + 2, 0.0, static_cast<double>(camera.height_px));
   return {static_cast<int>(low), static_cast<int>(high)};
 }
 
-// The edges of a facet as half-planes of the image, split by how they bound a row.
+// The edges of a facet as half-planes of the image, grouped by their bound on a row.
 struct Edges {
   std::array<PixelPlane, 4> left;   // u >= per_v * v + constant
   std::array<PixelPlane, 4> right;  // u <= per_v * v + constant
@@ -75,7 +75,7 @@ Edges EdgesOf(const CameraFacet& facet, const PinholeCamera& camera) {
       edges.level[edges.level_count++] = inside;
       continue;
     }
-    // Both facets of a shared edge compute the same quotients, so no ray slips between them.
+    // Both facets of a shared edge compute identical quotients, so no ray passes between them.
     const PixelPlane border = {0.0, -inside.per_v / inside.per_u, -inside.constant / inside.per_u};
     if (inside.per_u > 0) {
       edges.left[edges.left_count++] = border;

@@ -16,7 +16,7 @@ constexpr std::uint64_t kMaxBlobs = 4;
 constexpr double kMinBlobRadiusPx = 8.0;
 constexpr double kMaxBlobRadiusPx = 30.0;
 
-// Any class but background.
+// Returns any class except background.
 std::uint16_t AnyClass(std::uint64_t key) {
   return static_cast<std::uint16_t>(1 + Scramble(key) % (kSceneClassCount - 1));
 }
@@ -38,7 +38,7 @@ void AddBlob(std::uint64_t key, Image<std::uint16_t>* labels) {
   }
 }
 
-// The label across the nearest border within `reach` pixels, or the pixel's own.
+// Returns the label across the nearest border within `reach` pixels, or the pixel's own.
 std::uint16_t LabelAcross(const Image<std::uint16_t>& labels, int u, int v, int reach) {
   const std::uint16_t own = labels.At(u, v);
   for (int step = 1; step <= reach; ++step) {
@@ -58,8 +58,8 @@ void FrayBorders(const SensorModel& sensor, std::uint64_t key, Image<std::uint16
   const Image<std::uint16_t> clean = *labels;
   const double share = std::clamp(sensor.label_boundary_share, 0.0, 1.0);
   if (share <= 0) return;
-  // The distance from one chosen pixel to the next is drawn, rather than a yes or no for each: the
-  // same law at a twentieth of the cost.
+  // Draws the distance to the next chosen pixel instead of one decision per pixel: the same
+  // distribution at a twentieth of the cost.
   const double scale = share < 1 ? 1 / std::log1p(-share) : 0.0;
   std::uint64_t draw = key;
   const auto size = static_cast<double>(clean.size());

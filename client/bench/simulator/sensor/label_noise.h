@@ -8,13 +8,13 @@
 
 namespace steadymap {
 
-/// The class that the labels of a frame show for `object`: its own, or a wrong one where the
-/// model's whole-object flips hit it in this frame. Things without an instance are never flipped.
+/// Returns the labelled class of `object` in a frame: its own, or a wrong one if the model's
+/// whole-object flips select it in this frame. Objects without an instance are never flipped.
 std::uint16_t ShownClass(const SensorModel& sensor,
                          std::uint64_t noise_key,
                          const SceneObject& object);
 
-/// Adds wrong patches, then noise along the borders, as far as the model switches them on.
+/// Adds wrong patches, then noise along the borders, if the model enables them.
 void AddLabelNoise(const SensorModel& sensor,
                    std::uint64_t noise_key,
                    Image<std::uint16_t>* labels);

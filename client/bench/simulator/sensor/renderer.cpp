@@ -11,17 +11,17 @@
 namespace steadymap {
 namespace {
 
-// Where the light comes from, and how much of it is everywhere.
+// Direction of the light, and share of ambient light.
 const Eigen::Vector3d kLightWorld = Eigen::Vector3d(0.35, 0.55, 0.76).normalized();
 constexpr double kAmbientShare = 0.45;
 
-// The facets of one object in the world frame, computed once for what stands still.
+// The facets of one object in the world frame, computed once for static objects.
 struct ObjectFacets {
   double radius_m = 0.0;
   std::vector<Facet> facets_world;
 };
 
-// The four side planes of what the camera sees: inward unit normals, camera frame.
+// Returns the four side planes of the view frustum: inward unit normals, camera frame.
 std::array<Eigen::Vector3d, 4> FrustumSides(const PinholeCamera& camera) {
   const double left = -0.5;
   const double right = camera.width_px - 0.5;
@@ -50,7 +50,7 @@ Rgb Shade(const Rgb& color, float brightness) {
   return shaded;
 }
 
-// Looks up a value for each pixel from its surface's.
+// Assigns each pixel the value of its surface.
 template <typename Pixel>
 Image<Pixel> PaintSurfaces(const SurfaceImage& surfaces, const std::vector<Pixel>& values) {
   const Image<std::uint32_t>& surface = surfaces.pixels.surface;
@@ -61,7 +61,7 @@ Image<Pixel> PaintSurfaces(const SurfaceImage& surfaces, const std::vector<Pixel
   return image;
 }
 
-// A value for each surface; entry 0, nothing, keeps the default.
+// Returns a value for each surface; entry 0, no surface, keeps the default.
 template <typename Value, typename Function>
 std::vector<Value> ForEachSurface(const SurfaceImage& surfaces, Function function) {
   std::vector<Value> values(surfaces.surfaces.size(), Value{});
@@ -79,7 +79,7 @@ struct Renderer::State {
         depth_sensor(sensor_in, camera_in),
         sides(FrustumSides(camera_in)) {}
 
-  // Whether any of a sphere can be in the picture and in sight.
+  // True if a part of a sphere can be in the picture and within range.
   bool Sees(const Eigen::Vector3d& center_camera, double radius_m) const {
     if (center_camera.z() < -radius_m || center_camera.z() > sensor.visible_range_m + radius_m) {
       return false;
@@ -108,7 +108,7 @@ struct Renderer::State {
   SensorModel sensor;
   DepthSensor depth_sensor;
   std::array<Eigen::Vector3d, 4> sides;
-  std::vector<ObjectFacets> objects;  // Beside `scene->objects()`.
+  std::vector<ObjectFacets> objects;  // Parallel to `scene->objects()`.
   SurfaceImage view;
 };
 
@@ -129,7 +129,7 @@ Renderer::~Renderer() = default;
 const SurfaceImage& Renderer::RenderSurfaces(const Eigen::Isometry3d& T_world_camera,
                                              double time_s) {
   SurfaceImage& view = state_->view;
-  // An inverse depth at the visible range hides all that lies beyond it.
+  // Initialised to the inverse of the visible range, the buffer hides all farther surface.
   const auto horizon = static_cast<float>(1 / state_->sensor.visible_range_m);
   DepthBuffer& pixels = view.pixels;
   std::fill_n(pixels.inverse_depth_per_m.data(), pixels.inverse_depth_per_m.size(), horizon);

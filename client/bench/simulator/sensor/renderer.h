@@ -14,22 +14,22 @@
 
 namespace steadymap {
 
-/// What the ray of each pixel meets first, before any noise.
+/// The first surface hit by the ray of each pixel, without noise.
 struct SurfaceImage {
   /// Depths, and for each pixel the index into `surfaces`.
   DepthBuffer pixels;
 
   /// A facet in view.
   struct Surface {
-    const SceneObject* object = nullptr;  ///< Null for entry 0, which stands for nothing.
-    float plane_distance_m = 0.0F;        ///< Of the camera from the facet's plane, >= 0.
+    const SceneObject* object = nullptr;  ///< Null for entry 0, which means no surface.
+    float plane_distance_m = 0.0F;        ///< Distance of the camera from the facet's plane, >= 0.
     float brightness = 0.0F;              ///< Share of the object's colour, by diffuse light.
   };
 
   std::vector<Surface> surfaces;  ///< Never empty once rendered.
 };
 
-/// Which images of a frame are wanted besides depth and labels.
+/// Optional images of a frame besides depth and labels.
 struct RenderOptions {
   bool include_instances = false;
   bool include_color = false;
@@ -38,13 +38,13 @@ struct RenderOptions {
 /// One view to be rendered.
 struct View {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< The true pose.
-  double time_s = 0.0;          ///< Since the start of the sequence; moving objects follow it.
-  std::uint64_t noise_key = 0;  ///< Same key, same noise; give each frame its own.
+  double time_s = 0.0;  ///< Since the start of the sequence; sets the poses of moving objects.
+  std::uint64_t noise_key =
+      0;  ///< Equal keys give equal noise; use a different key for each frame.
 };
 
-/// Draws a scene as a depth camera sees it. The same arguments give the same bits, whatever was
-/// rendered before. Holds its buffers, so one renderer draws many frames cheaply; one thread at a
-/// time.
+/// Renders a scene for a depth camera. Equal arguments give equal bits, independent of earlier
+/// calls. Reuses its buffers, so one renderer draws many frames cheaply; not thread-safe.
 class Renderer {
  public:
   /// `scene` must outlive the renderer and not change. `camera` must be valid.
@@ -53,11 +53,11 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Casts the ray of every pixel. Valid until the next call.
+  /// Casts the ray of every pixel. The result is valid until the next call.
   const SurfaceImage& RenderSurfaces(const Eigen::Isometry3d& T_world_camera, double time_s);
 
-  /// A frame with millimetre depth, labels and what `options` asks for, all noise applied except
-  /// drift: `T_world_camera` is the true pose. Robot and capture time are left empty.
+  /// Returns a frame with millimetre depth, labels and the images selected by `options`, with all
+  /// noise except drift: `T_world_camera` is the true pose. Robot and capture time are left empty.
   Frame Render(const View& view, const RenderOptions& options);
 
  private:

@@ -11,7 +11,7 @@ constexpr std::uint64_t kDriftStream = 6;
 constexpr double kShortestPeriodS = 20.0;
 constexpr double kLongestPeriodS = 70.0;
 
-// A wander within [-1, 1]: two slow waves of random period and phase.
+// Returns a drift within [-1, 1]: two slow waves of random period and phase.
 double Wander(std::uint64_t key, double time_s) {
   double sum = 0.0;
   for (std::uint64_t wave = 0; wave < 2; ++wave) {
@@ -62,7 +62,8 @@ Eigen::Isometry3d DriftPose(const SensorModel& sensor,
                                 Eigen::AngleAxisd(turn_rad.y(), Eigen::Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(turn_rad.x(), Eigen::Vector3d::UnitX()))
                                    .toRotationMatrix();
-  // About the camera, not the world's origin: far from it a turn would become a large offset.
+  // Rotates about the camera, not the world's origin: far from the origin a rotation would become a
+  // large offset.
   Eigen::Isometry3d drifted = T_world_camera;
   drifted.linear() = turn * T_world_camera.linear();
   drifted.translation() += offset_m;
