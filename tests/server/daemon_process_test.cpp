@@ -1,4 +1,4 @@
-// steadymapd as an operator sees it: arguments, exit codes, what it says, signals.
+// Tests the interface of steadymapd to an operator: arguments, exit codes, messages, signals.
 
 #include <algorithm>
 #include <cstdio>
@@ -28,7 +28,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// A steadymapd whose stdout and stderr can be read as one text.
+/// A steadymapd with combined stdout and stderr.
 class ObservedDaemon {
  public:
   explicit ObservedDaemon(std::vector<std::string> arguments) {
@@ -63,7 +63,7 @@ class ObservedDaemon {
   ObservedDaemon(const ObservedDaemon&) = delete;
   ObservedDaemon& operator=(const ObservedDaemon&) = delete;
 
-  /// Reads lines until one holds `text`; false if the daemon ends without saying it.
+  /// Reads lines until one contains `text`; returns false if the daemon ends before.
   bool WaitFor(const std::string& text) {
     while (const std::optional<std::string> line = ReadLine()) {
       if (line->find(text) != std::string::npos) return true;
@@ -73,7 +73,7 @@ class ObservedDaemon {
 
   void Signal(int signal) { ::kill(child_, signal); }
 
-  /// Reads to the end; the exit code, or minus the signal that ended it.
+  /// Reads to the end; returns the exit code, or minus the signal that ended the process.
   int Wait() {
     while (ReadLine()) {
     }
@@ -83,7 +83,7 @@ class ObservedDaemon {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 
-  /// All that was read so far.
+  /// All output so far.
   const std::string& said() const { return said_; }
 
  private:
@@ -108,8 +108,8 @@ class Steadymapd : public ::testing::Test {
     return {"--listen", listen, "--data-dir", (folder_.path() / "data").string()};
   }
 
-  /// Expects that these arguments end in this exit code and one complaint in the last line. A
-  /// service manager starts a daemon again that ends with 1, but not one that ends with 78.
+  /// Expects that these arguments lead to this exit code and one error message in the last line. A
+  /// service manager restarts a daemon that exits with 1, but not one that exits with 78.
   void ExpectRefusal(const std::vector<std::string>& arguments,
                      const std::string& reason,
                      int exit_code = kExitBadConfig) {

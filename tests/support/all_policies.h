@@ -6,7 +6,7 @@
 
 namespace steadymap::testing {
 
-/// Every policy that a map can have.
+/// Every policy of a map.
 inline constexpr std::array kAllPolicies = {UpdatePolicy::kStatic,
                                             UpdatePolicy::kVoxelChange,
                                             UpdatePolicy::kSubmapChange,

@@ -7,13 +7,13 @@
 
 namespace steadymap::testing {
 
-/// Fine enough that rounding depth to units does not show in an oracle.
+/// Fine enough that the rounding of depth is negligible in tests.
 inline constexpr double kAnalyticMetresPerUnit = 1e-4;
 
-/// A camera of 320 x 240 pixels with 60 degrees of view.
+/// A camera of 320 x 240 pixels with a field of view of 60 degrees.
 inline PinholeCamera AnalyticCamera() { return {320, 240, 277.0, 277.0, 159.5, 119.5}; }
 
-/// A pose at `eye` that looks at `target`, both in the world frame, with the image's top up.
+/// Returns a pose at `eye` facing `target`, both in the world frame, with the image's top up.
 inline Eigen::Isometry3d LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   const Eigen::Vector3d forward = (target - eye).normalized();
   const Eigen::Vector3d up =
@@ -28,7 +28,7 @@ inline Eigen::Isometry3d LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3
 }
 
 /// Range along a ray (world origin, world direction of any length) in multiples of the direction,
-/// or NaN where it meets nothing.
+/// or NaN without a hit.
 using RangeFunction = std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&)>;
 
 /// The plane `normal . p = offset`.
@@ -50,7 +50,7 @@ inline RangeFunction Sphere(const Eigen::Vector3d& center, double radius) {
   };
 }
 
-/// What `camera` at `T_world_camera` sees of a surface. Without noise.
+/// Renders a surface for `camera` at `T_world_camera`. Without noise.
 inline Frame RenderAnalytic(const RangeFunction& surface,
                             const PinholeCamera& camera,
                             const Eigen::Isometry3d& T_world_camera) {

@@ -8,7 +8,7 @@
 
 namespace steadymap::testing {
 
-/// The same volume with canonical voxels (core/volume/voxel_leaf.h).
+/// Returns the volume with canonical voxels (core/volume/voxel_leaf.h).
 inline TsdfGrid Canonical(const TsdfGrid& volume, const VoxelScale& scale) {
   TsdfGrid canonical;
   volume.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
@@ -22,8 +22,8 @@ inline TsdfGrid Canonical(const TsdfGrid& volume, const VoxelScale& scale) {
   return canonical;
 }
 
-/// The volume of a floor: the plane z = 0 between -2 and 2 m, known up to a truncation on both
-/// sides.
+/// Returns the volume of a floor: the plane z = 0 between -2 and 2 m, observed up to the truncation
+/// distance on both sides.
 inline TsdfGrid FloorVolume(const VoxelScale& scale) {
   const Box bounds(Eigen::Vector3d(-2.0, -2.0, -scale.truncation_m),
                    Eigen::Vector3d(2.0, 2.0, scale.truncation_m));
@@ -33,8 +33,8 @@ inline TsdfGrid FloorVolume(const VoxelScale& scale) {
                     [&](const Eigen::Vector3d& point) { return bounds.contains(point); });
 }
 
-/// The volume of a wall of one square metre that faces the origin from `depth_m` away along x,
-/// known up to a truncation on both sides.
+/// Returns the volume of a wall of 1 m2 that faces the origin at `depth_m` along x, observed up to
+/// the truncation distance on both sides.
 inline TsdfGrid WallVolume(double depth_m, const VoxelScale& scale = {}) {
   const Box bounds(Eigen::Vector3d(depth_m - scale.truncation_m, -0.5, -0.5),
                    Eigen::Vector3d(depth_m + scale.truncation_m, 0.5, 0.5));
@@ -44,7 +44,7 @@ inline TsdfGrid WallVolume(double depth_m, const VoxelScale& scale = {}) {
                     [&](const Eigen::Vector3d& point) { return bounds.contains(point); });
 }
 
-/// A map of the floor without objects.
+/// Returns a map of the floor without objects.
 inline MapSnapshot FloorMap(const VoxelScale& scale = {}) {
   MapSnapshot map(scale);
   map.revision = Revision(7);
@@ -57,7 +57,7 @@ inline MapSnapshot FloorMap(const VoxelScale& scale = {}) {
   return map;
 }
 
-/// A box-shaped object of `size_m`, its volume centred on its frame's origin.
+/// Returns a box-shaped object of `size_m` with its volume centred at its frame's origin.
 inline MapObject BoxObject(ObjectId id,
                            const Eigen::Vector3d& size_m,
                            const UprightPose& T_world_object,
@@ -83,13 +83,13 @@ inline void AddObject(const MapObject& object, MapSnapshot* map) {
   map->objects.insert_or_assign(object.id, std::make_shared<const MapObject>(object));
 }
 
-/// The box of `BoxOverFloor`: its size, and its frame in the world, turned.
+/// The box of `BoxOverFloor`: its size, and its rotated frame in the world.
 inline const Eigen::Vector3d kBoxSizeM(0.6, 0.4, 0.5);
 inline constexpr double kBoxYawRad = 0.4;
 inline const UprightPose kBoxPlace{{0.5, -0.3, 0.6}, kBoxYawRad};
 
-/// A box, object 3, that hangs over the floor, its faces clear of the floor's band, and that stays
-/// with probability 0.75.
+/// Returns a map with a box (object 3) above the floor, outside the floor's truncation band, with
+/// stationarity 0.75.
 inline MapSnapshot BoxOverFloor() {
   MapSnapshot map = FloorMap();
   MapObject box = BoxObject(ObjectId(3), kBoxSizeM, kBoxPlace);

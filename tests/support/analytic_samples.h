@@ -7,7 +7,7 @@
 
 namespace steadymap::testing {
 
-/// The samples of a frame.
+/// Returns the samples of a frame.
 inline SampleGrid SamplesOf(const Frame& frame) {
   SemanticCloud cloud{MapConfig()};
   cloud.Compute(frame);
@@ -16,7 +16,7 @@ inline SampleGrid SamplesOf(const Frame& frame) {
   return samples;
 }
 
-/// The samples of one look at a scene.
+/// Returns the samples of one view of a scene.
 inline SampleGrid SamplesOf(const Scene& scene, const SceneLook& look) {
   return SamplesOf(RenderScene(scene, look));
 }

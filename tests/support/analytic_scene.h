@@ -19,24 +19,24 @@ struct SceneBody {
   std::uint16_t label = 0;
 };
 
-/// Everything there is to see.
+/// All bodies of a scene.
 using Scene = std::vector<SceneBody>;
 
-/// The body between two corners.
+/// Returns the body between two corners.
 inline SceneBody Body(std::uint16_t label,
                       const Eigen::Vector3d& low_world,
                       const Eigen::Vector3d& high_world) {
   return {Box(low_world, high_world), label};
 }
 
-/// One look at a scene.
+/// One view of a scene.
 struct SceneLook {
   Eigen::Vector3d eye_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_world = Eigen::Vector3d::UnitX();
   double capture_time_s = 100.0;  ///< Since 1970.
 };
 
-/// The frame that the look gives, with the class of what each pixel shows; 0 where that is nothing.
+/// Renders the frame of a view with the class of each pixel; 0 without a hit.
 inline Frame RenderScene(const Scene& scene, const SceneLook& look) {
   Solid solid;
   std::vector<RangeFunction> ranges;
@@ -61,7 +61,7 @@ inline Frame RenderScene(const Scene& scene, const SceneLook& look) {
   return frame;
 }
 
-/// The same frame from a sensor that measures no further than `reach_m`.
+/// Returns the frame of a sensor with the maximum range `reach_m`.
 inline Frame WithReach(Frame frame, double reach_m) {
   const auto farthest = static_cast<std::uint16_t>(reach_m / frame.depth.metres_per_unit);
   for (std::size_t i = 0; i < frame.depth.units.size(); ++i) {

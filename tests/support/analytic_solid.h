@@ -15,11 +15,11 @@
 
 namespace steadymap::testing {
 
-/// A body made of boxes, object frame, metres. Boxes that touch should overlap by more than a
-/// truncation, else their common face counts as surface.
+/// A solid made of boxes, object frame, metres. Adjacent boxes should overlap by more than a
+/// truncation distance; otherwise their common face counts as surface.
 using Solid = std::vector<Box>;
 
-/// Signed distance from a solid, positive outside; exact outside.
+/// Returns the signed distance from a solid, positive outside; exact outside.
 inline double DistanceFrom(const Solid& solid, const Eigen::Vector3d& point) {
   double least = std::numeric_limits<double>::infinity();
   for (const Box& box : solid) {
@@ -31,7 +31,8 @@ inline double DistanceFrom(const Solid& solid, const Eigen::Vector3d& point) {
   return least;
 }
 
-/// Where a ray first enters a solid, in multiples of its direction; NaN where it misses.
+/// Returns the range at which a ray first enters a solid, in multiples of its direction; NaN
+/// without a hit.
 inline RangeFunction RangeTo(const Solid& solid) {
   return [solid](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
     double nearest = std::nan("");
@@ -47,7 +48,7 @@ inline RangeFunction RangeTo(const Solid& solid) {
   };
 }
 
-/// Things to look at, standing on z = 0.
+/// Test objects with their base at z = 0.
 inline Solid Crate() {
   return {Box(Eigen::Vector3d(-0.25, -0.35, 0), Eigen::Vector3d(0.25, 0.35, 1))};
 }
@@ -62,11 +63,11 @@ inline Solid Angle() {
           Box(Eigen::Vector3d(-0.4, -0.4, 0), Eigen::Vector3d(-0.1, 0.4, 0.6))};
 }
 
-/// All of them.
+/// All test objects.
 inline std::vector<Solid> ThingsToLookAt() { return {Crate(), CrateWithParcel(), Angle()}; }
 
-/// The voxels, canonical, at one leaf of a body's volume: those up to a truncation from the
-/// surface, where `is_observed` holds.
+/// Returns the canonical voxels of one leaf of a solid's volume: those within the truncation
+/// distance of the surface for which `is_observed` is true.
 inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
                            const std::function<double(const Eigen::Vector3d&)>& distance_m,
                            const VoxelScale& scale,
@@ -88,7 +89,7 @@ inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
   return leaf;
 }
 
-/// The volume of a body within `bounds`.
+/// Returns the volume of a solid within `bounds`.
 inline TsdfGrid MakeVolume(const std::function<double(const Eigen::Vector3d&)>& distance_m,
                            const Box& bounds,
                            const VoxelScale& scale,
@@ -112,7 +113,7 @@ inline TsdfGrid MakeVolume(const std::function<double(const Eigen::Vector3d&)>& 
   return volume;
 }
 
-/// The volume of a solid on the floor: nothing is known below z = 0.
+/// Returns the volume of a solid on the floor: voxels below z = 0 are not observed.
 inline TsdfGrid MakeVolume(const Solid& solid, const VoxelScale& scale) {
   Box bounds;
   for (const Box& box : solid) bounds.extend(box);
@@ -123,7 +124,7 @@ inline TsdfGrid MakeVolume(const Solid& solid, const VoxelScale& scale) {
                     [](const Eigen::Vector3d& point) { return point.z() >= 0.0; });
 }
 
-/// What one look from `eye` at `target` shows of a surface: a point every `spacing_rad`.
+/// The visible surface points of one view from `eye` to `target`, one every `spacing_rad`.
 struct SurfaceView {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> directions;  ///< Unit, from the eye to each point.
@@ -151,8 +152,8 @@ inline SurfaceView LookAtSurface(const RangeFunction& surface,
   return view;
 }
 
-/// Looks at a thing on the floor from all around, from above its top, so that of a box three sides
-/// show (azimuths keep 15 degrees off the axes).
+/// Returns views of an object on the floor from all sides and from above, so that three sides of a
+/// box are visible (azimuths keep 15 degrees distance from the axes).
 inline std::vector<SurfaceView> LooksAround(const Solid& solid, double spacing_rad) {
   std::vector<SurfaceView> views;
   constexpr double kDegree = std::numbers::pi / 180.0;
@@ -169,7 +170,7 @@ inline std::vector<SurfaceView> LooksAround(const Solid& solid, double spacing_r
   return views;
 }
 
-/// The points of a look with noise along their rays.
+/// Returns the points of a view with noise along their rays.
 inline std::vector<Eigen::Vector3d> WithNoise(const SurfaceView& view,
                                               double noise_m,
                                               std::mt19937_64* random) {
@@ -179,7 +180,7 @@ inline std::vector<Eigen::Vector3d> WithNoise(const SurfaceView& view,
   return points;
 }
 
-/// An upright motion about a point.
+/// Returns a rotation about a vertical axis through a point, followed by a shift.
 inline Eigen::Isometry3d UprightMotionAbout(const Eigen::Vector3d& pivot,
                                             const Eigen::Vector3d& shift_m,
                                             double yaw_rad) {
@@ -187,7 +188,7 @@ inline Eigen::Isometry3d UprightMotionAbout(const Eigen::Vector3d& pivot,
          Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(-pivot);
 }
 
-/// A direction without preference times a length up to `max_length`, every length as likely.
+/// Returns a uniformly random direction times a uniformly random length up to `max_length`.
 inline Eigen::Vector3d RandomShift(double max_length, std::mt19937_64* random) {
   std::normal_distribution<double> component;
   std::uniform_real_distribution<double> length(0.0, max_length);
@@ -195,7 +196,8 @@ inline Eigen::Vector3d RandomShift(double max_length, std::mt19937_64* random) {
   return length(*random) * direction.normalized();
 }
 
-/// An upright motion about a point by up to 15 cm and 8 degrees: as far as registration must reach.
+/// Returns a random upright motion about a point by up to 15 cm and 8 degrees: the required
+/// convergence range of the registration.
 inline Eigen::Isometry3d RandomMotionAbout(const Eigen::Vector3d& pivot, std::mt19937_64* random) {
   constexpr double kMaxShiftM = 0.15;
   constexpr double kMaxYawRad = 8.0 * std::numbers::pi / 180.0;

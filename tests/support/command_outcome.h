@@ -8,14 +8,14 @@
 
 namespace steadymap {
 
-/// What a command printed and returned.
+/// Output and exit code of a command.
 struct Outcome {
   int exit_code = 0;
   std::string out;
   std::string err;
 };
 
-/// Runs a command of the command line in this process; `open_channel` is how it reaches its server.
+/// Runs a command of the command line in this process; `open_channel` opens its channels.
 template <typename OpenChannel>
 Outcome RunCommand(const std::vector<std::string>& arguments, const OpenChannel& open_channel) {
   std::ostringstream out;

@@ -24,7 +24,7 @@
 namespace steadymap {
 namespace {
 
-// Far more than any start takes; only a daemon that hangs makes a test wait so long.
+// Much more than any start takes; reached only if a daemon hangs.
 constexpr std::chrono::seconds kStartLimit{30};
 
 std::runtime_error SystemError(const char* what) {
@@ -37,8 +37,8 @@ std::string ContentOfFile(const std::filesystem::path& file) {
   return text.str();
 }
 
-// Starts steadymapd with standard error appended to `log`. The child inherits `life_line`, which
-// nobody writes to: its other end sees the hang-up when the child ends.
+// Starts steadymapd with standard error appended to `log`. The child inherits `life_line`, a pipe
+// without data: its other end receives a hang-up when the child ends.
 pid_t Spawn(std::vector<std::string> arguments, const std::filesystem::path& log, int life_line) {
   arguments.insert(arguments.begin(), STEADYMAPD);
   std::vector<char*> pointers;
@@ -68,8 +68,8 @@ int WaitForEnd(pid_t process) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-// One Health/Check of the whole server. There is no packaged health.proto: an empty request asks
-// for the server, and an answer of status SERVING is field 1 with the value 1.
+// Calls Health/Check for the whole server. Without a packaged health.proto: an empty request means
+// the server, and a response with status SERVING is field 1 with the value 1.
 bool IsServing(grpc::GenericStub* stub, std::chrono::system_clock::time_point deadline) {
   grpc::ClientContext context;
   context.set_deadline(deadline);

@@ -8,15 +8,14 @@
 
 namespace steadymap {
 
-/// How a process ended.
+/// Result of a process.
 struct ProcessEnd {
-  int exit_code = 0;   ///< 128 plus the signal if one ended it.
-  std::string errors;  ///< What it wrote to standard error.
+  int exit_code = 0;   ///< 128 plus the signal if a signal ended it.
+  std::string errors;  ///< Content of standard error.
 };
 
 /// The `steadymapd` of this build as a child process on loopback, with its store, log and port file
-/// in a folder of its own. Throws `std::runtime_error` with the daemon's log if it does not come
-/// up.
+/// in its own folder. Throws `std::runtime_error` with the daemon's log if it does not start.
 class DaemonProcess {
  public:
   /// Starts it on a free port and waits until it listens.
@@ -28,23 +27,23 @@ class DaemonProcess {
   DaemonProcess(const DaemonProcess&) = delete;
   DaemonProcess& operator=(const DaemonProcess&) = delete;
 
-  /// `127.0.0.1:PORT`, whatever names the machine knows; stays the same over restarts.
+  /// `127.0.0.1:PORT`, independent of the machine's name resolution; unchanged by restarts.
   const std::string& address() const { return address_; }
 
   /// Id of the running process.
   pid_t process() const { return process_; }
 
-  /// kill -9; returns when the process is gone.
+  /// Sends SIGKILL; returns when the process has ended.
   void Kill();
 
-  /// SIGTERM; returns how it ended.
+  /// Sends SIGTERM; returns the result.
   ProcessEnd Terminate();
 
-  /// Starts it again, over the same store and on the same port.
+  /// Starts it again, with the same store and port.
   void Restart();
 
-  /// Time from the last start until the health service answered SERVING. Asks until it does, at
-  /// most for 30 s.
+  /// Returns the time from the last start until the health service answered SERVING; waits at most
+  /// 30 s.
   std::chrono::duration<double> AwaitServing() const;
 
  private:

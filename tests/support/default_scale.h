@@ -4,7 +4,7 @@
 
 namespace steadymap::testing {
 
-/// The scale of a map that does not say otherwise.
+/// The default scale of a map.
 inline constexpr VoxelScale kScale;
 
 }  // namespace steadymap::testing

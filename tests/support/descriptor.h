@@ -8,12 +8,12 @@
 
 namespace steadymap {
 
-/// A file descriptor that is closed at the end. Movable; one that was moved from holds none.
+/// A file descriptor, closed by the destructor. Movable; empty after a move.
 class Descriptor {
  public:
   Descriptor() = default;
 
-  /// Takes what a system call answered; throws `std::system_error` with `errno` if it failed.
+  /// Takes the result of a system call; throws `std::system_error` with `errno` if it failed.
   explicit Descriptor(int number) : number_(number) {
     if (number_ < 0) throw std::system_error(errno, std::generic_category(), "file descriptor");
   }
@@ -29,7 +29,7 @@ class Descriptor {
     return *this;
   }
 
-  /// -1 if there is none.
+  /// -1 if empty.
   int number() const { return number_; }
 
   void Close() {

@@ -7,7 +7,7 @@
 
 namespace steadymap::testing {
 
-/// Whether `holds` becomes true before a test has to be taken to hang; asks every few milliseconds.
+/// Waits until `holds` is true, for at most 30 s; checks every 5 ms. Returns false after a timeout.
 inline bool Eventually(const std::function<bool()>& holds) {
   const absl::Time give_up = absl::Now() + absl::Seconds(30);
   while (!holds()) {

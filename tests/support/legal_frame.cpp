@@ -33,7 +33,7 @@ constexpr std::array kLabelContents{LabelContent::kNone,
                                     LabelContent::kThingAPixel,
                                     LabelContent::kThingABlock};
 
-// A map is no more than this many voxels deep.
+// Largest depth of a map, in voxels.
 constexpr double kMaxDepthVoxels = 4000.0;
 
 constexpr double kLargestUnits = 65'000.0;
@@ -86,7 +86,7 @@ class FrameMaker {
         &made_.description, ", ", width_px, " x ", height_px, " px, f ", focal_length_px);
   }
 
-  /// Depth as a share of the largest.
+  /// Returns the depth as a share of the largest.
   double DepthShare(DepthContent content, int u, int v) {
     const PinholeCamera& camera = made_.frame.camera;
     switch (content) {
@@ -129,7 +129,8 @@ class FrameMaker {
     absl::StrAppend(&made_.description, ", ", kNames[static_cast<std::size_t>(content)]);
     if (content == LabelContent::kNone) return;
     const auto limit = static_cast<std::uint64_t>(made_.config.label_limit());
-    const auto thing = static_cast<std::uint16_t>(7);  // Goods: an object that may move.
+    // Goods: a movable object.
+    const auto thing = static_cast<std::uint16_t>(7);
     frame.labels = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px, thing);
     if (content == LabelContent::kNoise) {
       for (std::size_t i = 0; i < frame.labels.size(); ++i) {
@@ -144,7 +145,7 @@ class FrameMaker {
     }
   }
 
-  /// Squares of `side_px`, each a thing of its own.
+  /// Labels squares of `side_px` as separate instances.
   void MakeInstances(int side_px) {
     Frame& frame = made_.frame;
     const PinholeCamera& camera = frame.camera;

@@ -8,16 +8,16 @@
 
 namespace steadymap {
 
-/// A map and a frame that pass every check of the service, at the limits of those checks.
+/// A map and a frame that pass every check of the service, close to the limits of those checks.
 struct LegalFrame {
   MapConfig config;
   Frame frame;
-  std::string description;  ///< One line, for people.
+  std::string description;  ///< One line, for failure messages.
 };
 
-/// Draws one of them at random: any policy, voxels of 1 mm to 1 m, the narrowest to the widest
-/// truncation, depth up to 100 m, images up to `max_side_px`, telephoto to nearly flat cameras;
-/// walls, slopes, combs and noise, without labels or with every pixel a thing of its own.
+/// Generates a random legal map and frame: any policy, voxels of 1 mm to 1 m, any legal truncation,
+/// depth up to 100 m, images up to `max_side_px`, any field of view; walls, slopes, combs and
+/// noise, without labels or with up to one object per pixel.
 LegalFrame RandomLegalFrame(std::uint64_t seed, int max_side_px);
 
 }  // namespace steadymap

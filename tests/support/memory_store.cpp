@@ -21,21 +21,21 @@ absl::Status NotThere() {
 
 absl::Status Compacted() {
   return MakeError(
-      absl::StatusCode::kOutOfRange, reason::kRevisionCompacted, "what changed is forgotten");
+      absl::StatusCode::kOutOfRange, reason::kRevisionCompacted, "the change list was compacted");
 }
 
 }  // namespace
 
-/// One map, as the disk would hold it.
+/// Content of one map, as on a disk.
 struct MemoryStore::StoredMap {
-  /// What one append brought; a trim drops whole ones.
+  /// Entries of one append; a trim drops whole groups.
   struct Group {
     std::vector<LogEntry> entries;
     MapUptime uptime{0};
     std::uint64_t bytes = 0;
   };
 
-  /// What a commit changed, and what retention asks about it.
+  /// Changes of a commit, and the data for their retention.
   struct StoredCommit {
     CommitMark from;
     Revision to;
@@ -138,13 +138,13 @@ struct MemoryStore::Content {
     return MakeError(absl::StatusCode::kResourceExhausted, reason::kDiskLow, "the disk is full");
   }
 
-  /// Fails the map if `*fault` is set, as a sync that failed.
+  /// Fails the map like a failed sync if `*fault` is true.
   absl::Status CheckWrite(bool* fault, StoredMap* map) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     if (std::exchange(*fault, false)) {
       broken = true;
       map->health = MakeError(absl::StatusCode::kUnavailable,
                               reason::kStoreReadOnly,
-                              "a sync failed as the test asked");
+                              "a sync failed on request of the test");
     }
     return map->health;
   }
@@ -272,7 +272,7 @@ absl::StatusOr<StoredState> MemoryStore::LoadMap(const MapRecord& record) {
   if (found == content_->maps.end()) return NotThere();
   StoredMap& map = found->second;
   if (map.damaged) {
-    return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, "damaged as the test asked");
+    return MakeError(absl::StatusCode::kDataLoss, reason::kChecksum, "damaged by the test");
   }
   if (!map.health.ok() && content_->broken) return map.health;
   map.health = absl::OkStatus();

@@ -14,9 +14,9 @@
 
 namespace steadymap {
 
-/// A store without a disk, for tests: it keeps the contract of `Store` (the same suite runs against
-/// both) and fails when it is told to. What it holds outlives a server that is given a `Share()` of
-/// it, as a disk would.
+/// A store without a disk, for tests: it satisfies the contract of `Store` (the same suite runs
+/// against both) and fails on request. Its content outlives a server with a `Share()` of it, like a
+/// disk.
 ///
 /// Thread-safe.
 class MemoryStore final : public Store {
@@ -24,30 +24,31 @@ class MemoryStore final : public Store {
   explicit MemoryStore(const StoreOptions& options = {});
   ~MemoryStore() override;
 
-  /// A second store over the same content: give it to a server, keep this one to look and to steer.
+  /// Returns a second store with the same content: pass it to a server and keep this one for
+  /// inspection and control.
   std::unique_ptr<MemoryStore> Share() const;
 
-  /// The next append, or commit, fails as a failed sync does, and its map takes no more writes
-  /// until it is loaded again; it cannot be loaded before `Repair`.
+  /// The next append or commit fails like a failed sync, and its map accepts no more writes until
+  /// it is loaded again; loading fails before `Repair`.
   void FailNextAppend();
   void FailNextCommit();
   void Repair();
 
-  /// Appends, commits and new maps are refused with `DISK_LOW` while `low`.
+  /// Appends, commits and new maps fail with `DISK_LOW` while `low` is true.
   void SetDiskLow(bool low);
 
-  /// Asks `is_low` (none: null) before every append; true refuses that one with `DISK_LOW`. Called
-  /// under the store's lock.
+  /// Calls `is_low` (none: null) before every append; if it returns true, the append fails with
+  /// `DISK_LOW`. Called under the store's lock.
   void SetDiskLowFor(std::function<bool()> is_low);
 
-  /// Makes a map's volumes unreadable: `LoadMap` answers `DataLoss`.
+  /// Makes a map's volumes unreadable: `LoadMap` fails with `DataLoss`.
   void DamageMap(MapKey map);
 
-  /// Calls `hook` (none: null) in every append and commit, before anything is stored, without any
-  /// lock: a test can hold the writer there.
+  /// Calls `hook` (none: null) in every append and commit before anything is stored, without any
+  /// lock held; a test can block the writer in it.
   void SetWriteHook(std::function<void()> hook);
 
-  /// Entries in the log of `map`.
+  /// Number of entries in the log of `map`.
   std::size_t log_size(MapKey map) const;
 
   absl::StatusOr<MapRecord> CreateMap(const MapRecord& record) override;

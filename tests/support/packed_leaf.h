@@ -10,8 +10,8 @@
 
 namespace steadymap::testing {
 
-/// What somebody who keeps leaves packed has of one after `message`; `known` is what they had
-/// before, empty if there was none. None for a patch that is damaged or has nothing to go on.
+/// Returns the packed leaf after `message`; `known` is the packed leaf before it, empty if it did
+/// not exist. None for a patch that is damaged or has no leaf to apply to.
 inline std::optional<std::string> TakePackedLeaf(const v1::PackedLeaf& message,
                                                  const std::string& known,
                                                  const VoxelScale& scale) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{64} << 10;
 
-// A throttled lane moves that often at most, and saves up at most two turns.
+// Maximum rate of turns of a throttled lane, and maximum allowance, in turns.
 constexpr double kTurnsPerSecond = 50.0;
 constexpr double kSavedTurns = 2.0;
 
@@ -72,7 +72,7 @@ ProxyConnection::ProxyConnection(Descriptor client, Descriptor target)
 void ProxyConnection::AppendPolled(std::vector<pollfd>* polled) const {
   const auto entry = [](const Descriptor& socket, bool reads, bool writes) {
     const int events = (reads ? POLLIN : 0) | (writes ? POLLOUT : 0);
-    // poll(2) reports hang-ups unasked, which would keep a thread awake that cannot act on them.
+    // poll(2) always reports hang-ups, which would wake a thread that cannot handle them.
     return pollfd{events == 0 ? -1 : socket.number(), static_cast<short>(events), 0};
   };
   if (!connected_) {

@@ -19,10 +19,10 @@ namespace {
 
 constexpr int kBacklog = 256;
 
-// Small enough that a stall is soon felt, large enough for loopback's large segments.
+// Small enough that a stall takes effect quickly, large enough for loopback's large segments.
 constexpr int kSocketBufferBytes = 256 << 10;
 
-// Entries for poll(2) ahead of those of the connections.
+// Entries for poll(2) before those of the connections.
 constexpr std::size_t kWakeEntry = 0;
 constexpr std::size_t kListenerEntry = 1;
 constexpr std::size_t kFirstConnectionEntry = 2;
@@ -65,7 +65,7 @@ void SendAtOnce(const Descriptor& connected) {
   Check(setsockopt(connected.number(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on)), "TCP_NODELAY");
 }
 
-/// A listener on a free port of loopback. What it accepts inherits its buffers.
+/// Returns a listener on a free port of loopback. Accepted sockets inherit its buffer sizes.
 Descriptor Listen() {
   Descriptor listener = MakeSocket();
   sockaddr_in address{};
@@ -84,7 +84,7 @@ std::string AddressOf(const Descriptor& listener) {
   return "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
 }
 
-/// A socket that connects; none if that failed at once.
+/// Returns a connecting socket; none if the connection failed at once.
 std::optional<Descriptor> Connect(const std::string& target) {
   Descriptor connecting = MakeSocket();
   SendAtOnce(connecting);
@@ -144,7 +144,7 @@ TcpProxy::Counters TcpProxy::counters() {
   return Order([](Orders*) {});
 }
 
-/// Gives an order, waits until it holds, and answers what had gone through by then.
+/// Gives an order, waits until it is carried out, and returns the counters at that time.
 TcpProxy::Counters TcpProxy::Order(const std::function<void(Orders*)>& change) {
   const absl::MutexLock lock(&mutex_);
   change(&orders_);
@@ -156,8 +156,8 @@ TcpProxy::Counters TcpProxy::Order(const std::function<void(Orders*)>& change) {
   return published_;
 }
 
-// A failure here is a fault of this file or a lack of descriptors: it ends the process with what
-// the exception says.
+// An exception here means a bug in this file or a lack of descriptors; it ends the process with its
+// message.
 void TcpProxy::Run() {
   while (true) {
     const Orders orders = CarryOutOrders();

@@ -16,66 +16,65 @@
 
 namespace steadymap {
 
-/// A network between clients and one server that a test can make worse: it listens on a free port
-/// of loopback and passes bytes on to a target. Between the two sockets of a connection it holds at
-/// most 64 KiB each way, and the kernel some hundred more, so that a stall is soon felt.
+/// A TCP proxy between clients and one server with fault injection: it listens on a free port of
+/// loopback and forwards bytes to a target. Per connection it buffers at most 64 KiB each way, and
+/// the kernel a few hundred KiB more, so that a stall takes effect quickly.
 ///
-/// One thread does the work. All functions are thread-safe, and what they order holds when they
-/// return.
+/// Runs one thread. All functions are thread-safe, and their effect is complete when they return.
 class TcpProxy {
  public:
-  /// `target` is `HOST:PORT` with a numeric IPv4 host; nobody needs to listen there yet. Throws
-  /// `std::invalid_argument` for anything else, `std::system_error` if there is no socket.
+  /// `target` is `HOST:PORT` with a numeric IPv4 host; a listener is not required yet. Throws
+  /// `std::invalid_argument` for any other form, `std::system_error` if a socket cannot be created.
   explicit TcpProxy(const std::string& target);
 
-  /// Cuts all connections.
+  /// Resets all connections.
   ~TcpProxy();
 
   TcpProxy(const TcpProxy&) = delete;
   TcpProxy& operator=(const TcpProxy&) = delete;
 
-  /// Where clients connect: `127.0.0.1:PORT`, the same as long as the proxy lives.
+  /// Address for clients: `127.0.0.1:PORT`, constant for the lifetime of the proxy.
   const std::string& address() const { return address_; }
 
-  /// Connections that come from now on lead to `target`; those that are open stay.
+  /// Connects later connections to `target`; open ones are unchanged.
   void SetTarget(const std::string& target);
 
-  /// Resets all connections, both sides, whatever was on its way.
+  /// Resets both sides of all connections; bytes in transit are lost.
   void Cut();
 
-  /// From now on nothing moves: nothing is read, written or noticed, and connections stay. New ones
-  /// are accepted, and nothing of them moves either.
+  /// Stops all traffic: no byte is read or written and no event is processed, but connections stay
+  /// open. New connections are accepted and also stalled.
   void Stall();
 
   /// Ends a stall.
   void Resume();
 
-  /// Each connection passes on at most this many bytes a second each way; 0: no limit.
+  /// Limits the bytes per second of each connection and direction; 0: no limit.
   void Throttle(std::size_t bytes_per_second);
 
-  /// Whether new connections are reset instead of served.
+  /// True: new connections are reset instead of forwarded.
   void Refuse(bool refuses);
 
-  /// What has gone through so far.
+  /// Counters of the traffic so far.
   struct Counters {
-    std::uint64_t to_target_bytes = 0;   ///< That the target's socket took.
-    std::uint64_t to_clients_bytes = 0;  ///< That clients' sockets took.
-    std::uint64_t accepted = 0;          ///< Connections of clients, refused ones included.
-    std::uint64_t open = 0;              ///< Connections there are.
+    std::uint64_t to_target_bytes = 0;   ///< Accepted by the target's sockets.
+    std::uint64_t to_clients_bytes = 0;  ///< Accepted by the clients' sockets.
+    std::uint64_t accepted = 0;          ///< Client connections, including refused ones.
+    std::uint64_t open = 0;              ///< Open connections.
   };
 
-  /// Nothing that has arrived at either end is missing from it.
+  /// Includes all bytes that have arrived at either end.
   Counters counters();
 
  private:
-  /// What was ordered last.
+  /// The current orders.
   struct Orders {
     std::string target;
     std::size_t bytes_per_second = 0;
     bool stalled = false;
     bool refuses = false;
     bool stops = false;
-    std::uint64_t cuts = 0;  ///< How often.
+    std::uint64_t cuts = 0;  ///< Number of cuts.
   };
 
   Counters Order(const std::function<void(Orders*)>& change) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -89,18 +88,18 @@ class TcpProxy {
   Descriptor listener_;
   std::string address_;
 
-  // Of the thread alone.
+  // Used by the thread only.
   std::vector<std::unique_ptr<ProxyConnection>> connections_;
-  std::uint64_t cuts_ = 0;  ///< Carried out.
+  std::uint64_t cuts_ = 0;  ///< Number of cuts carried out.
   Counters counted_;
 
   absl::Mutex mutex_;
   Orders orders_ ABSL_GUARDED_BY(mutex_);
   std::uint64_t ordered_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::uint64_t carried_out_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Of those.
-  Counters published_ ABSL_GUARDED_BY(mutex_);             ///< When they were carried out.
+  std::uint64_t carried_out_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Of `ordered_`.
+  Counters published_ ABSL_GUARDED_BY(mutex_);             ///< At that time.
 
-  std::thread thread_;  ///< Last: it uses everything above.
+  std::thread thread_;  ///< Last member: it uses all members above.
 };
 
 }  // namespace steadymap

@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Only a proxy that hangs makes a test wait so long; the socket then fails with EAGAIN.
+// Reached only if the proxy hangs; the socket then fails with EAGAIN.
 constexpr timeval kPatience{30, 0};
 
 std::string RandomBytes(std::size_t count, unsigned seed) {
@@ -29,7 +29,7 @@ std::string RandomBytes(std::size_t count, unsigned seed) {
   return bytes;
 }
 
-/// A blocking socket whose functions end the test's wait with `errno` instead of hanging.
+/// A blocking socket with timeouts: its functions end with `errno` instead of hanging.
 class TestSocket {
  public:
   explicit TestSocket(int number) : socket_(number) {
@@ -63,7 +63,7 @@ class TestSocket {
 
   void EndSending() const { shutdown(number(), SHUT_WR); }
 
-  /// Up to `count` bytes; fewer at the end of the stream or after an error.
+  /// Returns up to `count` bytes; fewer at the end of the stream or after an error.
   std::string Receive(std::size_t count) const {
     std::string bytes(count, '\0');
     std::size_t received = 0;
@@ -76,7 +76,7 @@ class TestSocket {
     return bytes;
   }
 
-  /// What ends the stream: 0 for its regular end, or `errno`. Fails on bytes.
+  /// Returns the end of the stream: 0 for a regular end, or `errno`. Fails on further bytes.
   int End() const {
     char byte = 0;
     const ssize_t count = recv(number(), &byte, 1, 0);
@@ -131,7 +131,7 @@ struct Ends {
   TestSocket server;
 };
 
-/// Sends `bytes` from one socket and answers what arrives at the other.
+/// Sends `bytes` from one socket and returns the bytes received by the other.
 std::string Carry(const TestSocket& from, const TestSocket& to, const std::string& bytes) {
   std::thread sender([&] { EXPECT_TRUE(from.Send(bytes)); });
   std::string received = to.Receive(bytes.size());
@@ -139,7 +139,7 @@ std::string Carry(const TestSocket& from, const TestSocket& to, const std::strin
   return received;
 }
 
-/// An address that nobody listens on.
+/// Returns an address without a listener.
 std::string DeadAddress() { return TestListener().address(); }
 
 TEST(TcpProxy, BytesArriveWholeAndInOrderBothWays) {
@@ -186,7 +186,7 @@ TEST(ProxyLane, MovesNoMoreThanTimeAllows) {
   std::string moved;
   int turns = 0;
   for (; turns < 100 && moved.size() < bytes.size(); ++turns) {
-    // A fiftieth of a second brings 200 bytes; a long pause saves up two turns at most.
+    // A fiftieth of a second allows 200 bytes; a long pause accumulates at most two turns.
     const milliseconds passed(20 * turns + (turns > 5 ? 1000 : 0));
     lane.Refill(start + passed, 10'000);
     const std::optional<std::size_t> count = lane.Move();
@@ -300,7 +300,7 @@ TEST(TcpProxy, ClientThatDoesNotReadHoldsItsServerBackAndLosesNothing) {
   const std::string bytes = RandomBytes(std::size_t{64} << 20, 5);
   std::size_t sent = 0;
   std::thread sender([&] { EXPECT_TRUE(ends.server.Send(bytes)); });
-  // The proxy has passed on what the client's socket takes, and stopped.
+  // The proxy has forwarded as many bytes as the client's socket accepts, and stopped.
   do {
     sent = proxy.counters().to_clients_bytes;
     std::this_thread::yield();

@@ -6,10 +6,10 @@
 
 namespace steadymap {
 
-/// A folder of its own for one test, removed with all it holds at the end.
+/// A temporary folder for one test, removed with its content by the destructor.
 class TemporaryFolder {
  public:
-  /// Throws `std::system_error` if there is no place for it: the test then fails.
+  /// Throws `std::system_error` if it cannot be created: the test then fails.
   TemporaryFolder();
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -17,14 +17,14 @@ class TemporaryFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file below the folder, making the folders it needs; returns its path.
+  /// Writes a file below the folder, creating parent folders; returns its path.
   std::filesystem::path Write(const std::string& name, std::string_view content) const;
 
  private:
   std::filesystem::path path_;
 };
 
-/// The bytes of a file; empty if there is none.
+/// Returns the bytes of a file; empty if it does not exist.
 std::string ContentOf(const std::filesystem::path& file);
 
 }  // namespace steadymap

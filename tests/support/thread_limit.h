@@ -5,8 +5,7 @@
 
 namespace steadymap::testing {
 
-/// Runs `work` with at most `threads` threads for what it does in parallel, even if the machine has
-/// fewer cores.
+/// Runs `work` with at most `threads` threads of TBB, even on a machine with fewer cores.
 template <typename Work>
 auto RunOnThreads(int threads, const Work& work) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,

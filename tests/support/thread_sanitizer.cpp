@@ -1,8 +1,8 @@
-// What ThreadSanitizer cannot see by itself, since Debian's Abseil, gRPC and oneTBB are not built
-// for it: what the mutexes of Abseil order, and the operations of gRPC. The functions stand here
-// again, for our code and for the libraries', and call the libraries' own; linked into every
-// program by the preset `tsan`. What gRPC and oneTBB order among their own objects stays unseen: of
-// that, nothing is reported.
+// Synchronisation that ThreadSanitizer cannot detect, since Debian's Abseil, gRPC and oneTBB are
+// not built for it: the mutexes of Abseil and the operations of gRPC. The functions are redefined
+// here, for our code and for the libraries', and call the libraries' own; the preset `tsan` links
+// this file into every program. Synchronisation inside gRPC and oneTBB stays undetected: races
+// there are not reported.
 
 #include <cstdlib>
 #include <string>
@@ -15,14 +15,14 @@
 
 extern "C" {
 
-/// By this name programs ask for this file.
+/// Programs reference this symbol so that the linker includes this file.
 void steadymap_thread_sanitizer() {}
 
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the sanitizer asks for it by this name.
 const char* __tsan_default_options() { return "ignore_noninstrumented_modules=1"; }
 
-// `race` takes any function of the stack, `race_top` the innermost alone: what gRPC calls back is
-// ours, and must be told.
+// `race` matches any function of the stack, `race_top` the innermost only: callbacks of gRPC are
+// our code, and races in them must be reported.
 // NOLINTNEXTLINE(bugprone-reserved-identifier)
 const char* __tsan_default_suppressions() {
   return "race:tbb::detail\n"
@@ -45,7 +45,7 @@ namespace {
 #define STEADYMAP_TEXT_OF(name) #name
 #define STEADYMAP_TEXT(name) STEADYMAP_TEXT_OF(name)
 
-/// The library's own function.
+/// Returns the library's own function.
 template <typename Function>
 Function* Own(const std::string& symbol) {
   void* const found = dlsym(RTLD_NEXT, symbol.c_str());
@@ -53,14 +53,14 @@ Function* Own(const std::string& symbol) {
   return reinterpret_cast<Function*>(found);
 }
 
-/// `member` is the mangled name behind the namespace.
+/// `member` is the mangled name after the namespace.
 template <typename Function>
 Function* AbseilsOwn(const std::string& member) {
   const std::string version = STEADYMAP_TEXT(ABSL_OPTION_INLINE_NAMESPACE_NAME);
   return Own<Function>("_ZN4absl" + std::to_string(version.size()) + version + member);
 }
 
-/// A condition that other threads than the waiting one evaluate, too, while they hold the mutex.
+/// A condition that threads other than the waiting one also evaluate while they hold the mutex.
 struct GuardedCondition {
   absl::Mutex* mutex;
   const absl::Condition* condition;
@@ -73,7 +73,8 @@ struct GuardedCondition {
   }
 };
 
-/// Waits by `wait`, which takes the condition: what the thread wrote is seen by who evaluates it.
+/// Waits with `wait`, which takes the condition: writes of the thread before the wait are visible
+/// to the threads that evaluate the condition.
 template <typename Wait>
 auto WaitFor(absl::Mutex* mutex, const absl::Condition& condition, const Wait& wait) {
   GuardedCondition guarded{mutex, &condition};
@@ -200,8 +201,8 @@ bool CondVar::WaitWithDeadline(Mutex* mutex, Time deadline) {
 ABSL_NAMESPACE_END
 }  // namespace absl
 
-// What happened before an operation of a call was started is seen by who is told that one has
-// ended: gRPC gives up the call for that operation before it tells anybody.
+// Writes before the start of an operation of a call are visible to the thread that is notified of
+// the end of an operation: gRPC releases the call for that operation before it notifies.
 
 grpc_call_error grpc_call_start_batch(
     grpc_call* call, const grpc_op* operations, size_t count, void* tag, void* reserved) {

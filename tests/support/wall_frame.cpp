@@ -12,7 +12,7 @@ namespace {
 constexpr double kMetresPerUnit = 0.001;
 constexpr std::uint16_t kWallClass = 4;
 
-/// The camera's z axis along world x, its x axis along -y, its y axis down.
+/// Returns a pose with the camera's z axis along world x, its x axis along -y, and its y axis down.
 Eigen::Isometry3d LookAlongX(const Eigen::Vector3d& eye_world) {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();
   T_world_camera.translation() = eye_world;

@@ -8,19 +8,19 @@
 
 namespace steadymap {
 
-/// A small frame of a flat wall, as a robot would upload it.
+/// A small frame of a flat wall, in the form that a robot uploads.
 struct WallFrame {
   int width_px = 64;
   int height_px = 48;
   double wall_distance_m = 2.0;                         ///< Along the camera's z axis.
-  Eigen::Vector3d eye_world = Eigen::Vector3d::Zero();  ///< The camera looks along world x.
+  Eigen::Vector3d eye_world = Eigen::Vector3d::Zero();  ///< The camera faces along world x.
   double capture_time_s = 100.0;                        ///< Since 1970.
   v1::DepthEncoding encoding = v1::DEPTH_ENCODING_RAW_UINT16;
   bool with_labels = true;  ///< All pixels are class 4.
 };
 
-/// Renders the frame: every pixel has the wall's distance, so the wall is the plane
-/// x = eye + distance.
+/// Renders the frame: every pixel has the wall's distance, so the wall is the plane x = eye +
+/// distance.
 v1::Frame MakeWallFrame(const WallFrame& wall = {});
 
 }  // namespace steadymap

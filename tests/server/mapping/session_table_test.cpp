@@ -48,7 +48,7 @@ TEST(SessionTable, RestoredSessionIsIntegratedIfItsNewestFrameIs) {
 TEST(SessionTable, SessionThatNobodyAsksAboutDoesNotGrowWithoutBound) {
   SessionTable table({}, MapSequence(0));
   for (std::uint64_t i = 1; i <= 5000; ++i) table.Update(MakeRecord(i, i));
-  // The newest milestones are merged: early or late, what is integrated is never overstated.
+  // The newest milestones are merged; the reported integrated frames are never too many.
   EXPECT_EQ(table.State(kName, MapSequence(500)).integrated, ClientSequence(500));
   EXPECT_LE(table.State(kName, MapSequence(4999)).integrated, ClientSequence(4999));
   EXPECT_EQ(table.State(kName, MapSequence(5000)).integrated, ClientSequence(5000));

@@ -60,12 +60,12 @@ TEST(FrameBudget, WaitersOfAMapAreServedInTheirOrder) {
   FrameBudget::Reserve(map, 10, grant(2));
   FrameBudget::Reserve(map, 20, grant(3));
   EXPECT_TRUE(order.empty());
-  // Who comes now waits behind them even if there were room.
+  // New requests wait behind the earlier ones even if memory is free.
   held.reset();
   EXPECT_EQ(order, (std::vector<int>{1, 2}));
   EXPECT_FALSE(FrameBudget::TryReserve(map, 5));
   {
-    // Moved out first: giving it back appends to the list.
+    // Moved out first: the release appends to the list.
     const Reservation released = std::move(granted.front());
     granted.erase(granted.begin());
   }
@@ -122,7 +122,7 @@ TEST(FrameBudget, RandomUseNeverExceedsTheLimitsAndStarvesNobody) {
     });
     EXPECT_LE(budget.used_bytes(), 1000U);
     if (random() % 2 == 0 && !held.empty()) {
-      // Moved out first: giving it back may append to the list.
+      // Moved out first: the release may append to the list.
       const Reservation released = std::move(held.front());
       held.erase(held.begin());
     }

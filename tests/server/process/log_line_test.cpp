@@ -36,7 +36,8 @@ TEST(FormatLogLine, QuotesAndBackslashesStayInsideTheJsonString) {
 TEST(FormatLogLine, KeepsUtf8AndReplacesWhatIsNone) {
   EXPECT_NE(Json("h\xC3\xA4ll \xF0\x9F\xA4\x96").find("h\xC3\xA4ll \xF0\x9F\xA4\x96"),
             std::string::npos);
-  // A lone continuation, a cut character, an overlong slash, a surrogate, beyond U+10FFFF.
+  // A lone continuation byte, a truncated character, an overlong slash, a surrogate, a code point
+  // beyond U+10FFFF.
   for (const char* broken : {"\x80", "\xE2\x82", "\xC0\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80"}) {
     const std::string line = Json(broken);
     EXPECT_NE(line.find("\xEF\xBF\xBD"), std::string::npos);

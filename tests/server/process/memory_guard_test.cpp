@@ -49,7 +49,7 @@ TEST(ResidentBytes, GrowsWithWhatIsWritten) {
   EXPECT_GT(ResidentBytes(), before + 48 * kMegabyte) << block.size();
 }
 
-/// A machine as /proc and /sys describe it.
+/// A machine, as described by files in /proc and /sys.
 class Machine : public ::testing::Test {
  protected:
   void Write(const std::string& file, const std::string& text) {
@@ -79,7 +79,7 @@ TEST_F(Machine, MemoryIsTheLeastLimitOfTheControlGroupsAround) {
   Write("sys/fs/cgroup/system.slice/memory.max", "4194304\n");
   EXPECT_EQ(Usable(), 4 * kMegabyte);
   Write("sys/fs/cgroup/memory.max", "2097152\n");
-  EXPECT_EQ(Usable(), 2 * kMegabyte) << "what a container sees";
+  EXPECT_EQ(Usable(), 2 * kMegabyte) << "the limit of the container";
 }
 
 TEST(UsableMemoryBytes, OfThisMachineHoldsThisProcess) {

@@ -16,7 +16,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Stops a strand and waits until it has.
+/// Stops a strand and waits until it has stopped.
 void StopAndWait(Strand* strand) {
   absl::Notification stopped;
   strand->Stop([&stopped] { stopped.Notify(); });
@@ -55,7 +55,7 @@ TEST_F(StrandTest, NeverTwoStepsAtOnceAndNoWakeIsLost) {
     });
   }
   for (std::thread& thread : threads) thread.join();
-  // A step that began after the last wake has seen everything.
+  // A step that began after the last wake has observed all values.
   all_seen.WaitForNotification();
   StopAndWait(strand.get());
   EXPECT_EQ(overlaps, 0);
@@ -172,7 +172,7 @@ TEST_F(StrandTest, WakeComesBeforeALaterTimeThatIsDroppedWithTheStrand) {
   StopAndWait(strand.get());
   const std::weak_ptr<Strand> watched = strand;
   strand.reset();
-  // The last step may still be on its way out.
+  // The last step may still be finishing.
   EXPECT_TRUE(testing::Eventually([&watched] { return watched.expired(); }))
       << "a time that has not come holds nothing";
 }

@@ -10,7 +10,7 @@
 namespace steadymap {
 namespace {
 
-/// A pool of one thread that stands still until it is released, so that tasks pile up.
+/// A pool of one thread, blocked until it is released, so that tasks accumulate.
 class WorkerPoolTest : public ::testing::Test {
  protected:
   WorkerPoolTest() {
@@ -23,7 +23,7 @@ class WorkerPoolTest : public ::testing::Test {
 
   absl::Notification standing_;
   absl::Notification release_;
-  std::string order_;  ///< Of the tasks, by their letters.
+  std::string order_;  ///< Letters of the executed tasks, in order.
   WorkerPool pool_{"test", 1, 2};
 };
 
@@ -81,7 +81,7 @@ TEST(WorkerPool, AnIdleThreadTakesOverTheTimesOfOneThatGetsALongTask) {
     ASSERT_TRUE(pool.Submit([&] { both_idle.Notify(); }));
     both_idle.WaitForNotification();
     pool.SubmitAt(Clock::now() + std::chrono::milliseconds(5), [&] { timer_ran.Notify(); });
-    // Whichever thread waits for the time may get this one instead.
+    // Another thread may take this task instead of the one that waits for the timer.
     ASSERT_TRUE(pool.Submit([&] { release.WaitForNotification(); }));
     const bool ran = timer_ran.WaitForNotificationWithTimeout(absl::Seconds(20));
     release.Notify();

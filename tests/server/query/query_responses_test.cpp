@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
 
-/// Rays close above the floor, which they never meet.
+/// Rays slightly above the floor, which they never hit.
 v1::CastRaysRequest GrazingRays(int count) {
   v1::CastRaysRequest request;
   for (int i = 0; i < count; ++i) {
@@ -43,7 +43,7 @@ v1::SampleDistanceRequest PointsAboveFloor(int count) {
   return request;
 }
 
-/// Says no more than `times` times that the answer is wanted, and counts how often it is asked.
+/// Returns a cancellation that becomes true after `times` calls, and counts the calls.
 Cancellation CancelledAfter(std::size_t times, std::size_t* asked) {
   *asked = 0;
   return Cancellation([times, asked] { return (*asked)++ >= times; });
@@ -64,7 +64,7 @@ TEST(AnswerCastRays, EndsWithinAThousandRaysOnceItIsCancelled) {
     const absl::Status status =
         AnswerCastRays(map, request, CancelledAfter(wanted_for, &asked), &response);
     EXPECT_TRUE(absl::IsCancelled(status)) << status;
-    EXPECT_EQ(asked, wanted_for + 1) << "nobody asks again, so nothing is worked on";
+    EXPECT_EQ(asked, wanted_for + 1) << "work continued after the cancellation";
     EXPECT_LE(static_cast<std::size_t>(response.hits_size()),
               2000 * (wanted_for + 1) / of_whole + 1000);
   }
@@ -100,7 +100,7 @@ TEST(AnswerSampleDistance, EndsOnceItIsCancelledOrTooMuch) {
   EXPECT_EQ(FieldOf(status), "points_m");
 }
 
-/// A map of 600 objects, all of which are shown.
+/// A map of 600 visible objects.
 class ManyObjects : public ::testing::Test {
  protected:
   ManyObjects() {
@@ -133,7 +133,7 @@ class ManyObjects : public ::testing::Test {
 
 TEST_F(ManyObjects, AListingEndsOnceItIsCancelled) {
   v1::ListObjectsRequest request;
-  request.add_class_ids(7);  // Of none, so all are passed over.
+  request.add_class_ids(7);  // No object has this class, so all are skipped.
   for (const std::size_t wanted_for : {0U, 1U, 2U}) {
     std::size_t asked = 0;
     EXPECT_TRUE(absl::IsCancelled(List(request, CancelledAfter(wanted_for, &asked)).status()));
@@ -194,7 +194,7 @@ TEST_F(ManyObjects, APageEndsAtItsBytes) {
   EXPECT_EQ(expected, 601U);
 }
 
-/// A map that took 12 000 frames.
+/// A map with 12 000 integrated frames.
 class ManyPoses : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kPoses = 12'000;

@@ -24,7 +24,7 @@ namespace {
 using testing::Eventually;
 using ::testing::HasSubstr;
 
-/// Keeps what an acceptor hands over, as gRPC would.
+/// Holds the connections of an acceptor, like gRPC.
 class Owner {
  public:
   explicit Owner(ConnectionAcceptor* acceptor) {
@@ -61,7 +61,7 @@ Socket ConnectTo(int port) {
   return connection;
 }
 
-/// Waits until the other side closes, which is silent here.
+/// Waits until the peer, which sends no bytes, closes the connection.
 bool IsClosed(const Socket& connection) {
   char c = 0;
   return ::recv(connection.descriptor(), &c, 1, 0) == 0;
@@ -135,7 +135,7 @@ TEST(ConnectionAcceptor, AUnixSocketIsReplacedOnceNobodyListens) {
 
 TEST(ConnectionAcceptor, WhatIsNoHostCannotBeListenedAt) {
   EXPECT_FALSE(ConnectionAcceptor::Listen({"no host", 0, {}}, 10).ok());
-  // From the range for documentation: no machine's own.
+  // From the range for documentation: not an address of any machine.
   EXPECT_FALSE(ConnectionAcceptor::Listen({"192.0.2.1", 0, {}}, 10).ok());
   EXPECT_FALSE(ConnectionAcceptor::Listen({{}, 0, "/no/such/folder/socket"}, 10).ok());
 }

@@ -1,4 +1,4 @@
-// Streams over loopback: those that are read, cancelled, and left unread.
+// Tests streams over loopback: read completely, cancelled, and left unread.
 
 #include "server/rpc/message_stream.h"
 
@@ -23,8 +23,8 @@ namespace {
 
 using Response = v1::ExportMapResponse;
 
-/// So many messages of a mebibyte, then the end or an error. A connection takes a few from a server
-/// whose client does not read.
+/// Produces a number of messages of 1 MiB, then the end or an error. If the client does not read,
+/// the connection accepts only a few of them.
 class LongSource final : public MessageSource<Response> {
  public:
   LongSource(int messages, absl::Status end) : left_(messages), end_(std::move(end)) {}
@@ -43,7 +43,7 @@ class LongSource final : public MessageSource<Response> {
   const absl::Status end_;
 };
 
-/// Works on one message until it is cancelled.
+/// Processes one message until it is cancelled.
 class EndlessSource final : public MessageSource<Response> {
  public:
   EndlessSource(Cancellation cancellation, absl::Notification* started)
@@ -60,7 +60,7 @@ class EndlessSource final : public MessageSource<Response> {
   absl::Notification* const started_;
 };
 
-/// Serves streams of the sources that a test makes.
+/// Serves streams from the sources of a test.
 class StreamService final
     : public v1::QueryService::WithRawCallbackMethod_ExportMap<v1::QueryService::Service> {
  public:
@@ -91,7 +91,7 @@ class MessageStreamTest : public ::testing::Test {
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
     builder.RegisterService(service_.get());
     server_ = builder.BuildAndStart();
-    // A client that never takes more than it has asked for, whatever else the connection carries.
+    // The client never accepts more than it requested, whatever else the connection carries.
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
     stub_ = v1::QueryService::NewStub(grpc::CreateCustomChannel(
@@ -108,14 +108,14 @@ class MessageStreamTest : public ::testing::Test {
     if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now());
   }
 
-  /// Reads to the end; the number of messages and how it ended.
+  /// Reads to the end; returns the number of messages and the final status.
   static std::pair<int, absl::Status> ReadAll(grpc::ClientReader<Response>* reader) {
     int messages = 0;
     for (Response message; reader->Read(&message);) ++messages;
     return {messages, FromGrpcStatus(reader->Finish())};
   }
 
-  /// Acts as the maintenance of a server whose clock goes on by an hour from call to call.
+  /// Runs the server's stall check with a clock that advances by one hour per call.
   void LookAnHourLater() {
     now_ += std::chrono::hours(1);
     gate_.EndStalled(now_);
@@ -163,7 +163,7 @@ TEST_F(MessageStreamTest, OneThatIsNeverReadMakesRoomAndGoes) {
       [held = std::move(held)](const Cancellation&) -> absl::StatusOr<std::unique_ptr<LongSource>> {
         return std::make_unique<LongSource>(100, absl::OkStatus());
       });
-  // What remains are the copies of `open` that streams hold, and the service's.
+  // The remaining copies of `open` are held by streams and by the service.
   const auto streams_alive = [&of_streams] { return of_streams.use_count() - 1; };
   std::array<grpc::ClientContext, 4> contexts;
   const auto first = stub_->ExportMap(&contexts[0], {});

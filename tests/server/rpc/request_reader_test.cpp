@@ -19,7 +19,7 @@ grpc::ByteBuffer BytesOf(const std::string& text) {
   return grpc::ByteBuffer(&slice, 1);
 }
 
-/// In pieces of a few bytes, as a slow network brings it.
+/// Returns a buffer in slices of a few bytes, like those of a slow network.
 grpc::ByteBuffer InPieces(const std::string& text) {
   std::vector<grpc::Slice> slices;
   for (std::size_t at = 0; at < text.size(); at += 7) slices.emplace_back(text.substr(at, 7));
@@ -51,7 +51,7 @@ TEST(ReadRequest, ReadsWhatWasWrittenHoweverItComes) {
 
 TEST(ReadRequest, CountsFieldsOfNestedMessages) {
   const grpc::ByteBuffer bytes = ToByteBuffer(BatchOf(10));
-  // `batch`, its sequence, and for each frame itself, two messages and a field in each.
+  // `batch`, its sequence, and for each frame the frame itself, two messages and a field in each.
   constexpr std::size_t kFields = 2 + 10 * 5;
   v1::UploadFramesRequest read;
   EXPECT_TRUE(ReadRequest(bytes, {1 << 20, kFields}, &read).ok());
@@ -107,7 +107,7 @@ TEST(ReadRequest, RefusesGarbage) {
   for (const std::string& bytes : {std::string("\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xFF"),
                                    std::string("\x0B"),  // A group that never ends.
                                    std::string("\x12\x05"
-                                               "abc"),  // Shorter than it says.
+                                               "abc"),  // Shorter than its length field.
                                    whole.substr(0, whole.size() - 1)}) {
     v1::UploadFramesRequest read;
     const absl::Status status = ReadRequest(BytesOf(bytes), kLimits, &read);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr LimitedStream::Clock::duration kStallTimeout = std::chrono::seconds(60);
 
-/// Notes what the gate asks of it.
+/// Records the calls of the gate.
 class NotingStream final : public LimitedStream {
  public:
   void EndIfStalled(Clock::time_point now, Clock::duration timeout) override {
@@ -28,7 +28,7 @@ class NotingStream final : public LimitedStream {
 
 class StreamGateTest : public ::testing::Test {
  protected:
-  /// A new stream from a peer; null where the gate does not let it in.
+  /// Enters a new stream of a peer; null if the gate refuses it.
   std::shared_ptr<NotingStream> Enter(const std::string& peer) {
     auto stream = std::make_shared<NotingStream>();
     const absl::Status status = gate_.Enter(stream, peer);

@@ -1,4 +1,4 @@
-// The change lists of RocksStore, which nothing reads through `Store` yet.
+// Tests the change lists of RocksStore through its internal state.
 
 #include <cstdint>
 #include <memory>
@@ -39,7 +39,7 @@ class ChangeLists : public ::testing::Test {
     ASSERT_TRUE(store_->Trim(map_, {std::chrono::seconds(uptime_s), MapUptime(0)}).ok());
   }
 
-  /// Which of the revisions 1..50 have a change list.
+  /// Returns the revisions in 1..50 with a change list.
   std::vector<std::uint64_t> Kept() {
     std::vector<std::uint64_t> kept;
     for (std::uint64_t revision = 1; revision <= 50; ++revision) {

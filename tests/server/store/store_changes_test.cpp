@@ -1,4 +1,4 @@
-// What commits changed, and how long a store knows it.
+// Tests the stored changes of commits and their retention.
 
 #include <cstdint>
 #include <map>
@@ -37,7 +37,7 @@ class StoreChanges : public StoreContract {
     marks_[Revision(to)] = Commit(map_.key, delta);
   }
 
-  /// The commit at a revision, or one that never was.
+  /// Returns the commit at a revision, or an unknown mark if there was none.
   CommitMark MarkOf(std::uint64_t revision) {
     const auto mark = marks_.find(Revision(revision));
     return mark != marks_.end() ? mark->second : CommitMark{Revision(revision), 0};

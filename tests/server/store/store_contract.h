@@ -11,20 +11,20 @@
 #include "tests/support/memory_store.h"
 #include "tests/support/temporary_folder.h"
 
-/// What the parts of the store's contract suite share.
+/// Common parts of the store's contract suite.
 namespace steadymap {
 
-/// Which store a case runs against.
+/// Kind of store under test.
 enum class StoreKind { kRocks, kMemory };
 
 inline constexpr MapUptime kForgetNone{0};
 
-/// A store with small bounds that can be reopened, as after a restart.
+/// A store with small limits that can be reopened, as after a restart.
 class StoreContract : public ::testing::TestWithParam<StoreKind> {
  protected:
   void SetUp() override { Reopen(); }
 
-  /// Ends the store and opens it again, with all its maps.
+  /// Closes the store and opens it again, with all its maps.
   void Reopen() {
     if (GetParam() == StoreKind::kMemory) {
       if (memory_ == nullptr) memory_ = std::make_unique<MemoryStore>(options_);
@@ -59,7 +59,7 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     return mark.value_or(CommitMark());
   }
 
-  /// The error of a commit.
+  /// Returns the error of a commit.
   absl::Status TryCommit(MapKey map, const MapDelta& delta) {
     return store_->CommitRevision(map, delta, MakeDetails(delta)).status();
   }
@@ -74,7 +74,7 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
     StoreOptions options;
     options.kept_poses = 10;
     options.kept_change_lists = 3;
-    // Every append gets a file of its own.
+    // Each append starts a new file.
     options.log_segment_bytes = 1;
     return options;
   }
@@ -85,7 +85,7 @@ class StoreContract : public ::testing::TestWithParam<StoreKind> {
   std::unique_ptr<Store> store_;
 };
 
-/// Runs a part of the suite against both stores.
+/// Returns the suffix of a test's name for both stores.
 inline std::string NameOfStore(const ::testing::TestParamInfo<StoreKind>& suite) {
   return suite.param == StoreKind::kRocks ? "Rocks" : "Memory";
 }

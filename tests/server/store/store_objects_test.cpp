@@ -1,4 +1,4 @@
-// The part of the store's contract that is about objects, events, free space and robots.
+// Tests the store's contract for objects, events, free space and robots.
 
 #include <limits>
 #include <map>

@@ -1,4 +1,4 @@
-// What a trim drops and what it keeps, held against both stores.
+// Tests that a trim drops and keeps the right data, with both stores.
 
 #include <cstdint>
 #include <vector>
@@ -29,7 +29,7 @@ TEST_P(StoreRetention, TrimByAgeCountsInTheMapsUptimeFromTheAppend) {
     return entries.empty() ? 0 : entries.front().sequence.value();
   };
   EXPECT_EQ(first_after(1099), 1U);
-  // A file goes when the one behind it was begun so long ago.
+  // A file is dropped once the next file is old enough.
   EXPECT_EQ(first_after(1149), 1U);
   EXPECT_EQ(first_after(1150), 0U);
   Reopen();

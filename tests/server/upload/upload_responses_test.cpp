@@ -84,7 +84,7 @@ TEST(UploadResponses, CreditCountsOnceItIsGiven) {
   EXPECT_TRUE(answers.Spend(10, 500).ok());
   EXPECT_EQ(ReasonOf(answers.Spend(1, 1)), "QUEUE_FULL");
   answers.NoteIntegrated(Progress(4, 4, 100));
-  // Not told yet, so the client cannot know of it.
+  // Not sent yet, so the client cannot use it.
   EXPECT_FALSE(answers.Spend(1, 1).ok());
   while (answers.HasNext()) answers.TakeNext();
   EXPECT_TRUE(answers.Spend(4, 600).ok());

@@ -6,7 +6,7 @@
 
 namespace steadymap {
 
-/// A watch that does nothing but note what it is told.
+/// A watch that only records its calls.
 class RecordingWatch final : public ActiveWatch {
  public:
   void Wake() override { ++wakes; }

@@ -66,7 +66,7 @@ TEST_P(DamagedToken, IsRefusedWhereverTheDamageIs) {
   EXPECT_EQ(ReasonOf(ReadResumeToken(kHallScope, token + "x").status()), reason::kBadResumeToken);
 }
 
-/// How a token of the hall fits elsewhere.
+/// Returns how a token of the hall fits another scope.
 absl::Status FitOf(const WatchScope& scope) {
   const auto read = ReadResumeToken(scope, MakeResumeToken(kHallScope, kHallPosition));
   return read.ok() ? read->fit : read.status();

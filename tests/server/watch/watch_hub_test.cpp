@@ -91,7 +91,7 @@ TEST_F(WatchHubTest, DrainingAsksAllToGoAndLetsNobodyIn) {
   EXPECT_TRUE(hub_.AwaitEmpty(absl::Now()));
 }
 
-/// A step of a map's watch from a revision to the next; it brings nothing.
+/// Returns an empty step of a map's watch from a revision to the next.
 std::shared_ptr<WatchMessages> MakeStep(MapKey map, std::uint64_t from) {
   StepPlan plan;
   plan.from = Revision(from);
@@ -112,7 +112,8 @@ TEST_F(WatchHubTest, HoldsTheLastFewStepsForAMinute) {
   for (std::uint64_t i = 0; i < 40; ++i) {
     steps.push_back(MakeStep(kHall, i));
     hub_.Hold(steps.back());
-    hub_.Hold(MakeStep(kHall, i));  // Of another watcher that was cut off in it.
+    // Of another watcher whose stream broke within the step.
+    hub_.Hold(MakeStep(kHall, i));
   }
   EXPECT_EQ(hub_.FindHeld(steps.front()->key()), nullptr) << "there are too many";
   const StepKey& last = steps.back()->key();

@@ -28,7 +28,7 @@ std::string Patched(const std::string& packed, const std::string& patch, const V
   return patch.empty() ? packed : testing::TakePackedLeaf(message, packed, scale).value_or("");
 }
 
-/// What a watcher has: the states and the leaves, as they would go over the wire.
+/// State of a watcher: object states and packed leaves in their wire form.
 struct WatcherView {
   std::map<ObjectId, ObjectState> objects;
   std::map<LeafKey, std::string> leaves;
@@ -56,7 +56,7 @@ struct WatcherView {
   friend bool operator==(const WatcherView&, const WatcherView&) = default;
 };
 
-/// What the filter shows of a map, by going through all of it.
+/// Returns the filtered content of a map, found by a full scan.
 WatcherView Truth(const MapFilter& filter, const MapSnapshot& map) {
   WatcherView view;
   if (filter.volumes) {
@@ -78,7 +78,7 @@ WatcherView Truth(const MapFilter& filter, const MapSnapshot& map) {
   return view;
 }
 
-/// A map that changes at random: objects come, go, walk, change class and standing.
+/// A map with random changes: objects appear, disappear, move, change class and status.
 class RestlessMap {
  public:
   explicit RestlessMap(std::uint32_t seed) : random_(seed), map_(VoxelScale{0.04, 0.12}) {}
@@ -87,7 +87,7 @@ class RestlessMap {
     return std::make_shared<const MapSnapshot>(map_);
   }
 
-  /// Commits a change of a few things; returns what its change list says.
+  /// Commits a change of a few objects; returns its change list.
   ChangeList Change() {
     MapDelta delta;
     delta.from = map_.revision;
@@ -124,7 +124,7 @@ class RestlessMap {
       });
       return;
     }
-    // Sometimes leaves change alone.
+    // Sometimes only leaves change.
     if (!is_known || Draw(3) > 0) {
       ObjectState state = MakeObject(id.value(), Draw(1000));
       state.status = static_cast<ObjectStatus>(Draw(3));
@@ -179,11 +179,11 @@ TEST(WatchStep, StepsLeadToWhatTheFilterShowsWhateverHappens) {
     for (int i = 0; i < 40; ++i) {
       const Revision from = step.snapshot->revision;
       ChangeList changes = map.Change();
-      // Sometimes it is not known any more what the watcher has, as after a restart.
+      // Sometimes the watcher's content is unknown, as after a restart.
       const auto shown = map.Draw(6) == 0 ? nullptr : step.shown;
       const std::shared_ptr<const MapSnapshot> before = step.snapshot;
       step = MakeDeltaStep(filter, changes, from, shown, map.Snapshot());
-      // And what the map was like.
+      // Sometimes the previous map is unknown, too.
       if (map.Draw(4) > 0) step.base = before;
       view.Take(step);
       for (const LeafKey& key : step.leaves) patches += step.FindPatch(key) ? 1 : 0;
@@ -242,7 +242,7 @@ TEST(WatchStep, NamesNothingThatTheFilterDoesNotShow) {
                         ? filter.ShowsBackgroundLeaf(key.origin, step.snapshot->scale)
                         : filter.Shows(*step.snapshot->objects.at(key.object)));
       }
-      // A tombstone is for what the watcher has, where that is known.
+      // If the watcher's content is known, tombstones name only objects it contains.
       for (const ObjectId id : step.removed) {
         EXPECT_TRUE(std::binary_search(shown->begin(), shown->end(), id));
       }

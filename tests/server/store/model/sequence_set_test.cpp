@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kLargestSequence = std::numeric_limits<std::uint64_t>::max();
 
-/// The same set kept the obvious way.
+/// Reference implementation of the set.
 class PlainSet {
  public:
   void Insert(std::uint64_t value) { values_.insert(value); }

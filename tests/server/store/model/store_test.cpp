@@ -1,5 +1,4 @@
-// The contract of Store, held against the store in RocksDB and against the one that stands in for
-// it in tests.
+// Tests the contract of Store with the RocksDB store and with its in-memory substitute.
 
 #include "server/store/model/store.h"
 
