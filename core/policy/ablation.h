@@ -9,9 +9,9 @@
 /// What the `pocd` policy has beyond its paper, to be taken away piece by piece.
 namespace steadymap {
 
-/// What is on. Off is the paper's way, or nothing of the kind where the paper has none (pocd.md,
-/// "Ours"; evidence.md, rules A to F). Taken when a mapper is made; a map that was begun with other
-/// switches is a map of another policy.
+/// The extensions of the `pocd` policy that are on. Without an extension the policy does as the
+/// paper describes (Qian et al., RSS 2022), or nothing where the paper has no such step. Set when a
+/// mapper is created; a map that was begun with other switches is a map of another policy.
 struct Ablation {
   /// Absence is told by depth beyond the surface. Off: by an object in the frustum, hidden or not,
   /// that nothing was matched with.

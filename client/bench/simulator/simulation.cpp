@@ -58,8 +58,7 @@ Frame Simulation::Render(std::size_t index) {
     renderer_sequence_ = moment.sequence;
   }
   // Keyed by the time, not by the index, so that a frame is identical at any stride.
-  const std::int64_t elapsed_ns =
-      moment.capture_time.nanoseconds() - options_.start_time.nanoseconds();
+  const std::int64_t elapsed_ns = (moment.capture_time - options_.start_time).nanoseconds();
   View view;
   view.T_world_camera = TruePose(index);
   view.time_s = moment.time_s;
