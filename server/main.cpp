@@ -169,7 +169,7 @@ int Run(const CommandLine& command_line, ServerConfig config) {
   RaiseDescriptorLimit();
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockSignals();
-  IntegrationNote::CatchCrashes();
+  IntegrationNote::InstallCrashHandlers();
   SetHelperThreadHook([] { NameThread("compute"); });
   absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(config.data_dir, config.store);
   if (!store.ok()) {

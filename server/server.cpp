@@ -53,7 +53,7 @@ constexpr std::size_t kTransportBytes = std::size_t{256} << 20;
 constexpr std::size_t kHardMessageLimitFactor = 2;
 
 // During shutdown, calls of clients that read nothing for this long are cancelled.
-constexpr absl::Duration kGoodbyeTime = absl::Seconds(2);
+constexpr absl::Duration kSlowClientGrace = absl::Seconds(2);
 
 // Time for the client of a stalled watch to read again and receive the reason for its end. The
 // watch keeps one message in memory until then.
@@ -122,7 +122,7 @@ class Server::Parts {
   MemoryGuard memory_;
   FrameBudget budget_;
   FrameBudget read_budget_;
-  UploadRegistry roster_;
+  UploadRegistry registry_;
   WatchHub watch_hub_;
   WorkerPool log_pool_;
   WorkerPool map_pool_;
@@ -137,7 +137,7 @@ class Server::Parts {
   QueryService query_service_;
   PeerLimiter watch_openings_;
   WatchService watch_service_;
-  std::optional<Maintenance> housekeeper_;
+  std::optional<Maintenance> maintenance_;
   std::unique_ptr<ConnectionAcceptor> acceptor_;
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> connections_;
   std::unique_ptr<grpc::Server> grpc_server_;
@@ -153,7 +153,7 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       memory_(config.limits.memory_bytes),
       budget_(config.limits.queue_bytes_total),
       read_budget_(config.limits.queue_bytes_total / 2),
-      roster_(MaxUploadStreams(config.limits)),
+      registry_(MaxUploadStreams(config.limits)),
       watch_hub_({.store = store_.get(),
                   .max_watches = config.watch.max_watches,
                   .stall_timeout = absl::FromChrono(config.watch.stall_timeout),
@@ -175,11 +175,11 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
       readers_("read", ComputingThreads(), kMaxWaitingCalls),
       watchers_("watch", 2, config.watch.max_watches + kMaxWaitingCalls),
       ingest_service_({&maps_,
-                       &roster_,
+                       &registry_,
                        &decoders_,
                        &limits_,
                        read_budget_.OpenAccount(config.limits.queue_bytes_total / 4)}),
-      map_service_({&maps_, &roster_, &watch_hub_, &admin_pool_, config.retention}),
+      map_service_({&maps_, &registry_, &watch_hub_, &admin_pool_, config.retention}),
       query_service_({&maps_, store_.get(), &readers_, &streams_}),
       watch_openings_({.per_second = static_cast<double>(config.watch.openings_per_second),
                        .burst = 2.0 * static_cast<double>(config.watch.max_watches)}),
@@ -187,8 +187,8 @@ Server::Parts::Parts(const ServerConfig& config, std::unique_ptr<Store> store)
 
 absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
-  housekeeper_.emplace(
-      Maintenance::Dependencies{&maps_, &roster_, &watch_hub_, &streams_, store_.get()},
+  maintenance_.emplace(
+      Maintenance::Dependencies{&maps_, &registry_, &watch_hub_, &streams_, store_.get()},
       config_.retention);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
@@ -267,10 +267,10 @@ void Server::Parts::Drain() {
   if (draining_.exchange(true)) return;
   // A server that failed to listen has no streams to drain; only its error is logged.
   if (grpc_server_ != nullptr) {
-    spdlog::info("draining: {} upload streams are open", roster_.stream_count());
+    spdlog::info("draining: {} upload streams are open", registry_.stream_count());
   }
   UpdateHealth();
-  roster_.Drain();
+  registry_.Drain();
 }
 
 // Order of shutdown: refuse new uploads, finish the accepted ones, deliver the commits to watchers,
@@ -280,10 +280,11 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (shut_down_.exchange(true)) return;
   const absl::Time end = absl::Now() + absl::FromChrono(deadline);
   Drain();
-  if (!roster_.AwaitEmpty(end)) spdlog::warn("some uploads had not ended at the shutdown deadline");
+  if (!registry_.AwaitEmpty(end))
+    spdlog::warn("some uploads had not ended at the shutdown deadline");
   watch_hub_.Drain();
-  if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kGoodbyeTime))) watch_hub_.CancelAll();
-  if (!calls_.AwaitEnd(end, kGoodbyeTime))
+  if (!watch_hub_.AwaitEmpty(std::min(end, absl::Now() + kSlowClientGrace))) watch_hub_.CancelAll();
+  if (!calls_.AwaitEnd(end, kSlowClientGrace))
     spdlog::warn("some calls were cancelled by the shutdown");
   // Frames that wait for free disk space are in the log and are integrated at the next start.
   store_->StopWaitingForDisk();
@@ -292,7 +293,7 @@ void Server::Parts::Shutdown(std::chrono::milliseconds deadline) {
   if (grpc_server_ != nullptr) {
     grpc_server_->Shutdown(absl::ToChronoTime(std::min(end, absl::Now() + kDisconnectTime)));
   }
-  housekeeper_.reset();
+  maintenance_.reset();
   decoders_.Stop();
   admin_pool_.Stop();
   readers_.Stop();
@@ -309,7 +310,7 @@ std::vector<const WorkerPool*> Server::Parts::pools() const {
 Heartbeat::Clock::time_point Server::Parts::last_progress() const {
   // Waiting for free disk space is no fault, and a restart by the watchdog would not end it.
   if (store_->IsWaitingForDisk()) return Heartbeat::Clock::now();
-  Heartbeat::Clock::time_point oldest = housekeeper_->heartbeat().last();
+  Heartbeat::Clock::time_point oldest = maintenance_->heartbeat().last();
   for (const WorkerPool* pool : pools()) {
     if (const auto start = pool->oldest_start()) oldest = std::min(oldest, *start);
   }
@@ -321,7 +322,7 @@ void Server::Parts::SetLimits(const LimitOptions& limits) {
   live.max_message_bytes = config_.limits.max_message_bytes;
   limits_.Set(live);
   acceptor_->SetMaxConnections(limits.max_connections);
-  roster_.SetMaxStreams(MaxUploadStreams(limits));
+  registry_.SetMaxStreams(MaxUploadStreams(limits));
   memory_.SetMax(limits.memory_bytes);
   budget_.SetTotal(limits.queue_bytes_total);
   read_budget_.SetTotal(limits.queue_bytes_total / 2);

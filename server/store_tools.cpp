@@ -32,10 +32,10 @@ absl::StatusOr<MapName> ParseName(const std::string& name) {
 }
 
 int RunCheck(const ServerConfig& config, const std::optional<MapName>& map) {
-  const absl::StatusOr<StoreFindings> findings = CheckStore(config.data_dir, map);
+  const absl::StatusOr<StoreCheckResult> findings = CheckStore(config.data_dir, map);
   if (!findings.ok()) return CannotRun(findings.status());
   if (!findings->problems.empty()) PrintLines("store: damaged", findings->problems);
-  for (const MapFindings& found : findings->maps) {
+  for (const MapCheckResult& found : findings->maps) {
     const char* const verdict = found.problems.empty() ? ": OK" : ": damaged";
     PrintLines(found.name.ToString() + verdict, found.problems);
   }

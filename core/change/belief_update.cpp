@@ -15,8 +15,8 @@ constexpr int kDoubtThatRemains = -2;
 
 StationarityPrior PriorOf(const MapConfig& config, ClassId class_id) {
   const SemanticClass* row = config.FindClass(class_id);
-  return row == nullptr || row->motion == ClassMotion::kStatic ? StationarityPrior::kStays
-                                                               : StationarityPrior::kMoves;
+  return row == nullptr || row->motion == ClassMotion::kStatic ? StationarityPrior::kStationary
+                                                               : StationarityPrior::kMobile;
 }
 
 void AddEvidence(const ObjectVerdict& verdict,
@@ -59,7 +59,7 @@ bool UpdateBelief(StationarityPrior prior,
   const double judged = evidence.present_cells + evidence.absent_cells;
   if (judged < parameters.cells_per_update) return false;
   StationarityParameters stationarity = parameters.stationarity;
-  if (prior == StationarityPrior::kStays &&
+  if (prior == StationarityPrior::kStationary &&
       (now - object->last_seen).seconds() > parameters.visit_gap_s) {
     stationarity.max_evidence = std::min(stationarity.max_evidence, parameters.revisit_evidence);
   }

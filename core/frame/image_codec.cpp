@@ -212,9 +212,9 @@ absl::StatusOr<ImageSize> PeekImageSize(std::string_view data) {
   const ImageExpectation expectation{0, 0, reason::kBadImageEncoding};
   ImageSize size;
   absl::Status status;
-  if (LooksLikePng(data)) {
+  if (HasPngSignature(data)) {
     status = ReadPngSize(data, expectation, &size.width_px, &size.height_px);
-  } else if (LooksLikeJpeg(data)) {
+  } else if (HasJpegSignature(data)) {
     status = ReadJpegSize(data, expectation, &size.width_px, &size.height_px);
   } else {
     status = MalformedImage(expectation, "the data are neither a PNG nor a JPEG file");

@@ -120,7 +120,7 @@ absl::Status BrokenJpeg(const ImageExpectation& expectation, const char* error) 
 
 }  // namespace
 
-bool LooksLikeJpeg(std::string_view data) { return data.substr(0, 3) == "\xff\xd8\xff"; }
+bool HasJpegSignature(std::string_view data) { return data.substr(0, 3) == "\xff\xd8\xff"; }
 
 absl::Status ReadJpegSize(std::string_view data,
                           const ImageExpectation& expectation,

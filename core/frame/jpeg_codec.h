@@ -15,7 +15,7 @@
 namespace steadymap {
 
 /// True if `data` starts with the JPEG signature.
-bool LooksLikeJpeg(std::string_view data);
+bool HasJpegSignature(std::string_view data);
 
 /// Reads width and height from the header of a JPEG file; neither is 0.
 absl::Status ReadJpegSize(std::string_view data,

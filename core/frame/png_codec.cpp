@@ -168,7 +168,7 @@ absl::Status ReadRows(PngReader* reader,
 
 }  // namespace
 
-bool LooksLikePng(std::string_view data) {
+bool HasPngSignature(std::string_view data) {
   return data.substr(0, kSignatureBytes) == kStart.substr(0, kSignatureBytes);
 }
 

@@ -16,7 +16,7 @@
 namespace steadymap {
 
 /// True if `data` starts with the PNG signature.
-bool LooksLikePng(std::string_view data);
+bool HasPngSignature(std::string_view data);
 
 /// Reads width and height from the header of a PNG file; neither is 0.
 absl::Status ReadPngSize(std::string_view data,

@@ -39,9 +39,9 @@ struct VolumeView {
 /// Finds the leaves that intersect the truncation band around the surface of a frame. Works in
 /// units of leaves relative to the camera's leaf, so that single precision suffices anywhere in the
 /// map.
-class BandWalk {
+class BandTraversal {
  public:
-  BandWalk(const VolumeView& view, const VoxelScale& scale)
+  BandTraversal(const VolumeView& view, const VoxelScale& scale)
       : focal_x_(static_cast<float>(view.cloud.camera().fx)),
         focal_y_(static_cast<float>(view.cloud.camera().fy)),
         centre_x_(static_cast<float>(view.cloud.camera().cx)),
@@ -138,7 +138,7 @@ struct TsdfIntegrator::Scratch {
 
 /// Traverses the truncation band along a grid of rays and collects the intersected leaves.
 void TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
-  const BandWalk walk(view, scale);
+  const BandTraversal walk(view, scale);
   leaves.Reset(walk.base_leaf());
   // Number of cells between two rays at a depth of one metre.
   const auto cells_at_1m =

@@ -59,8 +59,8 @@ double Logistic(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
 void AddClassEvidence(StationarityPrior class_prior, double class_weight, Step* step) {
   const bool inlier = InlierLogOdds(*step) > 0.0;
   const double weight = std::clamp(class_weight, 0.0, kLargest);
-  if (class_prior == StationarityPrior::kStays && inlier) step->alpha += weight;
-  if (class_prior == StationarityPrior::kMoves && !inlier) step->beta += weight;
+  if (class_prior == StationarityPrior::kStationary && inlier) step->alpha += weight;
+  if (class_prior == StationarityPrior::kMobile && !inlier) step->beta += weight;
 }
 
 /// Returns the Gaussian and the Beta with the moments of the exact posterior, a mixture of two

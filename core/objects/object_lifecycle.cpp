@@ -26,7 +26,7 @@ void ObjectLifecycle::Run(const std::vector<ObjectInView>& in_view, WorkingMap* 
     const ObjectState& state = object->state();
     if (state.supporting_frames >= parameters_.views && Confirm(object)) continue;
     if ((map_->now() - state.last_seen).seconds() > parameters_.max_unseen_s) {
-      map_->Forget(object);
+      map_->Delete(object);
     }
   }
   if (parameters_.recognises_returned && map_->revision().value() % kFramesPerComparison == 0) {
@@ -104,7 +104,7 @@ std::vector<TrackedObject*> ObjectLifecycle::ObjectsAround(const TrackedObject& 
 }
 
 bool ObjectLifecycle::Stays(const TrackedObject& object) const {
-  return PriorOf(config_, object.state().class_id) == StationarityPrior::kStays;
+  return PriorOf(config_, object.state().class_id) == StationarityPrior::kStationary;
 }
 
 TrackedObject* ObjectLifecycle::FindKnown(const TrackedObject& object) {
@@ -131,7 +131,7 @@ bool ObjectLifecycle::IsInFreeSpace(const TrackedObject& object) const {
   std::size_t free = 0;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
-      free += map_->free_space().IsFreeBehind(
+      free += map_->free_space().HasFreeSpaceBehind(
                   T_world_object * point.position_object.cast<double>(),
                   T_world_object.linear() * point.normal_object.cast<double>())
                   ? 1U
@@ -154,7 +154,7 @@ void ObjectLifecycle::TakeBack(TrackedObject* known, TrackedObject* object) {
   if (object->state().status == ObjectStatus::kPresent) {
     TellMerged(*object, EventReason::kShapeMatched, known->id(), map_);
   }
-  map_->Forget(object);
+  map_->Delete(object);
   const Belief unseen = InitialBelief(parameters_.initial_stationarity);
   for (TrackedObject* other : others) Return(other, EventReason::kConnected, unseen);
 }
@@ -198,7 +198,7 @@ void ObjectLifecycle::TakeBackParts(const std::vector<ObjectInView>& in_view) {
                            ObjectsAround(*view.object, map_->scale().truncation_m))) {
       map_->MarkLeaves(view.object, CopyVoxels(*part, map_->scale(), view.object).into);
       TellMerged(*part, EventReason::kShapeMatched, view.object->id(), map_);
-      map_->Forget(part);
+      map_->Delete(part);
     }
   }
 }

@@ -28,7 +28,7 @@ void MergeObjects(TrackedObject* into, TrackedObject* from, WorkingMap* map) {
     TellMerged(*from, EventReason::kConnected, state.id, map);
   }
   map->MarkChanged(into);
-  map->Forget(from);
+  map->Delete(from);
 }
 
 void TellMerged(const TrackedObject& from, EventReason reason, ObjectId into, WorkingMap* map) {

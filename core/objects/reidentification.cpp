@@ -191,7 +191,7 @@ TrackedObject* FindReturned(const TrackedObject& object,
       candidates,
       [&](const TrackedObject& known) -> std::optional<MinOverlap> {
         if (StaysGone(known, object, scale, parameters)) return std::nullopt;
-        if (prior == StationarityPrior::kStays && WasGoneForLong(known, object, parameters)) {
+        if (prior == StationarityPrior::kStationary && WasGoneForLong(known, object, parameters)) {
           return MinOverlap{parameters.return_known_share_of_walls,
                             parameters.return_fit_share_of_walls};
         }

@@ -127,7 +127,7 @@ class MoveSearch {
   TrackedObject* FindOnlyLookalike(const TrackedObject& after) const {
     TrackedObject* found = nullptr;
     for (TrackedObject* other : map_->ArchivedObjects()) {
-      if (other->is_forgotten() || !IsLookalike(*other, after)) continue;
+      if (other->is_deleted() || !IsLookalike(*other, after)) continue;
       if (found != nullptr) return nullptr;
       found = other;
     }
@@ -217,7 +217,7 @@ class MoveSearch {
     event.confidence = match.has_value() ? match->confidence() : kConfidenceWithoutShape;
     event.related = after->id();
     map_->RecordEvent(event);
-    map_->Forget(after);
+    map_->Delete(after);
   }
 
  private:

@@ -140,7 +140,7 @@ void ObjectMapper::BecomeHistory(TrackedObject* object) {
   object->state().status = ObjectStatus::kArchived;
   object->state().in_place_since = map_->now();
   map_->MarkChanged(object);
-  if (!parameters_.keeps_removed) map_->Forget(object);
+  if (!parameters_.keeps_removed) map_->Delete(object);
 }
 
 /// Up to which score cells are to be cut off; none while too few are, or more are on their way.
@@ -196,8 +196,8 @@ bool ObjectMapper::IsInFreeSpace(const Observation& observation) const {
       std::count_if(observation.samples.begin(), observation.samples.end(), [&](std::size_t index) {
         const SurfaceSample& sample = samples_[index];
         return association_.is_in_front[index] != 0 ||
-               map_->free_space().IsFreeBehind(sample.position_world.cast<double>(),
-                                               sample.normal_world.cast<double>());
+               map_->free_space().HasFreeSpaceBehind(sample.position_world.cast<double>(),
+                                                     sample.normal_world.cast<double>());
       });
   return static_cast<double>(free) >
          parameters_.confirmation.free_share * static_cast<double>(observation.samples.size());

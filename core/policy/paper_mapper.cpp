@@ -55,7 +55,7 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
       const std::optional<double> change_m = MeasureChange(place, *cloud);
       if (!change_m.has_value()) continue;
       Update(object, *change_m);
-      if (std::abs(*change_m) > largest_fused_m || object->is_forgotten()) segments_.Release(place);
+      if (std::abs(*change_m) > largest_fused_m || object->is_deleted()) segments_.Release(place);
     } else if (IsExpectedInView(*object, *cloud)) {
       ++object->state().contradicted_updates;
       Update(object, parameters_.stationarity.max_change_m);
@@ -136,7 +136,7 @@ void PaperMapper::Update(TrackedObject* object, double change_m) {
   ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object);
   event.before = before;
   map_->RecordEvent(event);
-  map_->Forget(object);
+  map_->Delete(object);
 }
 
 void PaperMapper::AddObjects() {

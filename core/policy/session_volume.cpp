@@ -105,7 +105,7 @@ void SessionVolume::MarkLeaves(const std::vector<LeafOrigin>& changed_leaves) {
 }
 
 void SessionVolume::Discard() {
-  for (const auto& [corner, tile] : tiles_) map_.Forget(tile);
+  for (const auto& [corner, tile] : tiles_) map_.Delete(tile);
   tiles_.clear();
 }
 

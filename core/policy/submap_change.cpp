@@ -73,7 +73,7 @@ void SubmapMapper::KeepOrMerge() {
   for (TrackedObject* object : map_->TentativeObjects()) {
     ObjectState& state = object->state();
     if (!IsActive(state)) {
-      map_->Forget(object);
+      map_->Delete(object);
     } else if (state.supporting_frames >= parameters_.keeping_views) {
       TrackedObject* twin = FindInactiveTwin(*object);
       if (twin != nullptr) {
@@ -115,7 +115,7 @@ void SubmapMapper::Reactivate(TrackedObject* twin, TrackedObject* fresh) {
     map_->RecordEvent(map_->MakeEvent(EventType::kReturned, EventReason::kShapeMatched, *twin));
   }
   map_->MarkChanged(twin);
-  map_->Forget(fresh);
+  map_->Delete(fresh);
 }
 
 /// Tests inactive submaps near the camera against the active ones and against free space.

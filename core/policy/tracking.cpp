@@ -132,7 +132,7 @@ void TrackingMapper::ConfirmAndForget() {
       map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
       map_->MarkChanged(object);
     } else if ((map_->now() - state.last_seen).seconds() > parameters_.tentative_age_s) {
-      map_->Forget(object);
+      map_->Delete(object);
     }
   }
 }

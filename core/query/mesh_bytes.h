@@ -15,7 +15,7 @@
 namespace steadymap {
 
 /// Asserts that a mesh has one normal per vertex, one colour per vertex or none, and valid indices.
-void AssertWhole(const Mesh& mesh);
+void AssertValid(const Mesh& mesh);
 
 /// Appends `count` bytes in memory order.
 void AppendBytes(const void* bytes, std::size_t count, std::string* file);

@@ -59,7 +59,7 @@ class SectionEncoder final : public FileEncoder {
 
 }  // namespace
 
-void AssertWhole([[maybe_unused]] const Mesh& mesh) {
+void AssertValid([[maybe_unused]] const Mesh& mesh) {
   assert(mesh.normals_world.size() == mesh.vertices_world.size());
   assert(mesh.colors.empty() || mesh.colors.size() == mesh.vertices_world.size());
   assert(std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&mesh](const auto& triangle) {
@@ -77,7 +77,7 @@ std::unique_ptr<FileEncoder> MakeSectionEncoder(std::string head,
 }
 
 std::unique_ptr<FileEncoder> MakePlyEncoder(Mesh mesh) {
-  AssertWhole(mesh);
+  AssertValid(mesh);
   const auto shared = std::make_shared<const Mesh>(std::move(mesh));
   const bool has_colors = !shared->colors.empty();
   const auto append_vertex = [shared, has_colors](std::size_t i, std::string* file) {

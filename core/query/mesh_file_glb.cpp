@@ -195,7 +195,7 @@ std::uint64_t GlbBufferBytes(std::uint64_t vertices, std::uint64_t triangles, bo
 }
 
 absl::StatusOr<std::unique_ptr<FileEncoder>> MakeGlbEncoder(Mesh mesh) {
-  AssertWhole(mesh);
+  AssertValid(mesh);
   const std::uint64_t buffer_bytes =
       mesh.triangles.empty()
           ? 0

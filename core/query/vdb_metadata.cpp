@@ -19,7 +19,7 @@ openvdb::math::Transform::Ptr MakeTransform(const Eigen::Isometry3d& T_world_vol
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-const char* StandingText(ObjectStatus standing) {
+const char* StatusText(ObjectStatus standing) {
   switch (standing) {
     case ObjectStatus::kTentative:
       return "tentative";
@@ -36,7 +36,7 @@ openvdb::Int64Metadata Count(std::uint64_t value) {
 }
 
 void DescribeObject(const MapObject& object, openvdb::GridBase* grid) {
-  grid->insertMeta("standing", openvdb::StringMetadata(StandingText(object.status)));
+  grid->insertMeta("standing", openvdb::StringMetadata(StatusText(object.status)));
   const Belief& belief = object.belief;
   grid->insertMeta("stationarity", openvdb::DoubleMetadata(belief.stationarity()));
   grid->insertMeta("alpha", openvdb::DoubleMetadata(belief.alpha));

@@ -122,7 +122,7 @@ class Search {
     AlignmentDescent best;
     best.fit = alignment_.Linearize(points_.offsets, {});
     best.converged = best.fit.known > 0;
-    const bool rests = IsConsistent(best.fit) && IsSettled(best.fit);
+    const bool rests = IsConsistent(best.fit) && IsConverged(best.fit);
     if (rests && IsComplete(best.fit)) return best;
 
     const std::vector<Eigen::Vector3d> trial_offsets = points_.Part(kTrialPoints);
@@ -143,7 +143,7 @@ class Search {
       if (IsConsistent(best.fit) && IsComplete(best.fit)) break;
     }
     if (!moves) return best;
-    return IsHopeless(best.fit) ? best : Finish(best);
+    return IsInconsistent(best.fit) ? best : Finish(best);
   }
 
  private:
@@ -163,13 +163,13 @@ class Search {
   }
 
   /// True if further steps cannot make the points consistent.
-  static bool IsHopeless(const AlignmentFit& fit) {
+  static bool IsInconsistent(const AlignmentFit& fit) {
     return static_cast<double>(fit.outliers) >
            kHopelessDissimilarity * static_cast<double>(fit.known);
   }
 
   /// True if the next step is too short to be distinguished from noise.
-  bool IsSettled(const AlignmentFit& fit) const {
+  bool IsConverged(const AlignmentFit& fit) const {
     const UprightMotion step = alignment_.Advance({}, alignment_.Step(fit, /*damping=*/0.0));
     return step.shift_m.norm() <= parameters_.max_unmoved_shift_m &&
            std::abs(step.yaw_rad) <= parameters_.max_unmoved_yaw_rad;

@@ -34,14 +34,14 @@ class HelperThreadObserver final : public tbb::task_scheduler_observer {
 };
 
 /// Sets the work owner of the current thread for its own lifetime, then restores the previous one.
-class BorrowedThread {
+class ScopedWorkOwner {
  public:
-  explicit BorrowedThread(void* owner) : before_(work_owner) { work_owner = owner; }
+  explicit ScopedWorkOwner(void* owner) : before_(work_owner) { work_owner = owner; }
 
-  ~BorrowedThread() { work_owner = before_; }
+  ~ScopedWorkOwner() { work_owner = before_; }
 
-  BorrowedThread(const BorrowedThread&) = delete;
-  BorrowedThread& operator=(const BorrowedThread&) = delete;
+  ScopedWorkOwner(const ScopedWorkOwner&) = delete;
+  ScopedWorkOwner& operator=(const ScopedWorkOwner&) = delete;
 
  private:
   void* const before_;
@@ -67,7 +67,7 @@ void ParallelFor(std::size_t count,
   order.store(1, std::memory_order_release);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
     order.load(std::memory_order_acquire);
-    const BorrowedThread borrowed(owner);
+    const ScopedWorkOwner borrowed(owner);
     work(range.begin(), range.end());
     order.fetch_add(1, std::memory_order_release);
   });

@@ -148,8 +148,8 @@ double FreeSpace::FreeRun(const Eigen::Vector3d& start_world,
   return std::min(walk.entry_cells() * cell_size_m_, max_m);
 }
 
-bool FreeSpace::IsFreeBehind(const Eigen::Vector3d& point_world,
-                             const Eigen::Vector3d& normal_world) const {
+bool FreeSpace::HasFreeSpaceBehind(const Eigen::Vector3d& point_world,
+                                   const Eigen::Vector3d& normal_world) const {
   return IsFree(point_world - kBehindM * normal_world);
 }
 

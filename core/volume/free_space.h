@@ -48,7 +48,8 @@ class FreeSpace {
   /// True if the space 0.08 m behind a surface is free, so that the surface appeared after that
   /// observation. `normal_world` is the outward unit normal. Objects thinner than a cell give no
   /// reliable result.
-  bool IsFreeBehind(const Eigen::Vector3d& point_world, const Eigen::Vector3d& normal_world) const;
+  bool HasFreeSpaceBehind(const Eigen::Vector3d& point_world,
+                          const Eigen::Vector3d& normal_world) const;
 
   /// Marks the cells on the segment from `from_world` to `to_world`. Appends the changed blocks to
   /// `changed_blocks`, possibly with duplicates.

@@ -30,14 +30,14 @@ class TrackedObject {
   bool is_archived() const { return state_.status == ObjectStatus::kArchived; }
 
   /// True if it is deleted from the map at the end of the frame; until then it is archived.
-  bool is_forgotten() const { return is_forgotten_; }
+  bool is_deleted() const { return is_deleted_; }
 
   /// True if it is archived and not to be deleted at the end of the frame.
-  bool is_history() const { return is_archived() && !is_forgotten_; }
+  bool is_history() const { return is_archived() && !is_deleted_; }
 
-  void MarkForgotten() {
+  void MarkDeleted() {
     state_.status = ObjectStatus::kArchived;
-    is_forgotten_ = true;
+    is_deleted_ = true;
   }
 
   const TsdfGrid& volume() const { return *volume_; }
@@ -76,7 +76,7 @@ class TrackedObject {
   void UpdateBounds();
 
   ObjectState state_;
-  bool is_forgotten_ = false;
+  bool is_deleted_ = false;
   VoxelScale scale_;
   std::shared_ptr<TsdfGrid> volume_;
   ObjectSurface surface_;

@@ -148,8 +148,8 @@ TrackedObject& WorkingMap::AddPart(const TrackedObject& whole) {
   return part;
 }
 
-void WorkingMap::Forget(TrackedObject* object) {
-  object->MarkForgotten();
+void WorkingMap::Delete(TrackedObject* object) {
+  object->MarkDeleted();
   object->volume().ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
     changed_leaves_.push_back({object->id(), origin});
   });

@@ -95,7 +95,7 @@ class WorkingMap {
   TrackedObject& AddPart(const TrackedObject& whole);
 
   /// Archives the object, and deletes it at the end of the frame.
-  void Forget(TrackedObject* object);
+  void Delete(TrackedObject* object);
 
   /// Replaces pose and volume of `object` by copies of those of `other`.
   void TakeVolume(TrackedObject* object, const TrackedObject& other);

@@ -26,7 +26,7 @@ constexpr std::size_t kReadAheadEntries = 16;
 constexpr std::size_t kReadAheadBytes = std::size_t{8} << 20;
 
 // A map without frames for this long releases its working memory.
-constexpr std::chrono::seconds kRestDelay{10};
+constexpr std::chrono::seconds kIdleDelay{10};
 
 // Number of crashes during the integration of an entry after which the map is quarantined.
 constexpr std::uint32_t kMaxCrashes = 2;
@@ -85,7 +85,7 @@ absl::Status MapIntegrator::Start(const MapRecord& record, const StoredState& st
   details_ = {};
   unstored_.reset();
   commit_due_ = Clock::time_point::max();
-  rest_at_ = Clock::time_point::max();
+  release_at_ = Clock::time_point::max();
   DropWaiting();
   if (mapper_->head() < log_head_) {
     spdlog::info("map {}: replaying the log from entry {} to {}",
@@ -124,9 +124,9 @@ absl::Status MapIntegrator::Advance() {
   if (unstored_ || IsCommitDue()) {
     if (absl::Status status = Commit(); !status.ok()) return status;
   }
-  if (Clock::now() >= rest_at_) {
+  if (Clock::now() >= release_at_) {
     mapper_->Rest();
-    rest_at_ = Clock::time_point::max();
+    release_at_ = Clock::time_point::max();
   }
   const Clock::time_point end = Clock::now() + kSlice;
   while (!unstored_ && !interrupted_ && Clock::now() < end) {
@@ -209,7 +209,7 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
   if (mapper_->uncommitted_entries() == 0) {
     commit_due_ = Clock::now() + std::chrono::milliseconds(max_delay_ms_);
   }
-  rest_at_ = Clock::now() + kRestDelay;
+  release_at_ = Clock::now() + kIdleDelay;
   note_->Begin(entry.sequence);
   if (entry.kind == LogEntryKind::kClasses) {
     mapper_->AddClasses(entry.sequence, entry.classes);
@@ -285,7 +285,8 @@ Strand::Next MapIntegrator::NextStep() const {
     if (!inbox_.empty()) return Strand::Next::Now();
   }
   if (mapper_->uncommitted_entries() > 0) return Strand::Next::At(commit_due_);
-  return rest_at_ == Clock::time_point::max() ? Strand::Next::Never() : Strand::Next::At(rest_at_);
+  return release_at_ == Clock::time_point::max() ? Strand::Next::Never()
+                                                 : Strand::Next::At(release_at_);
 }
 
 bool MapIntegrator::IsCommitDue() const {

@@ -125,7 +125,7 @@ class MapIntegrator {
   std::optional<MapCommit> unstored_;                 ///< Commit that waits for disk space.
   Clock::time_point retry_at_ = Clock::time_point::min();  ///< When to store `unstored_`.
   Clock::time_point commit_due_ = Clock::time_point::max();
-  Clock::time_point rest_at_ = Clock::time_point::max();  ///< When to call `Rest`.
+  Clock::time_point release_at_ = Clock::time_point::max();  ///< When to call `Rest`.
   MapCounter counter_;
 
   std::atomic<bool> interrupted_ = false;

@@ -43,7 +43,7 @@ absl::Status Opening(const MapName& name) {
 }
 
 /// True if the error is temporary, so that reopening the map can succeed without an operator.
-bool HealsByItself(const absl::Status& status) {
+bool IsTemporary(const absl::Status& status) {
   return ReasonOf(status) == reason::kStoreReadOnly || ReasonOf(status) == reason::kDiskLow;
 }
 
@@ -224,7 +224,7 @@ Strand::Next MapRuntime::AppendStep() {
   }
   if (status.ok()) status = dependencies_.store->Append(group.append());
   if (ReasonOf(status) == reason::kDiskLow) status = WithRetryDelay(status, kDiskRetry.count());
-  if (status.ok()) NoteAppended(group);
+  if (status.ok()) RecordAppend(group);
   // A full disk fails only this group. NotFound means that the map was deleted. Any other error
   // stops the map; the condition is set before the error is reported, so that clients that react to
   // the error find the new condition.
@@ -245,7 +245,7 @@ Strand::Next MapRuntime::AppendStep() {
 }
 
 /// Publishes the durable state: sessions, head of the log, classes.
-void MapRuntime::NoteAppended(const LogGroup& group) {
+void MapRuntime::RecordAppend(const LogGroup& group) {
   for (const auto& [name, session] : group.sessions()) sessions_.Update(session);
   durable_head_ = group.head().value();
   std::vector<SemanticClass> added;
@@ -322,7 +322,7 @@ void MapRuntime::Fail(const absl::Status& status) {
   // After an exception the map is reopened from the store. If the same entry fails repeatedly, the
   // integrator reports MAP_QUARANTINED.
   const bool is_internal = ReasonOf(status) == reason::kInternal && is_readable;
-  if (is_internal || HealsByItself(status)) {
+  if (is_internal || IsTemporary(status)) {
     SetCondition(Condition::kReadOnly,
                  is_internal ? MakeError(absl::StatusCode::kUnavailable,
                                          reason::kStoreReadOnly,
@@ -332,7 +332,7 @@ void MapRuntime::Fail(const absl::Status& status) {
     spdlog::error("map {}: quarantined: {}", name_.ToString(), std::string(status.message()));
     SetCondition(is_readable ? Condition::kQuarantined : Condition::kDamaged, status);
   }
-  StopTaking(status);
+  RefuseUploads(status);
 }
 
 /// Returns the time of the next attempt to reopen the map; never if it would not help.
@@ -366,7 +366,7 @@ void MapRuntime::Publish(PublishedRevision published) {
 }
 
 /// Refuses waiting batches, commit waiters and reservations.
-void MapRuntime::StopTaking(const absl::Status& status) {
+void MapRuntime::RefuseUploads(const absl::Status& status) {
   for (const PendingBatch& batch : queue_.Close(status)) batch.observer->OnFailed(status);
   waiters_.Fail(status);
   FrameBudget::Close(budget_account_);
@@ -388,18 +388,18 @@ void MapRuntime::Close(const absl::Status& status,
     classes.swap(pending_classes_);
   }
   integrator_.Interrupt();
-  StopTaking(status);
+  RefuseUploads(status);
   for (const PendingClasses& pending : classes) pending.done(status);
   for (const std::function<void()>& callback : opened) callback();
   append_strand_->Stop([self = shared_from_this(), commit, was_ready, on_closed] {
     self->map_strand_->Stop([self, commit, was_ready, on_closed] {
-      if (commit && was_ready) self->CommitAtEnd();
+      if (commit && was_ready) self->CommitOnClose();
       if (on_closed) on_closed();
     });
   });
 }
 
-void MapRuntime::CommitAtEnd() {
+void MapRuntime::CommitOnClose() {
   const absl::Status committed = integrator_.CommitNow();
   if (committed.ok()) return;
   spdlog::warn("map {}: the last commit failed; its frames are integrated at the next start: {}",

@@ -162,14 +162,14 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   void Fail(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   LogGroup TakeGroup(std::vector<PendingClasses>* classes) ABSL_LOCKS_EXCLUDED(mutex_);
-  void NoteAppended(const LogGroup& group) ABSL_LOCKS_EXCLUDED(mutex_);
+  void RecordAppend(const LogGroup& group) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status CheckClasses(const std::vector<SemanticClass>& added) const
       ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status AdoptState(const StoredState& state) ABSL_LOCKS_EXCLUDED(mutex_);
   void Publish(PublishedRevision published) ABSL_LOCKS_EXCLUDED(mutex_);
   void SetCondition(Condition condition, const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
-  void StopTaking(const absl::Status& status);
-  void CommitAtEnd();
+  void RefuseUploads(const absl::Status& status);
+  void CommitOnClose();
 
   const MapKey key_;
   const MapName name_;

@@ -22,7 +22,7 @@ SessionTable::SessionTable(const std::vector<SessionRecord>& sessions, MapSequen
 void SessionTable::Reset(const std::vector<SessionRecord>& sessions, MapSequence integrated) {
   const absl::MutexLock lock(&mutex_);
   sessions_.clear();
-  frameless_.clear();
+  sessions_without_frames_.clear();
   for (const SessionRecord& record : sessions) {
     Session session{record, ClientSequence(0), {}};
     AddMilestone(&session);
@@ -52,17 +52,17 @@ void SessionTable::Update(const SessionRecord& record) {
   entry->second.record = record;
   AddMilestone(&entry->second);
   if (!is_new || record.last_map_seq > MapSequence(0)) return;
-  frameless_.push_back(record.name);
-  DropSurplus();
+  sessions_without_frames_.push_back(record.name);
+  DropOldest();
 }
 
-void SessionTable::DropSurplus() {
-  while (frameless_.size() > kMaxFrameless) {
-    const auto oldest = sessions_.find(frameless_.front());
+void SessionTable::DropOldest() {
+  while (sessions_without_frames_.size() > kMaxFrameless) {
+    const auto oldest = sessions_.find(sessions_without_frames_.front());
     if (oldest != sessions_.end() && oldest->second.record.last_map_seq == MapSequence(0)) {
       sessions_.erase(oldest);
     }
-    frameless_.pop_front();
+    sessions_without_frames_.pop_front();
   }
 }
 

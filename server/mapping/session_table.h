@@ -66,7 +66,7 @@ class SessionTable {
   };
 
   /// Removes the oldest sessions without a durable frame if there are too many.
-  void DropSurplus() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   struct Session {
     SessionRecord record;
@@ -80,7 +80,7 @@ class SessionTable {
   mutable absl::Mutex mutex_;
   std::map<SessionName, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   /// Sessions added without a durable frame, oldest first; some may have gained one since.
-  std::deque<SessionName> frameless_ ABSL_GUARDED_BY(mutex_);
+  std::deque<SessionName> sessions_without_frames_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace steadymap

@@ -32,7 +32,7 @@ absl::Status CheckRoom(std::size_t map_count) {
                      reason::kQueueFull,
                      absl::StrCat("the server has ", map_count, " maps, which is the maximum"));
   }
-  if (CountFreeDescriptors() >= kDescriptorsOfAMap) return absl::OkStatus();
+  if (CountFreeDescriptors() >= kDescriptorsPerMap) return absl::OkStatus();
   return MakeError(absl::StatusCode::kResourceExhausted,
                    reason::kQueueFull,
                    absl::StrCat("the server may have ",
@@ -65,9 +65,9 @@ grpc::ServerUnaryReactor* MapService::GetMap(grpc::CallbackServerContext* /*cont
       *request, response, kPlainRequestLimits, [this](const auto& call) {
         const auto map = dependencies_.maps->Find(call.request().name(), "name");
         return AnswerOnPoolAfter(
-            [&map](std::function<void()> go_on) {
-              if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
-              go_on();
+            [&map](std::function<void()> resume) {
+              if (map.ok()) return (*map)->WhenOpened(std::move(resume));
+              resume();
             },
             dependencies_.pool,
             [map, call](const Cancellation&) {

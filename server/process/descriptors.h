@@ -17,6 +17,6 @@ std::size_t CountFreeDescriptors();
 std::size_t ReservedDescriptors(std::size_t limit);
 
 /// Maximum number of descriptors of one open map, for its database and its log. A new map uses 7.
-inline constexpr std::size_t kDescriptorsOfAMap = 72;
+inline constexpr std::size_t kDescriptorsPerMap = 72;
 
 }  // namespace steadymap

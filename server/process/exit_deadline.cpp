@@ -9,13 +9,13 @@ namespace steadymap {
 
 ExitDeadline::ExitDeadline(std::chrono::milliseconds timeout)
     : thread_([this, timeout] {
-        if (called_off_.WaitForNotificationWithTimeout(absl::FromChrono(timeout))) return;
+        if (cancelled_.WaitForNotificationWithTimeout(absl::FromChrono(timeout))) return;
         spdlog::critical("shutdown did not finish within {} ms; exiting", timeout.count());
         std::_Exit(EXIT_FAILURE);
       }) {}
 
 ExitDeadline::~ExitDeadline() {
-  called_off_.Notify();
+  cancelled_.Notify();
   thread_.join();
 }
 

@@ -20,7 +20,7 @@ class ExitDeadline {
   ExitDeadline& operator=(const ExitDeadline&) = delete;
 
  private:
-  absl::Notification called_off_;
+  absl::Notification cancelled_;
   std::thread thread_;
 };
 

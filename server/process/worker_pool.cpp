@@ -56,8 +56,8 @@ bool WorkerPool::Submit(std::function<void()> task) {
 void WorkerPool::SubmitAt(Clock::time_point time, std::function<void()> task) {
   const absl::MutexLock lock(&mutex_);
   if (stopping_) return;
-  const auto added = later_.emplace(time, std::move(task));
-  if (added == later_.begin()) later_changed_ = true;
+  const auto added = delayed_.emplace(time, std::move(task));
+  if (added == delayed_.begin()) delayed_changed_ = true;
 }
 
 std::size_t WorkerPool::waiting() const {
@@ -79,7 +79,7 @@ void WorkerPool::Stop() {
   {
     const absl::MutexLock lock(&mutex_);
     stopping_ = true;
-    dropped.swap(later_);
+    dropped.swap(delayed_);
   }
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
@@ -108,22 +108,22 @@ std::optional<std::function<void()>> WorkerPool::TakeTask(std::size_t index) {
       tasks_.pop_front();
       starts_[index] = Clock::now();
       // Another thread must wait for the next due time, because this task may run for long.
-      later_changed_ = !later_.empty();
+      delayed_changed_ = !delayed_.empty();
       return task;
     }
     if (stopping_) return std::nullopt;
-    const absl::Duration wait = later_.empty()
+    const absl::Duration wait = delayed_.empty()
                                     ? absl::InfiniteDuration()
-                                    : absl::FromChrono(later_.begin()->first - Clock::now());
+                                    : absl::FromChrono(delayed_.begin()->first - Clock::now());
     mutex_.AwaitWithTimeout(absl::Condition(this, &WorkerPool::HasWork), wait);
-    later_changed_ = false;
+    delayed_changed_ = false;
   }
 }
 
 void WorkerPool::MoveDue() {
-  const auto end = later_.upper_bound(Clock::now());
-  for (auto due = later_.begin(); due != end; ++due) tasks_.push_back(std::move(due->second));
-  later_.erase(later_.begin(), end);
+  const auto end = delayed_.upper_bound(Clock::now());
+  for (auto due = delayed_.begin(); due != end; ++due) tasks_.push_back(std::move(due->second));
+  delayed_.erase(delayed_.begin(), end);
 }
 
 }  // namespace steadymap

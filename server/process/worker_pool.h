@@ -65,15 +65,15 @@ class WorkerPool {
   void MoveDue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   bool HasWork() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return stopping_ || !tasks_.empty() || later_changed_;
+    return stopping_ || !tasks_.empty() || delayed_changed_;
   }
 
   const std::string name_;
   const std::size_t max_waiting_;
   mutable absl::Mutex mutex_;
   std::deque<std::function<void()>> tasks_ ABSL_GUARDED_BY(mutex_);
-  std::multimap<Clock::time_point, std::function<void()>> later_ ABSL_GUARDED_BY(mutex_);
-  bool later_changed_ ABSL_GUARDED_BY(mutex_) = false;  ///< Wakes a thread to read the next time.
+  std::multimap<Clock::time_point, std::function<void()>> delayed_ ABSL_GUARDED_BY(mutex_);
+  bool delayed_changed_ ABSL_GUARDED_BY(mutex_) = false;  ///< Wakes a thread to read the next time.
   std::vector<std::optional<Clock::time_point>> starts_ ABSL_GUARDED_BY(mutex_);  ///< By thread.
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;

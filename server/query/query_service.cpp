@@ -21,10 +21,10 @@ using Dependencies = QueryService::Dependencies;
 
 using FoundMap = absl::StatusOr<std::shared_ptr<MapRuntime>>;
 
-/// Calls `go_on` once the map is open, or immediately if the map was not found.
-void WaitUntilOpened(const FoundMap& map, std::function<void()> go_on) {
-  if (map.ok()) return (*map)->WhenOpened(std::move(go_on));
-  go_on();
+/// Calls `resume` once the map is open, or immediately if the map was not found.
+void WaitUntilOpened(const FoundMap& map, std::function<void()> resume) {
+  if (map.ok()) return (*map)->WhenOpened(std::move(resume));
+  resume();
 }
 
 /// Returns OK, or the reason for which the map cannot be read.
@@ -45,12 +45,12 @@ FoundMap FindMap(const Dependencies& dependencies,
 /// Calls `answer` with a map and a call on the pool, once the map is open, and finishes the call
 /// with its status.
 template <typename Call, typename Answer>
-grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
-                                      const FoundMap& map,
-                                      const Call& call,
-                                      const Answer& answer) {
+grpc::ServerUnaryReactor* AnswerFromMap(const Dependencies& dependencies,
+                                        const FoundMap& map,
+                                        const Call& call,
+                                        const Answer& answer) {
   return AnswerOnPoolAfter(
-      [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
+      [&map](std::function<void()> resume) { WaitUntilOpened(map, std::move(resume)); },
       dependencies.readers,
       [map, call, answer](const Cancellation& cancellation) {
         const absl::Status status = CheckReads(map);
@@ -61,25 +61,25 @@ grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
 /// Parses a request that names the map in its field `map`, and answers it with `answer` once the
 /// map is open.
 template <typename Request, typename Response, typename Answer>
-grpc::ServerUnaryReactor* AnswerOfMap(const Dependencies& dependencies,
-                                      const grpc::ByteBuffer& request,
-                                      grpc::ByteBuffer* response,
-                                      const RequestLimits& limits,
-                                      const Answer& answer) {
+grpc::ServerUnaryReactor* AnswerFromMap(const Dependencies& dependencies,
+                                        const grpc::ByteBuffer& request,
+                                        grpc::ByteBuffer* response,
+                                        const RequestLimits& limits,
+                                        const Answer& answer) {
   return StartMessageCall<Request, Response>(
       request, response, limits, [&dependencies, &answer](const auto& call) {
         const Request& message = call.request();
-        return AnswerOfMap(
+        return AnswerFromMap(
             dependencies, FindMap(dependencies, message, message.map(), "map"), call, answer);
       });
 }
 
 /// Streams the messages of the source that `open` makes of the requested map, once the map is open.
 template <typename Request, typename Response, typename Open>
-grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Dependencies& dependencies,
-                                                        grpc::CallbackServerContext* context,
-                                                        const grpc::ByteBuffer& bytes,
-                                                        const Open& open) {
+grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamFromMap(const Dependencies& dependencies,
+                                                          grpc::CallbackServerContext* context,
+                                                          const grpc::ByteBuffer& bytes,
+                                                          const Open& open) {
   using Stream = MessageStream<Response>;
   const auto request = std::make_shared<Request>();
   const absl::Status read = ReadRequest(bytes, kPlainRequestLimits, request.get());
@@ -88,7 +88,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamOfMap(const Dependencies& depe
   return Stream::Start(
       {dependencies.readers, dependencies.streams},
       context,
-      [&map](std::function<void()> go_on) { WaitUntilOpened(map, std::move(go_on)); },
+      [&map](std::function<void()> resume) { WaitUntilOpened(map, std::move(resume)); },
       [map, request, open](const Cancellation& cancellation)
           -> absl::StatusOr<std::unique_ptr<typename Stream::Source>> {
         if (absl::Status status = CheckReads(map); !status.ok()) return status;
@@ -107,7 +107,7 @@ grpc::ServerUnaryReactor* QueryService::GetObject(grpc::CallbackServerContext* /
         const FoundMap map =
             name.ok() ? FindMap(dependencies_, call.request(), name->map, name->map_field)
                       : FoundMap(name.status());
-        return AnswerOfMap(
+        return AnswerFromMap(
             dependencies_,
             map,
             call,
@@ -120,7 +120,7 @@ grpc::ServerUnaryReactor* QueryService::GetObject(grpc::CallbackServerContext* /
 grpc::ServerUnaryReactor* QueryService::ListObjects(grpc::CallbackServerContext* /*context*/,
                                                     const grpc::ByteBuffer* request,
                                                     grpc::ByteBuffer* response) {
-  return AnswerOfMap<v1::ListObjectsRequest, v1::ListObjectsResponse>(
+  return AnswerFromMap<v1::ListObjectsRequest, v1::ListObjectsResponse>(
       dependencies_,
       *request,
       response,
@@ -134,7 +134,7 @@ grpc::ServerUnaryReactor* QueryService::ListObjects(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* /*context*/,
                                                    const grpc::ByteBuffer* request,
                                                    grpc::ByteBuffer* response) {
-  return AnswerOfMap<v1::ListEventsRequest, v1::ListEventsResponse>(
+  return AnswerFromMap<v1::ListEventsRequest, v1::ListEventsResponse>(
       dependencies_,
       *request,
       response,
@@ -152,7 +152,7 @@ grpc::ServerUnaryReactor* QueryService::ListEvents(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* QueryService::SampleDistance(grpc::CallbackServerContext* /*context*/,
                                                        const grpc::ByteBuffer* request,
                                                        grpc::ByteBuffer* response) {
-  return AnswerOfMap<v1::SampleDistanceRequest, v1::SampleDistanceResponse>(
+  return AnswerFromMap<v1::SampleDistanceRequest, v1::SampleDistanceResponse>(
       dependencies_,
       *request,
       response,
@@ -165,7 +165,7 @@ grpc::ServerUnaryReactor* QueryService::SampleDistance(grpc::CallbackServerConte
 grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*context*/,
                                                  const grpc::ByteBuffer* request,
                                                  grpc::ByteBuffer* response) {
-  return AnswerOfMap<v1::CastRaysRequest, v1::CastRaysResponse>(
+  return AnswerFromMap<v1::CastRaysRequest, v1::CastRaysResponse>(
       dependencies_,
       *request,
       response,
@@ -177,20 +177,20 @@ grpc::ServerUnaryReactor* QueryService::CastRays(grpc::CallbackServerContext* /*
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::GetMapSection(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
-  return StreamOfMap<v1::GetMapSectionRequest, v1::GetMapSectionResponse>(
+  return StreamFromMap<v1::GetMapSectionRequest, v1::GetMapSectionResponse>(
       dependencies_, context, *request, OpenMapSection);
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* QueryService::ExportMap(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
-  return StreamOfMap<v1::ExportMapRequest, v1::ExportMapResponse>(
+  return StreamFromMap<v1::ExportMapRequest, v1::ExportMapResponse>(
       dependencies_, context, *request, OpenExport);
 }
 
 grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerContext* /*context*/,
                                                        const grpc::ByteBuffer* request,
                                                        grpc::ByteBuffer* response) {
-  return AnswerOfMap<v1::ListFramePosesRequest, v1::ListFramePosesResponse>(
+  return AnswerFromMap<v1::ListFramePosesRequest, v1::ListFramePosesResponse>(
       dependencies_,
       *request,
       response,

@@ -11,11 +11,11 @@
 namespace steadymap {
 namespace {
 
-absl::Status TooManyStreams(std::size_t count, const std::string& whence) {
+absl::Status TooManyStreams(std::size_t count, const std::string& scope) {
   return MakeError(
       absl::StatusCode::kResourceExhausted,
       reason::kQueueFull,
-      absl::StrCat(count, " exports and sections ", whence, " are open, which is the maximum"));
+      absl::StrCat(count, " exports and sections ", scope, " are open, which is the maximum"));
 }
 
 }  // namespace

@@ -246,7 +246,7 @@ absl::StatusOr<std::shared_ptr<MapDatabase>> RocksStore::OpenDatabase(const MapR
     if (entry == maps_.end()) return UnknownMap(record.key);
     opening = entry->second.opening;
   }
-  const WriterMutex::Lock turn(opening.get());
+  const WriterMutex::Lock writer(opening.get());
   std::shared_ptr<absl::Notification> closing;
   {
     const absl::MutexLock lock(&mutex_);

@@ -19,18 +19,18 @@ class UploadCall::Reactor final : public grpc::ServerUnaryReactor {
  public:
   /// `registry` is null for a call that was not admitted.
   Reactor(std::shared_ptr<UploadCall> call, UploadRegistry* registry)
-      : call_(std::move(call)), roster_(registry) {}
+      : call_(std::move(call)), registry_(registry) {}
 
   void OnCancel() override { call_->Finish(absl::CancelledError("the client has disconnected")); }
 
   void OnDone() override {
-    if (roster_ != nullptr) roster_->LeaveCall();
+    if (registry_ != nullptr) registry_->LeaveCall();
     delete this;
   }
 
  private:
   const std::shared_ptr<UploadCall> call_;
-  UploadRegistry* const roster_;
+  UploadRegistry* const registry_;
 };
 
 grpc::ServerUnaryReactor* UploadCall::Start(const UploadStream::Dependencies& dependencies,
@@ -72,12 +72,12 @@ void UploadCall::TakeMessage(const grpc::ByteBuffer& request, FrameBudget::Reser
   v1::UploadFrameBatchRequest message;
   absl::Status status =
       ReadRequest(request, UploadRequestLimits(dependencies_.limits->Get()), &message);
-  if (status.ok()) status = TakeIn(std::move(message), std::move(memory));
+  if (status.ok()) status = StartIntake(std::move(message), std::move(memory));
   if (!status.ok()) Finish(status);
 }
 
-absl::Status UploadCall::TakeIn(v1::UploadFrameBatchRequest request,
-                                FrameBudget::Reservation memory) {
+absl::Status UploadCall::StartIntake(v1::UploadFrameBatchRequest request,
+                                     FrameBudget::Reservation memory) {
   if (!v1::AckLevel_IsValid(request.wait_for())) {
     return InvalidField(reason::kBadValue,
                         "wait_for",
@@ -114,7 +114,7 @@ void UploadCall::StartIntake(const SessionName& session) {
                        if (!status.ok()) return self->Finish(WithFieldPrefix(status, "batch"));
                        {
                          const absl::MutexLock lock(&self->mutex_);
-                         self->taken_in_ = true;
+                         self->intake_done_ = true;
                        }
                        self->AnswerIfDone();
                      });
@@ -172,7 +172,7 @@ void UploadCall::Finish(const absl::Status& status) {
 }
 
 bool UploadCall::IsDone() const {
-  if (!taken_in_) return false;
+  if (!intake_done_) return false;
   switch (level_) {
     case v1::ACK_LEVEL_RECEIVED:
       return true;

@@ -39,7 +39,7 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
 
   void AwaitMemory(const grpc::ByteBuffer& request);
   void TakeMessage(const grpc::ByteBuffer& request, FrameBudget::Reservation memory);
-  absl::Status TakeIn(v1::UploadFrameBatchRequest request, FrameBudget::Reservation memory);
+  absl::Status StartIntake(v1::UploadFrameBatchRequest request, FrameBudget::Reservation memory);
   void StartIntake(const SessionName& session);
   void AnswerIfDone() ABSL_LOCKS_EXCLUDED(mutex_);
   void Finish(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -59,7 +59,7 @@ class UploadCall final : public UploadObserver, public std::enable_shared_from_t
   ClientSequence last_;  ///< Last sequence of the batch.
 
   mutable absl::Mutex mutex_;
-  bool taken_in_ ABSL_GUARDED_BY(mutex_) = false;
+  bool intake_done_ ABSL_GUARDED_BY(mutex_) = false;
   BatchProgress progress_ ABSL_GUARDED_BY(mutex_);  ///< Maximum of all parts.
   ClientSequence durable_ ABSL_GUARDED_BY(mutex_);
   ClientSequence integrated_ ABSL_GUARDED_BY(mutex_);

@@ -18,7 +18,7 @@ constexpr std::size_t kQueueBytesPerStream = std::size_t{512} << 10;
 constexpr std::size_t kLeastMaxStreams = 16;
 
 // A long retry delay, because streams rarely end.
-constexpr std::int64_t kNoPlaceDelayMs = 5000;
+constexpr std::int64_t kStreamRetryDelayMs = 5000;
 
 }  // namespace
 
@@ -47,7 +47,7 @@ absl::Status UploadRegistry::Enter(MapKey map,
                                       absl::StrCat("the server has ",
                                                    streams_.size(),
                                                    " upload streams, which is the maximum")),
-                            kNoPlaceDelayMs);
+                            kStreamRetryDelayMs);
     }
     Stream& entry = streams_[key];
     entry.session = session;

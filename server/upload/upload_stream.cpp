@@ -45,18 +45,18 @@ UploadStream::GrpcReactor* UploadStream::Start(const Dependencies& dependencies)
 UploadStream::UploadStream(const Dependencies& dependencies)
     : dependencies_(dependencies),
       limits_(dependencies.limits->Get()),
-      answers_({limits_.upload_window_frames, limits_.upload_window_bytes}) {}
+      responses_({limits_.upload_window_frames, limits_.upload_window_bytes}) {}
 
 bool UploadStream::IsAbandoned() const {
   const absl::MutexLock lock(&mutex_);
-  return end_.has_value();
+  return end_status_.has_value();
 }
 
 void UploadStream::OnReceived(ClientSequence through, std::vector<RefusedFrame> refused) {
   {
     const absl::MutexLock lock(&mutex_);
-    last_taken_ = through;
-    answers_.NoteReceived(through, std::move(refused));
+    last_accepted_ = through;
+    responses_.NoteReceived(through, std::move(refused));
   }
   Drive();
 }
@@ -65,7 +65,7 @@ void UploadStream::OnDurable(const BatchProgress& progress) {
   {
     const absl::MutexLock lock(&mutex_);
     if (progress.through > durable_.through) durable_ = progress;
-    answers_.NoteDurable(progress);
+    responses_.NoteDurable(progress);
   }
   Drive();
 }
@@ -74,7 +74,7 @@ void UploadStream::OnIntegrated(const BatchProgress& progress) {
   {
     const absl::MutexLock lock(&mutex_);
     integrated_ = std::max(integrated_, progress.through);
-    answers_.NoteIntegrated(progress);
+    responses_.NoteIntegrated(progress);
   }
   Drive();
 }
@@ -84,7 +84,7 @@ void UploadStream::OnFailed(const absl::Status& status) { End(status); }
 void UploadStream::End(const absl::Status& status) {
   {
     const absl::MutexLock lock(&mutex_);
-    if (!end_) end_ = status;
+    if (!end_status_) end_status_ = status;
   }
   Drive();
 }
@@ -92,7 +92,7 @@ void UploadStream::End(const absl::Status& status) {
 void UploadStream::Drain(const absl::Status& status) {
   {
     const absl::MutexLock lock(&mutex_);
-    if (!ending_) ending_ = status;
+    if (!drain_status_) drain_status_ = status;
     // These frames are not acknowledged at any level, so the client sends them again, for example
     // to the next server process.
     inbox_.clear();
@@ -105,7 +105,7 @@ void UploadStream::OnRead(bool ok) {
   {
     const absl::MutexLock lock(&mutex_);
     reading_ = false;
-    if (!ending_) ending_ = absl::OkStatus();
+    if (!drain_status_) drain_status_ = absl::OkStatus();
   }
   Drive();
 }
@@ -131,7 +131,7 @@ void UploadStream::TakeMessage(FrameBudget::Reservation memory) {
   {
     const absl::MutexLock lock(&mutex_);
     reading_ = false;
-    if (!status.ok() && !end_) end_ = status;
+    if (!status.ok() && !end_status_) end_status_ = status;
   }
   Drive();
 }
@@ -167,7 +167,7 @@ absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
   missing_labels_.SetKeepsObjects(KeepsObjects(config->policy));
   {
     const absl::MutexLock lock(&mutex_);
-    if (absl::Status status = answers_.ChooseLevels(open); !status.ok()) return status;
+    if (absl::Status status = responses_.ChooseLevels(open); !status.ok()) return status;
     entered_ = true;
     awaiting_map_ = true;
     map_ = target->map;
@@ -193,11 +193,11 @@ void UploadStream::OnMapOpened(ClientSequence known_durable) {
   {
     const absl::MutexLock lock(&mutex_);
     awaiting_map_ = false;
-    *response.mutable_opened()->mutable_credit() = answers_.initial_credit();
+    *response.mutable_opened()->mutable_credit() = responses_.initial_credit();
     if (status.ok()) {
       opened_ = std::move(response);
-    } else if (!end_) {
-      end_ = status;
+    } else if (!end_status_) {
+      end_status_ = status;
     }
   }
   Drive();
@@ -217,9 +217,9 @@ absl::Status UploadStream::HandleBatch(ReadBatch batch) {
                                      ", got ",
                                      batch.frames.first_client_seq()));
   }
-  if (absl::Status status = answers_.Spend(frames, bytes); !status.ok()) return status;
+  if (absl::Status status = responses_.Spend(frames, bytes); !status.ok()) return status;
   last_read_ = LastSequenceOf(batch.frames);
-  if (ending_ || end_) return absl::OkStatus();
+  if (drain_status_ || end_status_) return absl::OkStatus();
   inbox_.push_back(std::move(batch));
   return absl::OkStatus();
 }
@@ -237,7 +237,7 @@ void UploadStream::OnCancelled() {
   {
     const absl::MutexLock lock(&mutex_);
     broken_ = true;
-    if (!end_) end_ = absl::CancelledError("the client has disconnected");
+    if (!end_status_) end_status_ = absl::CancelledError("the client has disconnected");
   }
   Drive();
 }
@@ -248,7 +248,7 @@ void UploadStream::OnGone() {
   {
     const absl::MutexLock lock(&mutex_);
     entered = std::exchange(entered_, false);
-    if (end_) status = *end_;
+    if (end_status_) status = *end_status_;
   }
   if (!entered) return;
   dependencies_.registry->Leave(map_->key(), session_, this);
@@ -283,28 +283,30 @@ void UploadStream::Drive() {
 
 UploadStream::Action UploadStream::Decide() {
   if (finished_) return Action::kNone;
-  if (!end_ && ending_ && IsSettled() && !opened_ && !answers_.HasNext()) end_ = *ending_;
+  if (!end_status_ && drain_status_ && IsSettled() && !opened_ && !responses_.HasNext())
+    end_status_ = *drain_status_;
   // Pending messages are written before the stream ends, unless the client has disconnected.
-  if (!writing_ && !broken_ && (opened_ || answers_.HasNext())) {
+  if (!writing_ && !broken_ && (opened_ || responses_.HasNext())) {
     writing_ = true;
-    response_ = ToByteBuffer(opened_ ? *std::move(opened_) : answers_.TakeNext());
+    response_ = ToByteBuffer(opened_ ? *std::move(opened_) : responses_.TakeNext());
     opened_.reset();
     return Action::kWrite;
   }
-  if (end_) {
+  if (end_status_) {
     if (writing_) return Action::kNone;
     finished_ = true;
     return Action::kFinish;
   }
-  if (!taking_in_ && !inbox_.empty()) {
-    taking_in_ = true;
-    return Action::kTakeIn;
+  if (!intake_running_ && !inbox_.empty()) {
+    intake_running_ = true;
+    return Action::kStartIntake;
   }
-  if (ending_ && !commit_requested_ && durable_.through >= last_taken_ && !taking_in_) {
+  if (drain_status_ && !commit_requested_ && durable_.through >= last_accepted_ &&
+      !intake_running_) {
     commit_requested_ = true;
     return Action::kRequestCommit;
   }
-  if (!ending_ && !reading_ && !awaiting_map_ && inbox_.empty()) {
+  if (!drain_status_ && !reading_ && !awaiting_map_ && inbox_.empty()) {
     reading_ = true;
     return Action::kRead;
   }
@@ -319,8 +321,8 @@ void UploadStream::Perform(Action action) {
     case Action::kWrite:
       reactor_->StartWrite(&response_);
       break;
-    case Action::kTakeIn:
-      TakeIn();
+    case Action::kStartIntake:
+      StartIntake();
       break;
     case Action::kRequestCommit:
       RequestCommit();
@@ -329,7 +331,7 @@ void UploadStream::Perform(Action action) {
       absl::Status status;
       {
         const absl::MutexLock lock(&mutex_);
-        status = *end_;
+        status = *end_status_;
       }
       reactor_->Finish(ToGrpcStatus(status));
       break;
@@ -339,14 +341,14 @@ void UploadStream::Perform(Action action) {
   }
 }
 
-void UploadStream::TakeIn() {
+void UploadStream::StartIntake() {
   ReadBatch batch;
   ClientSequence predecessor;
   {
     const absl::MutexLock lock(&mutex_);
     // `Drain` may have emptied the inbox meanwhile.
     if (inbox_.empty()) {
-      taking_in_ = false;
+      intake_running_ = false;
       return;
     }
     batch = std::move(inbox_.front());
@@ -360,8 +362,8 @@ void UploadStream::TakeIn() {
                      [self](const absl::Status& status) {
                        {
                          const absl::MutexLock lock(&self->mutex_);
-                         self->taking_in_ = false;
-                         if (!status.ok() && !self->end_) self->end_ = status;
+                         self->intake_running_ = false;
+                         if (!status.ok() && !self->end_status_) self->end_status_ = status;
                        }
                        self->Drive();
                      });
@@ -380,7 +382,7 @@ void UploadStream::RequestCommit() {
 
 /// True if all accepted frames are integrated.
 bool UploadStream::IsSettled() const {
-  return inbox_.empty() && !taking_in_ && !awaiting_map_ && integrated_ >= last_taken_;
+  return inbox_.empty() && !intake_running_ && !awaiting_map_ && integrated_ >= last_accepted_;
 }
 
 }  // namespace steadymap

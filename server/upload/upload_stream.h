@@ -69,7 +69,7 @@ class UploadStream final : public UploadObserver,
   class Reactor;
 
   /// The next operation of the driving thread.
-  enum class Action { kNone, kRead, kWrite, kTakeIn, kRequestCommit, kFinish };
+  enum class Action { kNone, kRead, kWrite, kStartIntake, kRequestCommit, kFinish };
 
   // Events from gRPC.
   void OnRead(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -80,7 +80,7 @@ class UploadStream final : public UploadObserver,
   void Drive() ABSL_LOCKS_EXCLUDED(mutex_);
   Action Decide() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Perform(Action action) ABSL_LOCKS_EXCLUDED(mutex_);
-  void TakeIn() ABSL_LOCKS_EXCLUDED(mutex_);
+  void StartIntake() ABSL_LOCKS_EXCLUDED(mutex_);
   void RequestCommit() ABSL_LOCKS_EXCLUDED(mutex_);
   bool IsSettled() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -115,21 +115,21 @@ class UploadStream final : public UploadObserver,
   bool entered_ ABSL_GUARDED_BY(mutex_) = false;       ///< In the registry.
   bool awaiting_map_ ABSL_GUARDED_BY(mutex_) = false;  ///< The map is not open yet.
   std::optional<v1::UploadFramesResponse> opened_ ABSL_GUARDED_BY(mutex_);  ///< To be written.
-  UploadResponses answers_ ABSL_GUARDED_BY(mutex_);
+  UploadResponses responses_ ABSL_GUARDED_BY(mutex_);
   std::deque<ReadBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< At most one batch.
-  bool taking_in_ ABSL_GUARDED_BY(mutex_) = false;       ///< A batch is being processed.
+  bool intake_running_ ABSL_GUARDED_BY(mutex_) = false;  ///< A batch is being processed.
   bool commit_requested_ ABSL_GUARDED_BY(mutex_) = false;
 
   ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Last frame of the newest batch.
   ClientSequence last_in_intake_ ABSL_GUARDED_BY(mutex_);  ///< Last frame of the batch in intake.
-  ClientSequence last_taken_ ABSL_GUARDED_BY(mutex_);      ///< Last frame in the queue or refused.
+  ClientSequence last_accepted_ ABSL_GUARDED_BY(mutex_);   ///< Last frame in the queue or refused.
   BatchProgress durable_ ABSL_GUARDED_BY(mutex_);
   ClientSequence integrated_ ABSL_GUARDED_BY(mutex_);
 
   /// Status for the end after all accepted frames are integrated; empty: the stream continues.
-  std::optional<absl::Status> ending_ ABSL_GUARDED_BY(mutex_);
+  std::optional<absl::Status> drain_status_ ABSL_GUARDED_BY(mutex_);
   /// Status for the immediate end.
-  std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
+  std::optional<absl::Status> end_status_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace steadymap

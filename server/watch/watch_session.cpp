@@ -91,7 +91,7 @@ absl::Status WatchSession::ChooseStart(const PublishedRevision& newest) {
     case v1::WATCH_START_NOW:
       if (request_.takes_patches()) return NoLeavesToPatch();
       position_ = {newest.commit.revision, newest.snapshot->last_event, newest.commit.hash, false};
-      RepeatPosition(newest);
+      SendEmptyStep(newest);
       return absl::OkStatus();
     case v1::WATCH_START_SNAPSHOT_THEN_FOLLOW:
       BeginSnapshot(newest);
@@ -108,7 +108,7 @@ void WatchSession::BeginSnapshot(const PublishedRevision& newest) {
 
 /// Sends an empty step to the current position: a new watcher receives a token before the first
 /// change, and a resumed watcher is informed that it is up to date.
-void WatchSession::RepeatPosition(const PublishedRevision& newest) {
+void WatchSession::SendEmptyStep(const PublishedRevision& newest) {
   StepPlan nothing;
   nothing.from = newest.commit.revision;
   nothing.shown = ShownBy(filter_, *newest.snapshot);
@@ -185,7 +185,7 @@ bool WatchSession::ContinueStep(const ResumeToken& token, const PublishedRevisio
 /// continue.
 absl::Status WatchSession::TakeFirstStep(const PublishedRevision& newest) {
   if (position_.revision == newest.commit.revision) {
-    RepeatPosition(newest);
+    SendEmptyStep(newest);
     return absl::OkStatus();
   }
   const absl::Status status = FindStep(newest);
@@ -205,7 +205,7 @@ absl::StatusOr<WatchSession::Message> WatchSession::Next(bool draining) {
     if (!message.ok() || message->has_value()) return message;
   }
   if (!draining) return Message();
-  if (std::exchange(said_goodbye_, true)) return DrainingError();
+  if (std::exchange(goodbye_sent_, true)) return DrainingError();
   return MakeGoodbye();
 }
 

@@ -60,7 +60,7 @@ class WatchSession {
  private:
   absl::Status ChooseStart(const PublishedRevision& newest);
   void BeginSnapshot(const PublishedRevision& newest);
-  void RepeatPosition(const PublishedRevision& newest);
+  void SendEmptyStep(const PublishedRevision& newest);
   absl::Status ResumeBehindToken(const PublishedRevision& newest);
   bool ContinueStep(const ResumeToken& token, const PublishedRevision& newest);
   absl::Status TakeFirstStep(const PublishedRevision& newest);
@@ -87,7 +87,7 @@ class WatchSession {
   std::size_t place_ = 0;                   ///< Index of the next message in the step.
   std::weak_ptr<WatchMessages> sent_step_;  ///< The last step with tokens; the hub owns some.
   bool continues_step_ = false;             ///< The watcher has a part of the first step.
-  bool said_goodbye_ = false;
+  bool goodbye_sent_ = false;
 };
 
 }  // namespace steadymap

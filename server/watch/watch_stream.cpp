@@ -43,7 +43,7 @@ WatchStream::GrpcReactor* WatchStream::Start(const Dependencies& dependencies,
   v1::WatchMapRequest message;
   stream->request_status_ = steadymap::ReadRequest(request, kPlainRequestLimits, &message);
   if (stream->request_status_.ok()) {
-    stream->course_.emplace(
+    stream->session_.emplace(
         dependencies.maps, dependencies.hub, std::move(message), stream->cancellation_);
   }
   stream->Schedule();
@@ -71,7 +71,7 @@ void WatchStream::End(const absl::Status& status) {
     if (is_first) end_ = status;
   }
   if (is_first && ReasonOf(status) == reason::kSlowConsumer) {
-    spdlog::info("map {}: {}", course_->map()->name().ToString(), std::string(status.message()));
+    spdlog::info("map {}: {}", session_->map()->name().ToString(), std::string(status.message()));
   }
   Schedule();
 }
@@ -116,14 +116,14 @@ void WatchStream::OnGone() {
     if (end_) status = *end_;
   }
   if (!entered) return;
-  const std::shared_ptr<MapRuntime>& map = course_->map();
+  const std::shared_ptr<MapRuntime>& map = session_->map();
   if (!absl::IsNotFound(status)) {
-    for (auto& step : course_->StepsInPart()) dependencies_.hub->Hold(std::move(step));
+    for (auto& step : session_->StepsInPart()) dependencies_.hub->Hold(std::move(step));
   }
   dependencies_.hub->Leave(map->key(), shared_from_this());
   spdlog::debug("map {}: a watch ended at revision {}: {}",
                 map->name().ToString(),
-                course_->position().revision.value(),
+                session_->position().revision.value(),
                 status.ToString());
 }
 
@@ -163,9 +163,9 @@ void WatchStream::Advance() {
       return message.status();
     });
     const absl::MutexLock lock(&mutex_);
-    if (course_) {
-      revision_ = course_->position().revision;
-      shared_step_ = course_->step();
+    if (session_) {
+      revision_ = session_->position().revision;
+      shared_step_ = session_->step();
     }
     if (!status.ok()) {
       if (!end_) end_ = status;
@@ -183,9 +183,9 @@ void WatchStream::Advance() {
 }
 
 absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
-  if (begun_) return course_->Next(draining);
+  if (begun_) return session_->Next(draining);
   if (absl::Status status = ReadRequest(); !status.ok()) return status;
-  const std::shared_ptr<MapRuntime>& map = course_->map();
+  const std::shared_ptr<MapRuntime>& map = session_->map();
   if (map->condition() == MapRuntime::Condition::kOpening) return Message();
   {
     const absl::MutexLock lock(&mutex_);
@@ -195,7 +195,7 @@ absl::StatusOr<WatchStream::Message> WatchStream::NextMessage(bool draining) {
   absl::Status status = dependencies_.hub->Enter(map->key(), shared_from_this());
   if (!status.ok()) return status;
   begun_ = true;
-  return course_->Begin();
+  return session_->Begin();
 }
 
 /// Reads the request at the first call, and schedules the stream for the opening of the map.
@@ -203,10 +203,10 @@ absl::Status WatchStream::ReadRequest() {
   if (std::exchange(has_read_request_, true)) return absl::OkStatus();
   absl::Status status = dependencies_.openings->Take(peer_, absl::Now());
   if (!status.ok()) return status;
-  if (!course_) return request_status_;
-  status = course_->ReadRequest();
+  if (!session_) return request_status_;
+  status = session_->ReadRequest();
   if (!status.ok()) return status;
-  course_->map()->WhenOpened([self = shared_from_this()] { self->Schedule(); });
+  session_->map()->WhenOpened([self = shared_from_this()] { self->Schedule(); });
   return absl::OkStatus();
 }
 

@@ -82,7 +82,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   const Cancellation cancellation_;  ///< Cancelled if the watcher disconnects.
 
   // Used only by the thread that advances the stream.
-  std::optional<WatchSession> course_;  ///< None for an invalid WatchMapRequest.
+  std::optional<WatchSession> session_;  ///< None for an invalid WatchMapRequest.
   bool has_read_request_ = false;
   bool begun_ = false;
   grpc::ByteBuffer outgoing_;  ///< Bytes of the pending write.
@@ -95,7 +95,7 @@ class WatchStream final : public ActiveWatch, public std::enable_shared_from_thi
   bool entered_ ABSL_GUARDED_BY(mutex_) = false;  ///< The hub contains the watch.
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   Revision revision_ ABSL_GUARDED_BY(mutex_);
-  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< Step of `course_`.
+  std::shared_ptr<WatchMessages> shared_step_ ABSL_GUARDED_BY(mutex_);  ///< Step of `session_`.
   absl::Time sending_since_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
 };
 

@@ -18,7 +18,7 @@ namespace {
 int EndOn(const char* folder, const std::string& name, std::uint64_t sequence, int signal) {
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  IntegrationNote::CatchCrashes();
+  IntegrationNote::InstallCrashHandlers();
   const absl::StatusOr<std::unique_ptr<Store>> store = Store::Open(folder, StoreOptions());
   if (!store.ok()) return EXIT_FAILURE;
   const std::vector<MapRecord> maps = (*store)->ListMaps().value();

@@ -36,7 +36,7 @@ class IntegrationNoteTest : public ::testing::Test {
     if (child == 0) {
       const rlimit no_core{0, 0};
       ::setrlimit(RLIMIT_CORE, &no_core);
-      IntegrationNote::CatchCrashes();
+      IntegrationNote::InstallCrashHandlers();
       body(Open().get());
       ::_exit(EXIT_SUCCESS);
     }

@@ -58,7 +58,7 @@ class MapSalvageTest : public ::testing::Test {
   }
 
   std::vector<std::string> ProblemsOfBad() {
-    const absl::StatusOr<StoreFindings> findings = CheckStore(folder_.path(), std::nullopt);
+    const absl::StatusOr<StoreCheckResult> findings = CheckStore(folder_.path(), std::nullopt);
     EXPECT_TRUE(findings.ok()) << findings.status();
     if (!findings.ok()) return {};
     EXPECT_THAT(findings->maps.back().problems, IsEmpty());
@@ -163,7 +163,7 @@ TEST_F(MapSalvageTest, CheckOfAWholeStoreFindsNothingAndChangesNothing) {
     return contents;
   };
   before = files();
-  const absl::StatusOr<StoreFindings> findings = CheckStore(folder_.path(), std::nullopt);
+  const absl::StatusOr<StoreCheckResult> findings = CheckStore(folder_.path(), std::nullopt);
   ASSERT_TRUE(findings.ok()) << findings.status();
   EXPECT_TRUE(findings->ok());
   EXPECT_EQ(findings->maps.size(), 2U);

@@ -179,7 +179,7 @@ TEST_F(DamagedStore, DamagedLeafIsNamedWithItsMapAndOthersAreServed) {
   Damage(Family::kLeaf, key);
   Open();
   ExpectDataLoss(store_->LoadMap(bad()).status(), "tenants/acme/maps/bad");
-  ExpectDataLoss(store_->LoadMap(bad()).status(), KeyForPeople(key));
+  ExpectDataLoss(store_->LoadMap(bad()).status(), KeyAsHex(key));
   ExpectGoodMapIsServed();
 }
 
@@ -193,7 +193,7 @@ TEST_F(DamagedStore, DamagedSessionIsNamedAndOthersAreServed) {
 TEST_F(DamagedStore, DamagedHeadIsNamedAndOthersAreServed) {
   Damage(Family::kMeta, HeadKey());
   Open();
-  ExpectDataLoss(store_->LoadMap(bad()).status(), KeyForPeople(HeadKey()));
+  ExpectDataLoss(store_->LoadMap(bad()).status(), KeyAsHex(HeadKey()));
   ExpectGoodMapIsServed();
 }
 

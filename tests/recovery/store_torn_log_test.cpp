@@ -229,7 +229,7 @@ TEST_F(TornLog, ACheckOverlooksWhatAPowerCutLeftOfTheLastCommitAndChangesNothing
   std::ofstream(log, std::ios::binary | std::ios::trunc) << bytes;
   const absl::Status status = CheckDatabase(log.parent_path());
   EXPECT_TRUE(status.ok()) << status;
-  const absl::StatusOr<StoreFindings> findings = CheckStore(crashed, std::nullopt);
+  const absl::StatusOr<StoreCheckResult> findings = CheckStore(crashed, std::nullopt);
   ASSERT_TRUE(findings.ok()) << findings.status();
   ASSERT_EQ(findings->maps.size(), 1U);
   EXPECT_THAT(findings->maps.front().problems, ::testing::IsEmpty());

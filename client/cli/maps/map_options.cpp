@@ -107,9 +107,9 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
   return config;
 }
 
-absl::Status CheckPresentMap(const MapOptions& options,
-                             const MapConfig& wanted,
-                             const v1::Map& present) {
+absl::Status CheckExistingMap(const MapOptions& options,
+                              const MapConfig& wanted,
+                              const v1::Map& present) {
   if (options == MapOptions()) return absl::OkStatus();
   const absl::StatusOr<MapConfig> found = FromProto(present.config());
   if (!found.ok()) return found.status();

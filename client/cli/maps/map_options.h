@@ -41,8 +41,8 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options);
 
 /// Checks that an existing map agrees with every given option. `wanted` is `ConfigOf` of the
 /// options. Errors: `FailedPrecondition` with the first differing option in the message.
-absl::Status CheckPresentMap(const MapOptions& options,
-                             const MapConfig& wanted,
-                             const v1::Map& present);
+absl::Status CheckExistingMap(const MapOptions& options,
+                              const MapConfig& wanted,
+                              const v1::Map& present);
 
 }  // namespace steadymap

@@ -124,7 +124,7 @@ void WriteStateJson(const v1::MapState& state, JsonWriter* json) {
   json->Key("memory_bytes").Integer(state.memory_bytes());
   json->Key("last_capture_time");
   if (state.has_last_capture_time()) {
-    json->Text(MomentText(state.last_capture_time()));
+    json->Text(TimeText(state.last_capture_time()));
   } else {
     json->Null();
   }
@@ -163,9 +163,9 @@ void WriteMapText(const v1::Map& map, std::ostream* out) {
                 BytesText(state.memory_bytes()) + " in memory",
             out);
   WriteFact("last capture",
-            state.has_last_capture_time() ? MomentText(state.last_capture_time()) : "never",
+            state.has_last_capture_time() ? TimeText(state.last_capture_time()) : "never",
             out);
-  WriteFact("created", MomentText(map.create_time()), out);
+  WriteFact("created", TimeText(map.create_time()), out);
 }
 
 void WriteMapTable(const std::vector<v1::Map>& maps, std::ostream* out) {
@@ -193,7 +193,7 @@ void WriteMapJson(const v1::Map& map, JsonWriter* json) {
   json->BeginObject();
   json->Key("name").Text(map.name());
   json->Key("display_name").Text(map.display_name());
-  json->Key("create_time").Text(MomentText(map.create_time()));
+  json->Key("create_time").Text(TimeText(map.create_time()));
   json->Key("etag").Text(map.etag());
   json->Key("incarnation").Text(map.incarnation());
   json->Key("byte_budget").Integer(map.byte_budget());

@@ -69,7 +69,7 @@ absl::StatusOr<EventQuery> EventsCommand::ReadQuery() const {
   for (const auto& [text, bound] :
        {std::pair(&since_, &query.start), std::pair(&until_, &query.end)}) {
     if (!text->has_value()) continue;
-    const absl::StatusOr<Timestamp> moment = ParseMoment(**text);
+    const absl::StatusOr<Timestamp> moment = ParseTime(**text);
     if (!moment.ok()) return moment.status();
     *bound = *moment;
   }

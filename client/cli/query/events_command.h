@@ -28,8 +28,8 @@ class EventsCommand {
   std::vector<std::string> classes_;
   std::vector<std::uint64_t> objects_;
   std::uint64_t changed_since_ = 0;
-  std::optional<std::string> since_;  ///< Text for `ParseMoment`.
-  std::optional<std::string> until_;  ///< Text for `ParseMoment`.
+  std::optional<std::string> since_;  ///< Text for `ParseTime`.
+  std::optional<std::string> until_;  ///< Text for `ParseTime`.
   bool as_json_ = false;
 };
 

@@ -138,7 +138,7 @@ void WriteObjectTable(const std::vector<v1::Object>& objects,
          << PointText(object.cuboid().size_m(), 2) << std::setw(7)
          << FixedText(object.stationarity(), 2) << std::setw(7) << object.views() << std::setw(11)
          << WordOf(v1::ObjectStanding_descriptor(), object.standing())
-         << MomentText(object.last_seen()) << '\n';
+         << TimeText(object.last_seen()) << '\n';
   }
 }
 
@@ -189,7 +189,7 @@ void WriteEventLines(const std::vector<v1::ObjectEvent>& events,
                      const ClassNames& classes,
                      std::ostream* out) {
   for (const v1::ObjectEvent& event : events) {
-    *out << std::right << std::setw(6) << event.number() << "  " << MomentText(event.capture_time())
+    *out << std::right << std::setw(6) << event.number() << "  " << TimeText(event.capture_time())
          << "  revision " << event.revision() << "  "
          << WordOf(v1::EventType_descriptor(), event.type()) << " ("
          << WordOf(v1::EventReason_descriptor(), event.reason()) << ")  "

@@ -89,7 +89,7 @@ absl::StatusOr<Box> ParseBox(std::string_view text) {
   return box;
 }
 
-absl::StatusOr<Timestamp> ParseMoment(std::string_view text) {
+absl::StatusOr<Timestamp> ParseTime(std::string_view text) {
   std::optional<absl::Time> moment = ParseSeconds(text);
   absl::Time parsed;
   std::string ignored;

@@ -30,7 +30,7 @@ absl::StatusOr<Box> ParseBox(std::string_view text);
 
 /// Parses a time, `2024-05-01T12:00:00.25Z` (RFC 3339, any offset) or seconds since 1970,
 /// `1714564800.25`, to a nanosecond; not before 1970 nor after 2261.
-absl::StatusOr<Timestamp> ParseMoment(std::string_view text);
+absl::StatusOr<Timestamp> ParseTime(std::string_view text);
 
 /// Parses labels of a map, `key=value` each, without duplicate keys. A value may be empty and may
 /// contain `=`. The server validates keys and values.

@@ -42,7 +42,7 @@ std::string DurationText(double seconds) {
   return absl::StrFormat("%d min %02d s", whole / 60, whole % 60);
 }
 
-std::string MomentText(const google::protobuf::Timestamp& moment) {
+std::string TimeText(const google::protobuf::Timestamp& moment) {
   return absl::FormatTime(
       "%Y-%m-%dT%H:%M:%E*SZ",
       absl::FromUnixSeconds(moment.seconds()) + absl::Nanoseconds(moment.nanos()),

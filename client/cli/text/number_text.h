@@ -21,7 +21,7 @@ std::string CountText(std::uint64_t count);
 std::string DurationText(double seconds);
 
 /// Formats a time in UTC: `2024-05-01T12:00:00Z`, with a fraction if it is not zero.
-std::string MomentText(const google::protobuf::Timestamp& moment);
+std::string TimeText(const google::protobuf::Timestamp& moment);
 
 /// Formats `value` with `decimals` digits after the decimal point.
 std::string FixedText(double value, int decimals);

@@ -60,7 +60,7 @@ void ProgressReport::Update(std::size_t done, std::size_t ahead, std::size_t ref
   *out_ << Line(elapsed_s) << std::endl;
 }
 
-void ProgressReport::NameRefusal(const std::string& reason) {
+void ProgressReport::AddRefusalReason(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!reason.empty()) refusals_.insert(reason);
 }

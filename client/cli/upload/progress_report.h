@@ -31,7 +31,7 @@ class ProgressReport {
   void Update(std::size_t done, std::size_t ahead, std::size_t refused = 0);
 
   /// Adds a reason for refused frames. Repeated calls with the same reason have no effect.
-  void NameRefusal(const std::string& reason);
+  void AddRefusalReason(const std::string& reason);
 
   /// Writes a separate line above the bar.
   void Note(const std::string& line);

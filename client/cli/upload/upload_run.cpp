@@ -13,7 +13,7 @@
 #include "client/cli/text/json_writer.h"
 #include "client/cli/text/number_text.h"
 #include "client/cli/upload/progress_report.h"
-#include "client/cli/upload/upload_notes.h"
+#include "client/cli/upload/upload_warnings.h"
 #include "client/map/map_client.h"
 #include "client/upload/frame_replay.h"
 #include "client/upload/uploader.h"
@@ -40,10 +40,10 @@ absl::Status NoSuchMap(const MapName& name) {
                        (name.tenant == "default" ? name.map : name.ToString()));
 }
 
-absl::StatusOr<UpdatePolicy> PolicyOfPresentMap(const v1::Map& map,
-                                                const MapConfig& wanted,
-                                                const MapOptions& options) {
-  if (absl::Status status = CheckPresentMap(options, wanted, map); !status.ok()) return status;
+absl::StatusOr<UpdatePolicy> PolicyOfExistingMap(const v1::Map& map,
+                                                 const MapConfig& wanted,
+                                                 const MapOptions& options) {
+  if (absl::Status status = CheckExistingMap(options, wanted, map); !status.ok()) return status;
   // A newer server may have other policies, whose use of frames is unknown here.
   return FromProto(map.config().policy()).value_or(UpdatePolicy::kStatic);
 }
@@ -57,14 +57,14 @@ absl::StatusOr<UpdatePolicy> EnsureMap(const MapName& name,
   const absl::StatusOr<MapConfig> config = ConfigOf(options.new_map);
   if (!config.ok()) return config.status();
   const absl::StatusOr<v1::Map> present = LookUpMap(name, RetryTime(options.retry_for_s), context);
-  if (present.ok()) return PolicyOfPresentMap(*present, *config, options.new_map);
+  if (present.ok()) return PolicyOfExistingMap(*present, *config, options.new_map);
   if (present.status().code() != absl::StatusCode::kNotFound) return present.status();
   if (!options.new_map.policy) return NoSuchMap(name);
   MapClient client(context->Channel());
   absl::StatusOr<v1::Map> created = client.CreateMap(name, ToProto(*config));
   if (created.status().code() == absl::StatusCode::kAlreadyExists) {
     created = client.GetMap(name);
-    if (created.ok()) return PolicyOfPresentMap(*created, *config, options.new_map);
+    if (created.ok()) return PolicyOfExistingMap(*created, *config, options.new_map);
   }
   if (!created.ok()) return created.status();
   context->err << "created " << created->name() << " with the policy " << *options.new_map.policy
@@ -85,7 +85,7 @@ UploaderOptions OptionsOfUploader(const UploadRunOptions& options,
     report->Update(progress.integrated, progress.durable + progress.refused, progress.refused);
   };
   uploader.on_refused = [report](const RefusedUpload& refused) {
-    report->NameRefusal(ReasonOf(refused.status));
+    report->AddRefusalReason(ReasonOf(refused.status));
   };
   uploader.on_retry = [report](const absl::Status& status, std::chrono::milliseconds delay) {
     report->Note("the upload was interrupted (" + std::string(status.message()) +
@@ -220,7 +220,7 @@ absl::Status RunUpload(const UploadRunOptions& options,
   UploadOutcome outcome;
   FrameReplay frames(source);
   FrameUploader uploader(context->Channels(), *name, OptionsOfUploader(options, &frames, &report));
-  UploadNotes notes(*policy);
+  UploadWarnings notes(*policy);
   UploadAllCallbacks callbacks;
   callbacks.on_unreadable = [&outcome](const UnreadableFrame& frame) {
     outcome.unreadable.push_back(frame);

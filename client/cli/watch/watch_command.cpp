@@ -33,7 +33,7 @@ constexpr char kWatchFooter[] =
     "because the history after the token was dropped; progress {revision, previous_revision,\n"
     "commits, snapshot, resume_token}.";
 
-absl::Status TwoStarts(const std::string& token_file) {
+absl::Status ConflictingStartError(const std::string& token_file) {
   return absl::InvalidArgumentError(
       "--from can be combined with a token file only if it is the token in " + token_file +
       "; delete the file to start without it");
@@ -87,12 +87,12 @@ absl::StatusOr<WatchOptions> WatchCommand::ReadStart() const {
   }
   const bool is_kept = !options.resume_token.empty();
   if (from_ == "snapshot" || from_ == "now") {
-    if (is_kept) return TwoStarts(token_file_);
+    if (is_kept) return ConflictingStartError(token_file_);
     if (from_ == "snapshot") options.start = WatchOpening::kSnapshot;
   } else if (!from_.empty()) {
     absl::StatusOr<std::string> given = ParseResumeToken(from_);
     if (!given.ok()) return given.status();
-    if (is_kept && options.resume_token != *given) return TwoStarts(token_file_);
+    if (is_kept && options.resume_token != *given) return ConflictingStartError(token_file_);
     options.resume_token = *std::move(given);
   }
   if (!options.resume_token.empty()) options.start = WatchOpening::kResume;

@@ -23,7 +23,7 @@ absl::Status WatchPrinter::Begin(const v1::WatchCreated& created, WatchOpening o
   if (!has_begun_) {
     Print(lines_.Created(created));
   } else if (opening != WatchOpening::kResume) {
-    step_lines_ += lines_.Resync(revision, trouble_);
+    step_lines_ += lines_.Resync(revision, interruption_reason_);
   }
   has_begun_ = true;
   const bool has_all = opening != WatchOpening::kSnapshot;
@@ -93,8 +93,9 @@ void WatchPrinter::OnState(const WatchStateChange& change) {
   if (is_done()) return;
   if (change.state == WatchState::kEnded) return End(change.status);
   if (change.state != WatchState::kReconnecting) return;
-  trouble_ = ReasonOf(change.status);
-  if (trouble_.empty()) trouble_ = absl::StatusCodeToString(change.status.code());
+  interruption_reason_ = ReasonOf(change.status);
+  if (interruption_reason_.empty())
+    interruption_reason_ = absl::StatusCodeToString(change.status.code());
   context_->err << "the watch was interrupted (" << ErrorLine(change.status, context_->server)
                 << "); retrying in "
                 << DurationText(1e-3 * static_cast<double>(change.delay.count())) << std::endl;

@@ -62,7 +62,7 @@ class WatchPrinter final : public WatchConsumer {
   std::string step_lines_;  ///< Lines of the incomplete step.
   VolumeChange volume_;     ///< Changed leaves of the incomplete step.
   bool has_begun_ = false;
-  std::string trouble_;  ///< The reason of the last interruption.
+  std::string interruption_reason_;  ///< The reason of the last interruption.
   std::uint64_t steps_ = 0;
 
   mutable std::mutex mutex_;  ///< Guards the members below.

@@ -46,7 +46,7 @@ std::int64_t CountBytes(exr_const_context_t /*context*/, void* user_data) {
   return static_cast<std::int64_t>(static_cast<const ExrInput*>(user_data)->data.size());
 }
 
-void NoteFault(exr_const_context_t context, exr_result_t code, const char* message) {
+void RecordFault(exr_const_context_t context, exr_result_t code, const char* message) {
   void* user_data = nullptr;
   if (context == nullptr || exr_get_user_data(context, &user_data) != EXR_ERR_SUCCESS) return;
   if (user_data == nullptr) return;
@@ -92,7 +92,7 @@ class ExrReader {
 bool ExrReader::Open(const std::filesystem::path& file) {
   exr_context_initializer_t options = {};
   options.size = sizeof(options);
-  options.error_handler_fn = NoteFault;
+  options.error_handler_fn = RecordFault;
   options.user_data = &input_;
   options.read_fn = ReadBytes;
   options.size_fn = CountBytes;

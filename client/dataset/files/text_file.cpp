@@ -95,9 +95,9 @@ bool AreFinite(std::span<const double> numbers) {
       numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
 }
 
-absl::StatusOr<Eigen::Isometry3d> PoseInLine(const std::filesystem::path& file,
-                                             const TextLine& line,
-                                             std::span<const double, 7> numbers) {
+absl::StatusOr<Eigen::Isometry3d> ParsePose(const std::filesystem::path& file,
+                                            const TextLine& line,
+                                            std::span<const double, 7> numbers) {
   absl::StatusOr<Eigen::Isometry3d> pose = MakePose(
       {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]});
   if (pose.ok()) return pose;

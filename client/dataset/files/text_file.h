@@ -53,9 +53,9 @@ bool AreFinite(std::span<const double> numbers);
 /// Returns the pose in a line with the numbers "tx ty tz qx qy qz qw", which must be finite.
 /// Errors: as `MalformedLine` for a position beyond 10 km or a quaternion that is not a unit
 /// quaternion.
-absl::StatusOr<Eigen::Isometry3d> PoseInLine(const std::filesystem::path& file,
-                                             const TextLine& line,
-                                             std::span<const double, 7> numbers);
+absl::StatusOr<Eigen::Isometry3d> ParsePose(const std::filesystem::path& file,
+                                            const TextLine& line,
+                                            std::span<const double, 7> numbers);
 
 /// Reads a square matrix of `rows` rows, one row per line. Errors: as `ReadFile`; `InvalidArgument`
 /// with the file in the message for any other content.

@@ -23,11 +23,11 @@ namespace {
 // decompressed.
 constexpr tmsize_t kMaxAllocationBytes = tmsize_t{256} << 20;
 
-int NoteFault(TIFF* /*tiff*/,
-              void* user_data,
-              const char* /*module*/,
-              const char* format,
-              std::va_list arguments) {
+int RecordFault(TIFF* /*tiff*/,
+                void* user_data,
+                const char* /*module*/,
+                const char* format,
+                std::va_list arguments) {
   auto& fault = *static_cast<std::string*>(user_data);
   std::array<char, 200> text{};
   std::vsnprintf(text.data(), text.size(), format, arguments);
@@ -58,7 +58,7 @@ OpenTiff Open(const std::filesystem::path& file, std::string* fault) {
   const std::unique_ptr<TIFFOpenOptions, FreeOptions> options(TIFFOpenOptionsAlloc());
   if (options == nullptr) return nullptr;
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMaxAllocationBytes);
-  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), NoteFault, fault);
+  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), RecordFault, fault);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), Ignore, nullptr);
   // "m" disables memory mapping: with it, a file that shrinks during reading would crash the
   // process.

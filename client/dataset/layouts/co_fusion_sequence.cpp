@@ -101,7 +101,7 @@ absl::StatusOr<NumberedPoses> ReadNumberedPoses(const fs::path& file) {
     }
     if (!AreFinite(*n)) continue;
     const auto number = static_cast<std::int64_t>((*n)[0]);
-    if (!poses.emplace(number, PoseInLine(file, line, std::span(*n).subspan<1, 7>())).second) {
+    if (!poses.emplace(number, ParsePose(file, line, std::span(*n).subspan<1, 7>())).second) {
       return MalformedLine(file, line, "each frame at most once");
     }
   }

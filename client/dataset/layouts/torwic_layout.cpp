@@ -59,7 +59,7 @@ std::optional<PinholeCamera> ParseCamera(const std::string& text) {
   return ValidateCamera(camera).ok() ? std::make_optional(camera) : std::nullopt;
 }
 
-std::optional<Eigen::Isometry3d> ParsePose(const std::string& text) {
+std::optional<Eigen::Isometry3d> ParseCameraPose(const std::string& text) {
   const std::optional<std::vector<double>> n = ParseNumbers(text);
   if (!n || n->size() != 7) return std::nullopt;
   const absl::StatusOr<Eigen::Isometry3d> pose =
@@ -92,7 +92,7 @@ absl::StatusOr<TorwicCalibration> LoadTorwicCalibration(const std::filesystem::p
   if (!camera) {
     return MalformedLine(file, (*lines)[0], "a camera \"w=.. h=.. fx=.. fy=.. cx=.. cy=..\"");
   }
-  const std::optional<Eigen::Isometry3d> T_base_camera = ParsePose((*lines)[1].text);
+  const std::optional<Eigen::Isometry3d> T_base_camera = ParseCameraPose((*lines)[1].text);
   if (!T_base_camera) {
     return MalformedLine(file, (*lines)[1], "T_base_camera \"tx ty tz qx qy qz qw\"");
   }

@@ -37,7 +37,7 @@ PoseLine ParsePoseLine(const fs::path& file, const TextLine& line) {
       Timestamp::FromNanoseconds(std::llround((*n)[1]) * 1'000'000'000 + std::llround((*n)[2]));
   const auto numbers = std::span(*n).subspan<3, 7>();
   pose.is_finite = AreFinite(numbers);
-  if (pose.is_finite) pose.T_map_base = PoseInLine(file, line, numbers);
+  if (pose.is_finite) pose.T_map_base = ParsePose(file, line, numbers);
   return pose;
 }
 

@@ -93,7 +93,7 @@ absl::StatusOr<TimedPoses> ReadTimedPoses(const fs::path& file) {
     const std::optional<Timestamp> time = n && n->size() == 8 ? TimeOf((*n)[0]) : std::nullopt;
     if (!time) return MalformedLine(file, line, "\"time tx ty tz qx qy qz qw\"");
     if (!AreFinite(*n)) continue;
-    poses.push_back({*time, PoseInLine(file, line, std::span(*n).subspan<1, 7>())});
+    poses.push_back({*time, ParsePose(file, line, std::span(*n).subspan<1, 7>())});
   }
   SortByTime(&poses);
   return poses;

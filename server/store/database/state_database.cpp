@@ -193,9 +193,9 @@ absl::StatusOr<std::string> StateDatabase::Read(Family family,
   std::string value;
   const rocksdb::Status status = database_->Get(options, handle(family), ToSlice(key), &value);
   if (status.IsNotFound()) {
-    return absl::NotFoundError(absl::StrCat("the store has no key ", KeyForPeople(key)));
+    return absl::NotFoundError(absl::StrCat("the store has no key ", KeyAsHex(key)));
   }
-  if (!status.ok()) return FromRocksdb(status, "reading key " + KeyForPeople(key));
+  if (!status.ok()) return FromRocksdb(status, "reading key " + KeyAsHex(key));
   return value;
 }
 

@@ -149,7 +149,7 @@ std::string HeadKey() { return std::string(1, LetterOf(Family::kMeta)) + 'h'; }
 
 std::string ClassTableKey() { return std::string(1, LetterOf(Family::kMeta)) + 'c'; }
 
-std::string KeyForPeople(std::string_view key) {
+std::string KeyAsHex(std::string_view key) {
   return absl::BytesToHexString(absl::string_view(key.data(), key.size()));
 }
 

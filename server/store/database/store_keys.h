@@ -69,6 +69,6 @@ std::string HeadKey();
 std::string ClassTableKey();
 
 /// Returns a key in hexadecimal, for error messages.
-std::string KeyForPeople(std::string_view key);
+std::string KeyAsHex(std::string_view key);
 
 }  // namespace steadymap

@@ -118,7 +118,7 @@ absl::Status DamagedValue(const ValuePlace& place, std::string_view what) {
       absl::StatusCode::kDataLoss,
       reason::kChecksum,
       absl::StrCat("the value of key ",
-                   KeyForPeople(place.key),
+                   KeyAsHex(place.key),
                    " in column family ",
                    absl::string_view(place.column_family.data(), place.column_family.size()),
                    " ",

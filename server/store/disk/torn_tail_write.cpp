@@ -9,7 +9,7 @@ constexpr std::uint64_t kSectorBytes = 512;
 
 }  // namespace
 
-bool LacksASector(std::string_view file, std::uint64_t begin) {
+bool HasZeroSector(std::string_view file, std::uint64_t begin) {
   while (begin < file.size()) {
     const std::uint64_t end =
         std::min<std::uint64_t>(file.size(), (begin / kSectorBytes + 1) * kSectorBytes);

@@ -11,6 +11,6 @@ namespace steadymap {
 /// A power cut may leave the last write to a file with its full length but without some of its
 /// sectors, which then read as zeros. A zero sector therefore distinguishes an interrupted write,
 /// which was never acknowledged as durable, from damage to a durable write.
-bool LacksASector(std::string_view file, std::uint64_t begin);
+bool HasZeroSector(std::string_view file, std::uint64_t begin);
 
 }  // namespace steadymap

@@ -117,7 +117,7 @@ std::optional<std::uint64_t> FindTornEnd(std::string_view log) {
     const bool begins = fragment && (fragment->type == FragmentType::kFull ||
                                      fragment->type == FragmentType::kFirst);
     if (!fragment || begins == within_record) {
-      const bool torn = !RecordBeginsBehind(log, place) && LacksASector(log, whole_end);
+      const bool torn = !RecordBeginsBehind(log, place) && HasZeroSector(log, whole_end);
       return torn ? std::optional(whole_end) : std::nullopt;
     }
     place = fragment->end;

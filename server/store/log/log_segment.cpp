@@ -113,7 +113,7 @@ absl::Status Damaged(const std::filesystem::path& path, std::uint64_t place) {
 /// True if the bytes behind `end`, the end of the last complete group, are one write that a crash
 /// interrupted: at least one sector is missing, and no other group begins or ends there.
 bool IsTorn(std::string_view segment, const SegmentScan& scan) {
-  if (!LacksASector(segment, scan.end)) return false;
+  if (!HasZeroSector(segment, scan.end)) return false;
   bool group_ended = false;
   for (std::uint64_t place = scan.end; place + kRecordHeaderBytes <= segment.size();) {
     const std::optional<RecordHeader> header =
@@ -192,41 +192,41 @@ class SegmentWalk {
 }  // namespace
 
 LogSegmentWriter::LogSegmentWriter(PosixFile file, std::uint64_t size)
-    : file_(std::move(file)), size_(size), space_end_(size) {}
+    : file_(std::move(file)), size_(size), reserved_end_(size) {}
 
-LogSegmentWriter::~LogSegmentWriter() { GiveSpaceBack(); }
+LogSegmentWriter::~LogSegmentWriter() { ReleaseSpace(); }
 
 LogSegmentWriter::LogSegmentWriter(LogSegmentWriter&& other) noexcept
     : file_(std::move(other.file_)),
       size_(other.size_),
-      space_end_(std::exchange(other.space_end_, 0)) {}
+      reserved_end_(std::exchange(other.reserved_end_, 0)) {}
 
 LogSegmentWriter& LogSegmentWriter::operator=(LogSegmentWriter&& other) noexcept {
-  GiveSpaceBack();
+  ReleaseSpace();
   file_ = std::move(other.file_);
   size_ = other.size_;
-  space_end_ = std::exchange(other.space_end_, 0);
+  reserved_end_ = std::exchange(other.reserved_end_, 0);
   return *this;
 }
 
 /// Reserves more than is needed as the segment grows, because an allocation with each sync makes
 /// the sync a fifth slower.
-absl::Status LogSegmentWriter::TakeSpace(std::uint64_t bytes) {
+absl::Status LogSegmentWriter::ReserveSpace(std::uint64_t bytes) {
   const std::uint64_t end = size_ + bytes;
-  if (end <= space_end_) return absl::OkStatus();
+  if (end <= reserved_end_) return absl::OkStatus();
   const std::uint64_t ahead = std::min(size_, kMaxSpaceAhead);
   if (file_.Reserve(size_, bytes + ahead).ok()) {
-    space_end_ = end + ahead;
+    reserved_end_ = end + ahead;
     return absl::OkStatus();
   }
   absl::Status status = file_.Reserve(size_, bytes);
-  if (status.ok()) space_end_ = end;
+  if (status.ok()) reserved_end_ = end;
   return status;
 }
 
-void LogSegmentWriter::GiveSpaceBack() {
-  if (space_end_ > size_) file_.Truncate(size_).IgnoreError();
-  space_end_ = 0;
+void LogSegmentWriter::ReleaseSpace() {
+  if (reserved_end_ > size_) file_.Truncate(size_).IgnoreError();
+  reserved_end_ = 0;
 }
 
 absl::StatusOr<LogSegmentWriter> LogSegmentWriter::Create(const std::filesystem::path& path,
@@ -261,7 +261,7 @@ absl::Status LogSegmentWriter::Append(const std::vector<LogRecord>& records, Map
         kPadding.substr(0, header.record_bytes() - kRecordHeaderBytes - header.payload_bytes));
     bytes += header.record_bytes();
   }
-  if (absl::Status status = TakeSpace(bytes); !status.ok()) return status;
+  if (absl::Status status = ReserveSpace(bytes); !status.ok()) return status;
   absl::Status status = file_.WriteAt(size_, parts);
   if (status.ok()) status = file_.Sync();
   if (status.ok()) {
@@ -269,7 +269,7 @@ absl::Status LogSegmentWriter::Append(const std::vector<LogRecord>& records, Map
     return status;
   }
   const absl::Status cut = file_.Truncate(size_);
-  space_end_ = size_;
+  reserved_end_ = size_;
   if (cut.ok() && ReasonOf(status) == reason::kDiskLow) return status;
   return MakeError(absl::StatusCode::kUnavailable,
                    reason::kStoreReadOnly,
@@ -293,14 +293,14 @@ absl::StatusOr<LogSegmentReader> LogSegmentReader::Open(const std::filesystem::p
 }
 
 absl::StatusOr<std::optional<FoundRecord>> LogSegmentReader::Next(
-    const std::function<bool(LogRecordKind, std::uint64_t)>& wants_payload) {
+    const std::function<bool(LogRecordKind, std::uint64_t)>& needs_payload) {
   if (place_ >= size_) return std::optional<FoundRecord>();
   const absl::StatusOr<std::string> packed = file_.ReadAt(place_, kRecordHeaderBytes);
   if (!packed.ok()) return packed.status();
   const std::optional<RecordHeader> header = UnpackRecordHeader(*packed, start_.map);
   if (!header || place_ + header->record_bytes() > size_) return Damaged(file_.path(), place_);
   FoundRecord record{header->kind, header->number, {}};
-  if (wants_payload(record.kind, record.number)) {
+  if (needs_payload(record.kind, record.number)) {
     absl::StatusOr<std::string> payload =
         file_.ReadAt(place_ + kRecordHeaderBytes, header->payload_bytes);
     if (!payload.ok()) return payload.status();
@@ -335,12 +335,12 @@ absl::StatusOr<SegmentScan> ScanSegment(const std::filesystem::path& path,
   return Damaged(path, walk.place());
 }
 
-absl::StatusOr<std::vector<WholeRecord>> FindWholeRecords(const std::filesystem::path& path,
-                                                          MapKey map) {
+absl::StatusOr<std::vector<IntactRecord>> FindIntactRecords(const std::filesystem::path& path,
+                                                            MapKey map) {
   const absl::StatusOr<std::string> bytes = ReadWholeFile(path);
   if (!bytes.ok()) return bytes.status();
   const std::string_view segment = *bytes;
-  std::vector<WholeRecord> found;
+  std::vector<IntactRecord> found;
   std::uint64_t place = kSegmentHeaderBytes;
   while (place + kRecordHeaderBytes <= segment.size()) {
     const std::optional<RecordHeader> header =

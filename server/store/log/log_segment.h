@@ -80,12 +80,12 @@ class LogSegmentWriter {
  private:
   LogSegmentWriter(PosixFile file, std::uint64_t size);
 
-  absl::Status TakeSpace(std::uint64_t bytes);
-  void GiveSpaceBack();
+  absl::Status ReserveSpace(std::uint64_t bytes);
+  void ReleaseSpace();
 
   PosixFile file_;
   std::uint64_t size_ = 0;
-  std::uint64_t space_end_ = 0;  ///< End of the disk space reserved for the file.
+  std::uint64_t reserved_end_ = 0;  ///< End of the disk space reserved for the file.
 };
 
 /// A record read from a segment.
@@ -105,10 +105,10 @@ class LogSegmentReader {
   const SegmentStart& start() const { return start_; }
 
   /// Returns the next record; none at the end of the file. Reads the payload only of records for
-  /// which `wants_payload` returns true, given kind and number. Errors: `DataLoss` with reason
+  /// which `needs_payload` returns true, given kind and number. Errors: `DataLoss` with reason
   /// `CHECKSUM`, with file and offset in the message.
   absl::StatusOr<std::optional<FoundRecord>> Next(
-      const std::function<bool(LogRecordKind, std::uint64_t)>& wants_payload);
+      const std::function<bool(LogRecordKind, std::uint64_t)>& needs_payload);
 
  private:
   LogSegmentReader(PosixFile file, SegmentStart start, std::uint64_t size);
@@ -132,7 +132,7 @@ struct SegmentScan {
 };
 
 /// Reads a whole segment and verifies every byte. `may_be_torn`: the segment is the newest, so the
-/// bytes after its last complete group may be a write interrupted by a crash; see `LacksASector`
+/// bytes after its last complete group may be a write interrupted by a crash; see `HasZeroSector`
 /// for the distinction from damage. Errors: `DataLoss` with reason `CHECKSUM`, with file and offset
 /// in the message.
 absl::StatusOr<SegmentScan> ScanSegment(const std::filesystem::path& path,
@@ -140,14 +140,14 @@ absl::StatusOr<SegmentScan> ScanSegment(const std::filesystem::path& path,
                                         bool may_be_torn);
 
 /// An intact record in a file that may be damaged elsewhere.
-struct WholeRecord {
+struct IntactRecord {
   FoundRecord record;
   std::uint64_t place = 0;  ///< Offset in bytes from the start of the file.
 };
 
 /// Returns every record of a segment whose header and payload match their checksums, in the order
 /// of their offsets, regardless of the bytes between them. Errors: as `ReadWholeFile`.
-absl::StatusOr<std::vector<WholeRecord>> FindWholeRecords(const std::filesystem::path& path,
-                                                          MapKey map);
+absl::StatusOr<std::vector<IntactRecord>> FindIntactRecords(const std::filesystem::path& path,
+                                                            MapKey map);
 
 }  // namespace steadymap

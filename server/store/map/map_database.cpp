@@ -27,7 +27,7 @@ constexpr MapUptime kUptimeStep = std::chrono::minutes(10);
 
 std::filesystem::path StateFolder(const std::filesystem::path& folder) { return folder / "state"; }
 
-absl::Status Lost(const char* what, std::uint64_t found, std::uint64_t known) {
+absl::Status MissingTailError(const char* what, std::uint64_t found, std::uint64_t known) {
   return MakeError(absl::StatusCode::kDataLoss,
                    reason::kChecksum,
                    absl::StrCat("the map's ",
@@ -157,7 +157,7 @@ absl::Status MapDatabase::Append(const LogAppend& append) {
   if (absl::Status status = CheckFree(dependencies_.options->min_free_disk_bytes); !status.ok()) {
     return status;
   }
-  const WriterMutex::Lock turn(&append_mutex_);
+  const WriterMutex::Lock writer(&append_mutex_);
   if (absl::Status status = log_->Append(append); !status.ok()) return status;
   const absl::MutexLock lock(&mutex_);
   progress_.durable_head = log_->head();
@@ -176,7 +176,7 @@ absl::Status MapDatabase::Append(const LogAppend& append) {
 absl::StatusOr<CommitMark> MapDatabase::Commit(const MapDelta& delta,
                                                const CommitDetails& details) {
   if (absl::Status status = state_->health(); !status.ok()) return status;
-  const WriterMutex::Lock turn(&commit_mutex_);
+  const WriterMutex::Lock writer(&commit_mutex_);
   const Progress progress = this->progress();
   const storage::v1::Head& before = progress.head;
   if (delta.from.value() != before.revision() || delta.to < delta.from ||
@@ -220,13 +220,13 @@ absl::StatusOr<CommitMark> MapDatabase::Commit(const MapDelta& delta,
     const absl::MutexLock lock(&mutex_);
     progress_.stored_classes = delta.added_classes.size();
   }
-  ForgetSaved(head);
+  DropSavedSessions(head);
   note_->NoteRevision(delta.to);
   return CommitMark{delta.to, head.history_hash()};
 }
 
 /// Records that the database contains `head` and the sessions up to its group.
-void MapDatabase::ForgetSaved(const storage::v1::Head& head) {
+void MapDatabase::DropSavedSessions(const storage::v1::Head& head) {
   const absl::MutexLock lock(&mutex_);
   progress_.head = head;
   std::erase_if(progress_.unsaved_sessions, [&head](const auto& unsaved) {
@@ -309,11 +309,11 @@ absl::Status MapDatabase::Trim(const MapRecord& retention, const TrimBounds& bou
   absl::Status status = state_->health();
   if (status.ok()) status = CheckFree(dependencies_.options->write_buffer_bytes);
   if (status.ok()) {
-    const WriterMutex::Lock turn(&commit_mutex_);
+    const WriterMutex::Lock writer(&commit_mutex_);
     status = TrimState(bounds);
   }
   const bool keeps_log = !bounds.disk_is_low;
-  const WriterMutex::Lock turn(&append_mutex_);
+  const WriterMutex::Lock writer(&append_mutex_);
   const storage::v1::Head head = progress().head;
   const absl::Status dropped =
       log_->Drop({MapSequence(head.revision()), head.saved_group()},
@@ -348,7 +348,7 @@ absl::Status MapDatabase::TrimState(const TrimBounds& bounds) {
   head.set_uptime_ns(std::max<std::int64_t>(head.uptime_ns(), bounds.uptime.count()));
   PutProgress(progress, &head, &records);
   status = state_->Write(&batch);
-  if (status.ok()) ForgetSaved(head);
+  if (status.ok()) DropSavedSessions(head);
   return status;
 }
 

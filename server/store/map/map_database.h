@@ -96,7 +96,7 @@ class MapDatabase {
   /// Adds to `records` the sessions that are not in the database yet, and the head, which then
   /// records the end of the log.
   void PutProgress(const Progress& progress, storage::v1::Head* head, RecordBatch* records) const;
-  void ForgetSaved(const storage::v1::Head& head) ABSL_LOCKS_EXCLUDED(mutex_);
+  void DropSavedSessions(const storage::v1::Head& head) ABSL_LOCKS_EXCLUDED(mutex_);
 
   absl::Status TrimState(const TrimBounds& bounds);
 

@@ -207,7 +207,7 @@ void IntegrationNote::AgeAll(Clock::time_point now) {
   }
 }
 
-void IntegrationNote::CatchCrashes() {
+void IntegrationNote::InstallCrashHandlers() {
   for (const int signal : kCrashSignals) {
     struct sigaction action {};
 

@@ -78,7 +78,7 @@ class IntegrationNote {
   /// Installs signal handlers so that a crash of this process (SIGSEGV, SIGBUS, SIGFPE, SIGILL,
   /// SIGABRT) counts against the entry that the crashing thread integrates or helps to integrate.
   /// Call once, before threads are started.
-  static void CatchCrashes();
+  static void InstallCrashHandlers();
 
  private:
   struct Page;

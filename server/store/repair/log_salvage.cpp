@@ -71,7 +71,7 @@ class SegmentRebuild {
         next_entry_(start.first_entry.value()),
         next_group_(start.first_group) {}
 
-  absl::Status Take(const WholeRecord& found) {
+  absl::Status Take(const IntactRecord& found) {
     const FoundRecord& record = found.record;
     if (record.kind != LogRecordKind::kGroupEnd) {
       if (record.number < next_entry_ + pending_.size()) return absl::OkStatus();
@@ -164,12 +164,12 @@ class LogSalvage {
       : to_(std::move(to)), map_(map), skip_entry_(skip_entry) {}
 
   absl::Status Take(const LogFile& file, const LogFile* next) {
-    std::vector<WholeRecord> records;
+    std::vector<IntactRecord> records;
     const bool holds_skipped = skip_entry_ && file.start && file.last_entry &&
                                *skip_entry_ >= file.start->first_entry &&
                                *skip_entry_ <= *file.last_entry;
     if (!file.is_whole || holds_skipped) {
-      absl::StatusOr<std::vector<WholeRecord>> found = FindWholeRecords(file.path, map_);
+      absl::StatusOr<std::vector<IntactRecord>> found = FindIntactRecords(file.path, map_);
       if (!found.ok()) return found.status();
       records = *std::move(found);
     }
@@ -201,10 +201,10 @@ class LogSalvage {
 
  private:
   std::optional<MapSequence> FirstEntry(const LogFile& file,
-                                        const std::vector<WholeRecord>& records) const {
+                                        const std::vector<IntactRecord>& records) const {
     if (file.start) return file.start->first_entry;
     if (log_.last_group != 0 && log_.last_group + 1 == file.first_group) return log_.head.Next();
-    for (const WholeRecord& found : records) {
+    for (const IntactRecord& found : records) {
       if (found.record.kind != LogRecordKind::kGroupEnd) return MapSequence(found.record.number);
     }
     return std::nullopt;
@@ -225,7 +225,7 @@ class LogSalvage {
   absl::Status Rebuild(const LogFile& file,
                        const LogFile* next,
                        MapSequence first,
-                       const std::vector<WholeRecord>& records) {
+                       const std::vector<IntactRecord>& records) {
     const SegmentStart start =
         file.start.value_or(SegmentStart{map_, first, file.first_group, MapUptime(0)});
     const std::size_t lost = log_.lost.size();
@@ -250,14 +250,14 @@ class LogSalvage {
   }
 
   absl::Status Write(const SegmentStart& start,
-                     const std::vector<WholeRecord>& records,
+                     const std::vector<IntactRecord>& records,
                      std::optional<MapSequence> last_entry,
                      std::optional<std::uint64_t> last_group) {
     absl::StatusOr<LogSegmentWriter> writer =
         LogSegmentWriter::Create(to_ / absl::StrFormat("%020d.log", start.first_group), start);
     if (!writer.ok()) return writer.status();
     SegmentRebuild rebuild(&*writer, start, last_entry, last_group, skip_entry_, &log_);
-    for (const WholeRecord& record : records) {
+    for (const IntactRecord& record : records) {
       const bool is_beyond = record.record.kind == LogRecordKind::kGroupEnd
                                  ? last_group && record.record.number > *last_group
                                  : last_entry && record.record.number > last_entry->value();

@@ -49,7 +49,7 @@ absl::StatusOr<storage::v1::Head> ReadHead(const StateDatabase& state) {
 /// Builds the salvaged folder of one map, step by step.
 class MapSalvage {
  public:
-  MapSalvage(MapFindings map, std::filesystem::path to, SalvageReport* report)
+  MapSalvage(MapCheckResult map, std::filesystem::path to, SalvageReport* report)
       : map_(std::move(map)), to_(std::move(to)), shared_(StoreOptions()), report_(report) {}
 
   absl::Status Run(std::optional<MapSequence> skip_entry) {
@@ -65,7 +65,7 @@ class MapSalvage {
     for (const std::string& remark : log_.remarks) Remark(remark);
     const absl::StatusOr<bool> kept = MakeState();
     if (!kept.ok()) return kept.status();
-    NameLosses();
+    ReportLosses();
     return *kept ? absl::OkStatus() : made.Adopt(*std::move(record)).status();
   }
 
@@ -81,7 +81,7 @@ class MapSalvage {
     const absl::Status damage = CheckDatabase(OldState());
     if (damage.ok()) {
       if (absl::Status status = CopyFolder(OldState(), NewState()); !status.ok()) return status;
-      if (absl::Status status = FitHead(); !status.ok()) return status;
+      if (absl::Status status = LimitHead(); !status.ok()) return status;
       return true;
     }
     Remark(std::string(damage.message()));
@@ -104,7 +104,7 @@ class MapSalvage {
     absl::Status status = CopyFolder(OldState(), NewState());
     if (status.ok()) status = StateDatabase::Repair(NewState(), shared_);
     if (status.ok()) status = CheckDatabase(NewState());
-    if (status.ok()) status = FitHead();
+    if (status.ok()) status = LimitHead();
     if (!status.ok()) return false;
     Remark(absl::StrCat("the database was repaired and is at revision ",
                         revision_,
@@ -113,7 +113,7 @@ class MapSalvage {
   }
 
   /// Limits the log's end recorded in the database to the end of the salvaged log.
-  absl::Status FitHead() {
+  absl::Status LimitHead() {
     absl::StatusOr<std::unique_ptr<StateDatabase>> state =
         StateDatabase::Open(NewState(), StateDatabase::Mode::kReadWrite, shared_);
     if (!state.ok()) return state.status();
@@ -143,7 +143,7 @@ class MapSalvage {
     return WriteHead(state->get(), head);
   }
 
-  void NameLosses() {
+  void ReportLosses() {
     const absl::StatusOr<std::shared_ptr<IntegrationNote>> note =
         IntegrationNote::Inspect(map_.folder / "note");
     if (note.ok()) known_head_ = std::max(known_head_, (*note)->known_head().value());
@@ -159,7 +159,7 @@ class MapSalvage {
     }
   }
 
-  const MapFindings map_;
+  const MapCheckResult map_;
   const std::filesystem::path to_;
   const SharedResources shared_;
   SalvageReport* const report_;
@@ -186,9 +186,9 @@ absl::StatusOr<SalvageReport> SalvageMap(const SalvageOptions& options) {
   }
   const absl::StatusOr<FolderLock> lock = FolderLock::Take(options.data_dir);
   if (!lock.ok()) return lock.status();
-  const absl::StatusOr<StoreFindings> maps = FindMaps(options.data_dir);
+  const absl::StatusOr<StoreCheckResult> maps = FindMaps(options.data_dir);
   if (!maps.ok()) return maps.status();
-  const auto map = std::find_if(maps->maps.begin(), maps->maps.end(), [&](const MapFindings& m) {
+  const auto map = std::find_if(maps->maps.begin(), maps->maps.end(), [&](const MapCheckResult& m) {
     return m.name == options.map;
   });
   if (map == maps->maps.end()) {

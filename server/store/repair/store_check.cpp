@@ -95,7 +95,7 @@ absl::Status CheckLoading(const std::filesystem::path& folder, const MapRecord& 
                          [](const LogEntry&) { return absl::OkStatus(); });
 }
 
-void CheckMap(MapFindings* map) {
+void CheckMap(MapCheckResult* map) {
   const absl::StatusOr<MapRecord> record =
       MapFolder(map->folder, map->key).InspectRecord(&map->problems);
   if (!record.ok()) map->problems.emplace_back(record.status().message());
@@ -109,8 +109,8 @@ void CheckMap(MapFindings* map) {
 
 }  // namespace
 
-bool StoreFindings::ok() const {
-  return problems.empty() && std::all_of(maps.begin(), maps.end(), [](const MapFindings& map) {
+bool StoreCheckResult::ok() const {
+  return problems.empty() && std::all_of(maps.begin(), maps.end(), [](const MapCheckResult& map) {
            return map.problems.empty();
          });
 }
@@ -138,8 +138,8 @@ absl::Status CheckDatabase(const std::filesystem::path& folder) {
                    absl::StrCat("database ", folder.string(), ": ", status.message()));
 }
 
-absl::StatusOr<StoreFindings> FindMaps(const std::filesystem::path& data_dir) {
-  StoreFindings findings;
+absl::StatusOr<StoreCheckResult> FindMaps(const std::filesystem::path& data_dir) {
+  StoreCheckResult findings;
   const StoreCatalog catalog = CheckStoreFiles(data_dir, &findings.problems);
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(data_dir / "maps", error)) {
@@ -158,8 +158,8 @@ absl::StatusOr<StoreFindings> FindMaps(const std::filesystem::path& data_dir) {
         absl::StrCat("cannot list ", (data_dir / "maps").string(), ": ", error.message()));
   }
   for (const StoreCatalog::Map& map : catalog.maps) {
-    const bool is_there =
-        std::any_of(findings.maps.begin(), findings.maps.end(), [&map](const MapFindings& found) {
+    const bool is_there = std::any_of(
+        findings.maps.begin(), findings.maps.end(), [&map](const MapCheckResult& found) {
           return found.key == map.key;
         });
     if (is_there) continue;
@@ -168,30 +168,30 @@ absl::StatusOr<StoreFindings> FindMaps(const std::filesystem::path& data_dir) {
   }
   std::sort(findings.maps.begin(),
             findings.maps.end(),
-            [](const MapFindings& a, const MapFindings& b) { return a.key < b.key; });
+            [](const MapCheckResult& a, const MapCheckResult& b) { return a.key < b.key; });
   return findings;
 }
 
-absl::StatusOr<StoreFindings> CheckStore(const std::filesystem::path& data_dir,
-                                         const std::optional<MapName>& only) {
+absl::StatusOr<StoreCheckResult> CheckStore(const std::filesystem::path& data_dir,
+                                            const std::optional<MapName>& only) {
   std::error_code error;
   if (!std::filesystem::is_directory(data_dir / "maps", error)) {
     return absl::NotFoundError(absl::StrCat("there is no store in ", data_dir.string()));
   }
   const absl::StatusOr<FolderLock> lock = FolderLock::Take(data_dir);
   if (!lock.ok()) return lock.status();
-  absl::StatusOr<StoreFindings> findings = FindMaps(data_dir);
+  absl::StatusOr<StoreCheckResult> findings = FindMaps(data_dir);
   if (!findings.ok()) return findings.status();
   if (only) {
     findings->problems.clear();
-    std::erase_if(findings->maps, [&only](const MapFindings& map) { return map.name != *only; });
+    std::erase_if(findings->maps, [&only](const MapCheckResult& map) { return map.name != *only; });
     if (findings->maps.empty()) {
       return absl::NotFoundError(absl::StrCat("there is no map ", only->ToString()));
     }
   } else {
     MirroredFile(data_dir / "schema").Inspect(&findings->problems).IgnoreError();
   }
-  for (MapFindings& map : findings->maps) CheckMap(&map);
+  for (MapCheckResult& map : findings->maps) CheckMap(&map);
   return findings;
 }
 

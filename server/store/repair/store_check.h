@@ -13,7 +13,7 @@
 namespace steadymap {
 
 /// The problems found in one map.
-struct MapFindings {
+struct MapCheckResult {
   MapKey key;
   MapName name;  ///< `lost/map-KEY` if the name is lost.
   std::filesystem::path folder;
@@ -21,9 +21,9 @@ struct MapFindings {
 };
 
 /// The problems found in a store.
-struct StoreFindings {
+struct StoreCheckResult {
   std::vector<std::string> problems;  ///< Problems in files that belong to no map.
-  std::vector<MapFindings> maps;      ///< In ascending order of keys.
+  std::vector<MapCheckResult> maps;   ///< In ascending order of keys.
 
   bool ok() const;
 };
@@ -33,13 +33,13 @@ struct StoreFindings {
 /// the databases. Then loads each map as a server would. `only`: checks that map alone. Errors:
 /// `FailedPrecondition` if a server holds the folder; `NotFound` if the folder contains no store or
 /// no map of that name. Cost: one pass over all bytes; the memory of the largest map.
-absl::StatusOr<StoreFindings> CheckStore(const std::filesystem::path& data_dir,
-                                         const std::optional<MapName>& only);
+absl::StatusOr<StoreCheckResult> CheckStore(const std::filesystem::path& data_dir,
+                                            const std::optional<MapName>& only);
 
 /// Returns the maps with a folder in `data_dir`, and the problems of the catalog, such as a missing
 /// folder of a map. Changes nothing. The caller must hold the folder's lock. Errors: as
 /// `CheckStore`.
-absl::StatusOr<StoreFindings> FindMaps(const std::filesystem::path& data_dir);
+absl::StatusOr<StoreCheckResult> FindMaps(const std::filesystem::path& data_dir);
 
 /// Verifies the database in `folder`, of a map that is not open. Returns OK, or the first damage.
 absl::Status CheckDatabase(const std::filesystem::path& folder);

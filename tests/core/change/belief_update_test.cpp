@@ -178,7 +178,7 @@ MapObject ObjectWith(double present_cells, double absent_cells) {
 }
 
 bool Update(MapObject* object) {
-  return UpdateBelief(StationarityPrior::kMoves, kNow, BeliefUpdateParameters(), object);
+  return UpdateBelief(StationarityPrior::kMobile, kNow, BeliefUpdateParameters(), object);
 }
 
 TEST(UpdateBelief, WaitsForEnoughCells) {
@@ -214,7 +214,7 @@ TEST(UpdateBelief, TakesTheMeanChangeOfTheSurfaceThatWasFound) {
   object.evidence.change_sum_m = 20.0 * -0.05;
   EXPECT_TRUE(Update(&object));
   const StationarityUpdate expected = UpdateStationarity(
-      InitialBelief(0.67), -0.05, StationarityPrior::kMoves, StationarityParameters());
+      InitialBelief(0.67), -0.05, StationarityPrior::kMobile, StationarityParameters());
   EXPECT_EQ(object.belief, expected.belief);
   EXPECT_EQ(object.evidence.change_sum_m, 0.0);
 }
@@ -225,7 +225,7 @@ TEST(UpdateBelief, TakesTheGreatestChangeWhereTheSurfaceIsGone) {
   EXPECT_TRUE(Update(&object));
   const StationarityParameters parameters;
   const StationarityUpdate expected = UpdateStationarity(
-      InitialBelief(0.67), parameters.max_change_m, StationarityPrior::kMoves, parameters);
+      InitialBelief(0.67), parameters.max_change_m, StationarityPrior::kMobile, parameters);
   EXPECT_EQ(object.belief, expected.belief);
   EXPECT_EQ(object.evidence.change_sum_m, 0.0);
 }
@@ -259,9 +259,9 @@ int AbsencesUntilRemoval(StationarityPrior prior, int agreements_before) {
 }
 
 TEST(UpdateBelief, TakesMoreAbsencesToLoseWhatWasLongKnownOrIsExpectedToStay) {
-  const int moving_new = AbsencesUntilRemoval(StationarityPrior::kMoves, 0);
-  const int moving_known = AbsencesUntilRemoval(StationarityPrior::kMoves, 50);
-  const int staying_known = AbsencesUntilRemoval(StationarityPrior::kStays, 50);
+  const int moving_new = AbsencesUntilRemoval(StationarityPrior::kMobile, 0);
+  const int moving_known = AbsencesUntilRemoval(StationarityPrior::kMobile, 50);
+  const int staying_known = AbsencesUntilRemoval(StationarityPrior::kStationary, 50);
   EXPECT_LT(moving_new, moving_known);
   EXPECT_LT(moving_known, staying_known);
   EXPECT_LE(staying_known, 20) << "nothing is known for ever";
@@ -269,7 +269,8 @@ TEST(UpdateBelief, TakesMoreAbsencesToLoseWhatWasLongKnownOrIsExpectedToStay) {
 
 TEST(UpdateBelief, TakesFewerAbsencesToLoseWhatWasKnownFromAnEarlierVisit) {
   const BeliefUpdateParameters parameters;
-  for (const StationarityPrior prior : {StationarityPrior::kStays, StationarityPrior::kMoves}) {
+  for (const StationarityPrior prior :
+       {StationarityPrior::kStationary, StationarityPrior::kMobile}) {
     MapObject object = ObjectWith(0.0, 0.0);
     for (int i = 0; i < 50; ++i) {
       object.evidence.present_cells = 15.0;
@@ -283,7 +284,7 @@ TEST(UpdateBelief, TakesFewerAbsencesToLoseWhatWasKnownFromAnEarlierVisit) {
       UpdateBelief(prior, next_visit, parameters, &object);
     }
     const int on_one_visit = AbsencesUntilRemoval(prior, 50);
-    if (prior == StationarityPrior::kStays) {
+    if (prior == StationarityPrior::kStationary) {
       EXPECT_LT(absences, on_one_visit);
       EXPECT_GE(absences, 3) << "one bad look removes no wall";
     } else {

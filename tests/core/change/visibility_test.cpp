@@ -310,7 +310,8 @@ double SettledChange(double seen_depth_m) {
                 frame.capture_time,
                 BeliefUpdateParameters().visit_gap_s,
                 &object.evidence);
-    UpdateBelief(StationarityPrior::kStays, frame.capture_time, BeliefUpdateParameters(), &object);
+    UpdateBelief(
+        StationarityPrior::kStationary, frame.capture_time, BeliefUpdateParameters(), &object);
   }
   EXPECT_GT(object.belief.stationarity(), 0.9);
   return object.belief.change_mean_m;

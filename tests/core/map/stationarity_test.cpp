@@ -115,10 +115,10 @@ Moments ExactMoments(const Belief& prior,
   const Moments plain = Integrate(changes, StationarityNodes(prior, 0, 0), change_m, parameters);
   const bool inlier = plain.inlier_probability > 0.5;
   const double k = parameters.class_weight;
-  if (class_prior == StationarityPrior::kStays && inlier) {
+  if (class_prior == StationarityPrior::kStationary && inlier) {
     return Integrate(changes, StationarityNodes(prior, k, 0), change_m, parameters);
   }
-  if (class_prior == StationarityPrior::kMoves && !inlier) {
+  if (class_prior == StationarityPrior::kMobile && !inlier) {
     return Integrate(changes, StationarityNodes(prior, 0, k), change_m, parameters);
   }
   return plain;
@@ -178,7 +178,7 @@ TEST(UpdateStationarity, KeepsTheMomentsOfTheExactPosterior) {
     const double change_m = uniform(-parameters.max_change_m, parameters.max_change_m);
     SCOPED_TRACE(::testing::Message() << "round " << round);
     for (const StationarityPrior class_prior :
-         {StationarityPrior::kMoves, StationarityPrior::kStays}) {
+         {StationarityPrior::kMobile, StationarityPrior::kStationary}) {
       const StationarityUpdate update =
           UpdateStationarity(prior, change_m, class_prior, parameters);
       ExpectSameMoments(ExactMoments(prior, change_m, class_prior, parameters), MomentsOf(update));
@@ -194,7 +194,7 @@ TEST(UpdateStationarity, AgreesWithTheFormulasAsPrinted) {
   const Belief prior{0.1, 0.3, 4.0, 2.0};
   const StationarityParameters parameters = PublishedParameters();
   const StationarityUpdate update =
-      UpdateStationarity(prior, 0.9, StationarityPrior::kMoves, parameters);
+      UpdateStationarity(prior, 0.9, StationarityPrior::kMobile, parameters);
   // k = 0: a thing that moves was seen in place.
   const double c1 = update.inlier_probability;
   ASSERT_GT(c1, 0.5);
@@ -208,7 +208,7 @@ TEST(UpdateStationarity, AgreesWithTheFormulasAsPrinted) {
 
 TEST(UpdateStationarity, RepeatedZeroChangeRaisesStationarityUpToItsMaximum) {
   for (const StationarityPrior class_prior :
-       {StationarityPrior::kMoves, StationarityPrior::kStays}) {
+       {StationarityPrior::kMobile, StationarityPrior::kStationary}) {
     const StationarityParameters parameters;
     Belief belief = InitialBelief(0.67);
     for (int i = 0; i < 1000; ++i) {
@@ -227,7 +227,7 @@ TEST(UpdateStationarity, RepeatedZeroChangeRaisesStationarityUpToItsMaximum) {
 
 TEST(UpdateStationarity, RepeatedOutliersLowerStationarity) {
   for (const StationarityPrior class_prior :
-       {StationarityPrior::kMoves, StationarityPrior::kStays}) {
+       {StationarityPrior::kMobile, StationarityPrior::kStationary}) {
     Belief belief = InitialBelief(0.67);
     for (int i = 0; i < 50; ++i) {
       const StationarityUpdate update = UpdateStationarity(belief, 4.0, class_prior, {});
@@ -245,11 +245,11 @@ TEST(UpdateStationarity, ClassCountsOnlyWhereItAgrees) {
   silent.class_weight = 0.0;
   for (const double change_m : {0.0, 4.0}) {
     const StationarityUpdate stays =
-        UpdateStationarity(prior, change_m, StationarityPrior::kStays, {});
+        UpdateStationarity(prior, change_m, StationarityPrior::kStationary, {});
     const StationarityUpdate moves =
-        UpdateStationarity(prior, change_m, StationarityPrior::kMoves, {});
+        UpdateStationarity(prior, change_m, StationarityPrior::kMobile, {});
     const StationarityUpdate neither =
-        UpdateStationarity(prior, change_m, StationarityPrior::kStays, silent);
+        UpdateStationarity(prior, change_m, StationarityPrior::kStationary, silent);
     if (change_m == 0.0) {
       EXPECT_GT(stays.belief.stationarity(), neither.belief.stationarity());
       EXPECT_GT(stays.inlier_probability, neither.inlier_probability);
@@ -269,16 +269,16 @@ TEST(UpdateStationarity, CapKeepsTheRatioAndLetsALongKnownObjectChange) {
   Belief uncapped = belief;
   for (int i = 0; i < 100; ++i) {
     const StationarityUpdate free =
-        UpdateStationarity(belief, 0.05, StationarityPrior::kMoves, PublishedParameters());
-    belief = UpdateStationarity(belief, 0.05, StationarityPrior::kMoves, capped).belief;
+        UpdateStationarity(belief, 0.05, StationarityPrior::kMobile, PublishedParameters());
+    belief = UpdateStationarity(belief, 0.05, StationarityPrior::kMobile, capped).belief;
     EXPECT_NEAR(belief.stationarity(), free.belief.stationarity(), 1e-14);
     EXPECT_LE(belief.alpha + belief.beta, 10.0 + 1e-12);
-    uncapped =
-        UpdateStationarity(uncapped, 0.05, StationarityPrior::kMoves, PublishedParameters()).belief;
+    uncapped = UpdateStationarity(uncapped, 0.05, StationarityPrior::kMobile, PublishedParameters())
+                   .belief;
   }
   EXPECT_NEAR(belief.alpha + belief.beta, 10.0, 1e-12);
   EXPECT_GT(uncapped.alpha + uncapped.beta, 50.0);
-  const Belief after = UpdateStationarity(belief, 4.0, StationarityPrior::kMoves, capped).belief;
+  const Belief after = UpdateStationarity(belief, 4.0, StationarityPrior::kMobile, capped).belief;
   EXPECT_LT(after.stationarity(), belief.stationarity() - 0.1);
 }
 
@@ -287,23 +287,23 @@ TEST(UpdateStationarity, SkipsWhatWouldRaiseStationarityBeyondItsMaximum) {
   parameters.max_stationarity = 0.7;
   const Belief low{0.1, 0.4, 6.8, 3.2};
   const StationarityUpdate skipped =
-      UpdateStationarity(low, 0.0, StationarityPrior::kStays, parameters);
+      UpdateStationarity(low, 0.0, StationarityPrior::kStationary, parameters);
   EXPECT_EQ(skipped.belief, low);
   EXPECT_GT(skipped.inlier_probability, 0.5);
   // From above the maximum the way down stays open.
   const Belief high{0.1, 0.4, 9.0, 1.0};
-  EXPECT_LT(
-      UpdateStationarity(high, 4.0, StationarityPrior::kStays, parameters).belief.stationarity(),
-      0.9);
+  EXPECT_LT(UpdateStationarity(high, 4.0, StationarityPrior::kStationary, parameters)
+                .belief.stationarity(),
+            0.9);
 }
 
 TEST(UpdateStationarity, ChangeBeyondTheMaximumCountsAsTheMaximum) {
   const Belief prior{-0.5, 2.0, 2.0, 1.0};
   for (const double sign : {-1.0, 1.0}) {
     const StationarityUpdate at =
-        UpdateStationarity(prior, sign * 4.0, StationarityPrior::kMoves, {});
+        UpdateStationarity(prior, sign * 4.0, StationarityPrior::kMobile, {});
     for (const double change_m : {4.1, 1e300, kInfinity}) {
-      EXPECT_EQ(UpdateStationarity(prior, sign * change_m, StationarityPrior::kMoves, {}).belief,
+      EXPECT_EQ(UpdateStationarity(prior, sign * change_m, StationarityPrior::kMobile, {}).belief,
                 at.belief);
     }
   }
@@ -313,7 +313,7 @@ TEST(UpdateStationarity, SharpBeliefsKeepTheirVariance) {
   // Printed as e2 - e1^2, the variance of this Beta would have lost its last five digits.
   const Belief prior{0.0, 0.5, 6e10, 4e10};
   const Belief after =
-      UpdateStationarity(prior, 0.0, StationarityPrior::kMoves, PublishedParameters()).belief;
+      UpdateStationarity(prior, 0.0, StationarityPrior::kMobile, PublishedParameters()).belief;
   EXPECT_NEAR((after.alpha + after.beta) / (prior.alpha + prior.beta), 1.0, 1e-9);
 }
 

@@ -106,8 +106,8 @@ class RecognitionArchive : public ::testing::Test {
 TEST_F(RecognitionArchive, GivesWhatStoodInThatPlace) {
   Put(Front(1, 2.0, 0.8), 10.0);
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
-  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), known);
-  EXPECT_EQ(Find(Front(3, 5.0, 0.8), StationarityPrior::kMoves), nullptr);
+  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMobile), known);
+  EXPECT_EQ(Find(Front(3, 5.0, 0.8), StationarityPrior::kMobile), nullptr);
 }
 
 TEST_F(RecognitionArchive, GivesAThinFrontThatWasSeenALittleInFront) {
@@ -120,23 +120,23 @@ TEST_F(RecognitionArchive, GivesAThinFrontThatWasSeenALittleInFront) {
                           [](const Eigen::Vector3d&) { return true; });
   object.RebuildSurface();
   ASSERT_FALSE(object.bounds_object().intersects(known->bounds_object()));
-  EXPECT_EQ(Find(object, StationarityPrior::kMoves), known);
+  EXPECT_EQ(Find(object, StationarityPrior::kMobile), known);
 }
 
 TEST_F(RecognitionArchive, GivesNothingOfAnotherClassOrStillPresent) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject other_class = Front(3, 0.0, 0.8);
   other_class.state().class_id = ClassId(4);
-  EXPECT_EQ(Find(other_class, StationarityPrior::kMoves), nullptr);
+  EXPECT_EQ(Find(other_class, StationarityPrior::kMobile), nullptr);
   known->state().status = ObjectStatus::kPresent;
-  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), nullptr);
+  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMobile), nullptr);
 }
 
 TEST_F(RecognitionArchive, GivesNothingThatIsBeingForgotten) {
   TrackedObject* merged = Put(Front(2, 0.0, 0.8), 10.0);
   const TrackedObject* gone = Put(Front(4, 1.2, 0.8), 10.0);
-  merged->MarkForgotten();
-  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMoves), nullptr);
+  merged->MarkDeleted();
+  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMobile), nullptr);
   EXPECT_TRUE(FindGoneWith(*gone, parameters_, Candidates()).empty());
   EXPECT_TRUE(FindReturnedParts(Front(3, 0.0, 0.4), kScale, parameters_, Candidates()).empty());
 }
@@ -151,19 +151,19 @@ TEST_F(RecognitionArchive, GivesNothingThatStoodTurned) {
       [](const Eigen::Vector3d&) { return true; });
   turned.RebuildSurface();
   turned.state().in_place_since = Timestamp::FromSeconds(100.0);
-  EXPECT_EQ(Find(turned, StationarityPrior::kStays), nullptr);
+  EXPECT_EQ(Find(turned, StationarityPrior::kStationary), nullptr);
   parameters_.turn.turned_rad = 0.0;
-  EXPECT_EQ(Find(turned, StationarityPrior::kStays), known) << "distance alone does not tell";
+  EXPECT_EQ(Find(turned, StationarityPrior::kStationary), known) << "distance alone does not tell";
 }
 
 TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject beside = Front(3, 0.4, 0.8);
   beside.state().in_place_since = Timestamp::FromSeconds(100.0);
-  EXPECT_EQ(Find(beside, StationarityPrior::kMoves), nullptr);
-  EXPECT_EQ(Find(beside, StationarityPrior::kStays), known);
+  EXPECT_EQ(Find(beside, StationarityPrior::kMobile), nullptr);
+  EXPECT_EQ(Find(beside, StationarityPrior::kStationary), known);
   beside.state().in_place_since = Timestamp::FromSeconds(12.0);
-  EXPECT_EQ(Find(beside, StationarityPrior::kStays), nullptr) << "moved along itself";
+  EXPECT_EQ(Find(beside, StationarityPrior::kStationary), nullptr) << "moved along itself";
 }
 
 TEST_F(RecognitionArchive, LeavesGoneWhatIsNotFoundAgainOnTheSameVisit) {
@@ -177,12 +177,12 @@ TEST_F(RecognitionArchive, LeavesGoneWhatIsNotFoundAgainOnTheSameVisit) {
   }
   TrackedObject rest = Front(2, 0.0, 0.4);
   rest.state().last_seen = Timestamp::FromSeconds(104.0);
-  EXPECT_EQ(Find(rest, StationarityPrior::kMoves), nullptr);
+  EXPECT_EQ(Find(rest, StationarityPrior::kMobile), nullptr);
   TrackedObject most = Front(3, 0.0, 1.4);
   most.state().last_seen = Timestamp::FromSeconds(104.0);
-  EXPECT_EQ(Find(most, StationarityPrior::kMoves), known) << "what was missed is there again";
+  EXPECT_EQ(Find(most, StationarityPrior::kMobile), known) << "what was missed is there again";
   rest.state().last_seen = Timestamp::FromSeconds(300.0);
-  EXPECT_EQ(Find(rest, StationarityPrior::kMoves), known) << "on another visit";
+  EXPECT_EQ(Find(rest, StationarityPrior::kMobile), known) << "on another visit";
 }
 
 TEST_F(RecognitionArchive, KnowsWhatStayedOfOneThatWentOnTheSameVisit) {

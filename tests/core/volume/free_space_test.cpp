@@ -46,8 +46,8 @@ TEST(FreeSpace, TellsWhatIsBehindASurfaceByItsNormal) {
   std::vector<LeafOrigin> changed;
   free_space.MarkRay({-0.55, 0.05, 0.05}, {0.25, 0.05, 0.05}, &changed);
   // Both lie at the end of what is free.
-  EXPECT_TRUE(free_space.IsFreeBehind({0.31, 0.05, 0.05}, Eigen::Vector3d::UnitX()));
-  EXPECT_FALSE(free_space.IsFreeBehind({0.29, 0.05, 0.05}, -Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(free_space.HasFreeSpaceBehind({0.31, 0.05, 0.05}, Eigen::Vector3d::UnitX()));
+  EXPECT_FALSE(free_space.HasFreeSpaceBehind({0.29, 0.05, 0.05}, -Eigen::Vector3d::UnitX()));
 }
 
 TEST(FreeSpace, MarksASlantedRayOnlyWhereItPasses) {

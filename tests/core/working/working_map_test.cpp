@@ -72,7 +72,7 @@ class RandomPolicy {
         map->AddPart(*object);
         break;
       case 2:
-        map->Forget(object);
+        map->Delete(object);
         break;
       case 3:
         map->TakeVolume(object, Any(map));
@@ -82,7 +82,7 @@ class RandomPolicy {
         map->MarkChanged(object);
         break;
       case 5:
-        if (object->is_forgotten()) break;
+        if (object->is_deleted()) break;
         object->state().status = static_cast<ObjectStatus>(Integer(2));
         map->MarkChanged(object);
         break;

@@ -43,24 +43,24 @@ TEST(NumberText, DurationsAndMoments) {
   EXPECT_EQ(DurationText(245.0), "4 min 05 s");
   google::protobuf::Timestamp moment;
   moment.set_seconds(1'714'564'800);
-  EXPECT_EQ(MomentText(moment), "2024-05-01T12:00:00Z");
+  EXPECT_EQ(TimeText(moment), "2024-05-01T12:00:00Z");
   moment.set_nanos(250'000'000);
-  EXPECT_EQ(MomentText(moment), "2024-05-01T12:00:00.25Z");
+  EXPECT_EQ(TimeText(moment), "2024-05-01T12:00:00.25Z");
 }
 
-TEST(ParseMoment, IsTakenAsTextAndAsSeconds) {
+TEST(ParseTime, IsTakenAsTextAndAsSeconds) {
   const auto nanoseconds = [](const char* text) {
-    return ParseMoment(text).value_or(Timestamp()).nanoseconds();
+    return ParseTime(text).value_or(Timestamp()).nanoseconds();
   };
   EXPECT_EQ(nanoseconds("2024-05-01T12:00:00Z"), 1'714'564'800'000'000'000);
   EXPECT_EQ(nanoseconds("2024-05-01T14:00:00.25+02:00"), 1'714'564'800'250'000'000);
   EXPECT_EQ(nanoseconds("1714564800"), 1'714'564'800'000'000'000);
   EXPECT_EQ(nanoseconds("1714564800.123456789"), 1'714'564'800'123'456'789);
   EXPECT_EQ(nanoseconds("1714564800.1234567899"), 1'714'564'800'123'456'789);
-  EXPECT_TRUE(ParseMoment("0").ok());
+  EXPECT_TRUE(ParseTime("0").ok());
 }
 
-TEST(ParseMoment, AnythingElseIsAnError) {
+TEST(ParseTime, AnythingElseIsAnError) {
   for (const char* text : {"",
                            "now",
                            "infinite-future",
@@ -74,7 +74,7 @@ TEST(ParseMoment, AnythingElseIsAnError) {
                            ".5",
                            "1.2.3",
                            "99999999999999999999"}) {
-    EXPECT_EQ(ParseMoment(text).status().code(), absl::StatusCode::kInvalidArgument) << text;
+    EXPECT_EQ(ParseTime(text).status().code(), absl::StatusCode::kInvalidArgument) << text;
   }
 }
 
@@ -218,9 +218,9 @@ TEST(ProgressReport, CountsRefusedFramesApartAndNamesTheirReasons) {
   double now_s = 0.0;
   ProgressReport report(&out, false, "integrated", 3, [&] { return now_s; });
   now_s = 2.0;
-  report.NameRefusal("NON_FINITE_POSE");
-  report.NameRefusal("LABEL_OUT_OF_RANGE");
-  report.NameRefusal("NON_FINITE_POSE");
+  report.AddRefusalReason("NON_FINITE_POSE");
+  report.AddRefusalReason("LABEL_OUT_OF_RANGE");
+  report.AddRefusalReason("NON_FINITE_POSE");
   report.Update(1, 3, 2);
   EXPECT_EQ(out.str(),
             "1/3 frames integrated, 2 refused (LABEL_OUT_OF_RANGE, NON_FINITE_POSE), "

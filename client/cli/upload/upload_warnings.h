@@ -11,17 +11,17 @@
 namespace steadymap {
 
 /// Checks the frames of an upload for input that is valid but probably unintended. One thread.
-class UploadNotes {
+class UploadWarnings {
  public:
   /// `policy` is the policy of the map.
-  explicit UploadNotes(UpdatePolicy policy);
+  explicit UploadWarnings(UpdatePolicy policy);
 
   /// Returns a warning for the user, or none. Warns once, at the first frame with neither labels
   /// nor instances in an upload to a map of objects.
   std::optional<std::string> Look(const v1::Frame& frame);
 
  private:
-  bool wants_labels_;
+  bool needs_labels_;
   std::size_t frames_ = 0;
 };
 
