@@ -121,7 +121,8 @@ def unpack_leaves(leaves: Sequence[Leaf], truncation_m: float) -> LeafVoxels:
     is_damaged = (np.abs(steps) > _MAX_DISTANCE_STEPS) | (observed & (weight_units == 0))
     if is_damaged.any():
         raise DataLossError("a packed leaf is damaged: a voxel is out of range", reason="CHECKSUM")
-    step_m = np.float32(truncation_m) / np.float32(_MAX_DISTANCE_STEPS)
+    # Rounded once, as the server does: a quotient of two float32 differs in its last bit.
+    step_m = np.float32(truncation_m / _MAX_DISTANCE_STEPS)
     distance_m = np.where(observed, steps.astype(np.float32) * step_m, np.float32(np.nan))
     colors = [_undo_differences(observed, _from_zigzag(plane), 0xFF) for plane in planes[4:7]]
     shape = (len(leaves), _SIDE, _SIDE, _SIDE)
