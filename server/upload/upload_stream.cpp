@@ -363,7 +363,9 @@ void UploadStream::StartIntake() {
                        {
                          const absl::MutexLock lock(&self->mutex_);
                          self->intake_running_ = false;
-                         if (!status.ok() && !self->end_status_) self->end_status_ = status;
+                         if (!status.ok() && !self->end_status_) {
+                           self->end_status_ = WithFieldPrefix(status, "batch");
+                         }
                        }
                        self->Drive();
                      });

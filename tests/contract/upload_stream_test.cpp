@@ -106,7 +106,7 @@ TEST_P(UploadStreamTest, WrongChecksumTakesNothingOfTheBatch) {
   v1::FrameBatch batch = MakeBatch(1, 2);
   batch.set_images_crc32c(ImagesCrc32c(batch) + 1);
   EXPECT_THAT(UploadAndClose(&service_, session_, batch),
-              IsError(StatusCode::kDataLoss, "CHECKSUM", "images_crc32c"));
+              IsError(StatusCode::kDataLoss, "CHECKSUM", "batch.images_crc32c"));
   EXPECT_EQ(service_.GetMap(map_)->state().durable_map_seq(), 0U);
 }
 
