@@ -70,15 +70,14 @@ MapRuntime::MapRuntime(const MapRecord& record, const Dependencies& dependencies
       budget_account_(dependencies.budget->OpenAccount(dependencies.queue_bytes)),
       read_account_(dependencies.read_budget->OpenAccount(dependencies.queue_bytes / 2)),
       capture_clocks_(record.name.ToString()),
+      class_log_(record.config),
       queue_(kMaxQueuedFrames),
       integrator_(dependencies.store,
                   &clock_,
                   CommitOf(record, dependencies.commit),
                   [this](PublishedRevision published) { Publish(std::move(published)); }),
       record_(record),
-      health_{Condition::kOpening, Opening(record.name)},
-      durable_classes_(record.config.classes),
-      labels_(std::make_shared<const KnownLabels>(record.config.classes)) {
+      health_{Condition::kOpening, Opening(record.name)} {
   // The queue is closed until the map is open, so that it refuses batches with the reason.
   queue_.Close(health_.reason);
 }
@@ -150,45 +149,17 @@ PublishedRevision MapRuntime::published() const {
   return published_;
 }
 
-std::shared_ptr<const KnownLabels> MapRuntime::labels() const {
-  const absl::MutexLock lock(&mutex_);
-  return labels_;
-}
-
-std::vector<SemanticClass> MapRuntime::classes() const {
-  const absl::MutexLock lock(&mutex_);
-  return durable_classes_;
-}
-
 absl::Status MapRuntime::Enqueue(PendingBatch batch) {
   absl::Status status = queue_.Push(std::move(batch));
   if (status.ok()) append_strand_->Wake();
   return status;
 }
 
-absl::Status MapRuntime::CheckClasses(const std::vector<SemanticClass>& added) const {
-  MapConfig config;
-  {
-    const absl::MutexLock lock(&mutex_);
-    config = record_.config;
-    config.classes = durable_classes_;
-    for (const PendingClasses& pending : pending_classes_) {
-      config.classes.insert(config.classes.end(), pending.classes.begin(), pending.classes.end());
-    }
-  }
-  config.classes.insert(config.classes.end(), added.begin(), added.end());
-  return ValidateMapConfig(config);
-}
-
 void MapRuntime::AddClasses(std::vector<SemanticClass> classes,
                             std::function<void(absl::Status)> done) {
   absl::Status status = CheckUploads();
-  if (status.ok()) status = CheckClasses(classes);
+  if (status.ok()) status = class_log_.Queue({std::move(classes), done});
   if (!status.ok()) return done(status);
-  {
-    const absl::MutexLock lock(&mutex_);
-    pending_classes_.push_back({std::move(classes), std::move(done)});
-  }
   append_strand_->Wake();
 }
 
@@ -199,10 +170,7 @@ void MapRuntime::RequestCommit(MapSequence target) {
 
 LogGroup MapRuntime::TakeGroup(std::vector<PendingClasses>* classes) {
   LogGroup group(key_, durable_head(), &sessions_, clock_.Now());
-  {
-    const absl::MutexLock lock(&mutex_);
-    classes->swap(pending_classes_);
-  }
+  *classes = class_log_.TakeQueued();
   for (const PendingClasses& pending : *classes) group.AddClasses(pending.classes);
   for (PendingBatch& batch : queue_.PopFair(kMaxGroupFrames, kMaxGroupBytes)) {
     group.AddBatch(std::move(batch));
@@ -248,14 +216,7 @@ Strand::Next MapRuntime::AppendStep() {
 void MapRuntime::RecordAppend(const LogGroup& group) {
   for (const auto& [name, session] : group.sessions()) sessions_.Update(session);
   durable_head_ = group.head().value();
-  std::vector<SemanticClass> added;
-  for (const LogEntry& entry : group.append().entries) {
-    added.insert(added.end(), entry.classes.begin(), entry.classes.end());
-  }
-  if (added.empty()) return;
-  const absl::MutexLock lock(&mutex_);
-  durable_classes_.insert(durable_classes_.end(), added.begin(), added.end());
-  labels_ = std::make_shared<const KnownLabels>(durable_classes_);
+  for (const LogEntry& entry : group.append().entries) class_log_.Append(entry.classes);
 }
 
 Strand::Next MapRuntime::MapStep() {
@@ -303,11 +264,7 @@ absl::Status MapRuntime::AdoptState(const StoredState& state) {
   clock_.Continue(state.uptime);
   sessions_.Reset(state.sessions, state.snapshot.integrated());
   durable_head_ = state.durable_head.value();
-  {
-    const absl::MutexLock lock(&mutex_);
-    durable_classes_ = state.durable_classes;
-    labels_ = std::make_shared<const KnownLabels>(durable_classes_);
-  }
+  class_log_.Reset(state.durable_classes);
   if (absl::Status status = integrator_.Start(record(), state); !status.ok()) return status;
   Publish({std::make_shared<const MapSnapshot>(state.snapshot),
            state.commit,
@@ -377,7 +334,6 @@ void MapRuntime::Close(const absl::Status& status,
                        bool commit,
                        const std::function<void()>& on_closed) {
   std::vector<std::function<void()>> opened;
-  std::vector<PendingClasses> classes;
   bool was_ready = false;
   {
     const absl::MutexLock lock(&mutex_);
@@ -385,11 +341,10 @@ void MapRuntime::Close(const absl::Status& status,
     was_ready = health_.condition == Condition::kReady;
     health_ = {Condition::kDeleted, status};
     opened.swap(when_opened_);
-    classes.swap(pending_classes_);
   }
   integrator_.Interrupt();
   RefuseUploads(status);
-  for (const PendingClasses& pending : classes) pending.done(status);
+  for (const PendingClasses& pending : class_log_.Close(status)) pending.done(status);
   for (const std::function<void()>& callback : opened) callback();
   append_strand_->Stop([self = shared_from_this(), commit, was_ready, on_closed] {
     self->map_strand_->Stop([self, commit, was_ready, on_closed] {

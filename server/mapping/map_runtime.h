@@ -15,6 +15,7 @@
 #include "core/types/map_config.h"
 #include "server/config/server_config.h"
 #include "server/mapping/capture_clocks.h"
+#include "server/mapping/class_log.h"
 #include "server/mapping/commit_waiters.h"
 #include "server/mapping/frame_queue.h"
 #include "server/mapping/map_clock.h"
@@ -102,10 +103,10 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   /// Returns the values that are valid in label images: those of the class table at the head of the
   /// log.
-  std::shared_ptr<const KnownLabels> labels() const ABSL_LOCKS_EXCLUDED(mutex_);
+  std::shared_ptr<const KnownLabels> labels() const { return class_log_.labels(); }
 
   /// Returns the class table at the head of the log.
-  std::vector<SemanticClass> classes() const ABSL_LOCKS_EXCLUDED(mutex_);
+  std::vector<SemanticClass> classes() const { return class_log_.classes(); }
 
   /// Returns the sequence of the newest entry in the log.
   MapSequence durable_head() const { return MapSequence(durable_head_.load()); }
@@ -130,8 +131,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   /// Adds classes to the map's table. Calls `done` once they are durable, or with an error:
   /// `InvalidArgument` for classes that conflict with the table, or an error of `CheckUploads`.
-  void AddClasses(std::vector<SemanticClass> classes, std::function<void(absl::Status)> done)
-      ABSL_LOCKS_EXCLUDED(mutex_);
+  void AddClasses(std::vector<SemanticClass> classes, std::function<void(absl::Status)> done);
 
   /// Number of frames that wait for the log.
   std::size_t queued_frames() const { return queue_.waiting_frames(); }
@@ -148,12 +148,6 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
       ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  /// Classes that wait for the log.
-  struct PendingClasses {
-    std::vector<SemanticClass> classes;
-    std::function<void(absl::Status)> done;
-  };
-
   // Steps of the strands, on the pools.
   Strand::Next AppendStep() ABSL_LOCKS_EXCLUDED(mutex_);
   Strand::Next MapStep() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -163,8 +157,6 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   void Fail(const absl::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   LogGroup TakeGroup(std::vector<PendingClasses>* classes) ABSL_LOCKS_EXCLUDED(mutex_);
   void RecordAppend(const LogGroup& group) ABSL_LOCKS_EXCLUDED(mutex_);
-  absl::Status CheckClasses(const std::vector<SemanticClass>& added) const
-      ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status AdoptState(const StoredState& state) ABSL_LOCKS_EXCLUDED(mutex_);
   void Publish(PublishedRevision published) ABSL_LOCKS_EXCLUDED(mutex_);
   void SetCondition(Condition condition, const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -179,6 +171,7 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   MapClock clock_;
   SessionTable sessions_;
   CaptureClocks capture_clocks_;
+  ClassLog class_log_;
   CommitWaiters waiters_;
   FrameQueue queue_;
   MapIntegrator integrator_;
@@ -194,9 +187,6 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::function<void()>> when_opened_ ABSL_GUARDED_BY(mutex_);
   PublishedRevision published_ ABSL_GUARDED_BY(mutex_);
-  std::vector<SemanticClass> durable_classes_ ABSL_GUARDED_BY(mutex_);
-  std::shared_ptr<const KnownLabels> labels_ ABSL_GUARDED_BY(mutex_);
-  std::vector<PendingClasses> pending_classes_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace steadymap
