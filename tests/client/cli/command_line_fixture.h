@@ -29,7 +29,7 @@ class CommandLineTest : public ::testing::Test {
     });
   }
 
-  /// Runs a command that must fail with one line that holds `part`.
+  /// Runs a command that must fail with one line containing `part`.
   void ExpectFailure(const std::vector<std::string>& arguments,
                      int exit_code,
                      const std::string& part) {

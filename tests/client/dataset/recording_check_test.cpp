@@ -68,7 +68,7 @@ TEST(NoteOnTimes, WarnsOfClocksThatWereNeverSet) {
   EXPECT_THAT(NoteOnTimes(sample).value_or(""), HasSubstr("1999-12-31T23:59:59Z"));
 }
 
-/// Frames of 320 x 240 pixels in the TUM layout, each with one depth everywhere.
+/// Writes frames of 320 x 240 pixels in the TUM layout, each with a constant depth.
 void WriteDepths(const TemporaryFolder& folder, const std::vector<std::uint16_t>& units) {
   std::string depth;
   std::string poses;
@@ -95,7 +95,7 @@ TEST(RecordingSample, IsTheMedianOfAllFramesLookedAt) {
   EXPECT_NEAR(*sample.median_depth_m, 0.6, 1e-6);
   EXPECT_EQ(sample.metres_per_unit, 0.0002);
   EXPECT_EQ(sample.first_time, Timestamp::FromSeconds(1'305'031'102.0));
-  // The first and the last.
+  // The first and the last frame.
   EXPECT_EQ((*source)->Sample(2).frame_count, 2U);
   EXPECT_NEAR((*source)->Sample(2).median_depth_m.value_or(0.0), 0.8, 1e-6);
   EXPECT_TRUE((*source)->Next()->has_value()) << "the first frame is still to be delivered";

@@ -26,7 +26,7 @@ inline grpc::Status NoSuchMap(const std::string& name) {
       MakeError(absl::StatusCode::kNotFound, reason::kNotFound, "there is no map " + name, "name"));
 }
 
-/// Keeps maps in memory; pages hold two.
+/// Keeps maps in memory; pages have two maps.
 class FakeMapService final : public v1::MapService::Service {
  public:
   std::map<std::string, v1::Map> maps;  ///< By name.
@@ -73,7 +73,7 @@ class FakeMapService final : public v1::MapService::Service {
   }
 };
 
-/// Answers with what it was given, and keeps what it was asked.
+/// Returns prepared responses and records the requests.
 class FakeQueryService final : public v1::QueryService::Service {
  public:
   v1::SampleDistanceResponse samples;
@@ -139,7 +139,8 @@ class FakeQueryService final : public v1::QueryService::Service {
                              const v1::GetMapSectionRequest* request,
                              grpc::ServerWriter<v1::GetMapSectionResponse>* stream) override {
     section_request = *request;
-    // A client that cancels does not wait for the end of this call before the test goes on.
+    // Copied: a client that cancels does not wait for the end of this call before the test
+    // continues.
     const std::vector<v1::GetMapSectionResponse> messages = section;
     for (const v1::GetMapSectionResponse& message : messages) stream->Write(message);
     return grpc::Status::OK;
@@ -149,7 +150,8 @@ class FakeQueryService final : public v1::QueryService::Service {
                          const v1::ExportMapRequest* request,
                          grpc::ServerWriter<v1::ExportMapResponse>* stream) override {
     export_request = *request;
-    // As above.
+    // Copied: a client that cancels does not wait for the end of this call before the test
+    // continues.
     const std::vector<v1::ExportMapResponse> messages = file;
     grpc::Status status = export_status;
     for (const v1::ExportMapResponse& response : messages) stream->Write(response);
@@ -163,8 +165,8 @@ class FakeQueryService final : public v1::QueryService::Service {
     return grpc::Status::OK;
   }
 
-  /// Makes `ExportMap` send these pieces between a header and a trailer that says they are
-  /// `content`.
+  /// Makes `ExportMap` send these chunks between a header and a trailer with the length and
+  /// checksum of `content`.
   void SetFile(const std::vector<std::string>& chunks, const std::string& content) {
     file.assign(1, {});
     file[0].mutable_header()->set_revision(7);
@@ -176,7 +178,7 @@ class FakeQueryService final : public v1::QueryService::Service {
   }
 
  private:
-  /// Pages of two, whatever is asked for.
+  /// Returns pages of two, whatever page size is requested.
   template <typename Message, typename Field, typename Answer>
   static void AnswerPage(const std::vector<Message>& list,
                          const std::string& token,
@@ -188,7 +190,7 @@ class FakeQueryService final : public v1::QueryService::Service {
   }
 };
 
-/// A server in this process with some services.
+/// An in-process server with some services.
 class FakeServer {
  public:
   template <typename... Services>
@@ -206,7 +208,7 @@ class FakeServer {
 
   std::shared_ptr<grpc::Channel> channel() const { return server_->InProcessChannel({}); }
 
-  /// For clients that open a channel for each try; they must not outlive the server.
+  /// For clients that open a channel for each attempt; they must not outlive the server.
   ChannelOpener channels() const {
     return [this] { return channel(); };
   }

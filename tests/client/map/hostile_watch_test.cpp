@@ -1,4 +1,4 @@
-// Servers that send what the contract of a watch forbids.
+// Tests a mirror against servers that violate the protocol of a watch.
 
 #include <functional>
 #include <string>
@@ -27,7 +27,7 @@ Messages WholeFirst() {
   return Join({Created(FirstMap()), SnapshotOf(FirstMap()), Progress(5, "t5")});
 }
 
-/// A delta from the first map to the second one, changed.
+/// Returns the step from the first map to the second one, modified by `alter`.
 Messages AlteredDelta(std::uint32_t fragments, const std::function<void(Messages*)>& alter) {
   Messages delta = DeltaOf(FirstMap(), SecondMap(), fragments);
   alter(&delta);
@@ -256,7 +256,7 @@ INSTANTIATE_TEST_SUITE_P(Events, HostileWatch, ::testing::ValuesIn(BrokenEvents(
 INSTANTIATE_TEST_SUITE_P(Leaves, HostileWatch, ::testing::ValuesIn(BrokenLeaves()), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Content, HostileWatch, ::testing::ValuesIn(BrokenContent()), kCaseName);
 
-// What a resumed stream says it goes on from must be what the watcher has.
+// A resumed stream must continue from the watcher's own revision and map.
 class HostileResumption : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(HostileResumption, OfAnotherMapIsNoticedBeforeAnyStep) {

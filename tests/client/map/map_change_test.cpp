@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-/// One map with an etag and request ids as the contract has them.
+/// A map service with one map, its etag and its request ids.
 class GuardedMapService final : public v1::MapService::Service {
  public:
   v1::Map map;

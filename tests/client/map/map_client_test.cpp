@@ -160,7 +160,7 @@ TEST_F(MapClientTest, EventsOfSeveralPagesAreWholeAndFiltersAreSent) {
   EXPECT_FALSE(sent.has_start_time() || sent.has_end_time());
 }
 
-// A leaf of canonical voxels.
+// Returns a leaf of canonical voxels.
 LeafVoxels RandomLeaf(const VoxelScale& scale, std::mt19937* random) {
   std::uniform_int_distribution<int> steps(-kMaxDistanceSteps, kMaxDistanceSteps);
   std::uniform_int_distribution<int> weights(1, 2000);

@@ -31,10 +31,10 @@ using watching::SnapshotOf;
 
 class MapMirrorTest : public ::testing::Test {
  protected:
-  /// A whole snapshot of the first map.
+  /// Returns a complete snapshot of the first map.
   Messages First() const { return Join({Created(first_), SnapshotOf(first_), Progress(5, "t5")}); }
 
-  /// The step to the second map.
+  /// Returns the step to the second map.
   Messages Second(std::uint32_t fragments = 1) const {
     return Join({DeltaOf(first_, second_, fragments), Events(6, {1, 2}), Progress(6, "t6")});
   }
@@ -149,7 +149,7 @@ TEST_F(MapMirrorTest, AnObjectThatIsRemovedAndSentAgainIsReplacedWhole) {
     message.mutable_delta()->clear_objects();
     message.mutable_delta()->clear_leaves();
   }
-  // Away with both; object 1 comes back in the next fragment with one of its leaves.
+  // Removes both; object 1 returns in the next fragment with one of its leaves.
   delta[0].mutable_delta()->add_removed_object_ids(1);
   delta[0].mutable_delta()->add_removed_object_ids(2);
   delta[0].mutable_delta()->add_removed_object_ids(77);
@@ -242,7 +242,7 @@ TEST_F(MapMirrorTest, WhatHealsIsResumedAndWaitsGrow) {
   for (const WatchStateChange& change : harness_.Changes(WatchState::kReconnecting)) {
     delays_ms.push_back(change.delay.count());
   }
-  // Half a second at most where no server answered.
+  // At most half a second if no server answered.
   EXPECT_EQ(delays_ms, (std::vector<std::int64_t>{100, 200, 400, 500, 500}));
   for (std::size_t i = 1; i < 6; ++i) {
     EXPECT_EQ(harness_.service.requests().at(i).resume_token(), "t5");
@@ -257,7 +257,7 @@ TEST_F(MapMirrorTest, AMirrorFromNowOnHoldsWhatChanges) {
   }});
   ASSERT_TRUE(mirror.AwaitRevision(Revision(6), kHangTimeout).ok());
   EXPECT_EQ(harness_.service.requests().at(0).start(), v1::WATCH_START_NOW);
-  EXPECT_FALSE(harness_.service.requests().at(0).takes_patches()) << "it has no leaves to patch";
+  EXPECT_FALSE(harness_.service.requests().at(0).takes_patches()) << "there are no leaves to patch";
   const watching::MapContent content = ContentOf(*mirror.snapshot());
   EXPECT_EQ(content.objects.size(), 2U);
   EXPECT_EQ(content.objects.at(3), ContentOf(second_).objects.at(3));

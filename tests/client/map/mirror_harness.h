@@ -23,16 +23,16 @@
 
 namespace steadymap {
 
-/// Long enough to be reached only by a hang.
+/// Reached only if a test hangs.
 inline constexpr std::chrono::milliseconds kHangTimeout{60'000};
 
-/// A status as a server's script ends with it.
+/// Returns the status with which a server's script ends.
 inline grpc::Status WatchFailure(absl::StatusCode code, std::string_view reason = {}) {
   return ToGrpcStatus(MakeError(code, reason, "as the script says"));
 }
 
-/// A mirror of a server that plays scripts. Never waits between streams, and keeps what the mirror
-/// told.
+/// A mirror of a scripted server. Never waits between streams, and records the callbacks of the
+/// mirror.
 class MirrorHarness {
  public:
   MirrorHarness() {
@@ -67,13 +67,13 @@ class MirrorHarness {
     return *mirror_;
   }
 
-  /// The mirror, also for scripts and callbacks.
+  /// Returns the mirror; also callable from scripts and callbacks.
   MapMirror& mirror() {
     started_.WaitForNotification();
     return *mirror_;
   }
 
-  /// Waits for the end of the mirror; why it ended.
+  /// Waits for the end of the mirror; returns its final status.
   absl::Status AwaitEnd() {
     EXPECT_TRUE(ended_.WaitForNotificationWithTimeout(absl::FromChrono(kHangTimeout)));
     return mirror_->status();
@@ -84,13 +84,13 @@ class MirrorHarness {
     EXPECT_TRUE(resynced_.WaitForNotificationWithTimeout(absl::FromChrono(kHangTimeout)));
   }
 
-  /// Waits until so many steps were told of: a step can be seen before its callbacks run.
+  /// Waits for `count` calls of `on_step`: a step is visible before its callbacks run.
   void AwaitSteps(std::size_t count) {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(told_.wait_for(lock, kHangTimeout, [&] { return steps_.size() >= count; }));
   }
 
-  /// Waits until so many events were told of.
+  /// Waits for `count` events.
   void AwaitEvents(std::size_t count) {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(told_.wait_for(lock, kHangTimeout, [&] { return event_numbers_.size() >= count; }));
@@ -106,7 +106,7 @@ class MirrorHarness {
     return event_numbers_;
   }
 
-  /// The changes to this state, in order.
+  /// Returns the changes to this state, in order.
   std::vector<WatchStateChange> Changes(WatchState state) const {
     const std::lock_guard lock(mutex_);
     std::vector<WatchStateChange> found;
@@ -129,7 +129,7 @@ class MirrorHarness {
   }
 
   mutable std::mutex mutex_;
-  std::condition_variable told_;  ///< Of a step or of events.
+  std::condition_variable told_;  ///< Signals a step or events.
   std::vector<MirrorStep> steps_;
   std::vector<std::uint64_t> event_numbers_;
   std::vector<WatchStateChange> changes_;

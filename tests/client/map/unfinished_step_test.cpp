@@ -1,4 +1,4 @@
-// Mirrors that are cut off within a long step and go on behind what has come of it.
+// Tests mirrors whose streams break within a long step and that resume after the received part.
 
 #include <string>
 #include <vector>
@@ -22,7 +22,7 @@ using watching::Resync;
 using watching::SecondMap;
 using watching::SnapshotOf;
 
-/// The parts of a step, each with a token: "p1", "p2" and so on.
+/// Adds a resume token to each part of a step: "p1", "p2" and so on.
 Messages WithTokens(Messages parts) {
   int number = 0;
   for (v1::WatchMapResponse& part : parts) {
@@ -34,7 +34,7 @@ Messages WithTokens(Messages parts) {
   return parts;
 }
 
-/// The first `count` messages, and the others.
+/// Returns the first `count` messages.
 Messages Head(const Messages& messages, std::ptrdiff_t count) {
   return {messages.begin(), messages.begin() + count};
 }
@@ -43,7 +43,7 @@ Messages Tail(const Messages& messages, std::ptrdiff_t count) {
   return {messages.begin() + count, messages.end()};
 }
 
-/// The rest of a step follows.
+/// Returns the `created` of a stream that continues a step.
 Messages Continued(const MapSnapshot& map) {
   Messages created = Created(map);
   created[0].mutable_created()->set_continues_step(true);
@@ -52,7 +52,7 @@ Messages Continued(const MapSnapshot& map) {
 
 class UnfinishedStep : public ::testing::Test {
  protected:
-  /// A server that sends this and breaks off.
+  /// Returns the script of a server that sends these messages and breaks the stream.
   FakeWatchService::Script Cut(const Messages& messages) {
     return [messages](ScriptedWatch& watch) {
       watch.Send(messages);
@@ -60,7 +60,7 @@ class UnfinishedStep : public ::testing::Test {
     };
   }
 
-  /// One that sends this and stays.
+  /// Returns the script of a server that sends these messages and keeps the stream open.
   FakeWatchService::Script Stay(const Messages& messages) {
     return [messages](ScriptedWatch& watch) {
       watch.Send(messages);

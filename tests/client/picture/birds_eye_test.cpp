@@ -55,12 +55,12 @@ Rgb PixelAt(const BirdsEyePicture& picture, double x, double y) {
                           static_cast<int>(std::floor(pixel.y())));
 }
 
-// Sum of the channels' differences.
+// Returns the sum of the channels' differences.
 int Difference(const Rgb& a, const Rgb& b) {
   return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
 }
 
-// Colour without brightness: shading must not change it.
+// Returns the colour without brightness: shading must not change it.
 Eigen::Vector3d Hue(const Rgb& color) {
   return Eigen::Vector3d(color[0], color[1], color[2]).normalized();
 }
@@ -116,7 +116,7 @@ TEST(DrawBirdsEye, DrawsAScaleBarOfTheLengthItNames) {
     }
     EXPECT_NEAR(length_px, picture.scale_bar_m / picture.view.metres_per_px, 1.0) << size_m;
     EXPECT_GT(length_px, 100);
-    // A round number: 1, 2 or 5 and zeros.
+    // 1, 2 or 5 times a power of ten.
     const double power = std::pow(10.0, std::floor(std::log10(picture.scale_bar_m) + 1e-9));
     const double leading = picture.scale_bar_m / power;
     EXPECT_LT(std::min({std::abs(leading - 1), std::abs(leading - 2), std::abs(leading - 5)}),
@@ -135,7 +135,7 @@ TEST(DrawBirdsEye, ShowsWallsThoughTheyAreSeenEdgeOn) {
 TEST(DrawBirdsEye, LooksThroughACeiling) {
   Mesh mesh = Room();
   AddCeiling({-4, -2}, {4, 2}, 3.0F, &mesh);
-  // A lamp under the roof, seen from above nowhere but by a stray return.
+  // A lamp under the roof, without upward-facing surface except a stray return.
   AddFloor({-3, -1}, {-2, 0}, 3.1F, &mesh);
   const BirdsEyePicture picture = DrawBirdsEye(mesh, {}, {});
   ASSERT_TRUE(picture.cut_height_m.has_value());
@@ -191,7 +191,7 @@ TEST(DrawBirdsEye, SaysSoWhenThereIsNoSurface) {
   EXPECT_EQ(std::max(empty.image.width_px(), empty.image.height_px()), 1200);
   EXPECT_GT(ink_near_the_middle(empty), 200);
   EXPECT_EQ(ink_near_the_middle(DrawBirdsEye(Room(), {}, {})), 0);
-  // Paths alone give the view, one of a single point too.
+  // Paths alone define the view, even a single point.
   EXPECT_GT(ink_near_the_middle(DrawBirdsEye({}, {{"r", {{-1, -1, 0}, {1, 1, 0}}}}, {})), 100);
   EXPECT_GT(DrawBirdsEye({}, {{"r", {{5, 5, 0}}}}, {}).view.metres_per_px, 0.0);
 }

@@ -33,7 +33,7 @@ TEST(Backoff, WhatAServerAsksForComesOnTop) {
   EXPECT_EQ(backoff.NextDelay({.asked = milliseconds(1'000)}), milliseconds(1'010));
   EXPECT_EQ(backoff.NextDelay(), milliseconds(20));
   EXPECT_EQ(backoff.NextDelay({.asked = milliseconds(2'000)}), milliseconds(2'040));
-  EXPECT_FALSE(backoff.NextDelay()) << "it counts";
+  EXPECT_FALSE(backoff.NextDelay()) << "the duration of the attempt counts";
 }
 
 TEST(Backoff, JitterStaysWithinItsShareAndVaries) {
@@ -84,7 +84,7 @@ TEST(Backoff, TimeThatTriesTakeCountsUntilTheServerIsReached) {
   EXPECT_EQ(backoff.NextDelay({.took = milliseconds(900)}), milliseconds(10));
   backoff.NoteReached();
   EXPECT_EQ(backoff.NextDelay({.took = milliseconds(900)}), milliseconds(20))
-      << "they go on growing";
+      << "the delays keep growing";
   EXPECT_FALSE(backoff.NextDelay({.took = milliseconds(80)}));
 }
 
@@ -103,7 +103,8 @@ TEST(Backoff, DelaysStayShortWhileNobodyAnswers) {
   EXPECT_EQ(backoff.NextDelay({.was_answered = false}), milliseconds(500));
 }
 
-/// When the robots of a fleet, which lose their server at 0, try it again behind its return.
+/// Returns the times at which robots that lost their server at time 0 first retry after its return
+/// at `back`.
 std::vector<milliseconds> FirstTriesBehind(milliseconds back, std::uint64_t robots) {
   std::vector<milliseconds> tries;
   for (std::uint64_t robot = 1; robot <= robots; ++robot) {

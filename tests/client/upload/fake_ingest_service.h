@@ -15,7 +15,7 @@
 
 namespace steadymap {
 
-/// The server's end of one upload stream, as a script sees it.
+/// The server's end of one upload stream, for a script.
 class ScriptedStream {
  public:
   using Stream = grpc::ServerReaderWriter<v1::UploadFramesResponse, v1::UploadFramesRequest>;
@@ -29,7 +29,7 @@ class ScriptedStream {
     return request.open();
   }
 
-  /// Answers the opening; what is sent beyond this credit fails the test.
+  /// Answers the opening; frames beyond this credit fail the test.
   void SendOpened(std::uint64_t resume_client_seq,
                   std::uint64_t credit_frames,
                   std::uint64_t credit_bytes = std::uint64_t{1} << 30,
@@ -68,7 +68,8 @@ class ScriptedStream {
     stream_->Write(response);
   }
 
-  /// The next batch, checked against credit, limits and checksum; false at the client's end.
+  /// Reads the next batch and checks it against credit, limits and checksum; false at the client's
+  /// end.
   bool ReadBatch(v1::FrameBatch* batch) {
     v1::UploadFramesRequest request;
     if (!stream_->Read(&request)) return false;
@@ -88,7 +89,7 @@ class ScriptedStream {
     return true;
   }
 
-  /// Takes batches until `client_seq` has come or the client ends; returns whether it came.
+  /// Reads batches until `client_seq` has arrived or the client ends; returns true if it arrived.
   bool ReadUntil(std::uint64_t client_seq) {
     v1::FrameBatch batch;
     while (received_.empty() || received_.back() < client_seq) {
@@ -97,7 +98,7 @@ class ScriptedStream {
     return true;
   }
 
-  /// Plays a server that accepts everything: durable at once, integrated at the client's end.
+  /// Acts as a server that accepts everything: durable at once, integrated at the client's end.
   grpc::Status AcceptRest() {
     v1::FrameBatch batch;
     while (ReadBatch(&batch)) {
@@ -108,7 +109,7 @@ class ScriptedStream {
     return grpc::Status::OK;
   }
 
-  /// Client sequences in the order they came.
+  /// Client sequences in the order of arrival.
   const std::vector<std::uint64_t>& received() const { return received_; }
 
  private:
@@ -119,7 +120,7 @@ class ScriptedStream {
   std::vector<std::uint64_t> received_;
 };
 
-/// Plays one script a stream, in order, and refuses further streams.
+/// Plays one script per stream, in order, and refuses further streams.
 class FakeIngestService final : public v1::IngestService::Service {
  public:
   using Script = std::function<grpc::Status(ScriptedStream&)>;
@@ -127,10 +128,10 @@ class FakeIngestService final : public v1::IngestService::Service {
   explicit FakeIngestService(std::vector<Script> scripts)
       : scripts_(scripts.begin(), scripts.end()) {}
 
-  /// Replaces the scripts; before the first stream.
+  /// Replaces the scripts; call before the first stream.
   void SetScripts(std::vector<Script> scripts) { scripts_.assign(scripts.begin(), scripts.end()); }
 
-  /// What GetUploadState answers.
+  /// Response of GetUploadState.
   v1::UploadState state;
 
   std::size_t streams_opened() const { return streams_opened_; }
@@ -152,8 +153,7 @@ class FakeIngestService final : public v1::IngestService::Service {
   }
 
  private:
-  std::deque<Script>
-      scripts_;  // One stream at a time: the uploader opens none before the last end.
+  std::deque<Script> scripts_;  // Unguarded: the uploader has one stream at a time.
   std::atomic<std::size_t> streams_opened_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// Uploads whose server turns out to have lost frames that it had acknowledged as durable.
+// Tests uploads to a server that has lost frames that it had acknowledged as durable.
 
 #include <cstdint>
 #include <map>
@@ -15,10 +15,10 @@
 namespace steadymap {
 namespace {
 
-/// The frame number k has k bytes of depth, so that each can be told from the others.
+/// Returns a frame with `number` bytes of depth, so that frames are distinguishable.
 v1::Frame NumberedFrame(std::uint64_t number) { return FrameOfBytes(number); }
 
-/// Takes everything, and notes the size of the depth that came with each sequence.
+/// Accepts all frames and records the depth size of each sequence.
 grpc::Status AcceptAndNote(ScriptedStream& stream, std::map<std::uint64_t, std::size_t>* depths) {
   v1::FrameBatch batch;
   while (stream.ReadBatch(&batch)) {
@@ -42,8 +42,8 @@ v1::RefusedFrame Refused(std::uint64_t client_seq) {
   return refused;
 }
 
-/// Frames 1 to 6 come, 3 is refused, 5 are integrated; then the connection is lost, and the server
-/// comes back with the frames up to 2.
+/// Frames 1 to 6 arrive, 3 is refused, 5 are integrated; then the connection breaks, and the server
+/// returns with the frames up to 2.
 class LostFramesTest : public ::testing::Test {
  protected:
   static grpc::Status TakeSix(ScriptedStream& stream) {
@@ -173,7 +173,7 @@ TEST_F(LostFramesTest, AreToldOnceThoughTheServerSaysItAgain) {
   EXPECT_EQ(summary->progress.lost, 3U);
 }
 
-// A source that has the frames 1 to 3, of which the second cannot be read.
+// A source with the frames 1 to 3; the second is unreadable.
 class GappySource final : public FrameSource {
  public:
   std::size_t frame_count() const override { return 3; }

@@ -1,5 +1,5 @@
-// Clients that have lost their server: each try connects anew. A channel that has failed keeps
-// failing for a while without looking, and its client comes back late.
+// Tests clients that lost their server: each attempt must open a new connection. A channel that has
+// failed keeps failing for a while without a new attempt, which delays the reconnection.
 
 #include <chrono>
 #include <cstdint>
@@ -20,12 +20,12 @@ using std::chrono::milliseconds;
 
 const MapName kLostMap{"default", "kitchen"};
 
-/// Nobody listens behind it, and it resets whoever connects.
+/// A proxy without a server, which resets all connections.
 class LostServer : public ::testing::Test {
  protected:
   LostServer() { proxy_.Refuse(true); }
 
-  /// Twelve tries, whatever time they take: delays of 10 ms each, 110 ms in all.
+  /// Twelve attempts of any duration: delays of 10 ms each, 110 ms in all.
   static BackoffOptions TwelveTries() {
     return {.first_delay = milliseconds(10),
             .factor = 1.0,

@@ -15,7 +15,7 @@
 
 namespace steadymap {
 
-/// A frame with so large a depth image.
+/// Returns a frame with a depth image of this size.
 inline v1::Frame FrameOfBytes(std::size_t depth_bytes) {
   v1::Frame frame;
   frame.mutable_depth()->set_data(std::string(depth_bytes, 'd'));
@@ -23,20 +23,19 @@ inline v1::Frame FrameOfBytes(std::size_t depth_bytes) {
   return frame;
 }
 
-/// All numbers from `first` to `last`.
+/// Returns all numbers from `first` to `last`.
 inline std::vector<std::uint64_t> Sequences(std::uint64_t first, std::uint64_t last) {
   std::vector<std::uint64_t> sequences(last - first + 1);
   std::iota(sequences.begin(), sequences.end(), first);
   return sequences;
 }
 
-/// A status as a server's script ends with it.
+/// Returns the status with which a server's script ends.
 inline grpc::Status Failure(absl::StatusCode code, std::string_view reason = {}) {
   return ToGrpcStatus(MakeError(code, reason, "as the script says"));
 }
 
-/// An upload to a server that plays scripts. Never waits between streams, and keeps the delays that
-/// were asked for.
+/// An upload to a scripted server. Never waits between streams, and records the requested delays.
 struct UploadHarness {
   explicit UploadHarness(std::vector<FakeIngestService::Script> scripts)
       : service(std::move(scripts)) {

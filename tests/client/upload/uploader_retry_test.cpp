@@ -52,7 +52,7 @@ TEST_P(PassingFailure, IsRetried) {
   ASSERT_TRUE(summary.ok()) << summary.status();
   ASSERT_EQ(harness.delays.size(), 1U);
   EXPECT_GE(harness.delays[0], milliseconds(RetryDelayMsOf(FromProto(ToProto(GetParam())))))
-      << "as the server asked";
+      << "as requested by the server";
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -102,7 +102,8 @@ TEST(FrameUploader, LooksForALostServerTwiceASecond) {
 }
 
 TEST(FrameUploader, ProgressStartsTheDelaysAnew) {
-  // Each stream makes one more frame durable and breaks; without the reset 30 would be too many.
+  // Each stream makes one more frame durable and breaks; without the reset, 30 retries would be too
+  // many.
   std::vector<FakeIngestService::Script> scripts;
   for (std::uint64_t frame = 1; frame <= 30; ++frame) {
     scripts.emplace_back([frame](ScriptedStream& stream) {
@@ -145,7 +146,7 @@ TEST(FrameUploader, AsksForTheStateWhenAnIntegrationWasNotAcknowledged) {
   const absl::StatusOr<UploadSummary> summary = harness.Upload(5);
   ASSERT_TRUE(summary.ok()) << summary.status();
   EXPECT_EQ(summary->progress.integrated, 5U);
-  EXPECT_EQ(summary->progress.revision, 0U) << "who may upload need not be allowed to read";
+  EXPECT_EQ(summary->progress.revision, 0U) << "the uploader may lack the permission to read";
 }
 
 TEST(FrameUploader, ASessionThatIsSentAgainNamesTheMapsRevision) {
@@ -172,7 +173,7 @@ TEST(FrameUploader, AnEndBeforeEverythingWasIntegratedIsRetried) {
   UploadHarness harness({[&](ScriptedStream& stream) {
                            stream.ReadOpen();
                            stream.SendOpened(0, 100);
-                           return grpc::Status::OK;  // Without having read anything.
+                           return grpc::Status::OK;  // No message was read.
                          },
                          [&](ScriptedStream& stream) {
                            stream.ReadOpen();

@@ -53,7 +53,7 @@ TEST(FrameUploader, NothingPushedEndsWell) {
 }
 
 TEST(FrameUploader, NeverSendsMoreThanItHasCreditFor) {
-  // Two frames' worth of bytes, then credit in uneven pieces; ScriptedStream checks each batch.
+  // Credit for two frames, then credit in uneven amounts; ScriptedStream checks each batch.
   UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
     stream.SendOpened(0, 3, 2'500);
@@ -82,8 +82,7 @@ TEST(FrameUploader, SendsOnlyWhatIsNotDurableAfterTheStreamBreaks) {
                          },
                          [&](ScriptedStream& stream) {
                            last_durable = stream.ReadOpen().last_durable_client_seq();
-                           // Frame 5 and 6 were made durable too; only the acknowledgement was
-                           // lost.
+                           // Frames 5 and 6 became durable, but the acknowledgement was lost.
                            stream.SendOpened(6, 100);
                            grpc::Status status = stream.AcceptRest();
                            second = stream.received();
@@ -127,7 +126,8 @@ TEST(FrameUploader, ReportsEachRefusedFrameWithReasonAndField) {
     stream.SendOpened(0, 100);
     EXPECT_TRUE(stream.ReadUntil(5));
     stream.SendAck(v1::ACK_LEVEL_DURABLE, 5, {refused});
-    stream.SendAck(v1::ACK_LEVEL_INTEGRATED, 5, {refused});  // Twice, though it should not be.
+    // Repeated, which a server should not do.
+    stream.SendAck(v1::ACK_LEVEL_INTEGRATED, 5, {refused});
     return grpc::Status::OK;
   }});
   const absl::StatusOr<UploadSummary> summary = harness.Upload(5);
@@ -177,7 +177,7 @@ TEST(FrameUploader, KeepsFewFramesInMemory) {
     v1::FrameBatch batch;
     while (stream.ReadBatch(&batch)) {
       most_ahead = std::max(most_ahead, stream.received().back() - acknowledged);
-      // Lags two frames behind, but for the first and the last.
+      // Acknowledges two frames late, except the first and the last.
       if (stream.received().back() > 2) acknowledged = stream.received().back() - 2;
       stream.SendAck(v1::ACK_LEVEL_DURABLE, acknowledged);
     }
@@ -213,7 +213,7 @@ TEST(FrameUploader, DestructionEndsAnUploadThatHangs) {
   std::promise<void> opened;
   UploadHarness harness({[&](ScriptedStream& stream) {
     stream.ReadOpen();
-    stream.SendOpened(0, 0);  // No credit, ever.
+    stream.SendOpened(0, 0);  // Never any credit.
     opened.set_value();
     v1::FrameBatch batch;
     EXPECT_FALSE(stream.ReadBatch(&batch));
@@ -235,7 +235,7 @@ TEST(FrameUploader, PushAfterFinishIsRefused) {
   EXPECT_EQ(uploader.Push(FrameOfBytes(1)).code(), absl::StatusCode::kFailedPrecondition);
 }
 
-// A source whose second frame cannot be read.
+// A source with an unreadable second frame.
 class DamagedSource final : public FrameSource {
  public:
   std::size_t frame_count() const override { return 4; }
@@ -248,7 +248,7 @@ class DamagedSource final : public FrameSource {
   }
 
   absl::StatusOr<v1::Frame> Read(std::size_t index) override {
-    return NoFrameAt(index, 0);  // Nothing is lost in these tests.
+    return NoFrameAt(index, 0);  // These tests lose no frames.
   }
 
  private:

@@ -12,7 +12,7 @@
 
 namespace steadymap {
 
-/// The server's end of one watch, as a script sees it.
+/// The server's end of one watch, for a script.
 class ScriptedWatch {
  public:
   using Stream = grpc::ServerWriter<v1::WatchMapResponse>;
@@ -26,7 +26,7 @@ class ScriptedWatch {
     for (const v1::WatchMapResponse& message : messages) stream_->Write(message);
   }
 
-  /// Leaves the stream open until the test is over.
+  /// Keeps the stream open until the test ends.
   grpc::Status Hold() {
     released_->WaitForNotification();
     return grpc::Status::OK;
@@ -37,7 +37,7 @@ class ScriptedWatch {
   absl::Notification* released_;
 };
 
-/// Plays one script a watch, in order; further watches are held open, and get nothing.
+/// Plays one script per watch, in order; holds further watches open without messages.
 class FakeWatchService final : public v1::WatchService::Service {
  public:
   using Script = std::function<grpc::Status(ScriptedWatch&)>;
@@ -45,13 +45,13 @@ class FakeWatchService final : public v1::WatchService::Service {
   explicit FakeWatchService(std::vector<Script> scripts = {})
       : scripts_(scripts.begin(), scripts.end()) {}
 
-  /// Replaces the scripts; before the first watch.
+  /// Replaces the scripts; call before the first watch.
   void SetScripts(std::vector<Script> scripts) { scripts_.assign(scripts.begin(), scripts.end()); }
 
-  /// Ends all watches that are held open; before the server goes.
+  /// Ends all watches that are held open; call before the server is destroyed.
   void Release() { released_.Notify(); }
 
-  /// What was asked for so far, a request a watch.
+  /// Returns the requests so far, one per watch.
   std::vector<v1::WatchMapRequest> requests() const {
     const std::lock_guard lock(mutex_);
     return requests_;

@@ -118,7 +118,7 @@ TEST(Simulation, ALostRobotIsWrongAboutItsPoseAlone) {
     EXPECT_NEAR(Eigen::AngleAxisd(T_true_misled.linear()).angle(), 0.7, 1e-9);
     EXPECT_TRUE((T_world_first.inverse() * frame.T_world_camera)
                     .isApprox(misled.Render(20).T_world_camera.inverse() * lost.T_world_camera))
-        << "it moves as it does";
+        << "the drift depends on time only";
     lost.T_world_camera = frame.T_world_camera;
     ExpectSame(lost, frame);
   }

@@ -13,7 +13,7 @@
 namespace steadymap {
 namespace {
 
-/// What the command printed and returned.
+/// Output and exit code of the command.
 struct Outcome {
   int exit_code = 0;
   std::string out;

@@ -47,7 +47,7 @@ ObjectEvent CartMoved() {
   return event;
 }
 
-/// The JSON without the white space between its parts.
+/// Returns the JSON without white space between its parts.
 std::string Compact(const JsonWriter& json) {
   std::string compact;
   std::istringstream lines(json.Finish());

@@ -122,7 +122,7 @@ TEST(ParseBox, CornersInTheWrongOrderAreAnError) {
   EXPECT_EQ(ParseBox("0,0,1").status().code(), absl::StatusCode::kInvalidArgument);
 }
 
-/// Has a folder of its own for each test.
+/// Provides a separate folder for each test.
 class FileTest : public ::testing::Test {
  protected:
   std::size_t FileCount() const {

@@ -1,4 +1,4 @@
-// `steadymap watch` and `steadymap mirror` against a server that plays scripts.
+// Tests `steadymap watch` and `steadymap mirror` against a scripted server.
 
 #include <algorithm>
 #include <csignal>
@@ -35,7 +35,7 @@ using watching::Resync;
 using watching::SecondMap;
 using watching::SnapshotOf;
 
-/// What a watch printed and returned.
+/// Output and exit code of a watch.
 struct WatchOutcome {
   int exit_code = 0;
   std::string out;
@@ -83,7 +83,7 @@ class WatchCommandTest : public ::testing::Test {
     EXPECT_TRUE(watches_.requests().empty());
   }
 
-  /// Scripts that send messages and leave the stream open.
+  /// Plays scripts that send messages and leave the stream open.
   void Play(const std::vector<Messages>& streams) {
     std::vector<FakeWatchService::Script> scripts;
     scripts.reserve(streams.size());
@@ -234,7 +234,7 @@ TEST_F(WatchCommandTest, TheTokenFileIsKeptAndGoneOnFrom) {
   EXPECT_EQ(watches_.requests().at(1).start(), v1::WATCH_START_UNSPECIFIED);
   EXPECT_EQ(ContentOf("token"), "dDY\n");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1)
-      << "nothing is left beside it";
+      << "no temporary file is left";
 }
 
 TEST_F(WatchCommandTest, ATokenIsGoneOnFrom) {

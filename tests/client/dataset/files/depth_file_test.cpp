@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 constexpr PinholeCamera kCamera = {40, 30, 35.0, 35.0, 20.0, 15.0};
 
-// Every pixel has its own depth, in half floats as well.
+// Every pixel has a different depth, exact in half floats too.
 Image<float> Ramp() {
   Image<float> image(kCamera.width_px, kCamera.height_px);
   for (std::size_t i = 0; i < image.size(); ++i) {
@@ -144,7 +144,7 @@ TEST(PackDepthFile, RefusesFilesThatAreMissingOrSomethingElse) {
   EXPECT_THAT(MessageOf(folder.path() / "depth.exr"), HasSubstr("channel"));
 }
 
-// Whatever happens to a file, it is read or refused by name.
+// Expects that a file is read or refused with an error that names it.
 void ExpectReadOrRefused(const TemporaryFolder& folder,
                          const std::string& name,
                          const std::string& content) {
@@ -165,7 +165,7 @@ TEST(PackDepthFile, SurvivesTruncatedAndDamagedFiles) {
       folder.Write(name, whole.substr(0, length));
       EXPECT_THAT(MessageOf(folder.path() / name), HasSubstr(name));
     }
-    // What describes the image stands at the beginning of the one, at the end of the other.
+    // The image header is at the beginning of one format and at the end of the other.
     for (std::size_t i = 0; i < 300; i += 4) {
       for (const std::size_t place : {i, whole.size() - 1 - i}) {
         std::string damaged = whole;
@@ -187,7 +187,7 @@ TEST(PackDepthFile, RefusesHugeDeclaredSizesBeforeAllocating) {
   folder.Write("depth.exr", exr);
   EXPECT_THAT(MessageOf(folder.path() / "depth.exr"), HasSubstr("depth.exr"));
 
-  // A little-endian TIFF directory of width, height and nothing else.
+  // A little-endian TIFF directory with only width and height.
   const std::string tiff(
       "II*\0\x08\0\0\0\x02\0"
       "\0\x01\x04\0\x01\0\0\0\xff\xff\xff\xff"

@@ -8,20 +8,20 @@
 
 namespace steadymap {
 
-/// How an OpenEXR file is laid out.
+/// Layout of an OpenEXR file.
 struct ExrLayout {
-  std::vector<std::string> channels = {"V"};  ///< The first that is read holds the image.
+  std::vector<std::string> channels = {"V"};  ///< The first readable channel holds the image.
   bool is_half = false;
   bool is_tiled = false;
 };
 
-/// Writes an image as an OpenEXR file; channels but the one that must be read hold -1.
+/// Writes an image as an OpenEXR file; all channels except `channel` contain -1.
 void WriteExr(const std::filesystem::path& file,
               const Image<float>& image,
               const std::string& channel = "V",
               const ExrLayout& layout = {});
 
-/// Writes an image as a TIFF file of floats, deflated on request.
+/// Writes an image as a TIFF file of floats, optionally deflated.
 void WriteTiff(const std::filesystem::path& file,
                const Image<float>& image,
                bool is_compressed = false);

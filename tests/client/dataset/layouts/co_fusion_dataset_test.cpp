@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 
 constexpr char kPoses[] = "1 1 2 3 0 0 0 1\n2 4 5 6 0 0 0 1\n";
 
-// Two frames of 64 x 48 pixels; masks have the ids 0 and 2.
+// Writes two frames of 64 x 48 pixels; masks contain the ids 0 and 2.
 void WriteCoFusionRecording(const TemporaryFolder& folder) {
   for (const std::string number : {"0001", "0002"}) {
     Image<std::uint16_t> mask(64, 48);

@@ -26,7 +26,8 @@ std::string SegmentPng(std::uint16_t segment) {
   return EncodePixels(Image<std::uint16_t>(kWidth, kHeight, segment), PixelEncoding::kPng);
 }
 
-// Two frames, listed against the order of time: segment 7 of class 3, predicted as 1 of class 5.
+// Writes two frames, listed in reverse order of time: segment 7 of class 3, predicted as 1 of class
+// 5.
 void WritePanopticRecording(const TemporaryFolder& folder, const std::string& run) {
   for (int i = 0; i < 2; ++i) {
     const std::string stem = run + "/00000" + std::to_string(i);

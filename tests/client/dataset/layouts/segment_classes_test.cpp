@@ -16,7 +16,8 @@ TEST(SegmentClasses, ReadsTheColumnsItNeedsOfACsvTable) {
   const TemporaryFolder folder;
   const auto classes = SegmentClasses::Load(folder.Write(
       "t.csv", "ClassID,Name, InstanceID ,R\r\n3,SM_Bed,7,255\r\n\r\n4,\"a, b\",8,0\n"));
-  EXPECT_FALSE(classes.ok());  // Names with commas are not what these tables hold.
+  // Names with commas are not supported.
+  EXPECT_FALSE(classes.ok());
   const auto plain = SegmentClasses::Load(
       folder.Write("t.csv", "ClassID,Name, InstanceID ,R\r\n3,SM_Bed,7,255\r\n\r\n4,Chair,8,0\n"));
   ASSERT_TRUE(plain.ok()) << plain.status();

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-// Three depth images; colour and poses are off by what the names say.
+// Writes three depth images; colour images and poses have slightly different times.
 void WriteTumRecording(const TemporaryFolder& folder) {
   for (const char* name : {"a", "b", "c"}) {
     folder.Write(std::string("depth/") + name + ".png", DepthPng(640, 480, 5000));
@@ -32,7 +32,8 @@ TEST(TumDataset, AssociatesWithinTwentyMilliseconds) {
   WriteTumRecording(folder);
   auto source = OpenDataset("tum", {folder.path()}, {});
   ASSERT_TRUE(source.ok()) << source.status();
-  EXPECT_EQ((*source)->skipped_count(), 1U);  // c: the nearest pose is 30 ms away.
+  // c: the nearest pose is 30 ms away.
+  EXPECT_EQ((*source)->skipped_count(), 1U);
   const std::vector<v1::Frame> frames = ReadAll("tum", {folder.path()}, {});
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(TimeOf(frames[0]), 1'305'031'102'160'407'000);

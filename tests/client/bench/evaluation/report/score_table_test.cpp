@@ -142,7 +142,7 @@ TEST(StageClock, CountsWhatLiesBetweenEnterAndLeave) {
   clock.Leave();
   const StageTimes once = clock.total_ms();
   clock.Leave();
-  EXPECT_TRUE(clock.total_ms() == once) << "nobody was in";
+  EXPECT_TRUE(clock.total_ms() == once) << "no stage was running";
   EXPECT_GE(once[static_cast<std::size_t>(MapperStage::kGround)], 0.0);
   EXPECT_EQ(once[static_cast<std::size_t>(MapperStage::kCloud)], 0.0);
 }
@@ -160,7 +160,7 @@ TEST(DrawScorePicture, ShowsVerdictsInTheirColours) {
   const Image<Rgb> empty = DrawScorePicture({}, 0.2, {"route, policy", "below"});
   EXPECT_GE(picture.width_px(), 500);
   EXPECT_GT(empty.width_px(), 500);
-  // Five voxels wide, so the middle of the map is the column; the legend lies outside of it.
+  // The picture is five voxels wide, so the column is at its centre; the legend lies outside.
   const Rgb middle = picture.At(28 + 24 * 5 / 2, 84 + 24 * 5 / 2);
   EXPECT_EQ(middle, (Rgb{213, 80, 0}));
   EXPECT_TRUE(HasColor(empty, {70, 125, 105})) << "the legend";

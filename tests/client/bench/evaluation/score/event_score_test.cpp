@@ -18,8 +18,8 @@ Eigen::AlignedBox3d BoxAt(double x, double y) {
 
 ChangeEnd EndAt(double x, double y) { return {{BoxAt(x, y)}, true, {12, 14, 15}}; }
 
-// Two sequences of ten frames, a second apart. In the second a box has gone from (0, 0), one has
-// come to (4, 0), and one has moved from (8, 0) to (12, 0).
+// Two sequences of ten frames, one second apart. In the second a box has been removed from (0, 0),
+// one has been added at (4, 0), and one has moved from (8, 0) to (12, 0).
 EventTruth Truth() {
   EventTruth truth;
   truth.first_frames = {0, 10, 20};
@@ -119,7 +119,7 @@ TEST(ScoreEvents, AGroupTakesAnEventForEachOfItsThings) {
 TEST(ScoreEvents, EventsAtOverlappingPlacesAreSharedOut) {
   EventTruth truth = Truth();
   truth.changes.push_back({"gone-too", kGoods, 1, EndAt(0.6, 0), {}});
-  // The first fits both places, the second only that of the first change.
+  // The first event fits both places, the second only the place of the first change.
   const EventScore score = ScoreEvents(
       truth, {Event(EventType::kRemoved, 0.3, 12), Event(EventType::kRemoved, -0.3, 12)});
   EXPECT_EQ(score.one_to_one.removed.right.part, 2U);

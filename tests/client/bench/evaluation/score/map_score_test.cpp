@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kVoxelM = 0.2;
 
-// A wall of `voxels` x `voxels` voxels across x at `x_m`, from y = z = -0.1 upwards.
+// Returns a wall of `voxels` x `voxels` voxels, perpendicular to x at `x_m`, from y = z = -0.1
+// upwards.
 std::vector<SurfacePoint> Wall(double x_m, int voxels, double y_offset_m = 0.0) {
   std::vector<SurfacePoint> points;
   for (int i = 0; i < voxels * 8; ++i) {
@@ -24,7 +25,8 @@ std::vector<SurfacePoint> Wall(double x_m, int voxels, double y_offset_m = 0.0) 
   return points;
 }
 
-// All that a camera at (-2, 0.4, 0.4), looking along x at nothing, observes: a pyramid 5 m long.
+// Returns the space observed by a camera at (-2, 0.4, 0.4) facing +x without any surface: a pyramid
+// 5 m long.
 ObservedSpace WideSpace() {
   ObservedSpace space(kVoxelM, 5.0);
   DepthView view;
@@ -38,7 +40,7 @@ ObservedSpace WideSpace() {
   return space;
 }
 
-// A wall of 5 x 5 voxels in the middle of voxels at x = 1.
+// A wall of 5 x 5 voxels at the centres of the voxels at x = 1.
 Reference WallReference() {
   Reference reference{.observed = WideSpace()};
   reference.seen = Wall(1.0, 5);
@@ -65,7 +67,7 @@ TEST(MapScorer, AnEmptyMapMissesAllAndHasNoPrecision) {
   EXPECT_EQ(score.voxel.false_positive_rate(), 0.0);
 }
 
-// 4 cm across the voxels' border: another voxel, but less than half a voxel away.
+// 4 cm across the voxels' border: different voxels, but less than half a voxel apart.
 TEST(MapScorer, AShiftAcrossABorderIsPunishedInTheRowVoxelOnly) {
   Reference reference = WallReference();
   reference.seen = Wall(1.08, 5);
@@ -118,7 +120,7 @@ TEST(MapScorer, CountsTheTrailOfWhatMovedThrough) {
   reference.swept = Wall(0.4, 4);
   const MapScorer scorer(std::move(reference));
   EXPECT_EQ(scorer.Score(Wall(1.0, 5)).trail.value(), 0.0);
-  EXPECT_EQ(scorer.Score(Wall(0.45, 2)).trail.part, 9U) << "2 x 2 voxels and what touches them";
+  EXPECT_EQ(scorer.Score(Wall(0.45, 2)).trail.part, 9U) << "2 x 2 voxels and their neighbours";
   EXPECT_TRUE(std::isnan(MapScorer(WallReference()).Score(Wall(1.0, 5)).trail.value()));
 }
 
@@ -138,7 +140,7 @@ TEST(MapScorer, CountsGhostsThatAreStillThere) {
   EXPECT_EQ(scorer.Score(Wall(1.0, 5)).ghosts.value(), 0.0);
   const MapScore score = scorer.Score(Wall(0.4, 2));
   EXPECT_EQ(score.ghosts.whole, 16U);
-  // Two by two, and those beside them that lie within half a voxel.
+  // Two by two voxels, and their neighbours within half a voxel.
   EXPECT_EQ(score.ghosts.part, 9U);
   EXPECT_EQ(score.near.false_positives, 4U);
   EXPECT_EQ(scorer.Score(Wall(0.4, 4)).ghosts.value(), 1.0);

@@ -7,7 +7,7 @@
 namespace steadymap {
 namespace {
 
-// From the origin along world x, with nothing but `depth_m` in the picture.
+// Returns a view from the origin along world x with the constant depth `depth_m`.
 DepthView ViewAlongX(float depth_m) {
   DepthView view;
   view.camera = {64, 48, 60.0, 60.0, 31.5, 23.5};
@@ -32,7 +32,7 @@ TEST(ObservedSpace, ReachesToTheSurfaceAndNotBehind) {
 TEST(ObservedSpace, HasNoHolesWithinTheView) {
   ObservedSpace space(0.2, 3.0);
   space.AddView(ViewAlongX(2.0F));
-  // The picture's edge lies at half the depth sideways and 0.4 of it up.
+  // The view extends sideways to half the depth and upwards to 0.4 of it.
   for (int x = 3; x <= 9; ++x) {
     for (int y = -x / 2 + 1; y <= x / 2 - 1; ++y) {
       for (int z = -x / 3 + 1; z <= x / 3 - 1; ++z) {

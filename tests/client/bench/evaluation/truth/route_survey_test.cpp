@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-// A camera that stands at (-2, 0, 1) and looks along x.
+// A static camera at (-2, 0, 1) facing +x.
 Trajectory Stand(double duration_s) {
   Trajectory trajectory;
   trajectory.duration_s = duration_s;
@@ -20,8 +20,8 @@ Trajectory Stand(double duration_s) {
   return trajectory;
 }
 
-// Two frames of a box before a wall, then three without the box: the box has gone, or, with
-// `moves`, stands a metre to the left.
+// Two frames of a box in front of a wall, then three in which the box has been removed or, with
+// `moves`, has moved one metre to the left.
 Route BoxGoes(bool moves) {
   Scene before;
   AddStandingBox(&before, "wall", {0.1, 4.0, 3.0}, {0.8, 0, 0}).semantic_class = SceneClass::kWall;
@@ -65,7 +65,7 @@ TEST(SurveyRoute, KnowsEachPlaceAndWhoSawIt) {
   EXPECT_NEAR(taken.box_world.center().y(), 1.0, 0.02);
 }
 
-// A box that slides 1 m to the left within 1 s, before a wall.
+// A box that slides 1 m to the left within 1 s, in front of a wall.
 Route BoxSlides() {
   Scene scene;
   AddStandingBox(&scene, "wall", {0.1, 4.0, 3.0}, {0.8, 0, 0}).semantic_class = SceneClass::kWall;
@@ -82,7 +82,7 @@ Route BoxSlides() {
 
 TEST(SurveyRoute, KnowsWhereMovingThingsWereSeen) {
   RouteSurvey survey = Survey(BoxSlides());
-  ASSERT_EQ(survey.places.size(), 1U) << "the wall: what moves has no place";
+  ASSERT_EQ(survey.places.size(), 1U) << "only the wall: moving objects have no place";
   ASSERT_FALSE(survey.swept.empty());
   Eigen::AlignedBox3f swept;
   for (const SurfacePoint& point : survey.swept) swept.extend(point.position_world);
@@ -90,7 +90,7 @@ TEST(SurveyRoute, KnowsWhereMovingThingsWereSeen) {
   EXPECT_NEAR(swept.min().y(), -0.75F, 0.1F);
   EXPECT_NEAR(swept.max().y(), 0.75F, 0.1F);
   const Reference reference = MakeReference(&survey, false);
-  EXPECT_EQ(reference.swept.size(), survey.swept.size()) << "far from all that is true";
+  EXPECT_EQ(reference.swept.size(), survey.swept.size()) << "far from all true surface";
   EXPECT_TRUE(Survey(BoxGoes(true)).swept.empty());
 }
 
@@ -99,7 +99,7 @@ TEST(SurveyRoute, SeesFrontsAndLooksThroughWhatIsGone) {
   const SurveyedPlace& box = survey.places[1];
   for (std::size_t i = 0; i < box.points.size(); ++i) {
     const SurfacePoint& point = box.points[i];
-    // What is lower has nothing behind it: the rays pass below the wall, for there is no floor.
+    // Lower points have no surface behind them: without a floor, the rays pass below the wall.
     const bool is_front =
         point.normal_world.x() < -0.9F && std::abs(point.position_world.z() - 1.0F) < 0.6F;
     const bool is_back = point.normal_world.x() > 0.9F;
@@ -116,7 +116,7 @@ TEST(SurveyRoute, SeesFrontsAndLooksThroughWhatIsGone) {
 TEST(MakeReference, SortsSurfaceByWhoSawIt) {
   RouteSurvey survey = Survey(BoxGoes(false));
   const Reference reference = MakeReference(&survey, false);
-  // Of the front of the box what has wall behind it and is in the picture: 0.5 m x 1.55 m.
+  // The part of the box's front with wall behind it, inside the picture: 0.5 m x 1.55 m.
   EXPECT_NEAR(Area(reference.vanished, survey), 0.775, 0.05);
   EXPECT_TRUE(reference.remembered.empty());
   EXPECT_GT(Area(reference.seen, survey), 5.0);

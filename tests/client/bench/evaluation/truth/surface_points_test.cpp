@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kSpacingM = 0.05;
 
-// The largest distance of a point of the rectangle [0, 1] x [0, 0.6] at z = 0 from its next sample,
-// probed on a fine grid.
+// Returns the largest distance of a point of the rectangle [0, 1] x [0, 0.6] at z = 0 from its
+// nearest sample, probed on a fine grid.
 double LargestGapM(const std::vector<SurfacePoint>& samples) {
   double largest_m = 0.0;
   for (int i = 0; i <= 50; ++i) {
@@ -74,7 +74,7 @@ TEST(SampleMap, AnEmptyMapHasNoSurface) {
   EXPECT_TRUE(SampleMap(MapSnapshot(), kSpacingM).empty());
 }
 
-// A volume with a plane at z = `height_m` in its own frame, seen from above.
+// A volume with a plane at z = `height_m` in its own frame, observed from above.
 std::shared_ptr<const TsdfGrid> PlaneVolume(const VoxelScale& scale, double height_m) {
   auto grid = std::make_shared<TsdfGrid>();
   LeafVoxels voxels;

@@ -54,7 +54,7 @@ TEST(MakeClutterRoute, LeavesTheCamerasWayFree) {
     const Image<std::uint16_t>& units = frame.depth.units;
     const int pixels = frame.camera.width_px * frame.camera.height_px;
     const auto missing = std::count(units.data(), units.data() + pixels, std::uint16_t{0});
-    // The sensor sees from 0.3 to 5 m; above the walls there is nothing.
+    // The sensor measures from 0.3 to 5 m; above the walls there is no surface.
     EXPECT_LT(static_cast<double>(missing), 0.4 * pixels) << "frame " << i;
   }
 }

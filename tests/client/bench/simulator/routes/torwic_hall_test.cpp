@@ -33,7 +33,7 @@ bool IsStack(const SceneObject& object) {
   return Named("outer-")(object) || Named("inner-")(object);
 }
 
-// The movement of an object from the baseline to a configuration.
+// Returns the displacement of an object from the baseline to a configuration.
 Eigen::Vector3d MovementOf(const Scene& before, const Scene& after, std::uint16_t id) {
   return after.Find(id)->T_world_object.translation() -
          before.Find(id)->T_world_object.translation();
@@ -116,7 +116,8 @@ TEST(TorwicHall, Scenario15TurnsAllStacksAboutTheCentre) {
   for (const std::uint16_t id : change.moved) {
     const Eigen::Isometry3d turn =
         after.Find(id)->T_world_object * before.Find(id)->T_world_object.inverse();
-    EXPECT_NEAR(turn.translation().norm(), 0, 1e-9);  // A turn about the origin.
+    // A rotation about the origin.
+    EXPECT_NEAR(turn.translation().norm(), 0, 1e-9);
     EXPECT_GE(YawOf(turn), 10 * M_PI / 180);
     EXPECT_LE(YawOf(turn), 15 * M_PI / 180);
   }
@@ -203,7 +204,7 @@ TEST(TorwicHall, AnIdMeansTheSameThingInAllConfigurations) {
   }
 }
 
-// The interval that a box on the ground covers along a direction.
+// Returns the interval that a box on the ground covers along a direction.
 std::pair<double, double> Extent(const SceneObject& object, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d half_m = std::get<BoxShape>(object.shape).size_m / 2;
   const double center = object.T_world_object.translation().dot(direction);

@@ -34,7 +34,7 @@ TEST(Scene, StandingBoxStandsOnTheGroundAndFloorIsNoInstance) {
   }
   EXPECT_NEAR(lowest_m, 0, 1e-12);
   EXPECT_NEAR(highest_m, 3, 1e-12);
-  EXPECT_NEAR(widest_x_m, 1, 1e-12);  // Its y side, turned.
+  EXPECT_NEAR(widest_x_m, 1, 1e-12);  // Its y side, rotated.
   EXPECT_EQ(box.instance, box.id);
   EXPECT_EQ(floor.instance, 0);
 }
@@ -72,7 +72,7 @@ double AreaOf(const Facet& facet) {
   return doubled / 2;
 }
 
-// Volume under the facets by the divergence theorem: positive if they wind outward.
+// Returns the volume under the facets by the divergence theorem: positive if they face outward.
 double VolumeOf(const std::vector<Facet>& facets) {
   double sixfold = 0.0;
   for (const Facet& facet : facets) {

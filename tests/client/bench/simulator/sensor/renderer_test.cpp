@@ -25,7 +25,7 @@ const SceneObject* ObjectAt(const SurfaceImage& image, int u, int v) {
   return image.surfaces[image.pixels.surface.At(u, v)].object;
 }
 
-// Depth along the camera's z axis of the point where a pixel's ray enters a box; 0 for none.
+// Returns the depth along the camera's z axis at which a pixel's ray enters a box; 0 without a hit.
 double RayBoxDepth(const Eigen::Vector3d& size_m,
                    const Eigen::Isometry3d& T_box_camera,
                    const Eigen::Vector3d& ray_camera) {
@@ -42,13 +42,14 @@ double RayBoxDepth(const Eigen::Vector3d& size_m,
   return enter < leave ? enter : 0.0;
 }
 
-// The same for a triangle, by Cramer's rule.
+// Returns the depth at which a pixel's ray hits a triangle, by Cramer's rule; 0 without a hit.
 double RayTriangleDepth(const std::array<Eigen::Vector3d, 3>& corners_camera,
                         const Eigen::Vector3d& ray_camera) {
   Eigen::Matrix3d system;
   system << corners_camera[1] - corners_camera[0], corners_camera[2] - corners_camera[0],
       -ray_camera;
-  if (system.determinant() <= 1e-15) return 0.0;  // Seen from behind.
+  // Seen from behind.
+  if (system.determinant() <= 1e-15) return 0.0;
   const Eigen::Vector3d solution = system.inverse() * -corners_camera[0];
   const bool is_inside = solution.x() >= 0 && solution.y() >= 0 && solution.x() + solution.y() <= 1;
   return is_inside && solution.z() > 0 ? solution.z() : 0.0;
@@ -156,7 +157,7 @@ TEST(Renderer, SphereMeshLiesWithinItsChordsOfTheSphere) {
             SceneClass::kGoods));
   Renderer renderer(&scene, kSmallCamera, SensorModel::Ideal());
   const SurfaceImage& image = renderer.RenderSurfaces(Eigen::Isometry3d::Identity(), 0);
-  // A facet's middle lies under the sphere by at most the two sagittas of its sides.
+  // The centre of a facet lies inside the sphere by at most the two sagittas of its sides.
   const double sagitta_m = 2 * kRadiusM * (1 - std::cos(M_PI / kSegments));
   for (int v = 0; v < kSmallCamera.height_px; ++v) {
     for (int u = 0; u < kSmallCamera.width_px; ++u) {

@@ -70,7 +70,7 @@ TEST(DepthNoise, SigmaIsTwoMillimetresAtOneMetreAndTwoPercentAtFour) {
     AddWallAt(&scene, c.depth_m, {50, 50});
     const Statistics found = StatisticsOf(RenderFrom(scene, sensor, WithKey(7)).depth.units);
     EXPECT_NEAR(found.mean, 1000 * c.depth_m, 4 * c.sigma_mm / std::sqrt(kPixelCount) + 0.1);
-    // Rounding to millimetres adds 1/12.
+    // Rounding to millimetres adds a variance of 1/12.
     EXPECT_NEAR(found.sigma, std::sqrt(c.sigma_mm * c.sigma_mm + 1.0 / 12), 0.03 * c.sigma_mm);
   }
 }
@@ -183,7 +183,7 @@ TEST(Holes, TakeTwoToFivePercentOfEachFrame) {
   double sum = 0.0;
   for (std::uint64_t key = 0; key < 60; ++key) {
     const double share = ShareOf(RenderFrom(scene, sensor, WithKey(key)).depth.units, kNoDepth);
-    // The last hole may go beyond; overlaps count once.
+    // The last hole may exceed the share; overlaps count once.
     EXPECT_GT(share, 0.0185);
     EXPECT_LT(share, 0.055);
     sum += share;
@@ -227,7 +227,8 @@ TEST(LabelBlobs, OnePatchAFrameOnAverage) {
     EXPECT_LT(wrong, 0.2);
     EXPECT_LT(*std::max_element(labels.data(), labels.data() + labels.size()), kSceneClassCount);
   }
-  // Four chances of a quarter each; a patch of the wall's own class or off the picture is none.
+  // Four chances of a quarter each; a patch of the wall's own class or outside the picture has no
+  // effect.
   EXPECT_NEAR(clean_count / 300.0, std::pow(1 - 0.25 * 14 / 15, 4), 0.08);
 }
 
