@@ -10,7 +10,7 @@
 namespace steadymap::benchmarks {
 namespace {
 
-// Two good looks from a metre away.
+// Two good observations from one metre.
 constexpr float kYoungWeight = 2.0F;
 
 constexpr double kCalmShare = 0.05;

@@ -13,24 +13,24 @@
 
 namespace steadymap::benchmarks {
 
-/// What a watcher got, by what it is about. Bytes are of serialized fields.
+/// Content received by a watcher, by category. Bytes are those of serialized fields.
 struct DeltaAccount {
   double background_bytes = 0.0;
   double object_leaf_bytes = 0.0;
   double object_state_bytes = 0.0;
   double event_bytes = 0.0;
-  double other_bytes = 0.0;  ///< Progress, and what surrounds the rest.
+  double other_bytes = 0.0;  ///< Progress and message framing.
 
-  double whole_bytes = 0.0;     ///< Of leaves, had they all been sent whole.
+  double whole_bytes = 0.0;     ///< Of all leaves, if each were sent completely.
   double leaves = 0.0;          ///< Sent.
-  double patches = 0.0;         ///< Of those, sent without the voxels that are as they were.
-  double voxels = 0.0;          ///< Observed ones in those leaves, sent or not.
-  double new_voxels = 0.0;      ///< Of those, not observed before.
-  double weighed_voxels = 0.0;  ///< Observed before, with another weight and the same distance.
-  double moved_voxels = 0.0;    ///< Observed before, with another distance.
-  double young_voxels = 0.0;    ///< Of the moved ones, those that weighed less than 2.
-  double moved_m = 0.0;         ///< Sum of how far the distances moved.
-  double calm_leaves = 0.0;     ///< Leaves in which no more than one voxel in twenty changed.
+  double patches = 0.0;         ///< Leaves sent as patches, without unchanged voxels.
+  double voxels = 0.0;          ///< Observed voxels of those leaves, sent or not.
+  double new_voxels = 0.0;      ///< Not observed before.
+  double weighed_voxels = 0.0;  ///< Observed before, changed weight, same distance.
+  double moved_voxels = 0.0;    ///< Observed before, changed distance.
+  double young_voxels = 0.0;    ///< Moved voxels with a weight below 2.
+  double moved_m = 0.0;         ///< Sum of the changes of the distances.
+  double calm_leaves = 0.0;     ///< Leaves with at most 5 % changed voxels.
   double moved_objects = 0.0;   ///< Object states sent.
 
   double bytes() const {
@@ -38,12 +38,12 @@ struct DeltaAccount {
   }
 };
 
-/// Books the messages of one watcher, and remembers every leaf to tell what changed in it.
+/// Accounts for the messages of one watcher; stores every leaf to determine its changes.
 class DeltaBookkeeper {
  public:
   explicit DeltaBookkeeper(const VoxelScale& scale) : scale_(scale) {}
 
-  /// Throws `std::runtime_error` for a leaf that does not unpack.
+  /// Throws `std::runtime_error` for a leaf that cannot be unpacked.
   void Book(const v1::WatchMapResponse& message, DeltaAccount* account);
 
  private:

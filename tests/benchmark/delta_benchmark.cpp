@@ -1,14 +1,13 @@
-// What a watcher of everything gets while a robot drives through the same place again and again,
-// beside what the robot uploads, and what those deltas are made of:
+// Measures the deltas that a watcher of everything receives while a robot drives through the same
+// place repeatedly, compared with the robot's upload, and the composition of those deltas:
 //
 //   build/release/tests/benchmark/delta_benchmark
 //   build/release/tests/benchmark/delta_benchmark --drives 4 --rate 10 --sensor steady
 //
-// The first drive maps the place, the second knows it, later ones find nothing new. Sensors: full
-// (all noise and pose drift), steady (no drift), ideal. Voxels are told apart by what changed in
-// them since the leaf was sent last; young ones weighed less than 2; calm leaves are those in which
-// at most 5 % changed. "if whole" is the share of the upload if leaves were sent with the voxels
-// that are as they were.
+// The first drive maps the place; later ones observe no changes. Sensors: full (all noise and pose
+// drift), steady (no drift), ideal. Voxels are classified by their change since their leaf was last
+// sent; young ones have a weight below 2; calm leaves have at most 5 % changed voxels. "if whole"
+// is the share of the upload if leaves were sent with their unchanged voxels.
 
 #include <cstdio>
 #include <cstdlib>
@@ -45,10 +44,10 @@ SensorModel MakeSensor(const std::string& name) {
   if (name == "full") return SensorModel::Full();
   if (name == "steady") return SensorModel();
   if (name == "ideal") return SensorModel::Ideal();
-  throw std::runtime_error("there is no sensor \"" + name + "\"");
+  throw std::runtime_error("unknown sensor \"" + name + "\"");
 }
 
-/// The route's last sequence, that many times; the noise is another each time.
+/// Repeats the route's last sequence `drives` times, with different noise each time.
 PackedDrive PackDrives(const Options& options) {
   auto route = MakeRoute(options.place);
   if (!route.ok()) throw std::runtime_error(route.status().ToString());
@@ -59,7 +58,7 @@ PackedDrive PackDrives(const Options& options) {
   return PackDrive(*std::move(route), simulation, 0);
 }
 
-/// Of each drive, what the steps brought whose last frame belongs to it.
+/// Returns for each drive the content of the steps with the last frame in that drive.
 std::vector<DeltaAccount> AccountByDrive(const PackedDrive& drive,
                                          const std::vector<v1::WatchMapResponse>& messages) {
   std::vector<DeltaAccount> accounts(drive.sequence_of.back() + 1);
@@ -68,7 +67,8 @@ std::vector<DeltaAccount> AccountByDrive(const PackedDrive& drive,
     const std::uint64_t revision = message.has_delta()    ? message.delta().revision()
                                    : message.has_events() ? message.events().revision()
                                                           : message.progress().revision();
-    if (revision == 0) continue;  // The map was empty.
+    // The map was empty.
+    if (revision == 0) continue;
     bookkeeper.Book(message, &accounts.at(drive.sequence_of.at(revision - 1)));
   }
   return accounts;
@@ -159,12 +159,12 @@ void Run(const Options& options) {
 int main(int count, char** arguments) {
   using steadymap::benchmarks::Options;
   Options options;
-  CLI::App app("What a watcher gets while a robot drives through the same place again and again");
-  app.add_option("--place", options.place, "A route; its last sequence is driven");
+  CLI::App app("Measures the deltas of a watcher while a robot drives through a place repeatedly");
+  app.add_option("--place", options.place, "Route; only its last sequence is used");
   app.add_option("--sensor", options.sensor, "full, steady or ideal");
-  app.add_option("--drives", options.drives, "How often")->check(CLI::PositiveNumber);
-  app.add_option("--policy", options.policy, "By its number on the wire: 1 static, 5 pocd");
-  app.add_option("--rate", options.rate_hz, "Frames a second; 0: as fast as the daemon takes them");
+  app.add_option("--drives", options.drives, "Number of drives")->check(CLI::PositiveNumber);
+  app.add_option("--policy", options.policy, "Number of the policy: 1 static, 5 pocd");
+  app.add_option("--rate", options.rate_hz, "Frames per second; 0: as fast as possible");
   CLI11_PARSE(app, count, arguments);
   try {
     steadymap::benchmarks::Run(options);

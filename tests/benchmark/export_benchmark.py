@@ -5,10 +5,10 @@ r"""Memory and time of exports and mirrors of a large hall, of one build or of s
         /usr/bin/python3 tests/benchmark/export_benchmark.py build/release [BUILD ...]
 
 Each build's daemon maps every second frame of the simulated route `hall` (1 184 objects, 312 MiB of
-volumes, about 20 s) and is started again for each row, so that its peak is that row's. Peaks are of
-resident memory, the map of the daemon included; processor times are of the daemon. The last row kills
-the client of a vdb export after its first bytes: the daemon's time is what it used from then on.
-Everything is over loopback and in a temporary folder (1 GB), and ends by itself.
+volumes, about 20 s) and is restarted for each row, so that its peak memory belongs to that row.
+Peaks are of resident memory and include the daemon's map; processor times are of the daemon. The
+last row kills the client of a vdb export after its first bytes and shows the daemon's processor
+time after that. Everything is over loopback and in a temporary folder (1 GB); no cleanup is needed.
 """
 
 import argparse
@@ -25,15 +25,15 @@ from daemon_process import DaemonProcess
 FORMATS = ("ply", "glb", "vdb")
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
-# No run takes that long; one that hangs is killed.
+# No run takes this long; a run that hangs is killed.
 LIMIT_S = 300.0
 
-# A daemon that has used no processor time for so long has nothing left to do.
+# A daemon without processor usage for this time is idle.
 IDLE_S = 1.0
 
 
 def resident_mb(process_id: int, field: str) -> float:
-    """A field of /proc/PID/status such as VmHWM, in 10^6 bytes."""
+    """Returns a field of /proc/PID/status such as VmHWM, in 10^6 bytes."""
     for line in Path(f"/proc/{process_id}/status").read_text(encoding="ascii").splitlines():
         if line.startswith(field + ":"):
             return int(line.split()[1]) * 1024e-6
@@ -41,13 +41,13 @@ def resident_mb(process_id: int, field: str) -> float:
 
 
 def processor_s(process_id: int) -> float:
-    """User and system time of all threads so far."""
+    """Returns the user and system time of all threads so far."""
     fields = Path(f"/proc/{process_id}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / TICKS_PER_S
 
 
 def run(command: List[str]) -> Tuple[float, float]:
-    """Runs a client; its wall time, and its peak in 10^6 bytes."""
+    """Runs a client; returns its wall time and its peak memory in 10^6 bytes."""
     start = time.monotonic()
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as client:
         while True:
@@ -70,14 +70,14 @@ def print_row(
     daemon_mb: float,
     client_mb: Optional[float],
 ) -> None:
-    """One line of the table."""
+    """Prints one line of the table."""
     wall = f"{wall_s:9.2f}" if wall_s is not None else 9 * " "
     client = f"{client_mb:11.0f}" if client_mb is not None else 11 * " "
     print(f"{what:18}{wall}{daemon_s:15.2f}{daemon_mb:13.0f}{client}", flush=True)
 
 
 class Hall:
-    """A daemon of one build that keeps the hall."""
+    """A daemon of one build with a map of the hall."""
 
     def __init__(self, build: Path, folder: Path) -> None:
         os.environ["STEADYMAPD"] = str(build / "server/steadymapd")
@@ -88,20 +88,20 @@ class Hall:
         run(self.command("simulate", "hall", "--route", "hall", "--stride", "2"))
 
     def command(self, *arguments: str) -> List[str]:
-        """A call of the build's client."""
+        """Returns the command line of the build's client."""
         return [self._program, "--server", self.daemon.address, *arguments]
 
     def path(self, name: str) -> Path:
-        """Where a client writes."""
+        """Returns the path of an output file."""
         return self._folder / name
 
     def restart(self) -> None:
-        """Starts the daemon again, so that its peak is that of what follows."""
+        """Restarts the daemon, which resets its peak memory."""
         self.daemon.terminate()
         self.daemon.restart()
 
     def measure(self, what: str, *arguments: str) -> None:
-        """Runs a client against a fresh daemon and prints what both took."""
+        """Runs a client against a restarted daemon and prints the usage of both."""
         self.restart()
         daemon = self.daemon.process_id
         before_s = processor_s(daemon)
@@ -111,7 +111,7 @@ class Hall:
         )
 
     def measure_killed_export(self) -> None:
-        """Kills the client of an export and prints what the daemon did afterwards."""
+        """Kills the client of an export and prints the daemon's usage afterwards."""
         self.restart()
         daemon = self.daemon.process_id
         target = str(self.path("killed.vdb"))
@@ -141,7 +141,7 @@ class Hall:
             self.measure(f"export {name}", "export", "hall", "--format", name, "--output", target)
         self.measure("mirror --once", "mirror", "hall", "--once", "--output", str(self.path("m")))
         if not filecmp.cmp(self.path("m/map.vdb"), self.path("hall.vdb"), shallow=False):
-            raise RuntimeError("the mirror is not what was exported")
+            raise RuntimeError("the mirror differs from the export")
         self.measure_killed_export()
 
 

@@ -1,12 +1,11 @@
-// Measures the cost of one frame, over frames and maps at the limits of what the service accepts:
+// Measures the cost of one frame, over frames and maps at the limits of the service:
 //
 //   build/release/tests/benchmark/frame_bound_sweep --frames 500
 //
-// `--only "thing a block"` runs only the cases whose description has these words. Each case runs in
-// its own process, for at most a minute: it checks the frame as an upload does and, if it is
-// accepted, integrates it three times into one map. Prints the most expensive cases by processor
-// time and by memory, that of the images included. Fails if a case did not end or took more than
-// 1 GB.
+// `--only "thing a block"` runs only the cases with these words in their description. Each case
+// runs in its own process, for at most a minute: it checks the frame as an upload does and, if it
+// is accepted, integrates it three times into one map. Prints the most expensive cases by processor
+// time and by memory, including the images. Fails if a case did not end or needed more than 1 GB.
 
 #include <algorithm>
 #include <cstdint>
@@ -53,7 +52,7 @@ int Integrate(const LegalFrame& legal) {
   if (!CheckFrameWork(legal.frame, legal.config).ok()) return kRefused;
   Frame frame = legal.frame;
   for (int i = 0; i < kTimesIntegrated; ++i) {
-    // The robot moves on by 2 cm.
+    // The robot moves by 2 cm.
     frame.T_world_camera.translate(Eigen::Vector3d(0.02, 0.0, 0.0));
     frame.capture_time = Timestamp::FromSeconds(0.1 * (i + 1));
     (*mapper)->Integrate((*mapper)->head().Next(), frame);
@@ -99,15 +98,15 @@ void PrintMostExpensive(const char* title,
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measures the cost of one frame at the limits of what the service accepts.");
+  CLI::App app("Measures the cost of one frame at the limits of the service.");
   int frames = 500;
   int max_side_px = 4096;
   std::uint64_t first = 0;
   std::string only;
-  app.add_option("--frames", frames, "How many cases")->capture_default_str();
-  app.add_option("--first", first, "The seed of the first case")->capture_default_str();
-  app.add_option("--max-side", max_side_px, "Of an image, pixels")->capture_default_str();
-  app.add_option("--only", only, "Only cases whose description has this");
+  app.add_option("--frames", frames, "Number of cases")->capture_default_str();
+  app.add_option("--first", first, "Seed of the first case")->capture_default_str();
+  app.add_option("--max-side", max_side_px, "Largest side of an image, px")->capture_default_str();
+  app.add_option("--only", only, "Only cases with this text in their description");
   CLI11_PARSE(app, argc, argv);
   std::vector<CaseCost> costs;
   std::size_t refused = 0;

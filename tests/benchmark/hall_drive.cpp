@@ -17,18 +17,18 @@ namespace {
 constexpr std::size_t kAisles = 20;
 constexpr std::size_t kNearbyObjects = 43;
 
-// As many as it takes at 1.4 m/s to show `kNearbyObjects` within the depth that is fused.
+// Number of frames at 1.4 m/s that show `kNearbyObjects` within the integrated depth.
 constexpr std::size_t kFramesOneWay = 27;
 constexpr int kWays = 5;
 
 constexpr std::int64_t kFramePeriodNs = 100'000'000;
 
-// Objects came one after the other, further apart than what counts as one visit.
+// Objects were mapped one after the other, farther apart than the duration of one visit.
 constexpr double kSecondsBetweenObjects = 60.0;
 
 constexpr double kMaxDepthM = 3.0;
 
-/// Counts the pixels within `kMaxDepthM` that show each instance.
+/// Counts the pixels of each instance within `kMaxDepthM`.
 void CountPixels(const Frame& frame, std::map<std::uint16_t, std::size_t>* pixels) {
   for (int v = 0; v < frame.camera.height_px; ++v) {
     for (int u = 0; u < frame.camera.width_px; ++u) {
@@ -39,7 +39,7 @@ void CountPixels(const Frame& frame, std::map<std::uint16_t, std::size_t>* pixel
   }
 }
 
-/// The ids that most pixels show, at most `kNearbyObjects`.
+/// Returns the ids with the most pixels, at most `kNearbyObjects`.
 std::vector<std::uint16_t> MostShown(const std::map<std::uint16_t, std::size_t>& pixels) {
   std::vector<std::pair<std::size_t, std::uint16_t>> by_count;
   by_count.reserve(pixels.size());
@@ -52,7 +52,7 @@ std::vector<std::uint16_t> MostShown(const std::map<std::uint16_t, std::size_t>&
   return ids;
 }
 
-/// Goes over the frames again and again, backwards every second time, with the clock going on.
+/// Repeats the frames, reversed every second time, with increasing capture times.
 std::vector<Frame> ToAndFro(std::vector<Frame> there) {
   std::vector<Frame> frames;
   const Timestamp start = there.front().capture_time;
@@ -67,7 +67,7 @@ std::vector<Frame> ToAndFro(std::vector<Frame> there) {
   return frames;
 }
 
-/// A box of the scene as a map knows it that has seen it from all sides.
+/// Returns a box of the scene as a map object that was observed from all sides.
 MapObject Known(const SceneObject& thing, Timestamp now, const VoxelScale& scale) {
   const auto& box = std::get<BoxShape>(thing.shape);
   MapObject object = testing::BoxObject(
@@ -98,7 +98,7 @@ HallDrive MakeHallDrive(const VoxelScale& scale) {
 
   std::vector<Frame> there;
   std::map<std::uint16_t, std::size_t> pixels;
-  // The middle of the way is the end of an aisle; half an aisle later the racks are on both sides.
+  // The middle of the path is the end of an aisle; half an aisle later the racks are on both sides.
   const std::size_t first = simulation.frame_count() * (kAisles + 1) / (2 * kAisles);
   for (std::size_t i = first; i < first + kFramesOneWay; ++i) {
     Frame& frame = there.emplace_back(simulation.Render(i));

@@ -8,15 +8,15 @@
 
 namespace steadymap::benchmarks {
 
-/// A short way to and fro in the middle of a large hall, and what a robot may know of that hall.
+/// A short drive back and forth in the middle of a large hall, and two maps of that hall.
 struct HallDrive {
   std::vector<Frame> frames;  ///< Without instances.
-  MapSnapshot nearby;         ///< The 43 things that most of the pixels show.
-  MapSnapshot whole;          ///< Every thing of the hall, some 5 000.
+  MapSnapshot nearby;         ///< The 43 objects with the most pixels.
+  MapSnapshot whole;          ///< All objects of the hall, about 5 000.
 };
 
-/// Renders the drive and makes the maps, in some seconds. Maps hold objects alone, each known from
-/// all sides and long enough to count as settled. It takes 5 GB of memory.
+/// Renders the drive and builds the maps, in some seconds. The maps contain only objects, each
+/// observed from all sides and confirmed. Needs 5 GB of memory.
 HallDrive MakeHallDrive(const VoxelScale& scale);
 
 }  // namespace steadymap::benchmarks

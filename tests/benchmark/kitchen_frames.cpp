@@ -29,7 +29,7 @@ void CropToMiddle(Frame* frame) {
 }  // namespace
 
 std::vector<Frame> LoadKitchenFrames(std::size_t count) {
-  // Nothing of this process changes its environment.
+  // This process does not modify its environment.
   const char* shared_data = std::getenv("STEADYMAP_SHARED_DATA");  // NOLINT(concurrency-mt-unsafe)
   const std::filesystem::path folder =
       std::filesystem::path(shared_data != nullptr ? shared_data : STEADYMAP_SHARED_DATA) /

@@ -4,11 +4,11 @@ r"""Memory of the daemon under load and after it, of one build or of several to 
     PYTHONPATH=build/release/client/python:tests/python \
         /usr/bin/python3 tests/benchmark/memory_benchmark.py --minutes 60 build/release [BUILD ...]
 
-The load: the simulated route 1-5 goes into map after map, four at a time, each of which is exported,
-meshed and listed, and every other of which is deleted again; one map of the `hall` stays. Rows give
-the resident memory of the daemon, MB of 10^6 bytes, when it has been idle for 5 s: without maps; when
-the load has ended; after all maps were deleted. `maps MB` is what they say that they take.
-Everything is over loopback and in a temporary folder (some GB), and ends by itself.
+The load: the simulated route 1-5 is uploaded to one map after another, four at a time. Each map is
+exported, meshed and listed, and every second one is deleted; one map of the `hall` remains. Rows
+show the resident memory of the daemon, MB of 10^6 bytes, after 5 s without load: without maps;
+after the load; after all maps were deleted. `maps MB` is the sum of the reported sizes of the maps.
+Everything is over loopback and in a temporary folder (some GB); no cleanup is needed.
 """
 
 import argparse
@@ -28,7 +28,7 @@ KEPT_MAPS = 20
 
 
 class Load:
-    """Works on a daemon of one build until the time is up."""
+    """Produces load on a daemon of one build for a given time."""
 
     def __init__(self, build: Path, folder: Path) -> None:
         self._folder = folder
@@ -37,11 +37,11 @@ class Load:
         self._client = steadymap.connect(self.daemon.address)
 
     def run(self, *arguments: str) -> None:
-        """A call of the build's client."""
+        """Runs the build's client."""
         self.daemon.run_client(self._client_program, *arguments)
 
     def _drive(self, number: int) -> None:
-        """Makes a map, reads it in every way, and deletes it if its number is odd."""
+        """Creates a map, reads it in every way, and deletes it if its number is odd."""
         name = f"map-{number}"
         self.run("map", "create", name, "--policy", "pocd")
         self.run("simulate", name, "--route", "1-5", "--stride", "2")
@@ -56,7 +56,7 @@ class Load:
             self.run("map", "delete", name)
 
     def work(self, minutes: float) -> int:
-        """Returns how many maps were made."""
+        """Runs the load; returns the number of maps created."""
         self.run("map", "create", "hall", "--policy", "pocd")
         self.run("simulate", "hall", "--route", "hall", "--stride", "2")
         deadline = time.monotonic() + 60.0 * minutes
@@ -68,7 +68,7 @@ class Load:
         return made
 
     def print_row(self, what: str) -> None:
-        """One line of the table, once the daemon has been idle."""
+        """Prints one line of the table once the daemon is idle."""
         time.sleep(IDLE_S)
         maps = self._client.list_maps()
         accounted_mb = sum(each.memory_bytes for each in maps) * 1e-6
@@ -82,9 +82,9 @@ class Load:
 
 
 def main() -> None:
-    """Prints a table a build."""
+    """Prints one table per build."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--minutes", type=float, default=60.0, help="of load (default 60)")
+    parser.add_argument("--minutes", type=float, default=60.0, help="duration (default 60)")
     parser.add_argument("builds", nargs="+", type=Path, metavar="BUILD")
     arguments = parser.parse_args()
     for build in arguments.builds:

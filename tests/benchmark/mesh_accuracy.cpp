@@ -1,4 +1,4 @@
-// How true the mesh of the real kitchen is:
+// Measures the accuracy of the mesh of the real kitchen:
 //
 //   build/release/tests/benchmark/mesh_accuracy
 //
@@ -32,7 +32,7 @@ class PointBuckets {
     return buckets_.find(KeyOf(BucketOf(point))) == buckets_.end();
   }
 
-  /// Whether a point lies within `distance_m`, at most a bucket's side.
+  /// True if a point lies within `distance_m`, at most a bucket's side.
   bool HasWithin(const Eigen::Vector3f& point, float distance_m) const {
     const Eigen::Vector3i center = BucketOf(point);
     for (int i = 0; i < 27; ++i) {
@@ -73,7 +73,7 @@ Mesh MapMesh(const std::vector<Frame>& frames, double voxel_size_m, double trunc
   return ExtractMesh(commit.snapshot->background, commit.snapshot->scale, nullptr);
 }
 
-/// Points on the mesh's triangles, at most `spacing_m` apart along their edges.
+/// Samples the mesh's triangles with points at most `spacing_m` apart along their edges.
 std::vector<Eigen::Vector3f> SampleSurface(const Mesh& mesh, float spacing_m) {
   std::vector<Eigen::Vector3f> samples;
   for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
@@ -92,7 +92,7 @@ std::vector<Eigen::Vector3f> SampleSurface(const Mesh& mesh, float spacing_m) {
   return samples;
 }
 
-/// Raw points of every third pixel and frame, thinned to one a centimetre.
+/// Returns the raw points of every third pixel and frame, thinned to one per centimetre.
 PointBuckets RawPoints(const std::vector<Frame>& frames) {
   PointBuckets thinned(0.01F);
   PointBuckets points(0.1F);

@@ -1,14 +1,14 @@
-r"""How long a DURABLE acknowledgement takes beside maps that have much to do, of one build or of several.
+r"""Latency of DURABLE acknowledgements beside busy maps, of one build or of several.
 
     cmake --build build/release --target steadymap steadymapd steadymap_python
     PYTHONPATH=build/release/client/python:tests/python \
         /usr/bin/python3 tests/benchmark/neighbour_benchmark.py build/release [BUILD ...]
 
-A robot uploads one small frame every 20 ms to a map of its own, by calls that wait for DURABLE. Rows:
-alone; while another map takes frames of 1 mm voxels, each some 100 ms of work; while that map is
-deleted in the middle of a frame; after a restart, while the simulated `hall` (312 MiB of volumes) is
-opened and gets its first frame. Times are milliseconds of whole calls, Python's part (about 1 ms)
-included. Everything is over loopback and in a temporary folder (1 GB), and ends by itself.
+A robot uploads one small frame every 20 ms to its own map, by calls that wait for DURABLE. Rows:
+alone; while another map integrates frames with 1 mm voxels, each about 100 ms of work; while that
+map is deleted in the middle of a frame; after a restart, while the simulated `hall` (312 MiB of
+volumes) is opened and gets its first frame. Times are milliseconds of whole calls, including about
+1 ms of Python. Everything is over loopback and in a temporary folder (1 GB); no cleanup is needed.
 """
 
 import argparse
@@ -32,15 +32,15 @@ from steadymap.images import PixelEncoding
 CALLS = 300
 INTERVAL_S = 0.02
 
-# No call takes that long; one that hangs ends the benchmark.
+# No call takes this long; a call that hangs ends the benchmark.
 LIMIT_S = 120.0
 
-# A hall is open within seconds; the row goes on until it is.
+# A hall is open within seconds; the row continues until then.
 MAX_CALLS = 3000
 
 
 def wall_frame(width_px: int, height_px: int, distance_m: float, index: int) -> Frame:
-    """A wall straight ahead, 90 degrees wide."""
+    """Returns a frame of a wall straight ahead, 90 degrees wide."""
     focal_px = width_px / 2
     return Frame(
         depth=np.full((height_px, width_px), round(1000 * distance_m), np.uint16),
@@ -53,7 +53,7 @@ def wall_frame(width_px: int, height_px: int, distance_m: float, index: int) -> 
 
 
 class Robot:
-    """Uploads frames of one session by calls."""
+    """Uploads frames of one session by unary calls."""
 
     def __init__(self, address: str, map_id: str, session: str) -> None:
         self._stub = ingest_service_pb2_grpc.IngestServiceStub(grpc.insecure_channel(address))
@@ -62,7 +62,7 @@ class Robot:
         self._sent = 0
 
     def upload(self, frame: Frame) -> float:
-        """Returns the seconds until the frame is durable."""
+        """Uploads a frame; returns the seconds until it is durable."""
         request = ingest_service_pb2.UploadFrameBatchRequest(
             map=self._map, robot="robot", sensor="camera", session=self._session
         )
@@ -74,7 +74,7 @@ class Robot:
         return time.monotonic() - start
 
     def measure(self, is_done: Callable[[int], bool]) -> List[float]:
-        """Uploads at a steady pace until `is_done(calls)`."""
+        """Uploads at a constant rate until `is_done(calls)`."""
         times_s: List[float] = []
         while not is_done(len(times_s)) and len(times_s) < MAX_CALLS:
             times_s.append(self.upload(wall_frame(64, 48, 2.0, self._sent)))
@@ -83,7 +83,7 @@ class Robot:
 
 
 class Feeder:
-    """Keeps a map busy from a thread of its own until it is stopped or refused."""
+    """Keeps a map busy from its own thread until it is stopped or refused."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -101,13 +101,13 @@ class Feeder:
             index += 1
 
     def stop(self) -> None:
-        """Returns when the last call has ended."""
+        """Stops after the end of the last call."""
         self._stop.set()
         self._thread.join()
 
 
 def print_row(what: str, times_s: List[float]) -> None:
-    """One line of the table."""
+    """Prints one line of the table."""
     ms = sorted(1e3 * each for each in times_s)
     p99 = ms[min(len(ms) - 1, round(0.99 * (len(ms) - 1)))]
     print(f"{what:28}{len(ms):6}{statistics.median(ms):9.1f}{p99:9.1f}{ms[-1]:9.1f}", flush=True)
@@ -121,11 +121,11 @@ class Build:
         self.daemon = DaemonProcess(folder, build / "server/steadymapd")
 
     def run(self, *arguments: str) -> None:
-        """A call of the build's client."""
+        """Runs the build's client."""
         self.daemon.run_client(self._client_program, *arguments)
 
     def create(self, map_id: str, *options: str) -> None:
-        """A map that fuses whatever it gets."""
+        """Creates a map with the policy static."""
         self.run("map", "create", map_id, "--policy", "static", *options)
 
     def measure(self) -> None:
@@ -155,7 +155,7 @@ class Build:
         first.join()
 
     def _send_first_frame(self) -> None:
-        """Goes on until the hall is open and takes it."""
+        """Retries until the hall is open and accepts the frame."""
         robot = Robot(self.daemon.address, "hall", "first")
         deadline = time.monotonic() + LIMIT_S
         while time.monotonic() < deadline:
@@ -169,7 +169,7 @@ class Build:
 
 
 def main() -> None:
-    """Prints a table a build."""
+    """Prints one table per build."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("builds", nargs="+", type=Path, metavar="BUILD")
     for build in parser.parse_args().builds:

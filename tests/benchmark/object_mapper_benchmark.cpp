@@ -1,12 +1,12 @@
-// A frame's way from decoded images to a committed change set by the pocd policy, one thread,
-// 640 x 360 pixels, voxels of 5 cm:
+// Measures the processing of a frame from decoded images to a committed change set by the pocd
+// policy, one thread, 640 x 360 pixels, voxels of 5 cm:
 //
 //   taskset -c 0 build/release/tests/benchmark/object_mapper_benchmark
 //
-// Each frame is a commit of its own. The time of an iteration is that of all frames, and the
-// counters hold the figures of one; all is processor time, so that what else runs on the machine
-// matters little. LargeHall/1 knows the whole hall, LargeHall/0 only the 43 objects around; both
-// see the same frames.
+// Each frame is a commit. The time of an iteration is that of all frames, and the counters are per
+// frame; all times are processor time, so that other processes hardly affect them. LargeHall/1 has
+// a map of the whole hall, LargeHall/0 of only the 43 objects nearby; both integrate the same
+// frames.
 
 #include <algorithm>
 #include <cstddef>
@@ -31,12 +31,12 @@ MapConfig PocdConfig() {
   return config;
 }
 
-/// Processor time of all threads since some moment, seconds.
+/// Returns the processor time of all threads, seconds.
 double ProcessorSeconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
-/// A map that is timed frame by frame.
+/// A map with a measurement per frame.
 class TimedMap {
  public:
   explicit TimedMap(benchmark::State* state) : state_(state) {}
@@ -47,14 +47,14 @@ class TimedMap {
     const double start_s = ProcessorSeconds();
     mapper_->Integrate(mapper_->head().Next(), frame);
     MapCommit commit = mapper_->Commit();
-    // What was published before goes as the new one comes, as in the service.
+    // The previous snapshot is released when the new one is published, as in the service.
     published_ = std::move(commit.snapshot);
     const double took_s = ProcessorSeconds() - start_s;
     frame_ms_.push_back(1e3 * took_s);
     total_s_ += took_s;
   }
 
-  /// The time below which this share of the frames stayed, milliseconds.
+  /// Returns the quantile `share` of the times per frame, milliseconds.
   double QuantileMs(double share) const {
     std::vector<double> sorted = frame_ms_;
     std::sort(sorted.begin(), sorted.end());

@@ -4,14 +4,14 @@
 
 namespace steadymap::benchmarks {
 
-/// What a process has used so far.
+/// Resources used by a process so far.
 struct ProcessUsage {
   double resident_mb = 0.0;       ///< Now; 10^6 bytes.
-  double peak_resident_mb = 0.0;  ///< The most so far.
+  double peak_resident_mb = 0.0;  ///< Maximum so far.
   double processor_s = 0.0;       ///< Of all threads, user and system.
 };
 
-/// All zero for a process that there is not.
+/// Returns zeros for a process that does not exist.
 ProcessUsage UsageOf(pid_t process);
 
 }  // namespace steadymap::benchmarks

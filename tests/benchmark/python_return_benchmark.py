@@ -1,13 +1,13 @@
-r"""Seconds from a killed daemon's return to that of the Python clients that it had.
+r"""Seconds from the restart of a killed daemon to the reconnection of its Python clients.
 
     cmake --build build/release --target steadymapd steadymap_python
     PYTHONPATH=build/release/client/python:tests/python STEADYMAPD=build/release/server/steadymapd \
         /usr/bin/python3 tests/benchmark/python_return_benchmark.py
 
-An upload of ten frames a second and a watch lose their daemon to kill -9, round after round. Time
-counts from the moment when the new daemon has said that it serves: for the upload to its next
-acknowledgement, for the watch to its next item, behind one frame that another client brings.
-`return_benchmark` measures the C++ clients in the same way.
+An upload of ten frames per second and a watch lose their daemon to kill -9, repeatedly. Time counts
+from the moment the new daemon reports that it serves: for the upload to its next acknowledgement,
+for the watch to its next item, after one frame of another client. `return_benchmark` measures the
+C++ clients in the same way.
 """
 
 import argparse
@@ -27,31 +27,31 @@ WAIT_S = 60.0
 
 
 class Return:
-    """The moment when a client was back, if it is."""
+    """Time of the reconnection of a client."""
 
     def __init__(self) -> None:
         self._back = threading.Event()
         self._moment = 0.0
 
     def expect(self) -> None:
-        """Forgets the last one."""
+        """Starts a new round."""
         self._back.clear()
 
     def note(self) -> None:
-        """The client is back, or still there."""
+        """Records activity of the client; the first one counts."""
         if not self._back.is_set():
             self._moment = time.monotonic()
             self._back.set()
 
     def await_moment(self) -> float:
-        """When it was back, on the monotonic clock."""
+        """Waits for the reconnection; returns its time on the monotonic clock."""
         if not self._back.wait(WAIT_S):
             raise RuntimeError(f"a client was not back after {WAIT_S} s")
         return self._moment
 
 
 def feed(uploader: steadymap.Uploader, stop: threading.Event) -> None:
-    """Ten frames a second."""
+    """Uploads ten frames per second."""
     number = 0
     while not stop.wait(0.1):
         uploader.push(wall_frame(number))
@@ -65,7 +65,7 @@ def follow(watch: steadymap.Watch, back: Return) -> None:
 
 
 def measure(daemon: DaemonProcess, rounds: int, away_s: float) -> Tuple[List[float], List[float]]:
-    """Seconds of each round: of the upload, of the watch."""
+    """Returns the seconds of each round: of the upload, of the watch."""
     client = steadymap.connect(daemon.address)
     client.create_map("fed")
     client.create_map("watched")
@@ -105,7 +105,7 @@ def measure(daemon: DaemonProcess, rounds: int, away_s: float) -> Tuple[List[flo
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Seconds to the return of the Python clients.")
+    parser = argparse.ArgumentParser(description="Reconnection time of the Python clients.")
     parser.add_argument("--rounds", type=int, default=20)
     parser.add_argument("--away", type=float, default=0.25, help="seconds without a daemon")
     arguments = parser.parse_args()

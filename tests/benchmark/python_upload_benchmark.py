@@ -1,4 +1,4 @@
-r"""Frames per second from numpy arrays to INTEGRATED, beside the C++ client's on the same frames.
+r"""Frames per second from numpy arrays to INTEGRATED, compared with the C++ client.
 
     cmake --build build/release --target steadymap steadymapd steadymap_python
     PYTHONPATH=build/release/client/python:tests/python \
@@ -6,8 +6,9 @@ r"""Frames per second from numpy arrays to INTEGRATED, beside the C++ client's o
         /usr/bin/python3 tests/benchmark/python_upload_benchmark.py
 
 Route 1-5 with full sensor noise, 640 x 360, depth and labels. The C++ client is `steadymap upload`,
-which sends PNG files as they are: nothing to pack. Here the arrays are packed on the way. Both go
-to one daemon over loopback, in turns; figures are medians. Needs Pillow to unpack the PNG files.
+which sends PNG files unchanged, without encoding. The Python client encodes the arrays of the same
+frames. Both upload to one daemon over loopback, alternately; values are medians. Requires Pillow to
+decode the PNG files.
 """
 
 import argparse
@@ -31,13 +32,13 @@ ROUTE = "1-5"
 
 
 def unpack(data: bytes) -> np.ndarray:
-    """The pixels of a PNG file."""
+    """Returns the pixels of a PNG file."""
     pixels = np.asarray(PIL.Image.open(io.BytesIO(data)))
     return pixels if pixels.dtype == np.uint8 else pixels.astype(np.uint16)
 
 
 def read_frames(folder: Path) -> List[steadymap.Frame]:
-    """The frames of the route as arrays, by the reader of the example."""
+    """Returns the frames of the route as arrays, read with the example's reader."""
     frames = []
     for frame in load_example().read_folder(folder):
         arrays = {"depth": unpack(frame.depth), "labels": unpack(frame.labels)}
@@ -46,7 +47,7 @@ def read_frames(folder: Path) -> List[steadymap.Frame]:
 
 
 def load_example() -> object:
-    """client/python/examples/upload_folder.py as a module."""
+    """Loads client/python/examples/upload_folder.py as a module."""
     import importlib.util
 
     file = Path(__file__).resolve().parents[2] / "client/python/examples/upload_folder.py"
@@ -57,7 +58,7 @@ def load_example() -> object:
 
 
 def rate(upload: Callable[[], int]) -> float:
-    """Frames per second of one upload, which returns how many frames are in the map."""
+    """Returns the frames per second of an upload that returns its number of integrated frames."""
     start = time.perf_counter()
     return upload() / (time.perf_counter() - start)
 
@@ -81,7 +82,7 @@ def main() -> None:
 
 
 def measure(arguments: argparse.Namespace, folder: Path, daemon: DaemonProcess) -> None:
-    """Takes turns and prints the medians."""
+    """Runs the uploads alternately and prints the medians."""
     frames = read_frames(folder)
     options = steadymap.MapOptions(policy=arguments.policy)
     with steadymap.connect(daemon.address) as client:

@@ -1,9 +1,10 @@
-// Registration of 43 observations to 43 objects, one thread, 2 000 to 5 000 points each:
+// Measures the registration of 43 observations to 43 objects, one thread, 2 000 to 5 000 points
+// each:
 //
 //   taskset -c 0 build/release/tests/benchmark/registration_benchmark
 //
-// The argument of FortyThreePairs is how many of the objects moved by up to 15 cm and 8 degrees;
-// the others stand where they stood, seen with 3 mm of noise.
+// The argument of FortyThreePairs is the number of objects that moved by up to 15 cm and 8 degrees;
+// the others are in place, observed with 3 mm of noise.
 
 #include <random>
 #include <vector>
@@ -28,7 +29,7 @@ constexpr VoxelScale kScale{0.05, 0.15};
 constexpr std::size_t kPairs = 43;
 constexpr double kNoiseM = 0.003;
 
-/// An object and what is seen of it.
+/// An object and its observation.
 struct Pair {
   TsdfGrid volume;
   UprightPose T_world_object;
@@ -36,7 +37,7 @@ struct Pair {
 };
 
 std::vector<Pair> MakePairs(std::size_t moved) {
-  // Between 2 000 and 5 000 points, by the solid and the look.
+  // Between 2 000 and 5 000 points, depending on the solid and the view.
   constexpr double kSpacingRad = 0.007;
   std::mt19937_64 random(1);
   const std::vector<Solid> solids = ThingsToLookAt();
@@ -53,7 +54,7 @@ std::vector<Pair> MakePairs(std::size_t moved) {
               WithNoise(view, kNoiseM, &random)};
     const Eigen::Isometry3d T_world_grid = pair.T_world_object.ToIsometry();
     const Eigen::Isometry3d motion = RandomMotionAbout(pair.T_world_object.position_world, &random);
-    // Spread, so that which of them moved does not depend on the shape.
+    // Distributes the moved objects evenly over the shapes.
     const bool moves = i * moved / kPairs != (i + 1) * moved / kPairs;
     for (Eigen::Vector3d& point : pair.points_world) {
       point = T_world_grid * point;
@@ -64,7 +65,7 @@ std::vector<Pair> MakePairs(std::size_t moved) {
   return pairs;
 }
 
-/// Registers the points of each pair to the volume of the pair `ahead` places further on.
+/// Registers the points of each pair to the volume of the pair `ahead` places later.
 void RegisterAll(benchmark::State& state, const std::vector<Pair>& pairs, std::size_t ahead) {
   std::size_t points = 0;
   std::size_t unmoved = 0;

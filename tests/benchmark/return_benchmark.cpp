@@ -1,9 +1,9 @@
-// Seconds from a killed daemon's return to that of the C++ clients that it had:
+// Measures the time from the restart of a killed daemon to the reconnection of its C++ clients:
 //
 //   build/release/tests/benchmark/return_benchmark --rounds 20 --away 0.25
 //
-// An upload of ten frames a second, a watch and a mirror lose their daemon to kill -9, round after
-// round. Time counts from the moment when the new daemon listens: for the upload to its next
+// An upload of ten frames per second, a watch and a mirror lose their daemon to kill -9,
+// repeatedly. Time counts from the moment the new daemon listens: for the upload to its next
 // acknowledgement, for the others to their next stream. `python_return_benchmark.py` measures the
 // Python clients in the same way.
 
@@ -40,7 +40,7 @@ const MapName kHall{"default", "hall"};
 constexpr absl::Duration kWait = absl::Seconds(60);
 constexpr std::chrono::milliseconds kFramePeriod{100};
 
-/// The moment when a client was back, and how long that took in each round.
+/// Reconnection of a client and its duration in each round.
 class Return {
  public:
   void Expect() {
@@ -58,7 +58,7 @@ class Return {
   void Await(Clock::time_point served) {
     const absl::MutexLock lock(&mutex_);
     if (!mutex_.AwaitWithTimeout(absl::Condition(&is_back_), kWait)) {
-      throw std::runtime_error("a client was not back after a minute");
+      throw std::runtime_error("a client did not reconnect within a minute");
     }
     seconds_.push_back(std::max(0.0, std::chrono::duration<double>(moment_ - served).count()));
   }
@@ -77,7 +77,7 @@ class Return {
   std::vector<double> seconds_;
 };
 
-/// Takes nothing but notice of its streams.
+/// Ignores all content and records the start of streams.
 class NotingConsumer final : public WatchConsumer {
  public:
   explicit NotingConsumer(Return* back) : back_(back) {}
@@ -108,7 +108,7 @@ void Measure(int rounds, double away_s) {
   const TemporaryFolder folder;
   DaemonProcess daemon(folder.path());
   if (!MapClient(OpenChannel(daemon.address())).CreateMap(kHall, {}).ok()) {
-    throw std::runtime_error("the map could not be made");
+    throw std::runtime_error("the map could not be created");
   }
   Return uploading;
   Return watching;
@@ -155,8 +155,8 @@ void Measure(int rounds, double away_s) {
 int main(int argc, char** argv) {
   int rounds = 20;
   double away_s = 0.25;
-  CLI::App app("Seconds from a killed daemon's return to that of its C++ clients.");
-  app.add_option("--rounds", rounds, "How often it is killed")->check(CLI::Range(1, 1000));
+  CLI::App app("Measures the reconnection time of C++ clients after a restart of the daemon.");
+  app.add_option("--rounds", rounds, "Number of kills")->check(CLI::Range(1, 1000));
   app.add_option("--away", away_s, "Seconds without a daemon")->check(CLI::Range(0.0, 60.0));
   CLI11_PARSE(app, argc, argv);
   try {

@@ -16,10 +16,10 @@ SimulationOptions Options(bool is_ideal) {
   return options;
 }
 
-// One frame of 640 x 360: rays, depth noise, labels and label noise.
+// Renders one frame of 640 x 360: rays, depth noise, labels and label noise.
 void RenderFrame(benchmark::State& state, const std::string& route, bool is_ideal) {
   Simulation simulation(*MakeRoute(route), Options(is_ideal));
-  // A step that visits all parts of the route before it repeats a frame.
+  // A step that covers all parts of the route before it repeats a frame.
   const std::size_t step = simulation.frame_count() / 31 + 1;
   std::size_t index = 0;
   while (state.KeepRunning()) {

@@ -1,9 +1,9 @@
-// Integration, commit, meshing and packing on real frames, one thread:
+// Measures integration, commit, meshing and packing on real frames, one thread:
 //
 //   taskset -c 0 build/release/tests/benchmark/tsdf_benchmark
 //
 // Arguments of each benchmark: voxel size and truncation in millimetres. Every second pixel in both
-// directions makes a surface cell (the pixel stride of the figures is 2).
+// directions becomes a surface point (pixel stride 2).
 
 #include <benchmark/benchmark.h>
 
@@ -43,7 +43,7 @@ std::shared_ptr<const MapSnapshot> MapAll(const MapConfig& config) {
   return mapper->Commit().snapshot;
 }
 
-/// One frame into a map that sees the whole sequence, with the copies that commits cause.
+/// Integrates one frame into a map of the whole sequence, including the copies caused by commits.
 void IntegrateFrame(benchmark::State& state) {
   if (SkipWithoutFrames(state)) return;
   std::unique_ptr<Mapper> mapper = Mapper::Create(ConfigOf(state)).value();
@@ -67,7 +67,7 @@ BENCHMARK(IntegrateFrame)
     ->Args({10, 40})
     ->Unit(benchmark::kMillisecond);
 
-/// Packing what 15 frames changed.
+/// Packs the changes of 15 frames.
 void Commit(benchmark::State& state) {
   if (SkipWithoutFrames(state)) return;
   std::unique_ptr<Mapper> mapper = Mapper::Create(ConfigOf(state)).value();
@@ -105,7 +105,7 @@ double SurfaceArea(const Mesh& mesh) {
   return area_m2;
 }
 
-/// The whole map's mesh; also what a square metre of surface costs in memory and packed.
+/// Extracts the mesh of the whole map; also reports memory and packed bytes per square metre.
 void ExtractWholeMesh(benchmark::State& state) {
   if (SkipWithoutFrames(state)) return;
   const std::shared_ptr<const MapSnapshot> map = MapAll(ConfigOf(state));

@@ -1,11 +1,10 @@
-// Frames per second from a client's upload to INTEGRATED, through gRPC on loopback into a daemon
-// with its durable store; client and daemon share the machine:
+// Measures frames per second from a client's upload to INTEGRATED, through gRPC on loopback into a
+// daemon with its durable store; client and daemon share the machine:
 //
 //   taskset -c 0,1 build/release/tests/benchmark/upload_benchmark
 //
-// The argument is the map's policy by its number on the wire: 1 static, 5 pocd. The frames are
-// 640 x 360, depth and labels as PNG, packed beforehand. `daemon_MB` is the daemon's
-// peak resident memory so far.
+// The argument is the number of the map's policy: 1 static, 5 pocd. The frames are 640 x 360, depth
+// and labels as PNG, packed in advance. `daemon_MB` is the daemon's peak resident memory so far.
 
 #include <cstdlib>
 #include <fstream>
@@ -28,8 +27,8 @@
 namespace steadymap {
 namespace {
 
-/// Two loops through the TorWIC hall with all sensor noise, packed as PNG; boxes have been turned
-/// between them.
+/// Renders two loops through the TorWIC hall with all sensor noise, packed as PNG; boxes were
+/// rotated in between.
 std::vector<v1::Frame> PackFrames() {
   SimulationOptions options;
   options.sensor = SensorModel::Full();

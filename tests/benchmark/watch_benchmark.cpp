@@ -1,15 +1,15 @@
-// What watchers cost the upload of frames, and what they get, through gRPC on loopback; the daemon,
-// the robot and the watchers share the machine:
+// Measures the effect of watchers on the upload of frames, and the content they receive, through
+// gRPC on loopback; the daemon, the robot and the watchers share the machine:
 //
 //   build/release/tests/benchmark/watch_benchmark
 //   build/release/tests/benchmark/watch_benchmark --case 100:box --rounds 5 --rate 0
 //
-// A case is COUNT[:FILTER[:STALLED]]: so many watchers, what they filter (all, events, objects,
-// box: one box for all, boxes: one for each, class), and how many of them stop reading. Each run
-// has a daemon and an empty map of its own; runs without watchers alternate with those with, and
-// every figure is the median of its rounds. `behind` is the longest that any watcher waited for a
-// revision somebody else knew of, `commits` the most that one took in one step, `daemon MB` the
-// peak of its resident memory, `growth` what that is above the run without watchers.
+// A case is COUNT[:FILTER[:STALLED]]: number of watchers, their filter (all, events, objects, box:
+// one common box, boxes: one per watcher, class), and number of watchers that stop reading. Each
+// run has its own daemon and an empty map; runs without watchers alternate with runs with watchers,
+// and every value is the median of its rounds. `behind` is the longest delay of any watcher after
+// the first report of a revision, `commits` the largest number of commits in one step, `daemon MB`
+// the peak of the daemon's resident memory, `growth` its difference to the run without watchers.
 
 #include <cmath>
 #include <cstdio>
@@ -75,7 +75,7 @@ Case ParseCase(const std::string& text) {
   return parsed;
 }
 
-/// A box of 2 m in the lane that the robot drives along, a little aside for each watcher.
+/// Adds a box of 2 m in the robot's lane, shifted slightly for each watcher.
 void AddBox(std::size_t place, v1::WatchFilter* filter) {
   v1::Box* box = filter->add_boxes();
   const double shift_m = 0.05 * static_cast<double>(place % 100);
@@ -100,7 +100,7 @@ v1::WatchFilter MakeFilter(const std::string& name, std::size_t place) {
   } else if (name == "class") {
     filter.add_class_ids(static_cast<std::uint32_t>(SceneClass::kGoods));
   } else {
-    throw std::runtime_error("there is no filter \"" + name + "\"");
+    throw std::runtime_error("unknown filter \"" + name + "\"");
   }
   return filter;
 }
@@ -114,13 +114,13 @@ std::vector<WatcherPlan> MakePlans(const Case& watched, const std::string& map) 
     *plans[i].request.mutable_filter() = MakeFilter(watched.filter, i);
     const std::size_t stalled_before = i * watched.stalled / plans.size();
     const bool stalls = (i + 1) * watched.stalled / plans.size() != stalled_before;
-    // One after the other, so that each holds another revision.
+    // Staggered, so that each holds another revision.
     if (stalls) plans[i].stalls_after = 1 + 2 * stalled_before;
   }
   return plans;
 }
 
-/// Bytes of the whole map as a watcher gets it who starts with a snapshot.
+/// Returns the bytes of the whole map for a watcher that starts with a snapshot.
 double SnapshotBytes(const std::string& address, const MapName& map, std::uint64_t revision) {
   WatcherPlan plan;
   plan.request.set_map(map.ToString());
@@ -132,7 +132,7 @@ double SnapshotBytes(const std::string& address, const MapName& map, std::uint64
   return records[0].steps.empty() ? 0.0 : static_cast<double>(records[0].steps[0].bytes);
 }
 
-/// Names of figures, in the order of the table's columns.
+/// Values by name, in the order of the table's columns.
 using Figures = std::map<std::string, double>;
 
 double OwnProcessorSeconds() { return UsageOf(getpid()).processor_s; }
@@ -152,7 +152,7 @@ Figures RunOnce(const Options& options, const Case& watched, const std::vector<v
   const double processor_s = UsageOf(daemon.process()).processor_s;
   const double own_s = OwnProcessorSeconds();
   const FeedRecord feed = FeedFrames(daemon.address(), map, frames, options.rate_hz);
-  if (!crowd.AwaitRevision(frames.size(), kCatchUpLimit)) std::printf("some never caught up\n");
+  if (!crowd.AwaitRevision(frames.size(), kCatchUpLimit)) std::printf("some did not catch up\n");
   const ProcessUsage usage = UsageOf(daemon.process());
   const double own_used_s = OwnProcessorSeconds() - own_s;
   const std::vector<WatcherRecord> records = crowd.Finish();
@@ -268,14 +268,14 @@ void Run(const Options& options) {
 int main(int count, char** arguments) {
   using steadymap::benchmarks::Options;
   Options options;
-  CLI::App app("What watchers cost the upload of frames, and what they get");
+  CLI::App app("Measures the effect of watchers on the upload, and the content they receive");
   app.add_option("--case", options.cases, "COUNT[:FILTER[:STALLED]], any number of them");
-  app.add_option("--route", options.route, "Of the simulator");
-  app.add_option("--policy", options.policy, "By its number on the wire: 1 static, 5 pocd");
-  app.add_option("--rate", options.rate_hz, "Frames a second; 0: as fast as the daemon takes them");
-  app.add_option("--frames", options.frames, "Of the route, at most; 0: all");
+  app.add_option("--route", options.route, "Route of the simulator");
+  app.add_option("--policy", options.policy, "Number of the policy: 1 static, 5 pocd");
+  app.add_option("--rate", options.rate_hz, "Frames per second; 0: as fast as possible");
+  app.add_option("--frames", options.frames, "Maximum number of frames; 0: all");
   app.add_option("--rounds", options.rounds, "Runs of each case");
-  app.add_option("--connections", options.connections, "That the watchers share, at most");
+  app.add_option("--connections", options.connections, "Maximum number of connections");
   CLI11_PARSE(app, count, arguments);
   try {
     steadymap::benchmarks::Run(options);

@@ -21,13 +21,13 @@ namespace {
 
 constexpr char kMethod[] = "/steadymap.v1.WatchService/WatchMap";
 
-// Far more than any opening takes.
+// Much more than any opening takes.
 constexpr absl::Duration kOpenLimit = absl::Seconds(60);
 
-// Enough for the kind of a message, its length and the revision that each kind begins with.
+// Enough for the kind of a message, its length and the revision at its beginning.
 constexpr std::size_t kHeadBytes = 32;
 
-/// What the first bytes of a `WatchMapResponse` say.
+/// Content of the first bytes of a `WatchMapResponse`.
 struct MessageHead {
   int kind = 0;  ///< Field number in the oneof.
   std::uint64_t revision = 0;
@@ -63,23 +63,23 @@ grpc::ByteBuffer Pack(const v1::WatchMapRequest& request) {
 std::shared_ptr<grpc::Channel> OpenConnection(const std::string& address) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
-  // Otherwise all channels share one connection.
+  // By default all channels share one connection.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }
 
-/// One watcher. Not thread-safe: its crowd holds a lock.
+/// One watcher. Not thread-safe: its crowd holds a mutex.
 class Watcher {
  public:
   enum class Place { kStart, kWrite, kRead, kFinish };
 
-  /// What a completion queue hands back.
+  /// Tag of a completion queue event.
   struct Tag {
     Watcher* watcher = nullptr;
     Place place = Place::kStart;
   };
 
-  /// `queue` and `channel` outlive the watcher's calls.
+  /// `queue` and `channel` must outlive the watcher's calls.
   Watcher(const WatcherPlan& plan,
           const std::shared_ptr<grpc::Channel>& channel,
           grpc::CompletionQueue* queue)
@@ -87,7 +87,7 @@ class Watcher {
     call_->StartCall(&tags_[0]);
   }
 
-  /// From now on the end is no surprise.
+  /// Cancels the call; its end is no error afterwards.
   void Cancel() {
     cancelled_ = true;
     context_.TryCancel();
@@ -108,7 +108,7 @@ class Watcher {
     }
   }
 
-  /// Of a stalled watcher, which waits for nothing that could end: begins the end.
+  /// Begins the end of a stalled watcher, which has no pending operation.
   void FinishStalled() { call_->Finish(&status_, &tags_[3]); }
 
   bool stalls() const {
@@ -119,7 +119,7 @@ class Watcher {
 
   bool finished() const { return finished_; }
 
-  /// Whether nothing that it reads is missing for `revision`.
+  /// True if the watcher has `revision` or has stopped reading.
   bool Has(std::uint64_t revision) const { return plan_.stalls_after > 0 || revision_ >= revision; }
 
   WatcherRecord TakeRecord() {

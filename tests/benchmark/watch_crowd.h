@@ -13,37 +13,39 @@
 
 namespace steadymap::benchmarks {
 
-/// What brought a watcher from one revision to the next: everything up to a progress.
+/// A step from one revision to the next: all messages up to a progress.
 struct WatchedStep {
   std::uint64_t revision = 0;  ///< After the step.
-  Clock::time_point first;     ///< When its first message came.
-  Clock::time_point last;      ///< When the progress came.
-  std::uint64_t bytes = 0;     ///< Of all its messages, as serialized.
-  std::uint32_t messages = 0;  ///< The progress included.
+  Clock::time_point first;     ///< Arrival of its first message.
+  Clock::time_point last;      ///< Arrival of the progress.
+  std::uint64_t bytes = 0;     ///< Of all its messages, serialized.
+  std::uint32_t messages = 0;  ///< Including the progress.
 };
 
-/// How a watcher is to behave.
+/// Behaviour of a watcher.
 struct WatcherPlan {
   v1::WatchMapRequest request;
-  /// Reads so many messages and then no more, while the call stays open; 0: reads on.
+  /// Stops reading after this many messages and keeps the call open; 0: never stops.
   std::size_t stalls_after = 0;
-  bool keeps = false;  ///< Keeps the messages, for `WatcherRecord::messages`.
+  bool keeps = false;  ///< Stores the messages in `WatcherRecord::messages`.
 };
 
-/// What a watcher saw.
+/// Measurements of a watcher.
 struct WatcherRecord {
   std::vector<WatchedStep> steps;
-  bool stalled = false;                        ///< As planned: it stopped reading.
-  std::vector<v1::WatchMapResponse> messages;  ///< If the plan says so.
-  std::string end;                             ///< Why the stream ended before its time; or empty.
+  bool stalled = false;                        ///< It stopped reading, as planned.
+  std::vector<v1::WatchMapResponse> messages;  ///< If `WatcherPlan::keeps`.
+  std::string end;  ///< Reason of a premature end of the stream; or empty.
 };
 
 /// Many watchers over loopback, served by one thread. Messages are counted and dated by their first
-/// bytes, not parsed, so that a thousand watchers cost little beside the daemon.
+/// bytes without parsing, so that a thousand watchers use little processor time compared with the
+/// daemon.
 class WatchCrowd {
  public:
-  /// Opens `connections` connections (at least 1), deals the watchers out to them and waits until
-  /// each has got its first message. Throws `std::runtime_error` if one ends instead.
+  /// Opens `connections` connections (at least 1), distributes the watchers over them and waits
+  /// until each has received its first message. Throws `std::runtime_error` if a watch ends
+  /// instead.
   WatchCrowd(const std::string& address,
              std::size_t connections,
              const std::vector<WatcherPlan>& plans);
@@ -52,11 +54,10 @@ class WatchCrowd {
   WatchCrowd(const WatchCrowd&) = delete;
   WatchCrowd& operator=(const WatchCrowd&) = delete;
 
-  /// Waits until every watcher that reads has `revision`; answers whether that came true within
-  /// `limit`.
+  /// Waits until every reading watcher has `revision`; false after `limit`.
   bool AwaitRevision(std::uint64_t revision, std::chrono::seconds limit);
 
-  /// Ends all watches; the records in the order of the plans.
+  /// Ends all watches; returns the records in the order of the plans.
   std::vector<WatcherRecord> Finish();
 
  private:

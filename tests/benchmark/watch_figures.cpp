@@ -14,7 +14,7 @@ double SecondsBetween(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-/// When each revision that anybody heard of was first heard of, or a newer one.
+/// Returns the time of the first report of each revision, or of a newer one.
 Publications FirstSightings(const FeedRecord& feed, const std::vector<WatcherRecord>& watchers) {
   Publications published;
   const auto see = [&published](std::uint64_t revision, Clock::time_point time) {

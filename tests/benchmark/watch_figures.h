@@ -8,29 +8,28 @@
 
 namespace steadymap::benchmarks {
 
-/// How watchers fared during one upload.
+/// Measurements of watchers during one upload.
 struct WatchFigures {
-  /// The longest that a watcher had to wait for anything: from the first that anybody heard of a
-  /// revision (the uploader or a watcher) until the watcher was told that it has it. Infinite if
-  /// it never was.
+  /// Longest delay of a watcher: from the first report of a revision (to the uploader or a watcher)
+  /// to the progress that completes it at the watcher. Infinite if the progress never arrived.
   double most_behind_s = 0.0;
 
-  /// The most commits that a watcher got in one step; 1 if all kept up.
+  /// Largest number of commits in one step of a watcher; 1 if all watchers kept up.
   std::uint64_t most_commits_a_step = 0;
 
-  /// From handing a frame to the uploader until a watcher's first message of the revision that
-  /// contains it; over all frames and watchers.
+  /// From the push of a frame to a watcher's first message of the revision that contains it; over
+  /// all frames and watchers.
   double median_latency_s = 0.0;
   double p95_latency_s = 0.0;
 
-  /// What a watcher got, over the number of frames; mean over the watchers.
+  /// Bytes received by a watcher divided by the number of frames; mean over the watchers.
   double bytes_a_frame = 0.0;
 };
 
-/// Of the watchers that have steps and did not stall; all zero if none has.
+/// Measures the watchers that have steps and did not stall; all zero without such watchers.
 WatchFigures MeasureWatch(const FeedRecord& feed, const std::vector<WatcherRecord>& watchers);
 
-/// The value that a `share` of the others does not exceed, in [0, 1]; 0 of none.
+/// Returns the quantile `share`, in [0, 1]; 0 without values.
 double Quantile(std::vector<double> values, double share);
 
 }  // namespace steadymap::benchmarks

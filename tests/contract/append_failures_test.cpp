@@ -1,5 +1,5 @@
-// Appends that fail at random, of a store on disk: whatever was acknowledged as durable is in the
-// map, once. STEADYMAP_FAULT_SEEDS and STEADYMAP_FAULT_FRAMES make it longer.
+// Tests random failures of appends with a store on disk: every frame acknowledged as durable is in
+// the map exactly once. STEADYMAP_FAULT_SEEDS and STEADYMAP_FAULT_FRAMES make the test longer.
 
 #include <algorithm>
 #include <cerrno>
@@ -29,7 +29,7 @@ std::uint64_t FromEnvironment(const char* name, std::uint64_t otherwise) {
   return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
 }
 
-/// Lets calls on log files fail at random: mostly for want of space, sometimes for good.
+/// Makes calls on log files fail at random: mostly for lack of space, sometimes permanently.
 class RandomFaults {
  public:
   RandomFaults(std::uint64_t seed, double probability)
@@ -63,8 +63,8 @@ class RandomFaults {
 
 class AppendFailures : public ::testing::Test {
  protected:
-  /// Sends what follows the resume point without waiting; returns how far it was acknowledged, by
-  /// an acknowledgement or by the resume point of a stream.
+  /// Sends all frames after the resume point without waiting; returns the last acknowledged frame,
+  /// from an acknowledgement or a stream's resume point.
   static std::uint64_t SendWithoutWaiting(TestService* service,
                                           const std::string& map,
                                           std::uint64_t last_frame) {
@@ -84,7 +84,7 @@ class AppendFailures : public ::testing::Test {
     return std::max(opened->resume_client_seq(), client.newest(v1::ACK_LEVEL_DURABLE).client_seq());
   }
 
-  /// `MakeBatch` gives frame n the time 100 + n; in the log they must stand in their order.
+  /// `MakeBatch` gives frame n the time 100 + n; the log must contain them in this order.
   static std::uint64_t CountLogged(Store* store) {
     const MapRecord map = store->ListMaps()->front();
     EXPECT_TRUE(store->LoadMap(map).ok());
@@ -118,7 +118,7 @@ TEST_F(AppendFailures, EveryAcknowledgedFrameIsInTheMapOnce) {
       EXPECT_TRUE(Eventually([&] {
         const std::uint64_t before = acknowledged;
         acknowledged = std::max(acknowledged, SendWithoutWaiting(&service, map, frames));
-        // A failure may take back what no one was told of, and nothing else.
+        // A failure may revert only unacknowledged frames.
         EXPECT_GE(service.GetMap(map)->state().durable_map_seq(), before);
         return acknowledged >= frames;
       }));

@@ -13,7 +13,7 @@
 
 namespace steadymap {
 
-/// The command line, in process, against the daemon in a process of its own.
+/// The command line, in this process, against a daemon in its own process.
 class CliTest : public ::testing::Test {
  protected:
   Outcome Run(std::vector<std::string> arguments) const {

@@ -27,7 +27,7 @@ class CliFileTest : public CliTest {
     return head;
   }
 
-  /// The first vertex of a PLY file, as a point of the command line.
+  /// Returns the first vertex of a PLY file in the command line's point format.
   std::string FirstVertex(const std::string& name) const {
     std::ifstream stream(PathOf(name), std::ios::binary);
     for (std::string line; line != "end_header";) {
@@ -128,7 +128,7 @@ TEST_F(CliTest, ObjectsOfAChangedPlaceAreListedExportedAndDrawnAndSurviveAKill) 
 
   const std::string all = Run({"events", "depot"}).out;
   const std::string last = all.substr(all.rfind('\n', all.size() - 2) + 1);
-  const std::size_t time_place = last.find('-') - 4;  // Of its year, 2021-...
+  const std::size_t time_place = last.find('-') - 4;  // Year of the time, 2021-...
   const std::string time = last.substr(time_place, last.find('Z') + 1 - time_place);
   const std::string before = Run({"events", "depot", "--until", time}).out;
   const std::string after = Run({"events", "depot", "--since", time}).out;
@@ -186,7 +186,8 @@ TEST_F(CliTest, AnUploadResumesAfterAKilledDaemon) {
   ASSERT_TRUE(source.ok()) << source.status();
   const std::size_t frame_count = (*source)->frame_count();
   UploaderOptions options;
-  options.max_buffered_bytes = 1;  // One frame at a time, so that the kill comes in the middle.
+  // One frame at a time, so that the kill happens in the middle.
+  options.max_buffered_bytes = 1;
   std::atomic<bool> killed = false;
   options.on_progress = [&](const UploadProgress& progress) {
     if (progress.durable < frame_count / 2 || killed.exchange(true)) return;

@@ -1,5 +1,5 @@
-// Steps of the machine's clock: no frame counts twice because of one. The program has a wall clock
-// of its own, which the test sets.
+// Tests steps of the machine's clock: no step makes a frame count twice. The program has its own
+// wall clock, which the test sets.
 
 #include <atomic>
 #include <cstdint>
@@ -21,7 +21,7 @@ std::atomic<std::int64_t> wall_clock_step_s = 0;
 
 }  // namespace
 
-// Takes the place of the C library's for the whole program.
+// Replaces the function of the C library in the whole program.
 extern "C" int clock_gettime(clockid_t clock, timespec* time) noexcept {
   const int result = static_cast<int>(::syscall(SYS_clock_gettime, clock, time));
   if (clock == CLOCK_REALTIME) time->tv_sec += wall_clock_step_s;
@@ -40,7 +40,7 @@ class ClockStep : public ::testing::Test {
                                          Store::Open(folder_.path(), StoreOptions()).value());
   }
 
-  /// What the maintenance does now and then, with the daemon's own default.
+  /// Runs the periodic trim of the maintenance with the daemon's default settings.
   void Trim() {
     const std::unique_ptr<Store> store = Store::Open(folder_.path(), StoreOptions()).value();
     const MapRecord map = store->ListMaps()->front();
@@ -71,7 +71,7 @@ TEST_F(ClockStep, ForwardAndBackNoSessionIsForgotten) {
   wall_clock_step_s = 15 * kDayS;
   timespec now{};
   ASSERT_EQ(::clock_gettime(CLOCK_REALTIME, &now), 0);
-  EXPECT_GE(now.tv_sec, before_s + 14 * kDayS) << "the test's clock is in force";
+  EXPECT_GE(now.tv_sec, before_s + 14 * kDayS) << "the test's clock is not used";
   Trim();
   const std::unique_ptr<TestService> service = Start();
   UploadClient resumed(service.get());

@@ -1,4 +1,4 @@
-// More connections than the daemon has descriptors for.
+// Tests more connections than the daemon has file descriptors.
 
 #include <chrono>
 #include <cstdint>
@@ -37,7 +37,7 @@ std::chrono::system_clock::time_point Hang() {
   return std::chrono::system_clock::now() + std::chrono::seconds(60);
 }
 
-/// A client on a connection of its own.
+/// A client with its own connection.
 class Client {
  public:
   explicit Client(const std::string& address) {
@@ -87,7 +87,7 @@ class Client {
   std::shared_ptr<grpc::Channel> channel_;
 };
 
-/// A TCP connection that sends nothing.
+/// Opens a TCP connection that sends nothing.
 Descriptor ConnectIdly(const std::string& address) {
   sockaddr_in where{};
   where.sin_family = AF_INET;
@@ -100,7 +100,7 @@ Descriptor ConnectIdly(const std::string& address) {
   return connection;
 }
 
-/// Whether the daemon takes the connection: it begins to speak then, else it closes.
+/// True if the daemon accepts the connection: it sends bytes then; otherwise it closes.
 bool IsTaken(const Descriptor& connection) {
   char c = 0;
   return ::recv(connection.number(), &c, 1, 0) == 1;
@@ -109,7 +109,7 @@ bool IsTaken(const Descriptor& connection) {
 class ConnectionFlood : public ::testing::Test {
  protected:
   void SetUp() override {
-    // This process needs descriptors for its ends.
+    // This process needs descriptors for its own ends.
     rlimit own{};
     ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &own), 0);
     own.rlim_cur = own.rlim_max;
@@ -117,7 +117,7 @@ class ConnectionFlood : public ::testing::Test {
     LimitDescriptors(kDescriptors);
   }
 
-  /// Of the daemon.
+  /// Limits the descriptors of the daemon.
   void LimitDescriptors(rlim_t descriptors) {
     const rlimit low{descriptors, descriptors};
     ASSERT_EQ(::prlimit(daemon_.process(), RLIMIT_NOFILE, &low, nullptr), 0);

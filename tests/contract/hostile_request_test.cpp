@@ -1,5 +1,5 @@
-// Requests that no client of ours makes, sent to every RPC of every service in proto/steadymap/v1:
-// a new RPC is covered as soon as its service is registered.
+// Tests invalid requests, sent to every RPC of every service in proto/steadymap/v1: a new RPC is
+// covered as soon as its service is registered.
 
 #include <algorithm>
 #include <filesystem>
@@ -31,7 +31,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::MethodDescriptor;
 using google::protobuf::internal::WireFormatLite;
 
-/// All RPCs, by full name.
+/// Returns all RPCs, by full name.
 std::vector<const MethodDescriptor*> AllMethods() {
   std::vector<const MethodDescriptor*> methods;
   const std::string folder = STEADYMAP_PROTO_DIR;
@@ -52,7 +52,7 @@ std::vector<const MethodDescriptor*> AllMethods() {
   return methods;
 }
 
-/// Sends one message to an RPC of any kind, reads what comes, and returns how the call ends.
+/// Sends one message to an RPC of any kind, reads the responses, and returns the final status.
 absl::Status Send(TestService* service, const MethodDescriptor& method, const std::string& bytes) {
   grpc::ClientContext context;
   SetDeadline(&context);
@@ -70,7 +70,7 @@ absl::Status Send(TestService* service, const MethodDescriptor& method, const st
   if (await()) {
     const grpc::Slice slice(bytes);
     call->WriteLast(grpc::ByteBuffer(&slice, 1), grpc::WriteOptions(), nullptr);
-    // A call that is refused early need not take all of it.
+    // A call that is refused early may not read the whole message.
     await();
     grpc::ByteBuffer response;
     do {
@@ -82,7 +82,7 @@ absl::Status Send(TestService* service, const MethodDescriptor& method, const st
   return FromGrpcStatus(status);
 }
 
-/// A field of a message, its tag and length included.
+/// Returns a field of a message with its tag and length.
 std::string Bytes(int field_number, const std::string& value) {
   std::string bytes;
   {
@@ -95,8 +95,8 @@ std::string Bytes(int field_number, const std::string& value) {
   return bytes + value;
 }
 
-/// The field numbers that lead to a field for which `wanted` holds, those of messages above it
-/// first; none if there is no such field within a few levels.
+/// Returns the field numbers of the path to a field for which `wanted` is true, outermost first;
+/// none if there is no such field within a few levels.
 std::optional<std::vector<int>> FindPath(const MessageType& type,
                                          const std::function<bool(const FieldDescriptor&)>& wanted,
                                          int levels = 4) {
@@ -114,7 +114,7 @@ std::optional<std::vector<int>> FindPath(const MessageType& type,
   return std::nullopt;
 }
 
-/// A message that holds `value` in the field at the end of `path`, `count` times.
+/// Returns a message with `count` copies of `value` in the field at the end of `path`.
 std::string Nested(std::vector<int> path, const std::string& value, std::size_t count = 1) {
   const std::string one = Bytes(path.back(), value);
   path.pop_back();
@@ -124,12 +124,12 @@ std::string Nested(std::vector<int> path, const std::string& value, std::size_t 
   return bytes;
 }
 
-/// In no message of ours.
+/// Unused in our messages.
 constexpr int kUnknownField = 12'345;
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-/// What an RPC takes. The exceptions are listed in its service's documentation.
+/// Returns the size limit of an RPC. The exceptions are documented at its service.
 std::size_t MaxBytes(const MethodDescriptor& method) {
   static const std::map<std::string, std::size_t> exceptions = {
       {"UploadFrames", 8 * kMebibyte},
@@ -143,7 +143,7 @@ std::size_t MaxBytes(const MethodDescriptor& method) {
 
 class HostileRequest : public ::testing::Test {
  protected:
-  /// Sends to each RPC what `make` makes for it, and shows the answer to `check`.
+  /// Sends to each RPC the message from `make`, and passes the status to `check`.
   void ForEachMethod(
       const std::function<std::string(const MethodDescriptor&)>& make,
       const std::function<void(const MethodDescriptor&, const absl::Status&)>& check) {
@@ -152,7 +152,7 @@ class HostileRequest : public ::testing::Test {
       SCOPED_TRACE(method->full_name());
       check(*method, Send(&service_, *method, make(*method)));
     }
-    // And nothing has happened to the server.
+    // The server still works.
     EXPECT_FALSE(service_.CreateMap("hall").empty());
   }
 
@@ -197,9 +197,9 @@ TEST_F(HostileRequest, TextThatIsNotUtf8IsRefused) {
       ExpectBadMessage);
 }
 
-/// A message of so many bytes, which holds nothing that is known.
+/// Returns a message of this size without known fields.
 std::string MessageOfSize(std::size_t size) {
-  // Tag and length take some bytes: more of them for the first, long text.
+  // Tag and length take some bytes, more for the first, long text.
   const std::string most = Bytes(kUnknownField, std::string(size - 100, 'x'));
   const std::size_t header = Bytes(kUnknownField, "").size();
   return most + Bytes(kUnknownField, std::string(size - most.size() - header, 'x'));
@@ -224,7 +224,7 @@ TEST_F(HostileRequest, AMillionEmptyMessagesAreTooLarge) {
         const auto path = FindPath(*method.input_type(), [](const FieldDescriptor& field) {
           return field.is_repeated() && field.type() == FieldDescriptor::TYPE_MESSAGE;
         });
-        // Where no message repeats itself, a field that nobody knows does.
+        // Without a repeated message, an unknown field is repeated.
         const std::vector<int> repeated = path.value_or(std::vector<int>{kUnknownField});
         const std::size_t size = Bytes(repeated.back(), "").size();
         return Nested(repeated, "", (MaxBytes(method) - 100) / size);

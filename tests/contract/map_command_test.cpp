@@ -1,4 +1,4 @@
-// What the command line shows and changes of maps, against a daemon.
+// Tests the map commands of the command line against a daemon.
 
 #include <filesystem>
 #include <fstream>

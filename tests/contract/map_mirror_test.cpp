@@ -1,5 +1,5 @@
-// Mirrors of a real daemon's maps: at every revision that can be compared they are what the daemon
-// exports, bit for bit.
+// Tests mirrors of a real daemon's maps: at every comparable revision they equal the daemon's
+// export, bit for bit.
 
 #include "client/map/map_mirror.h"
 
@@ -32,7 +32,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Reached only by a hang.
+/// Reached only if a test hangs.
 constexpr milliseconds kMirrorTimeout{120'000};
 
 const MapName kDepot{"default", "depot"};
@@ -51,7 +51,7 @@ class MirrorContractTest : public ::testing::Test {
     return outcome.exit_code;
   }
 
-  /// Uploads a simulated route and waits until it is in the map; the map's revision.
+  /// Uploads a simulated route, waits until it is integrated, and returns the map's revision.
   Revision Drive(const std::string& route) {
     const std::vector<std::string> arguments = {
         "simulate", "depot", "--route", route, "--ideal", "--stride", "12"};
@@ -90,8 +90,8 @@ class MirrorContractTest : public ::testing::Test {
         << "the ply files differ";
   }
 
-  /// Expects the mirrored objects to be those that `wanted` picks from the map's, each as the
-  /// daemon exports it.
+  /// Expects the mirrored objects to be the map's objects selected by `wanted`, each identical to
+  /// the daemon's.
   template <typename Wanted>
   void ExpectObjects(const MapMirror& mirror, Wanted wanted) {
     const absl::StatusOr<MapList<v1::Object>> objects = client_.ListObjects(kDepot);
@@ -108,7 +108,7 @@ class MirrorContractTest : public ::testing::Test {
       volumes.push_back(VolumeOf(*object));
     }
     ASSERT_EQ(mirrored, ids);
-    ASSERT_FALSE(ids.empty()) << "the test would show nothing";
+    ASSERT_FALSE(ids.empty()) << "the test would compare nothing";
     EXPECT_TRUE(*WriteVdb(*map, volumes, nullptr) ==
                 Export(v1::EXPORT_FORMAT_VDB, {.objects = ids}));
   }
@@ -135,7 +135,7 @@ TEST_F(MirrorContractTest, FollowsAChangingPlaceBitForBit) {
   const std::unique_ptr<MapMirror> from_now = Mirror();
   ExpectExport(*from_now, revision);
 
-  // Nothing that happened is left out, or told twice. A callback may still run: stopping waits.
+  // Every event is reported exactly once. A callback may still run: stopping waits for it.
   const absl::StatusOr<MapList<v1::ObjectEvent>> history = client_.ListEvents(kDepot);
   ASSERT_TRUE(history.ok()) << history.status();
   EXPECT_GT(history->entries.size(), 5U);
@@ -157,7 +157,7 @@ TEST_F(MirrorContractTest, FiltersShowTheirPartBitForBit) {
   const std::unique_ptr<MapMirror> classes = Mirror(of_class);
   const std::unique_ptr<MapMirror> box = Mirror(in_box);
   const std::unique_ptr<MapMirror> states = Mirror(states_alone);
-  const Revision revision = Drive("clutter");  // Shows the floor, too.
+  const Revision revision = Drive("clutter");  // Includes the floor.
   for (const auto* mirror : {&classes, &box, &states}) {
     ASSERT_EQ((*mirror)->AwaitRevision(revision, kMirrorTimeout), absl::OkStatus());
   }

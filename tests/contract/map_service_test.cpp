@@ -224,7 +224,7 @@ TEST_P(MapServiceTest, UpdateChangesWhatTheMaskNamesAndTheEtag) {
   EXPECT_EQ(updated.display_name(), "The hall");
   EXPECT_EQ(updated.byte_budget(), 0U);
   EXPECT_NE(updated.etag(), etag);
-  // The etag is of the map before.
+  // The etag is outdated.
   EXPECT_THAT(Update(map, {"byte_budget"}, &updated),
               IsError(StatusCode::kAborted, "ETAG_MISMATCH", "map.etag"));
   map.clear_etag();

@@ -14,7 +14,7 @@ using ::steadymap::testing::FloorMap;
 
 const Eigen::Vector3d kSizeM(0.4, 0.3, 0.3);
 
-/// Box `id` over the floor at x = id - 1.5 m, of class 100 + id, changed by frame `id`.
+/// Returns box `id` above the floor at x = id - 1.5 m, of class 100 + id, changed by frame `id`.
 MapObject MakeBox(std::uint64_t id, ObjectStatus standing, double alpha) {
   MapObject object =
       BoxObject(ObjectId(id), kSizeM, {{-1.5 + static_cast<double>(id), 0.5, 0.8}, 0.3});

@@ -9,25 +9,25 @@
 
 namespace steadymap {
 
-/// The revision of `MakeObjectMap`.
+/// Revision of `MakeObjectMap`.
 inline constexpr std::uint64_t kObjectMapRevision = 7;
 
-/// A floor and over it four boxes, a metre apart along x: 1 and 3 are present, 2 is archived, 4
-/// tentative. Box `id` stands at x = id - 1.5 m, y = 0.5 m, z = 0.8 m, has class 100 + id, and was
-/// changed by frame `id`.
+/// Returns a floor with four boxes above it, one metre apart along x: 1 and 3 are present, 2 is
+/// archived, 4 tentative. Box `id` is at x = id - 1.5 m, y = 0.5 m, z = 0.8 m, has class 100 + id,
+/// and was last changed by frame `id`.
 MapSnapshot MakeObjectMap();
 
-/// The five events that led there.
+/// Returns the five events that led to `MakeObjectMap`.
 std::vector<ObjectEvent> MakeObjectHistory(const MapSnapshot& map);
 
-/// A map of revision 7, too: a floor and `boxes` boxes that are present, some kilobytes each.
+/// Returns a map of revision 7: a floor and `boxes` present boxes of some kilobytes each.
 MapSnapshot MakeCrowdedMap(int boxes);
 
-/// Puts a map of revision 7 and its history into the store as a mapper would have, for the only map
-/// that the service has, and restarts the service.
+/// Stores a map of revision 7 and its history like a mapper, for the only map of the service, and
+/// restarts the service.
 void StoreMap(TestService* service, const MapSnapshot& map, const std::vector<ObjectEvent>& events);
 
-/// The same with `MakeObjectMap` and `MakeObjectHistory`.
+/// Stores `MakeObjectMap` and `MakeObjectHistory`.
 void StoreObjectMap(TestService* service);
 
 }  // namespace steadymap

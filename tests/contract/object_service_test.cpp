@@ -1,4 +1,4 @@
-// What the services say of objects and their history.
+// Tests the service responses about objects and their history.
 
 #include <limits>
 #include <string>
@@ -36,7 +36,7 @@ class ObjectServiceTest : public ::testing::TestWithParam<Transport> {
     return request;
   }
 
-  /// The ids on all pages.
+  /// Returns the ids on all pages.
   absl::StatusOr<std::vector<std::uint64_t>> ObjectIds(v1::ListObjectsRequest request) {
     std::vector<std::uint64_t> ids;
     do {
@@ -55,7 +55,7 @@ class ObjectServiceTest : public ::testing::TestWithParam<Transport> {
     return ids;
   }
 
-  /// The numbers on all pages.
+  /// Returns the numbers on all pages.
   absl::StatusOr<std::vector<std::uint64_t>> EventNumbers(v1::ListEventsRequest request) {
     std::vector<std::uint64_t> numbers;
     do {

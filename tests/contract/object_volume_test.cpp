@@ -1,4 +1,4 @@
-// What the services say of the volumes of a map with objects.
+// Tests the service responses about the volumes of a map with objects.
 
 #include <map>
 #include <string>
@@ -48,7 +48,7 @@ TEST_P(ObjectVolumeTest, PointsAndRaysSeeBackgroundAndPresentObjects) {
   points.set_map(map_);
   *points.add_points_m() = ToProto(Eigen::Vector3d(T_world_box * Eigen::Vector3d(0.25, 0, 0)));
   *points.add_points_m() = ToProto(Eigen::Vector3d(0.0, 0.0, 0.05));
-  // Where the archived box stood.
+  // The former position of the archived box.
   *points.add_points_m() = ToProto(Eigen::Vector3d(0.5, 0.5, 0.95));
   v1::SampleDistanceResponse samples;
   ASSERT_TRUE(Call([&](auto* context) {
@@ -103,7 +103,7 @@ TEST_P(ObjectVolumeTest, SectionsHoldObjectsWithTheirLeaves) {
   EXPECT_EQ(leaves[3], truth_.objects.at(ObjectId(3))->volume->leaf_count());
   EXPECT_EQ(leaves[0] + leaves[1] + leaves[3], service_.GetMap(map_)->state().leaves());
 
-  // A box around the third object's upper half: neither the floor nor other objects.
+  // A box around the upper half of object 3 without the floor and other objects.
   *request.mutable_box() =
       ToProto(Eigen::AlignedBox3d(Eigen::Vector3d(1.0, 0.0, 0.8), Eigen::Vector3d(2.0, 1.0, 1.2)));
   messages.clear();
@@ -134,7 +134,7 @@ TEST_P(ObjectVolumeTest, ExportsHoldTheChosenVolumes) {
   };
   for (const v1::ExportFormat format :
        {v1::EXPORT_FORMAT_PLY, v1::EXPORT_FORMAT_GLB, v1::EXPORT_FORMAT_VDB}) {
-    EXPECT_EQ(size(format, {}), size(format, {3, 1, 0, 1})) << "what the map shows";
+    EXPECT_EQ(size(format, {}), size(format, {3, 1, 0, 1})) << "background and present objects";
     EXPECT_LT(size(format, {0}), size(format, {0, 1}));
     EXPECT_LT(size(format, {2}), size(format, {2, 3}));
     EXPECT_GT(size(format, {2}), 1000U) << "archived objects too";

@@ -1,5 +1,5 @@
-// What a stream that does not wait for acknowledgements may rely on when the store refuses some of
-// its frames: whatever is acknowledged as durable is in the log, once and in order.
+// Tests streams that do not wait for acknowledgements while the store refuses some of their frames:
+// every frame acknowledged as durable is in the log exactly once and in order.
 
 #include <algorithm>
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace {
 
 class PipelinedUpload : public ::testing::Test {
  protected:
-  /// Capture times of the frames in the log, seconds, in their order: `MakeBatch` gives frame n the
-  /// time 100 + n.
+  /// Returns the capture times of the frames in the log, seconds, in order: `MakeBatch` gives frame
+  /// n the time 100 + n.
   std::vector<std::int64_t> LoggedFrames() {
     const MapKey key = service_.store().ListMaps()->front().key;
     std::vector<std::int64_t> frames;
@@ -34,8 +34,8 @@ class PipelinedUpload : public ::testing::Test {
     return frames;
   }
 
-  /// Sends all batches that follow the resume point without waiting; returns the last client
-  /// sequence that was acknowledged as durable before the stream ended.
+  /// Sends all batches after the resume point without waiting; returns the last client sequence
+  /// acknowledged as durable before the end of the stream.
   std::uint64_t SendWithoutWaiting(std::uint64_t last_frame, int batch_frames) {
     UploadClient client(&service_);
     const absl::StatusOr<v1::UploadOpened> opened = client.Open(session_, {v1::ACK_LEVEL_DURABLE});

@@ -1,5 +1,5 @@
-// An entry on which the server ends each time it is integrated: only its map stops, at the revision
-// before it, until an operator passes over the entry.
+// Tests a log entry that crashes the server in every integration: only its map stops, at the
+// revision before it, until an operator skips the entry.
 
 #include <csignal>
 #include <cstdint>
@@ -29,7 +29,8 @@ class PoisonFrame : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kPoison = 4;
 
-  /// A store with two maps; the log of `hall` holds entries 1 to 6, of which nothing is integrated.
+  /// Creates a store with two maps; the log of `hall` holds entries 1 to 6, none of them
+  /// integrated.
   void SetUp() override {
     {
       TestService service(Transport::kInProcess, OpenStore());
@@ -55,7 +56,7 @@ class PoisonFrame : public ::testing::Test {
     return Store::Open(folder_.path() / "data", StoreOptions()).value();
   }
 
-  /// A process that ends by `signal` while it integrates an entry of the hall.
+  /// Runs a process that ends with `signal` while it integrates an entry of the hall.
   void EndOn(std::uint64_t sequence, int signal) {
     std::vector<std::string> arguments = {STEADYMAP_ENTRY_CRASHER,
                                           (folder_.path() / "data").string(),
@@ -75,7 +76,7 @@ class PoisonFrame : public ::testing::Test {
     ASSERT_EQ(WTERMSIG(status), signal);
   }
 
-  /// Starts a server and waits until the hall's log is integrated, or it has stopped.
+  /// Starts a server and waits until the hall's log is integrated or the map has stopped.
   v1::MapState StateOfHall() {
     TestService service(Transport::kInProcess, OpenStore(), CommitAtOnce);
     return SettledState(&service);

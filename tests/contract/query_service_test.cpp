@@ -18,7 +18,7 @@ using ::steadymap::testing::kNan;
 
 using absl::StatusCode;
 
-/// A map of a wall at x = 2 m, seen eight times.
+/// A map of a wall at x = 2 m, observed eight times.
 class QueryServiceTest : public ::testing::TestWithParam<Transport> {
  protected:
   QueryServiceTest() {

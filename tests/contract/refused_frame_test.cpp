@@ -13,7 +13,7 @@ namespace {
 
 using ::steadymap::testing::kNan;
 
-/// A way to spoil a frame, and what the service says to it.
+/// A fault in a frame, and the error of the service.
 struct BrokenFrame {
   const char* name;
   std::function<void(v1::Frame*)> spoil;

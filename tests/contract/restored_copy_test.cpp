@@ -1,4 +1,4 @@
-// What clients hear after a map's folder was replaced by an older copy of it.
+// Tests the clients of a map whose folder was replaced by an older copy.
 
 #include <filesystem>
 #include <memory>
@@ -75,7 +75,7 @@ TEST_F(RestoredCopy, TokenOfTheLostHistoryIsRefusedThoughTheRevisionsMeet) {
   };
   const absl::Status ahead = WatchClient(stub.get(), resume).End();
   EXPECT_TRUE(refused(ahead)) << ahead;
-  // Another history reaches the token's revision, and goes beyond it.
+  // Another history reaches the token's revision, and continues after it.
   Upload(service.get(), "b", 101);
   const absl::Status met = WatchClient(stub.get(), resume).End();
   EXPECT_TRUE(refused(met)) << met;

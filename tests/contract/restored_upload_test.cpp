@@ -1,4 +1,4 @@
-// Uploads to a daemon whose store is replaced by an older copy on the way.
+// Tests uploads to a daemon whose store is replaced by an older copy meanwhile.
 
 #include <cstdint>
 #include <filesystem>
@@ -36,8 +36,8 @@ class RestoredUploadTest : public ::testing::Test {
     std::filesystem::copy(from, to, std::filesystem::copy_options::recursive);
   }
 
-  /// Copies the store when a third of the frames is durable, and puts the copy in its place when
-  /// two thirds are.
+  /// Copies the store when a third of the frames is durable, and restores the copy when two thirds
+  /// are.
   UploaderOptions Options() {
     UploaderOptions options;
     options.session = "s-1";

@@ -1,5 +1,5 @@
-// Clients whose daemon is killed and comes back: the first try behind its return is the one that
-// succeeds. How long they wait between tries is for tests/client/transport/backoff_test.cpp.
+// Tests clients whose daemon is killed and restarted: the first attempt after the restart succeeds.
+// The delays between attempts are tested in tests/client/transport/backoff_test.cpp.
 
 #include <atomic>
 #include <chrono>
@@ -28,7 +28,7 @@ using std::chrono::milliseconds;
 
 const MapName kYard{"default", "yard"};
 
-/// How often a client tries in vain before the daemon is there again.
+/// Number of failed attempts of a client before the restart of the daemon.
 constexpr int kTriesInVain = 3;
 
 constexpr absl::Duration kHang = absl::Seconds(60);
@@ -37,7 +37,7 @@ class ReturnTest : public ::testing::Test {
  protected:
   ReturnTest() { EXPECT_TRUE(MapClient(OpenChannel(daemon_.address())).CreateMap(kYard, {}).ok()); }
 
-  /// In place of the waits of a client: after so many tries in vain, the daemon is started again.
+  /// Replaces the waits of a client: after `kTriesInVain` failed attempts, the daemon is restarted.
   std::function<void(milliseconds)> RestartInTheEnd() {
     return [this](milliseconds) {
       killed_.WaitForNotification();
@@ -92,7 +92,7 @@ TEST_F(ReturnTest, AMirrorGoesOnWithTheFirstTryThatFindsTheDaemon) {
   EXPECT_EQ(waits_, kTriesInVain);
 }
 
-/// The command line against a daemon that is not there until it has been tried so often.
+/// The command line against a daemon that starts only after some failed attempts.
 class CommandBeforeItsDaemon : public ReturnTest {
  protected:
   CommandBeforeItsDaemon() { daemon_.Kill(); }

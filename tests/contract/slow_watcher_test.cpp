@@ -1,4 +1,5 @@
-// A watcher that does not read, and learns why its watch ended when it does.
+// Tests a watcher that does not read: it receives the reason of the end of its watch when it reads
+// again.
 
 #include <memory>
 #include <mutex>
@@ -22,7 +23,7 @@ namespace {
 
 constexpr absl::Duration kLongestWait = absl::Seconds(60);
 
-/// While it lives, waits for a text in the log of this process.
+/// Waits for a text in the log of this process during its lifetime.
 class AwaitedLine final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   explicit AwaitedLine(std::string text) : text_(std::move(text)) {}
@@ -46,7 +47,7 @@ TEST(SlowWatcher, LearnsWhyItWasEndedWhenItReadsAgain) {
   const auto ended = std::make_shared<AwaitedLine>("the watcher has read nothing");
   spdlog::default_logger()->sinks().push_back(ended);
   {
-    // Whoever has a message on its way when the server looks, every second, has stalled.
+    // Every watcher with a message in transit counts as stalled at the check, every second.
     TestService service(Transport::kLoopback,
                         [](ServerConfig* config) { config->watch.stall_timeout = {}; });
     v1::WatchMapRequest request;
@@ -56,7 +57,7 @@ TEST(SlowWatcher, LearnsWhyItWasEndedWhenItReadsAgain) {
     StoreMap(&service, MakeCrowdedMap(100), {});
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-    // Otherwise the connection takes more and more that nobody reads.
+    // By default the connection buffers more and more unread data.
     arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
     arguments.SetMaxReceiveMessageSize(-1);
     const auto stub = v1::WatchService::NewStub(

@@ -1,5 +1,5 @@
-// Exports and sections whose clients do not read. In process: there a message is on its way until
-// its client reads it, where a connection takes as much as it likes ahead
+// Tests exports and map sections whose clients do not read. In process: there a message is in
+// transit until its client reads it, whereas a connection buffers messages
 // (message_stream_test.cpp).
 
 #include <array>
@@ -20,7 +20,7 @@ using absl::StatusCode;
 
 constexpr std::size_t kStreamsOfAnAddress = 8;
 
-/// How a call ends that comes again as long as it is refused for want of room.
+/// Repeats a call while it is refused for lack of capacity; returns its final status.
 template <typename Method>
 absl::Status OnceThereIsRoom(const Method& call) {
   absl::Status status = call();
@@ -69,7 +69,7 @@ TEST_F(StalledStreamTest, MakesRoomForOthersAfterTheStallTimeout) {
   EXPECT_TRUE(exported.ok()) << exported;
   const absl::Status section = OnceThereIsRoom([this] { return Section(); });
   EXPECT_TRUE(section.ok()) << section;
-  // Those whose time was not over yet go on where they are read.
+  // Streams before their timeout continue once they are read.
   std::size_t ended = 0;
   for (const auto& reader : readers_) {
     bool is_whole = false;
@@ -78,7 +78,7 @@ TEST_F(StalledStreamTest, MakesRoomForOthersAfterTheStallTimeout) {
     EXPECT_EQ(status.ok(), is_whole);
     if (status.ok()) continue;
     ++ended;
-    // The reason, or, where nobody read for another second, nothing but the end.
+    // The reason, or, if the client did not read for another second, only the cancellation.
     EXPECT_TRUE(status.code() == StatusCode::kCancelled || ReasonOf(status) == "SLOW_CONSUMER")
         << status;
   }

@@ -1,4 +1,4 @@
-// A server that stops, and clients that would keep it.
+// Tests the shutdown of a server with clients that could delay it.
 
 #include <array>
 #include <chrono>
@@ -21,12 +21,12 @@
 namespace steadymap {
 namespace {
 
-// Far above what a stop takes, below the 20 s that gRPC gives a client to answer its last ping.
+// Much more than a shutdown takes, less than the 20 s that gRPC allows a client for its last ping.
 constexpr std::chrono::seconds kLongestStop{15};
 
 constexpr std::chrono::hours kAnyTime{1};
 
-/// Connects as an HTTP/2 client does, and says nothing more, whatever it is asked.
+/// Connects like an HTTP/2 client and sends nothing more.
 Descriptor ConnectSilently(int port) {
   Descriptor peer(::socket(AF_INET, SOCK_STREAM, 0));
   sockaddr_in address{};
@@ -56,11 +56,11 @@ TEST(StoppedServer, IsNotKeptByAnExportThatNobodyReads) {
   request.set_map(service.CreateMap("hall"));
   request.set_format(v1::EXPORT_FORMAT_PLY);
   StoreObjectMap(&service);
-  // More than a connection holds on its way.
+  // More than a connection buffers.
   ASSERT_GT(service.Export(request).value().size(), 200'000U);
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // Otherwise it takes more and more.
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // By default it buffers more and more.
   const auto channel =
       grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(service.server().port()),
                                 grpc::InsecureChannelCredentials(),

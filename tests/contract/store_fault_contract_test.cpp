@@ -45,11 +45,11 @@ TEST_F(StoreFaultContract, FailedCommitIsNeverShown) {
               IsError(StatusCode::kUnavailable, "STORE_READ_ONLY", ""));
   EXPECT_EQ(service_.GetMap(map_)->state().revision(), 0U);
   EXPECT_EQ(service_.GetMap(map_)->state().voxels(), 0U);
-  // Later uploads hear of it at once.
+  // Later uploads are refused at once.
   UploadClient client(&service_);
   EXPECT_THAT(UploadAndClose(&service_, session_, MakeBatch(3, 1)),
               IsError(StatusCode::kUnavailable, "STORE_READ_ONLY", ""));
-  // The frames are in the log: a start over a sound disk integrates them.
+  // The frames are in the log: a restart with a working disk integrates them.
   service_.store().Repair();
   service_.Restart();
   ASSERT_TRUE(UploadAndClose(&service_, session_, MakeBatch(1, 2)).ok());
@@ -76,7 +76,7 @@ TEST_F(StoreFaultContract, DamagedMapIsQuarantinedAndOthersServe) {
   EXPECT_EQ(client.Open(session_).status().code(), StatusCode::kDataLoss);
   EXPECT_EQ(service_.Export(map_, v1::EXPORT_FORMAT_PLY).status().code(), StatusCode::kDataLoss);
   EXPECT_TRUE(service_.GetMap(other).ok());
-  // It can be deleted and made anew.
+  // The map can be deleted and created again.
   EXPECT_TRUE(service_.DeleteMap(map_).ok());
   service_.CreateMap("hall");
   EXPECT_TRUE(service_.GetMap(map_).ok());
@@ -105,7 +105,7 @@ TEST_F(StoreFaultContract, NothingIsAcknowledgedOrShownBeforeItIsDurable) {
   service_.store().SetWriteHook(nullptr);
 }
 
-// The superseded stream's frames are still on their way when the second stream repeats them.
+// The superseded stream's frames are still being appended when the second stream repeats them.
 TEST_F(StoreFaultContract, FramesUnderWayThatAreRepeatedCountOnce) {
   std::promise<void> release;
   std::shared_future<void> released = release.get_future().share();

@@ -25,7 +25,7 @@ TestService::TestService(Transport transport,
                          const std::function<void(ServerConfig*)>& adjust)
     : transport_(transport) {
   config_.listen = "127.0.0.1:0";
-  // A commit that a test does not ask for would make it depend on time.
+  // Automatic commits would make tests depend on time.
   config_.commit.max_delay = std::chrono::hours(1);
   if (adjust) adjust(&config_);
   if (store == nullptr) {
@@ -49,7 +49,7 @@ void TestService::Start(std::unique_ptr<Store> store) {
   server_ = *std::move(server);
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
-  // Connections of other servers in this process, at ports used before, must not be taken for this.
+  // Prevents the reuse of a connection to an earlier server of this process at the same port.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   channel_ = transport_ == Transport::kInProcess
                  ? server_->InProcessChannel(arguments)

@@ -21,26 +21,25 @@
 
 namespace steadymap {
 
-/// How the client reaches the server: the contract is the same.
+/// Transport between client and server; the contract is identical.
 enum class Transport { kInProcess, kLoopback };
 
 /// Names the parameter of a suite in the test output.
 std::string TransportName(const ::testing::TestParamInfo<Transport>& info);
 
-/// A server of its own with a client's stubs. By default over a memory store, which the test can
-/// make fail.
+/// A server with a client's stubs. By default it uses a memory store that the test can make fail.
 class TestService {
  public:
   /// `adjust` changes the configuration.
   explicit TestService(Transport transport, const std::function<void(ServerConfig*)>& adjust = {});
 
-  /// Over another store.
+  /// Uses another store.
   TestService(Transport transport,
               std::unique_ptr<Store> store,
               const std::function<void(ServerConfig*)>& adjust = {});
   ~TestService();
 
-  /// Stops the server, as a restart would, and starts it again over the same memory store.
+  /// Stops the server, as in a restart, and starts it again with the same memory store.
   void Restart();
 
   Server& server() { return *server_; }
@@ -56,16 +55,16 @@ class TestService {
 
   v1::QueryService::Stub& queries() { return *queries_; }
 
-  /// Creates `tenants/test/maps/{id}`, with a byte budget where it is not 0; returns its name.
+  /// Creates `tenants/test/maps/{id}`, with a byte budget unless it is 0; returns its name.
   std::string CreateMap(const std::string& id, std::uint64_t byte_budget = 0);
 
-  /// The map as it is.
+  /// Returns the current map.
   absl::StatusOr<v1::Map> GetMap(const std::string& name);
 
   /// Deletes a map.
   absl::Status DeleteMap(const std::string& name);
 
-  /// The whole file that an export gives.
+  /// Returns the complete file of an export.
   absl::StatusOr<std::string> Export(const std::string& name, v1::ExportFormat format);
   absl::StatusOr<std::string> Export(const v1::ExportMapRequest& request);
 
@@ -82,7 +81,7 @@ class TestService {
   std::unique_ptr<v1::QueryService::Stub> queries_;
 };
 
-/// Gives a call a deadline that only a hang can reach.
+/// Sets a deadline that is reached only if the call hangs.
 void SetDeadline(grpc::ClientContext* context);
 
 /// Makes one unary call: `Call([&](auto* context) { return stub.Method(context, ...); })`.

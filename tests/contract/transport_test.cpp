@@ -13,9 +13,9 @@ namespace {
 
 using absl::StatusCode;
 
-// What protects the server beside its own checks, and what tools look at.
+// Tests protections of the server outside its own checks, and its interfaces for tools.
 
-/// Asks the health service; its messages are two bytes, so they need no generated code.
+/// Calls the health service; its messages have two bytes and need no generated code.
 std::string HealthOf(TestService* service, const std::string& name) {
   std::string request;
   if (!name.empty()) request = std::string("\x0a") + static_cast<char>(name.size()) + name;
@@ -118,8 +118,8 @@ TEST(Disk, MapGoesOnWhereItStoppedBitForBit) {
   EXPECT_EQ(*service.Export(session.map, v1::EXPORT_FORMAT_VDB), undisturbed);
 }
 
-// The queue's bytes hold about two of the frames: the rest must wait its turn, and nothing may
-// stand still for ever.
+// The queue's bytes hold about two of the frames: the others must wait, and no upload may wait
+// forever.
 TEST(Memory, UploadLargerThanTheBudgetGoesThroughBitByBit) {
   TestService service(Transport::kLoopback, [](ServerConfig* config) {
     config->limits.queue_bytes_per_map = 32'000;

@@ -1,4 +1,4 @@
-// A map of objects that is fed with frames which show it none says so in the log.
+// Tests the log warning for a map of objects that receives frames without labels and instances.
 
 #include <atomic>
 #include <memory>
@@ -18,7 +18,7 @@
 namespace steadymap {
 namespace {
 
-/// Counts the warnings of this process that hold a text.
+/// Counts the warnings of this process that contain a text.
 class CountedWarnings final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   explicit CountedWarnings(std::string text) : text_(std::move(text)) {}
@@ -57,7 +57,7 @@ class UnlabelledUpload : public ::testing::Test {
     return map.name();
   }
 
-  /// Warnings that one stream of two batches leads to.
+  /// Returns the number of warnings caused by one stream of two batches.
   int CountWarnings(const std::string& map, const WallFrame& wall) {
     const int before = warnings_->count();
     UploadSession session{map};

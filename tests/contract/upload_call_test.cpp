@@ -89,7 +89,7 @@ TEST_P(UploadCallTest, TooManyGapsAreRefused) {
   std::uint64_t sent = 0;
   for (; status.ok() && sent <= SequenceSet::kMaxIntervals; ++sent) {
     batch.set_first_client_seq(2 + 2 * sent);
-    // Now and then the map must catch up, or its queue is full on a busy machine.
+    // Waits for the map at intervals, so that its queue does not fill up on a busy machine.
     const v1::AckLevel wait_for =
         sent % 256 == 255 ? v1::ACK_LEVEL_INTEGRATED : v1::ACK_LEVEL_DURABLE;
     status = UploadByCall(&service_, session_, batch, wait_for).status();

@@ -22,7 +22,7 @@ struct UploadSession {
   std::string session = "session-1";
 };
 
-/// `count` wall frames, each seen from a little further along y than the one before.
+/// Returns `count` wall frames with camera positions that advance along y.
 v1::FrameBatch MakeBatch(std::uint64_t first_client_seq, int count);
 
 /// One UploadFrames stream, driven step by step from the test's thread.
@@ -30,27 +30,27 @@ class UploadClient {
  public:
   explicit UploadClient(TestService* service);
 
-  /// The stream's own end is left to the server if the test did not wait for it.
+  /// Does not wait for the end of the stream; the server ends it if the test has not.
   ~UploadClient();
 
-  /// Opens the session and reads the answer.
+  /// Opens the session and returns the response.
   absl::StatusOr<v1::UploadOpened> Open(const UploadSession& session,
                                         const std::vector<v1::AckLevel>& levels = {});
 
-  /// Sends a message as it is; false if the stream is broken.
+  /// Sends a message unchanged; false if the stream is broken.
   bool Send(const v1::UploadFramesRequest& request);
   bool Send(const v1::FrameBatch& batch);
 
   /// Reads the next message; none at the end of the stream.
   std::optional<v1::UploadFramesResponse> Read();
 
-  /// Reads on until all frames up to `client_seq` are at `level`; none if the stream ends before.
+  /// Reads until all frames up to `client_seq` are at `level`; none if the stream ends before.
   std::optional<v1::UploadAck> ReadUntil(v1::AckLevel level, std::uint64_t client_seq);
 
   void HalfClose();
   void Cancel();
 
-  /// Reads what there is and returns how the stream ended.
+  /// Reads all remaining messages and returns the final status of the stream.
   absl::Status Finish();
 
   /// Half-closes and finishes.
@@ -64,7 +64,7 @@ class UploadClient {
     return acks_[static_cast<std::size_t>(level)];
   }
 
-  /// Credit got since the start.
+  /// Total credit received since the start.
   const v1::UploadCredit& credit() const { return credit_; }
 
  private:
@@ -82,7 +82,7 @@ absl::Status UploadAndClose(TestService* service,
                             const UploadSession& session,
                             const v1::FrameBatch& batch);
 
-/// Uploads one batch by a call.
+/// Uploads one batch with a unary call.
 absl::StatusOr<v1::UploadAck> UploadByCall(TestService* service,
                                            const UploadSession& session,
                                            const v1::FrameBatch& batch,

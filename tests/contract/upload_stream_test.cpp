@@ -325,7 +325,7 @@ TEST_P(UploadStreamTest, DeletingTheMapEndsItsUploads) {
   ASSERT_TRUE(client.Send(MakeBatch(1, 8)));
   ASSERT_TRUE(service_.DeleteMap(map_).ok());
   EXPECT_THAT(client.Finish(), IsError(StatusCode::kNotFound, "NOT_FOUND", ""));
-  // The name starts anew, with nothing of what was.
+  // The new map of this name starts empty.
   service_.CreateMap("hall");
   UploadClient anew(&service_);
   EXPECT_EQ(anew.Open(session_)->resume_client_seq(), 0U);
@@ -341,7 +341,7 @@ TEST_P(UploadStreamTest, DrainAcknowledgesWhatWasTakenAndEndsStreams) {
   EXPECT_EQ(client.newest(v1::ACK_LEVEL_INTEGRATED).client_seq(), 3U);
   UploadClient late(&service_);
   EXPECT_THAT(late.Open(session_).status(), IsError(StatusCode::kUnavailable, "DRAINING", ""));
-  // Reading goes on.
+  // Reading continues.
   EXPECT_EQ(service_.GetMap(map_)->state().revision(), 3U);
 }
 
@@ -375,12 +375,12 @@ TEST_P(UploadStreamTest, StreamsBeyondTheBoundAreRefusedUntilOneEnds) {
     EXPECT_EQ(ReasonOf(refused), "QUEUE_FULL");
     EXPECT_GT(RetryDelayMsOf(refused), 0);
   }
-  // A robot that comes back takes the place of its stream of before.
+  // A reconnecting robot replaces its previous stream.
   UploadClient again(&service);
   EXPECT_TRUE(again.Open({map, "robot-2"}).ok());
   EXPECT_EQ(ReasonOf(second.Finish()), "UPLOAD_SUPERSEDED");
   EXPECT_TRUE(first.Close().ok());
-  // The client may hear of the end before the server has let go of the stream.
+  // The client may receive the end before the server has released the stream.
   EXPECT_TRUE(testing::Eventually([&] {
     UploadClient third(&service);
     return third.Open({map, "robot-3"}).ok();

@@ -15,7 +15,7 @@
 
 namespace steadymap {
 
-/// What a watch told up to a progress.
+/// Content of a watch up to a progress.
 struct ToldStep {
   std::optional<v1::WatchCreated> created;
   std::optional<v1::WatchResync> resync;
@@ -38,21 +38,21 @@ class WatchClient {
   /// Cancels the stream if it has not ended.
   ~WatchClient();
 
-  /// The next message; none at the end of the stream.
+  /// Reads the next message; none at the end of the stream.
   std::optional<v1::WatchMapResponse> Read();
 
-  /// Everything up to the next progress; none if the stream ends before.
+  /// Reads everything up to the next progress; none if the stream ends before.
   std::optional<ToldStep> ReadStep();
 
   /// Reads steps until one reaches `revision`, and joins them; none if the stream ends before.
   std::optional<ToldStep> ReadUntil(std::uint64_t revision);
 
-  /// Reads what there is and returns how the stream ended.
+  /// Reads all remaining messages and returns the final status of the stream.
   absl::Status End();
 
   void Cancel() { context_.TryCancel(); }
 
-  /// Whether the server has said goodbye.
+  /// True if the server has sent a goodbye.
   bool was_told_goodbye() const { return was_told_goodbye_; }
 
  private:

@@ -18,7 +18,7 @@
 
 namespace steadymap {
 
-/// What the servers of these tests let in.
+/// Watch limit of the servers in these tests.
 inline constexpr std::size_t kMaxWatches = 30;
 
 /// A server with a map, uploads into it, and watches of it.
@@ -51,7 +51,7 @@ class WatchServiceTest : public ::testing::TestWithParam<Transport> {
 
   absl::Status ErrorOf(const v1::WatchMapRequest& request) { return Watch(request)->End(); }
 
-  /// Uploads a few more frames; returns the revision that shows them.
+  /// Uploads a few more frames; returns the revision that contains them.
   std::uint64_t Upload(int frames = 4) {
     const auto ack =
         UploadByCall(&service_, {map_}, MakeBatch(uploaded_ + 1, frames), v1::ACK_LEVEL_INTEGRATED);
@@ -60,7 +60,7 @@ class WatchServiceTest : public ::testing::TestWithParam<Transport> {
     return uploaded_;
   }
 
-  /// The leaves of the whole map by a query.
+  /// Queries the leaves of the whole map.
   std::vector<std::string> LeavesByQuery() {
     v1::GetMapSectionRequest request;
     request.set_map(map_);
@@ -85,7 +85,7 @@ class WatchServiceTest : public ::testing::TestWithParam<Transport> {
   std::uint64_t uploaded_ = 0;
 };
 
-/// Puts the leaves of steps together; sorted as `LeavesByQuery` does.
+/// Joins the leaves of steps; sorted like `LeavesByQuery`.
 class ToldLeaves {
  public:
   void Take(const ToldStep& step) {

@@ -1,4 +1,5 @@
-// Watchers that are cut off within a step, keep what they have of it, and go on behind that.
+// Tests watchers that are disconnected within a step, keep the received part of it, and resume
+// after that part.
 
 #include <cstdint>
 #include <optional>
@@ -13,7 +14,7 @@
 namespace steadymap {
 namespace {
 
-/// The token that a message of a step brings; empty for others.
+/// Returns the resume token of a message of a step; empty for others.
 std::string PartToken(const v1::WatchMapResponse& message) {
   if (message.has_snapshot()) return message.snapshot().resume_token();
   if (message.has_delta()) return message.delta().resume_token();
@@ -24,7 +25,7 @@ class WatchPartTest : public WatchServiceTest {
  protected:
   WatchPartTest() { StoreMap(&service_, MakeCrowdedMap(40), {}); }
 
-  /// In many messages.
+  /// Requests many small messages.
   v1::WatchMapRequest SmallMessages(v1::WatchMapRequest request) const {
     request.set_max_message_bytes(65'536);
     return request;
@@ -36,15 +37,15 @@ class WatchPartTest : public WatchServiceTest {
     return request;
   }
 
-  /// What a watcher has of a step.
+  /// The received part of a step.
   struct Part {
     ToldStep step;
-    std::string token;  ///< For going on behind it.
+    std::string token;  ///< Resumes after the part.
     int messages = 0;
   };
 
-  /// Opens a watch, takes one message of its first step, and cuts it off; the progress ends it.
-  /// Returns what `created` said.
+  /// Opens a watch, reads one message of its first step, and cancels it; the progress completes the
+  /// step. Returns `created`.
   v1::WatchCreated TakeOne(const v1::WatchMapRequest& request, Part* part) {
     const auto watch = Watch(request);
     const auto created = watch->Read();
@@ -59,7 +60,7 @@ class WatchPartTest : public WatchServiceTest {
     return created->created();
   }
 
-  /// Takes a step one message a stream, whatever happens between them.
+  /// Reads a step with one message per stream and calls `meanwhile` between the streams.
   template <typename Meanwhile>
   Part TakePieceByPiece(const v1::WatchMapRequest& request, const Meanwhile& meanwhile) {
     Part part;
@@ -121,7 +122,7 @@ TEST_P(WatchPartTest, AStepThatWasSentToItsEndCanBeGoneOnWithin) {
   const auto begin = Watch(Request())->ReadStep();
   ASSERT_TRUE(begin.has_value());
   Upload(20);
-  // What lies behind the first message counts as lost on its way.
+  // The messages after the first count as lost in transit.
   auto watch = Watch(SmallMessages(ResumeBehind(begin->progress)));
   watch->Read();
   const auto first = watch->Read();

@@ -1,4 +1,4 @@
-// Resume tokens: what they are good for, and what a watch says that cannot go on behind one.
+// Tests resume tokens: their validity, and the errors of watches that cannot resume.
 
 #include <cstdint>
 #include <string>
@@ -122,7 +122,7 @@ TEST_P(WatchResumeTest, ATokenOfAWatchFromNowOnHasNoLeavesToPatch) {
   request.set_takes_patches(true);
   const auto kRefused = IsError(StatusCode::kInvalidArgument, "BAD_VALUE", "takes_patches");
   EXPECT_THAT(ErrorOf(request), kRefused);
-  // Steps do not bring what was there before them.
+  // Steps do not contain older changes.
   const std::uint64_t target = Upload();
   const auto later = Watch(ResumeBehind(now->progress))->ReadUntil(target);
   ASSERT_TRUE(later.has_value());
@@ -156,7 +156,7 @@ TEST_P(WatchResumeTest, BehindCompactionIsOutOfRangeOrASnapshotWhereAskedFor) {
   ASSERT_TRUE(service_.store().Trim(record, {.uptime = std::chrono::hours(1'000'000)}).ok());
   v1::WatchMapRequest request = ResumeBehind(begin->progress);
   EXPECT_THAT(ErrorOf(request), IsError(StatusCode::kOutOfRange, "REVISION_COMPACTED", ""));
-  EXPECT_FALSE(Watch(request)->Read().has_value()) << "it is said before the watch has begun";
+  EXPECT_FALSE(Watch(request)->Read().has_value()) << "the watch must not start";
   request.set_resync_if_compacted(true);
   const auto step = Watch(request)->ReadUntil(target);
   ASSERT_TRUE(step.has_value());

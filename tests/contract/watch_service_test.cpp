@@ -1,4 +1,4 @@
-// What a watch tells, message by message, in process and over loopback.
+// Tests the messages of a watch, in process and over loopback.
 
 #include <algorithm>
 #include <cstdint>
@@ -141,7 +141,7 @@ TEST_P(WatchServiceTest, ShowsPresentObjectsAndTheEventsThatCome) {
   const auto begin = watch->ReadStep();
   ASSERT_TRUE(begin.has_value());
   EXPECT_THAT(IdsOf(begin->Objects()), ElementsAre(1U, 3U));
-  // History is for ListEvents.
+  // Past events are available through ListEvents.
   EXPECT_THAT(begin->events, IsEmpty());
   ToldLeaves view;
   view.Take(*begin);
@@ -190,7 +190,7 @@ TEST_P(WatchServiceTest, TellsEventsAndTombstonesOfWhatAStoppedServerMissed) {
   StoreObjectMap(&service_);
   const auto begin = Watch(Request())->ReadStep();
   ASSERT_TRUE(begin.has_value());
-  // While nobody serves: box 1 is archived, box 2 present again, box 3 forgotten.
+  // While no server runs: box 1 is archived, box 2 present again, box 3 removed.
   const MapKey key = service_.store().ListMaps()->front().key;
   MapSnapshot before = MakeObjectMap();
   MapSnapshot after = before;
@@ -311,7 +311,7 @@ TEST_P(WatchServiceTest, NoMoreAreTakenThanAllowedUntilOneEnds) {
   }
   EXPECT_THAT(ErrorOf(Request()), IsError(StatusCode::kResourceExhausted, "QUEUE_FULL", ""));
   watches.pop_back();
-  // The server hears of the end a moment later.
+  // The server receives the end slightly later.
   std::optional<ToldStep> begin;
   while (!begin) begin = Watch(Request())->ReadStep();
   EXPECT_TRUE(begin->created.has_value());

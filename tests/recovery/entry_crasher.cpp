@@ -1,5 +1,5 @@
-// Begins to integrate an entry of a store's only map of that name and ends on it, as a server whose
-// mapping crashes or is killed does: `entry_crasher FOLDER MAP ENTRY SIGNAL`.
+// Begins to integrate an entry of a store's only map of that name and ends by a signal, like a
+// server with a crash in its mapping: `entry_crasher FOLDER MAP ENTRY SIGNAL`.
 
 #include <csignal>
 #include <cstdint>

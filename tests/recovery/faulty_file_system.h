@@ -9,7 +9,8 @@
 
 namespace steadymap {
 
-/// A file system that fails the syncs of RocksDB's files on demand, or finds no space for them.
+/// A file system with fault injection: it fails the syncs of RocksDB's files on request, or reports
+/// a full disk.
 class FaultyFileSystem final : public rocksdb::FileSystemWrapper {
  public:
   FaultyFileSystem();
@@ -22,8 +23,8 @@ class FaultyFileSystem final : public rocksdb::FileSystemWrapper {
                                     rocksdb::IODebugContext* debug) override;
 
   std::atomic<bool> fail_sync = false;  ///< Every sync fails.
-  std::atomic<bool> disk_full = false;  ///< No file finds space for what is to be written.
-  std::atomic<int> syncs = 0;           ///< Syncs that were asked for.
+  std::atomic<bool> disk_full = false;  ///< Every write fails for lack of space.
+  std::atomic<int> syncs = 0;           ///< Number of requested syncs.
 };
 
 }  // namespace steadymap

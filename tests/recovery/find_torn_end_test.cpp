@@ -16,10 +16,10 @@ namespace {
 constexpr std::size_t kBlockBytes = 32768;
 constexpr std::size_t kHeaderBytes = 7;
 
-/// Writes a log as RocksDB does, from its description of the format.
+/// Writes a log in RocksDB's documented format.
 class LogBuilder {
  public:
-  /// Adds a record; returns where it starts.
+  /// Adds a record; returns its start.
   std::size_t Add(const std::string& record) {
     const std::size_t start = log_.size();
     std::size_t done = 0;

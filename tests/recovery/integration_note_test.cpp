@@ -1,4 +1,4 @@
-// What the note of a map says after processes that ended in different ways.
+// Tests the integration note of a map after processes with different ends.
 
 #include "server/store/model/integration_note.h"
 
@@ -29,8 +29,8 @@ class IntegrationNoteTest : public ::testing::Test {
  protected:
   std::shared_ptr<IntegrationNote> Open() { return IntegrationNote::Open(file_).value(); }
 
-  /// Runs `body` with the opened note in a process of its own that crashes are caught in; returns
-  /// the signal that ended it, 0 if none did.
+  /// Runs `body` with the opened note in a child process that catches crashes; returns the signal
+  /// that ended it, 0 if none did.
   int InChild(const std::function<void(IntegrationNote*)>& body) {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -45,7 +45,7 @@ class IntegrationNoteTest : public ::testing::Test {
     return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   }
 
-  /// A process that ends by `signal` while it integrates an entry.
+  /// Runs a process that ends with `signal` while it integrates an entry.
   void EndOn(std::uint64_t sequence, int signal) {
     const int ended_by = InChild([=](IntegrationNote* note) {
       note->Begin(MapSequence(sequence));
@@ -54,7 +54,7 @@ class IntegrationNoteTest : public ::testing::Test {
     EXPECT_EQ(ended_by, signal);
   }
 
-  /// Whether the note speaks against `sequence`, and how many processes ended on it.
+  /// Expects that the note suspects `sequence` after this number of crashes.
   void ExpectSuspect(std::uint64_t sequence, std::uint32_t crashes) {
     const std::optional<IntegrationNote::Suspect> suspect = Open()->suspect();
     ASSERT_TRUE(suspect.has_value());
@@ -140,7 +140,7 @@ TEST_F(IntegrationNoteTest, EndOfTheSuspectClearsIt) {
   const std::shared_ptr<IntegrationNote> note = Open();
   note->Begin(MapSequence(6));
   note->End();
-  EXPECT_TRUE(note->suspect().has_value()) << "another entry says nothing about it";
+  EXPECT_TRUE(note->suspect().has_value()) << "another entry must not clear it";
   note->Begin(MapSequence(7));
   note->End();
   EXPECT_FALSE(note->suspect().has_value());

@@ -26,14 +26,14 @@ constexpr int kDefaultKills = 25;
 constexpr int kKillsPerUpload = 5;
 constexpr double kServingLimitS = 5.0;
 
-// Small enough that an upload takes a second, many enough for five kills to fall apart.
+// Small enough that an upload takes one second, and enough frames for five distinct kills.
 constexpr int kImageScale = 4;
 constexpr std::size_t kFrameCount = 150;
 
-// Frames that are under way at once; the fewer, the more evenly acknowledgements come.
+// Frames in transit at once; fewer frames give more regular acknowledgements.
 constexpr std::size_t kFramesAhead = 10;
 
-// The kill follows an acknowledgement by up to this, so that it hits every stage of the work.
+// Maximum delay of the kill after an acknowledgement, so that it can hit every stage.
 constexpr int kMaxKillDelayUs = 8'000;
 
 int FromEnvironment(const char* name, int otherwise) {
@@ -55,11 +55,11 @@ std::vector<v1::Frame> HallFrames() {
   return frames;
 }
 
-/// All that a map shows of itself.
+/// Complete visible content of a map.
 struct MapFiles {
   std::string ply;
   std::string vdb;
-  std::string objects;  ///< Of every standing.
+  std::string objects;  ///< In every state.
   std::string events;
   friend bool operator==(const MapFiles&, const MapFiles&) = default;
 };
@@ -91,7 +91,7 @@ MapFiles Export(MapClient* client) {
   return files;
 }
 
-/// Uploads frames on a thread of its own, and lets others wait for its progress.
+/// Uploads frames on its own thread, and lets the test wait for its progress.
 class BackgroundUpload {
  public:
   BackgroundUpload(const std::string& address, const std::vector<v1::Frame>& frames)
@@ -104,7 +104,7 @@ class BackgroundUpload {
   BackgroundUpload(const BackgroundUpload&) = delete;
   BackgroundUpload& operator=(const BackgroundUpload&) = delete;
 
-  /// Returns when that many frames are durable, or the upload is over.
+  /// Waits until this many frames are durable or the upload is over.
   void AwaitDurable(std::uint64_t frames) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [&] { return is_over_ || durable_ >= frames; });
@@ -158,7 +158,7 @@ v1::MapConfig HallConfig() {
   return config;
 }
 
-/// The map of an upload that nobody kills.
+/// Returns the map of an upload without kills.
 MapFiles MapUndisturbed(const std::vector<v1::Frame>& frames) {
   const TemporaryFolder folder;
   DaemonProcess daemon(folder.path());
@@ -168,12 +168,12 @@ MapFiles MapUndisturbed(const std::vector<v1::Frame>& frames) {
   const absl::StatusOr<UploadSummary> summary = upload.AwaitSummary();
   EXPECT_TRUE(summary.ok()) << summary.status();
   MapFiles files = Export(&client);
-  EXPECT_GT(files.ply.size(), 100'000U) << "the route shows too little to compare";
-  EXPECT_GT(files.events.size(), 1'000U) << "too little happens on the route";
+  EXPECT_GT(files.ply.size(), 100'000U) << "too little surface to compare";
+  EXPECT_GT(files.events.size(), 1'000U) << "too few events to compare";
   return files;
 }
 
-/// Kills and restarts the daemon, and checks that it kept what it had acknowledged.
+/// Kills and restarts the daemon, and checks that it kept the acknowledged frames.
 void KillAndRestart(DaemonProcess* daemon, const BackgroundUpload& upload) {
   const std::uint64_t acknowledged = upload.durable();
   daemon->Kill();
@@ -209,7 +209,7 @@ TEST(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
     BackgroundUpload upload(daemon.address(), frames);
     for (const std::uint64_t durable : moments) {
       upload.AwaitDurable(durable);
-      // Waits for nothing: it is the randomness of the moment.
+      // Not a wait for a condition: it randomises the time of the kill.
       std::this_thread::sleep_for(std::chrono::microseconds(delay_us(random)));
       KillAndRestart(&daemon, upload);
       ++kill;

@@ -1,4 +1,4 @@
-// What a check says of a damaged store, and what a salvage brings back of it.
+// Tests the check of a damaged store, and the content that a salvage restores.
 
 #include "server/store/repair/map_salvage.h"
 
@@ -72,13 +72,13 @@ class MapSalvageTest : public ::testing::Test {
     return report.value_or(SalvageReport());
   }
 
-  /// Opens the bad map as a server does.
+  /// Opens the bad map like a server.
   absl::StatusOr<StoredState> LoadBad() {
     Open();
     return store_->LoadMap(store_->ListMaps()->front());
   }
 
-  /// Sequences of the entries that are not as they were appended; every number must be there.
+  /// Returns the sequences of the changed entries; every sequence must exist.
   std::vector<std::uint64_t> ChangedEntries() {
     std::vector<std::uint64_t> changed;
     const std::vector<LogEntry> entries = ReadAll(store_.get(), bad_.key);
@@ -124,8 +124,8 @@ class MapSalvageTest : public ::testing::Test {
     }
   }
 
-  /// Drops what is integrated from the log, in whole files, so that it no longer tells the map's
-  /// beginning; the first entry that is left.
+  /// Drops the integrated entries from the log, in whole files, so that the map's beginning is
+  /// missing; returns the first remaining entry.
   std::uint64_t TrimLog() {
     EXPECT_TRUE(LoadBad().ok());
     TrimBounds bounds{kStoreTime, {}, {}, {}, /*disk_is_low=*/true};
@@ -136,7 +136,7 @@ class MapSalvageTest : public ::testing::Test {
     return entries.empty() ? 0 : entries.front().sequence.value();
   }
 
-  /// Expects the entries from `first` on, each as it was appended.
+  /// Expects the entries from `first` on, each unchanged.
   void ExpectEntriesFrom(std::uint64_t first) {
     const std::vector<LogEntry> entries = ReadAll(store_.get(), bad_.key, first);
     ASSERT_EQ(entries.size(), kFrames + 1 - first);
@@ -274,7 +274,7 @@ TEST_F(MapSalvageTest, MissingLogFilesAreFilledUp) {
 }
 
 TEST_F(MapSalvageTest, LostEndOfTheLogIsNoticedAndNamed) {
-  // Nothing but the note knows of an entry that came after the last commit, in a file of its own.
+  // Only the note records an entry after the last commit, in a separate file.
   ASSERT_TRUE(LoadBad().ok());
   ASSERT_TRUE(store_->Append(MakeAppend(bad_.key, kFrames + 1, 1)).ok());
   store_.reset();

@@ -1,4 +1,4 @@
-// What a store does when the disk fails it.
+// Tests a store with disk failures.
 
 #include <atomic>
 #include <cerrno>
@@ -48,7 +48,7 @@ class StoreFault : public ::testing::Test {
     return map;
   }
 
-  /// Lets a kind of call on the files of the log fail.
+  /// Makes one kind of call on the files of the log fail.
   void FailLog(FileCall call, int error) {
     SetFileFaultsForTest([=](FileCall made, const std::filesystem::path& file) {
       return made == call && file.extension() == ".log" ? error : 0;
@@ -65,8 +65,8 @@ class StoreFault : public ::testing::Test {
     EXPECT_EQ(ReasonOf(status), reason::kStoreReadOnly);
   }
 
-  /// Every write to the map is refused without another try, every read goes on, other maps do not
-  /// notice, and opening the map anew finds what was acknowledged.
+  /// Expects that every write to the map is refused without another attempt, every read works,
+  /// other maps are unaffected, and a reload of the map finds the acknowledged entries.
   void ExpectReadOnlyUntilLoaded() {
     const int syncs = faults_->syncs;
     ExpectReadOnly(store_->health(map_.key));
@@ -112,7 +112,7 @@ TEST_F(StoreFault, FailedSyncOfACommitStopsItsMapUntilItIsLoaded) {
   ExpectReadOnly(Commit(map_, 0, 2));
   faults_->fail_sync = false;
   ExpectReadOnlyUntilLoaded();
-  // Nobody was told of the commit: it may be there or not, as a whole.
+  // The commit was not acknowledged: it may exist or not, but only completely.
   const std::uint64_t revision = store_->LoadMap(map_)->snapshot.revision.value();
   EXPECT_TRUE(revision == 0 || revision == 2) << revision;
   EXPECT_TRUE(Commit(map_, revision, 3).ok());

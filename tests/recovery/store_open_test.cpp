@@ -1,4 +1,4 @@
-// What opening a store refuses, and what it finds damaged.
+// Tests the refusals at the opening of a store, and the detection of damage.
 
 #include <algorithm>
 #include <cstdint>
@@ -37,7 +37,7 @@ void FlipBit(const std::filesystem::path& file, std::uint64_t bit) {
   WriteFile(file, bytes);
 }
 
-/// All files below a folder, in the order of their names.
+/// Returns all files below a folder, sorted by name.
 std::vector<std::filesystem::path> FilesOf(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -292,7 +292,7 @@ TEST_F(DamagedStore, MapWhoseDeletionACrashInterruptedIsGone) {
 }
 
 TEST_F(DamagedStore, FlippedBitHarmsItsMapAloneWhereverItIs) {
-  // A table file, a closed log file and an open one, and a write-ahead log.
+  // A table file, a closed log file, an open one, and a write-ahead log.
   StateDatabase& state = store_->state_for_test(bad().key);
   ASSERT_TRUE(state.database().Flush({}, state.handle(Family::kLeaf)).ok());
   std::vector<LeafChange> leaves;
@@ -319,7 +319,7 @@ TEST_F(DamagedStore, FlippedBitHarmsItsMapAloneWhereverItIs) {
       const absl::StatusOr<StoredState> state_of_bad = store_->LoadMap(bad());
       harmed += state_of_bad.ok() ? 0 : 1;
       if (state_of_bad.ok()) {
-        // What is served is what was stored.
+        // The served content equals the stored content.
         EXPECT_EQ(LeavesOf(state_of_bad->snapshot).size(), 21U) << file;
         EXPECT_EQ(state_of_bad->durable_head, MapSequence(4)) << file;
       }

@@ -1,4 +1,4 @@
-// What survives a kill and a power cut: everything that was synced, and nothing by halves.
+// Tests the state after a kill or a power cut: all synced data survives, and no partial writes.
 
 #include <algorithm>
 #include <cstdint>
@@ -28,7 +28,7 @@ namespace {
 constexpr std::uint64_t kPageBytes = 4096;
 constexpr std::uint64_t kSectorBytes = 512;
 
-/// The newest file with the ending `.log` in one of the folders called `name` below `folder`.
+/// Returns the newest file with the extension `.log` in the folders called `name` below `folder`.
 std::filesystem::path NewestLog(const std::filesystem::path& folder, const std::string& name) {
   std::filesystem::path newest;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -39,8 +39,8 @@ std::filesystem::path NewestLog(const std::filesystem::path& folder, const std::
   return newest;
 }
 
-/// A store that was left in the middle of its work. Tests open copies of it in which one file is
-/// damaged: the newest of a map's log, or of its database's write-ahead log.
+/// A store that was interrupted during its work. Tests open copies of it with one damaged file: the
+/// newest of a map's log, or of its database's write-ahead log.
 class TornLog : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -62,8 +62,8 @@ class TornLog : public ::testing::Test {
       ASSERT_TRUE(store->CommitRevision(map_.key, delta, MakeDetails(delta)).ok());
       commit_ends_.push_back(std::filesystem::file_size(NewestLog(folder, "state")));
     }
-    // As a crash leaves it: copied while the store is open. The note, which a power cut may set
-    // back, knows nothing.
+    // State after a crash: copied while the store is open. The note, which a power cut may revert,
+    // is removed.
     std::filesystem::copy(
         folder, folder_.path() / "crashed", std::filesystem::copy_options::recursive);
     std::filesystem::remove(
@@ -72,8 +72,8 @@ class TornLog : public ::testing::Test {
     wal_bytes_ = ContentOf(NewestLog(folder, "state"));
   }
 
-  /// Opens the map in a copy of the crashed store whose newest log in the folder `name` holds
-  /// `bytes`.
+  /// Opens the map in a copy of the crashed store with `bytes` as the newest log in the folder
+  /// `name`.
   absl::StatusOr<StoredState> LoadWith(const std::string& name, const std::string& bytes) {
     const std::filesystem::path copy = folder_.path() / "copy";
     store_.reset();
@@ -85,8 +85,8 @@ class TornLog : public ::testing::Test {
     return store_->LoadMap(map_);
   }
 
-  /// Expects exactly the first `count` appends, whole. The database knows of ten entries, so five
-  /// appends are never missing unnoticed.
+  /// Expects exactly the first `count` appends, complete. The database knows of ten entries, so
+  /// missing entries among the first five appends are always detected.
   void ExpectAppends(const StoredState& state, std::uint64_t count) {
     const std::vector<LogEntry> entries = ReadAll(store_.get(), map_.key);
     ASSERT_EQ(entries.size(), 2 * count);
@@ -104,8 +104,8 @@ class TornLog : public ::testing::Test {
 
   TemporaryFolder folder_;
   MapRecord map_;
-  std::vector<std::uint64_t> append_ends_;  ///< Length of the log when an append returned.
-  std::vector<std::uint64_t> commit_ends_;  ///< Of the write-ahead log when a commit returned.
+  std::vector<std::uint64_t> append_ends_;  ///< Length of the log after each append.
+  std::vector<std::uint64_t> commit_ends_;  ///< Length of the write-ahead log after each commit.
   std::vector<std::size_t> sizes_;
   std::string log_bytes_;
   std::string wal_bytes_;
@@ -114,14 +114,14 @@ class TornLog : public ::testing::Test {
 
 TEST_F(TornLog, TruncatedAnywhereKeepsWhatWasSyncedBefore) {
   std::mt19937_64 random(6);
-  // The commits told the database of all appends: what it knows of and is not there is lost, not
+  // The commits recorded all appends in the database, so a missing recorded entry is lost, not
   // torn.
   for (int i = 0; i < 10; ++i) {
     const std::uint64_t length = random() % append_ends_.back();
     const absl::StatusOr<StoredState> state = LoadWith("log", log_bytes_.substr(0, length));
     EXPECT_EQ(ReasonOf(state.status()), reason::kChecksum) << state.status() << " at " << length;
   }
-  // Without them every length is what a crash may leave.
+  // Without the commits, a crash may leave any length.
   std::filesystem::resize_file(NewestLog(folder_.path() / "crashed", "state"), commit_ends_[0] / 2);
   for (int i = 0; i < 25; ++i) {
     const std::uint64_t length = random() % (log_bytes_.size() + 1);
@@ -133,7 +133,7 @@ TEST_F(TornLog, TruncatedAnywhereKeepsWhatWasSyncedBefore) {
   }
 }
 
-/// As it was before the first commit: the database knows nothing of the log.
+/// State before the first commit: the database has no record of the log.
 class TornLogWithoutCommits : public TornLog {
  protected:
   void SetUp() override {
@@ -144,7 +144,7 @@ class TornLogWithoutCommits : public TornLog {
 };
 
 TEST_F(TornLogWithoutCommits, TailOfLostSectorsKeepsWhatWasSyncedBefore) {
-  // What a power cut leaves of a write that had got its blocks but not its bytes.
+  // The state after a power cut of a write with allocated blocks but without its bytes.
   const std::uint64_t last_start = append_ends_[append_ends_.size() - 2];
   for (const std::uint64_t sectors : {0U, 1U, 7U, 8U, 100U, 300U}) {
     const std::uint64_t length =
@@ -194,7 +194,7 @@ TEST_F(TornLogWithoutCommits, FlippedBitIsDataLossNeverASilentlyShorterLog) {
     const std::uint64_t place = random() % bytes.size();
     bytes[place] = static_cast<char>(bytes[place] ^ (1 << (random() % 8)));
     const absl::StatusOr<StoredState> state = LoadWith("log", bytes);
-    // Zeros that fill up a record say nothing.
+    // Zeros that complete a record carry no information.
     if (state.ok()) {
       ASSERT_NO_FATAL_FAILURE(ExpectAppends(*state, append_ends_.size())) << place;
       continue;
@@ -220,7 +220,7 @@ TEST_F(TornLog, TruncatedWriteAheadLogKeepsTheCommitsThatWereSyncedBefore) {
 
 TEST_F(TornLog, ACheckOverlooksWhatAPowerCutLeftOfTheLastCommitAndChangesNothing) {
   const std::uint64_t last_start = commit_ends_[commit_ends_.size() - 2];
-  // The last write has its length, but not all of its sectors.
+  // The last write has its full length, but not all of its sectors.
   std::string bytes = wal_bytes_;
   bytes.resize(bytes.size() + 4 * kSectorBytes, '\0');
   std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(last_start) + 20, bytes.end(), '\0');
@@ -234,7 +234,7 @@ TEST_F(TornLog, ACheckOverlooksWhatAPowerCutLeftOfTheLastCommitAndChangesNothing
   ASSERT_EQ(findings->maps.size(), 1U);
   EXPECT_THAT(findings->maps.front().problems, ::testing::IsEmpty());
   EXPECT_EQ(ContentOf(log), bytes);
-  // A server finds the same map.
+  // A server loads the same map.
   const absl::StatusOr<StoredState> state = LoadWith("state", bytes);
   ASSERT_TRUE(state.ok()) << state.status();
   EXPECT_EQ(state->snapshot.revision.value(), commit_ends_.size() - 1);
@@ -263,7 +263,7 @@ TEST_F(TornLog, FlippedBitInTheWriteAheadLogIsDataLossNeverAnOlderMap) {
   }
 }
 
-/// What a killed writer had reported.
+/// Last reports of a killed writer.
 struct Reported {
   std::uint64_t durable = 0;
   std::uint64_t revision = 0;
@@ -301,7 +301,7 @@ TEST(StoreKill, NothingThatWasReportedDurableIsLost) {
   std::uint64_t durable_before = 0;
   for (int round = 0; round < 10; ++round) {
     const Reported reported = KillWriterAfter(folder.path(), static_cast<int>(random() % 40));
-    ASSERT_GT(reported.durable, durable_before) << "the writer must get on after a kill";
+    ASSERT_GT(reported.durable, durable_before) << "no progress after a kill";
     const std::unique_ptr<Store> store = Store::Open(folder.path(), StoreOptions()).value();
     const MapRecord map = store->ListMaps()->front();
     const StoredState state = store->LoadMap(map).value();

@@ -1,5 +1,5 @@
-// Appends and commits frames to one map of a store for as long as it lives, and prints a line when
-// something is durable: `durable N` or `revision N`. For tests that kill it.
+// Appends and commits frames to one map of a store until it ends, and prints a line for each
+// durable write: `durable N` or `revision N`. For tests that kill it.
 
 #include <cstdint>
 #include <cstdio>

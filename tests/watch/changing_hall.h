@@ -8,16 +8,16 @@
 
 namespace steadymap {
 
-/// Small frames of a place where boxes come, go and are pushed about: a few scenes, each seen from
-/// a few places, rendered once. For one thread.
+/// Small frames of a place where boxes are added, removed and moved: a few scenes, each observed
+/// from a few poses, rendered once. For one thread.
 class ChangingHall {
  public:
   ChangingHall();
 
-  /// Another scene from now on, drawn from `random`.
+  /// Switches to another scene, drawn from `random`.
   void Rearrange(std::mt19937* random);
 
-  /// The next `count` frames of the scene, half a second apart in capture time.
+  /// Returns the next `count` frames of the scene, half a second apart in capture time.
   std::vector<v1::Frame> Look(int count);
 
  private:

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kRetryDelay{20};
 
-/// Everything, half of the view, goods with their past, or the background and two objects.
+/// Returns a filter: everything, half of the view, goods with archived ones, or the background and
+/// two objects.
 MapFilter DrawMirrorFilter(std::uint32_t seed) {
   MapFilter filter;
   switch (seed % 4) {
@@ -54,7 +55,7 @@ FleetMirror::FleetMirror(const FleetServer* server, std::uint32_t seed)
   MirrorOptions options;
   options.filter = filter_;
   options.seed = seed + 1;
-  options.max_message_bytes = 65'536;  // So that steps come in several.
+  options.max_message_bytes = 65'536;  // So that steps take several messages.
   options.backoff.first_delay = kRetryDelay;
   options.backoff.max_delay = kRetryDelay;
   MirrorCallbacks callbacks;
@@ -102,7 +103,7 @@ void FleetMirror::CheckEvents(const MirrorStep& step) {
     if (!filter_.Shows(numbered.event)) continue;
     due.push_back(ToProto(numbered.number, numbered.event).SerializeAsString());
   }
-  // A snapshot tells no history.
+  // A snapshot contains no events.
   if (step.is_snapshot) return;
   std::vector<std::string> told;
   for (const NumberedEvent& numbered : step.events) {

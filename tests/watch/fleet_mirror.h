@@ -17,32 +17,32 @@
 
 namespace steadymap {
 
-/// What a mirror showed in its life.
+/// Results of a mirror.
 struct MirrorLife {
-  std::vector<std::string> broken;  ///< What it showed that the map did not hold.
+  std::vector<std::string> broken;  ///< Differences between the mirror and the map.
   std::size_t steps = 0;
-  std::size_t snapshots = 0;      ///< Of those, the ones that replaced everything.
-  std::size_t reconnections = 0;  ///< Tries after a stream had broken off.
+  std::size_t snapshots = 0;      ///< Steps that replaced the whole map.
+  std::size_t reconnections = 0;  ///< Attempts after a broken stream.
 };
 
-/// A `MapMirror` behind a network of its own that can be made worse, held to what the map held:
-/// whatever it shows must be the map at that revision, bit for bit, with the events in between. For
-/// one thread.
+/// A `MapMirror` behind its own faulty network, compared with the history of the map: every
+/// revision that it shows must equal the map at that revision, bit for bit, with the events in
+/// between. For one thread.
 class FleetMirror {
  public:
-  /// `server` outlives the mirror. The filter is drawn from the seed.
+  /// `server` must outlive the mirror. The filter is drawn from the seed.
   FleetMirror(const FleetServer* server, std::uint32_t seed);
 
-  /// To be called when the server listens elsewhere.
+  /// Call when the server listens at a new address.
   void FollowServer() { proxy_.SetTarget(server_->address()); }
 
   /// Resets its connections.
   void Cut() { proxy_.Cut(); }
 
-  /// Nothing moves until `Resume`.
+  /// Stops all traffic until `Resume`.
   void Stall() { proxy_.Stall(); }
 
-  /// Little moves until `Resume`: a snapshot takes seconds.
+  /// Slows the traffic until `Resume`: a snapshot takes seconds.
   void Throttle() { proxy_.Throttle(kThrottledBytesPerSecond); }
 
   void Resume() {
@@ -52,7 +52,7 @@ class FleetMirror {
 
   Revision revision() const { return mirror_->revision(); }
 
-  /// Ends the mirror, which is of no use any more.
+  /// Stops the mirror permanently and returns its results.
   MirrorLife Stop() ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -69,7 +69,7 @@ class FleetMirror {
   MapReplay replay_ ABSL_GUARDED_BY(mutex_);
   MirrorLife life_ ABSL_GUARDED_BY(mutex_);
 
-  std::unique_ptr<MapMirror> mirror_;  ///< Last: its thread uses everything above.
+  std::unique_ptr<MapMirror> mirror_;  ///< Last member: its thread uses all members above.
 };
 
 }  // namespace steadymap

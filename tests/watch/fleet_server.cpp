@@ -55,7 +55,7 @@ void FleetServer::Start() {
   config.listen = "127.0.0.1:0";
   config.commit.max_delay = std::chrono::milliseconds(10);
   config.commit.max_frames = 4;
-  // These watchers are cut off all the time, and never wait.
+  // These watchers reconnect all the time without delay.
   config.watch.openings_per_second = 1'000'000;
   absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(config, std::move(recording));
   Require(server.status());
@@ -76,7 +76,7 @@ void FleetServer::Compact() {
   GetMap();  // Waits until it is open.
   const absl::StatusOr<std::vector<MapRecord>> maps = store_->ListMaps();
   Require(maps.status());
-  // At this time nothing is old: the number of lists alone counts.
+  // At this uptime all lists are new: only their number counts.
   Require(store_->Trim(maps->front(), {.uptime = MapUptime(0)}));
 }
 
@@ -88,7 +88,7 @@ std::string FleetServer::address() const {
 std::shared_ptr<grpc::Channel> FleetServer::Connect() const {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
-  // Connections of servers that were killed must not be taken for this one's.
+  // Prevents the reuse of connections to killed servers.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(address(), grpc::InsecureChannelCredentials(), arguments);
 }
@@ -105,7 +105,7 @@ absl::Status FleetServer::UploadOnce(const std::string& robot,
   v1::UploadFrameBatchRequest request;
   request.set_map(map_);
   request.set_robot(robot);
-  // One session a call: where a robot's sequence has gaps does not matter here.
+  // One session per call: gaps in a robot's sequence are irrelevant here.
   request.set_session("s" + std::to_string(first_client_seq));
   request.set_wait_for(v1::ACK_LEVEL_DURABLE);
   request.mutable_batch()->set_first_client_seq(1);

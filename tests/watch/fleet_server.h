@@ -20,30 +20,29 @@
 
 namespace steadymap {
 
-/// A server over a store on disk with one map, which can be killed and started again, and whose
-/// commits are recorded. Thread-safe but for `Kill`, `Compact` and `Upload`, which are for one
-/// thread.
+/// A server with a store on disk and one map, which can be killed and restarted, and whose commits
+/// are recorded. Thread-safe except `Kill`, `Compact` and `Upload`, which are for one thread.
 class FleetServer {
  public:
   FleetServer();
   ~FleetServer();
 
-  /// Ends the server as a kill would: nothing that is not stored by now ever is. Starts it anew.
+  /// Ends the server like a kill: data that is not stored yet is lost. Then restarts it.
   void Kill();
 
-  /// Forgets all change lists but the newest few, whoever needs them.
+  /// Drops all change lists except the newest few, even if watchers need them.
   void Compact();
 
-  /// Uploads frames of a robot until they are durable, killed servers or not.
+  /// Uploads frames of a robot until they are durable, across restarts of the server.
   void Upload(const std::string& robot, const std::vector<v1::Frame>& frames);
 
-  /// Waits until everything that was uploaded is committed.
+  /// Waits until all uploaded frames are committed.
   void AwaitIntegrated();
 
-  /// Where the server that runs now listens, `HOST:PORT`.
+  /// Address of the running server, `HOST:PORT`.
   std::string address() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// A new connection to it.
+  /// Opens a new connection to the running server.
   std::shared_ptr<grpc::Channel> Connect() const ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::string& map() const { return map_; }
@@ -64,7 +63,7 @@ class FleetServer {
   std::atomic<bool> killed_ = false;
   std::string map_ = "tenants/test/maps/hall";
   std::uint64_t uploaded_ = 0;
-  RecordingStore* store_ = nullptr;  ///< The server's.
+  RecordingStore* store_ = nullptr;  ///< Owned by the server.
   std::unique_ptr<Server> server_;
   mutable absl::Mutex mutex_;
   int port_ ABSL_GUARDED_BY(mutex_) = 0;

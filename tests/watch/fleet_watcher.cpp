@@ -11,13 +11,13 @@
 namespace steadymap {
 namespace {
 
-// So that steps come in several.
+// So that steps take several messages.
 constexpr std::uint32_t kSmallMessageBytes = 65'536;
 
-// How often a watcher is cut off behind a message within a step.
+// One in this many messages within a step is followed by a cancellation.
 constexpr std::uint32_t kCutWithinStepOneIn = 4;
 
-/// Everything, half of the view, goods alone, the background alone, or events alone.
+/// Returns a filter: everything, half of the view, goods only, the background only, or events only.
 MapFilter DrawFilter(std::mt19937* random) {
   MapFilter filter;
   switch ((*random)() % 6) {
@@ -60,7 +60,7 @@ FleetWatcher::~FleetWatcher() {
 
 void FleetWatcher::NewMind() {
   filter_ = DrawFilter(&random_);
-  // What a watch from now on has not seen cannot be compared.
+  // A watch from now on has no complete content to compare.
   from_now_ = !filter_.WantsObjects() && random_() % 2 == 0;
   resyncs_ = random_() % 2 == 0;
   takes_patches_ = !from_now_ && random_() % 3 > 0;
@@ -110,7 +110,7 @@ void FleetWatcher::Run() {
   if (promises_ != nullptr) Conclude();
 }
 
-/// One stream, from its request to its end.
+/// Runs one stream, from its request to its end.
 void FleetWatcher::RunStream() {
   v1::WatchMapRequest request;
   grpc::ClientContext context;
@@ -147,7 +147,8 @@ void FleetWatcher::RunStream() {
   v1::WatchMapResponse message;
   bool is_cut = false;
   while (stream->Read(&message)) {
-    if (is_cut) continue;  // What was on its way already.
+    // Messages in flight after the cancellation.
+    if (is_cut) continue;
     promises_->Take(message);
     if (message.has_progress()) revision_ = message.progress().revision();
     const absl::MutexLock lock(&mutex_);
@@ -160,7 +161,7 @@ void FleetWatcher::RunStream() {
   context_ = nullptr;
   if (changed_mind_ || stopping_) return;
   if (ReasonOf(status) == reason::kRevisionCompacted || ReasonOf(status) == reason::kSlowConsumer) {
-    // Told, never silent: begins anew.
+    // The gap was reported, not silent: the watcher restarts.
     ++life_.gaps_told;
     changed_mind_ = true;
     if (resyncs_) life_.broken.emplace_back("Resumable: no resync where one was asked for");
@@ -169,7 +170,7 @@ void FleetWatcher::RunStream() {
   }
 }
 
-/// Adds what the promises say to the watcher's life.
+/// Adds the results of the promises to the watcher's results.
 void FleetWatcher::Conclude() {
   life_.steps += promises_->steps();
   life_.jumps += promises_->jumps();

@@ -18,25 +18,25 @@
 
 namespace steadymap {
 
-/// What a watcher saw in its life.
+/// Results of a watcher.
 struct WatchLife {
-  std::vector<std::string> broken;  ///< Promises, and errors that no watcher should see.
+  std::vector<std::string> broken;  ///< Broken promises, and unexpected errors.
   std::size_t streams = 0;
   std::size_t resumed = 0;
   std::size_t steps = 0;
   std::size_t jumps = 0;
   std::size_t patches = 0;
-  std::size_t continued = 0;  ///< Streams that went on within a step.
+  std::size_t continued = 0;  ///< Streams that continued a step.
   std::size_t events = 0;
   std::size_t resyncs = 0;
-  std::size_t gaps_told = 0;  ///< Streams that ended since the history they needed was gone.
+  std::size_t gaps_told = 0;  ///< Streams that ended because their history was compacted.
 };
 
-/// A watcher with a thread of its own that reads and checks, comes back when it is cut off, and can
-/// be made to misbehave. The other calls are for one thread.
+/// A watcher with its own thread that reads and checks, reconnects after a broken stream, and can
+/// be made to misbehave. The other functions are for one thread.
 class FleetWatcher {
  public:
-  /// `server` outlives the watcher.
+  /// `server` must outlive the watcher.
   FleetWatcher(const FleetServer* server, std::uint32_t seed);
 
   /// Stops at once.
@@ -45,17 +45,17 @@ class FleetWatcher {
   /// Breaks the connection; the watcher resumes.
   void Cut();
 
-  /// Reads nothing until `Resume`.
+  /// Stops reading until `Resume`.
   void Stall();
   void Resume();
 
-  /// Begins anew with another filter, from a snapshot or from now.
+  /// Restarts with another filter, from a snapshot or from now on.
   void ChangeMind();
 
-  /// What has been settled by a progress.
+  /// Revision of the last progress.
   Revision revision() const { return Revision(revision_.load()); }
 
-  /// Ends the watch; the watcher is of no use any more.
+  /// Stops the watch permanently and returns its results.
   WatchLife Stop();
 
  private:
@@ -67,10 +67,10 @@ class FleetWatcher {
   bool MayRead() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !stalled_ || stopping_; }
 
   const FleetServer* const server_;
-  std::mt19937 random_;  ///< Of whoever holds `mutex_`.
+  std::mt19937 random_;  ///< Used by the holder of `mutex_`.
   std::atomic<std::uint64_t> revision_ = 0;
 
-  // Of the thread.
+  // Used by the thread only.
   std::unique_ptr<WatchPromises> promises_;
   WatchPromises::Begin begin_ = WatchPromises::Begin::kSnapshot;
   WatchLife life_;
@@ -80,13 +80,13 @@ class FleetWatcher {
   bool from_now_ ABSL_GUARDED_BY(mutex_) = false;
   bool resyncs_ ABSL_GUARDED_BY(mutex_) = false;
   bool takes_patches_ ABSL_GUARDED_BY(mutex_) = false;
-  bool keeps_parts_ ABSL_GUARDED_BY(mutex_) = false;  ///< Of steps that it is cut off in.
+  bool keeps_parts_ ABSL_GUARDED_BY(mutex_) = false;  ///< Of interrupted steps.
   bool changed_mind_ ABSL_GUARDED_BY(mutex_) = true;
   bool stalled_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  grpc::ClientContext* context_ ABSL_GUARDED_BY(mutex_) = nullptr;  ///< Of the stream under way.
+  grpc::ClientContext* context_ ABSL_GUARDED_BY(mutex_) = nullptr;  ///< Of the running stream.
 
-  std::thread thread_;  ///< Last: it uses everything above.
+  std::thread thread_;  ///< Last member: it uses all members above.
 };
 
 }  // namespace steadymap

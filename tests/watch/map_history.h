@@ -15,19 +15,19 @@
 
 namespace steadymap {
 
-/// Every commit that a store took of one map, in order. Outlives servers and stores. Thread-safe.
+/// All commits of one map to a store, in order. Outlives servers and stores. Thread-safe.
 class MapHistory {
  public:
-  /// Notes a commit; it must follow the one before.
+  /// Adds a commit; it must follow the previous one.
   void Add(const MapDelta& delta) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The commit behind revision `from`; null if there is none yet.
+  /// Returns the commit after revision `from`; null if there is none yet.
   std::shared_ptr<const MapDelta> After(Revision from) const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// The newest revision.
+  /// Returns the newest revision.
   Revision head() const ABSL_LOCKS_EXCLUDED(mutex_);
 
-  /// Commits that did not follow the one before: the store has broken its promise.
+  /// Number of commits that did not follow the previous one: a fault of the store.
   std::size_t gaps() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
@@ -38,8 +38,7 @@ class MapHistory {
   std::size_t gaps_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-/// What a watcher has, or ought to have: objects as they are on the wire, leaves as they are
-/// packed.
+/// Actual or expected content of a watcher: objects in wire format, leaves packed.
 struct WatchedContent {
   std::map<ObjectId, std::string> objects;
   std::map<LeafKey, std::string> leaves;
@@ -47,28 +46,28 @@ struct WatchedContent {
   friend bool operator==(const WatchedContent&, const WatchedContent&) = default;
 };
 
-/// A map replayed from its history, to compare with at any revision. Goes forward only.
+/// A map replayed from its history, for comparison at any revision. Advances only.
 class MapReplay {
  public:
   MapReplay(const MapHistory* history, const VoxelScale& scale)
       : history_(history), scale_(scale) {}
 
-  /// Goes on to a revision; false if the history has no such revision.
+  /// Advances to a revision; false if the history does not contain it.
   bool GoTo(Revision revision);
 
   Revision revision() const { return revision_; }
 
-  /// Of the newest frame at the replay's revision.
+  /// Capture time of the newest frame at the replay's revision.
   Timestamp last_capture_time() const { return last_capture_time_; }
 
-  /// What the filter shows at the replay's revision.
+  /// Returns the content that passes the filter at the replay's revision.
   WatchedContent Shown(const MapFilter& filter) const;
 
-  /// The state of an object at the replay's revision; null if there is none.
+  /// Returns the state of an object at the replay's revision; null if it does not exist.
   const ObjectState* Find(ObjectId id) const;
 
-  /// The events of the commits that `GoTo` has gone through since it was last asked, with the
-  /// numbers that the store gave them.
+  /// Returns the events of the commits that `GoTo` has passed since the last call, with the numbers
+  /// of the store.
   struct NumberedEvent {
     EventNumber number;
     ObjectEvent event;

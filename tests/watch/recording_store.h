@@ -10,11 +10,11 @@
 
 namespace steadymap {
 
-/// A store that notes every commit of its only map in a history, and that can be killed: from then
-/// on nothing is written, as if the process had ended there. Thread-safe.
+/// A store that records every commit of its only map in a history, and that can be killed:
+/// afterwards nothing is written, as if the process had ended. Thread-safe.
 class RecordingStore final : public Store {
  public:
-  /// `history` and `killed` outlive the store.
+  /// `history` and `killed` must outlive the store.
   RecordingStore(std::unique_ptr<Store> store, MapHistory* history, const std::atomic<bool>* killed)
       : store_(std::move(store)), history_(history), killed_(killed) {}
 
@@ -78,8 +78,7 @@ class RecordingStore final : public Store {
 
  private:
   static absl::Status KilledError() {
-    return MakeError(
-        absl::StatusCode::kUnavailable, reason::kStoreReadOnly, "killed as the test asked");
+    return MakeError(absl::StatusCode::kUnavailable, reason::kStoreReadOnly, "killed by the test");
   }
 
   const std::unique_ptr<Store> store_;

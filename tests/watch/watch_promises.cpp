@@ -16,7 +16,7 @@ LeafKey KeyOf(const v1::PackedLeaf& leaf) {
   return {ObjectId(leaf.object_id()), {leaf.origin_x(), leaf.origin_y(), leaf.origin_z()}};
 }
 
-/// Names the first difference between what a watcher has and what it ought to have.
+/// Names the first difference between the actual and the expected content.
 template <typename Map>
 std::string FirstDifference(const Map& has, const Map& ought) {
   for (const auto& [key, value] : ought) {
@@ -39,7 +39,7 @@ void WatchPromises::BeginStream(Begin begin) {
   if (within_step_) return;
   begin_ = begin;
   if (begin_ != Begin::kResumed) {
-    // A new watch: what was told before does not count.
+    // A new watch: earlier content does not count.
     progress_.reset();
     replay_ = MapReplay(history_, scale_);
     content_ = {};
@@ -83,7 +83,7 @@ void WatchPromises::Take(const v1::WatchMapResponse& message) {
   }
 }
 
-/// What was to go on within a step does, or that step is void: a snapshot comes anew then.
+/// Checks that an interrupted step continues, or is void: then a new snapshot follows.
 void WatchPromises::TakeWithinStep(const v1::WatchCreated& created) {
   within_step_ = false;
   const std::uint64_t due = expects_snapshot_ ? step_revision_ : revision_;
@@ -110,7 +110,7 @@ void WatchPromises::TakeCreated(const v1::WatchCreated& created) {
     if (!replay_.GoTo(Revision(revision_))) Break("Bookmarkable", "began at no revision");
     replay_.TakeEvents();
   }
-  // With the token's revision, unless a resync follows, which says so itself.
+  // The stream starts at the token's revision, unless a resync follows.
   if (begin_ == Begin::kResumed && created.revision() != revision_ && created.revision() != 0) {
     Break("Resumable",
           absl::StrCat("behind ", revision_, " the stream began at ", created.revision()));
@@ -260,7 +260,7 @@ void WatchPromises::CheckShown(const WatchedContent& truth) {
             : absl::StrCat("of the leaves ", FirstDifference(next_.leaves, truth.leaves)));
 }
 
-/// The events of the step must be those of the history that pass, one for one.
+/// The events of the step must equal the events of the history that pass the filter.
 void WatchPromises::CheckEvents() {
   std::vector<std::string> due;
   for (const MapReplay::NumberedEvent& numbered : replay_.TakeEvents()) {
@@ -268,7 +268,7 @@ void WatchPromises::CheckEvents() {
       due.push_back(ToProto(numbered.number, numbered.event).SerializeAsString());
     }
   }
-  // A snapshot tells no history.
+  // A snapshot contains no events.
   if (expects_snapshot_) return;
   std::vector<std::string> told;
   for (const v1::ObjectEvent& event : events_) {

@@ -12,42 +12,43 @@
 
 namespace steadymap {
 
-/// Holds a watch to its seven promises, message by message, over any number of streams that resume
-/// one another. What is broken is noted under the promise's name:
+/// Checks a watch against the seven promises of the watch protocol, message by message, over any
+/// number of streams that resume one another. Violations are recorded under the promise's name:
 ///
-/// - **Ordered**: revisions and event numbers rise.
-/// - **Unique**: no revision and no event comes twice.
-/// - **Reliable**: none is missing: every step begins where the one before ended, and its events
-///   are all that the filter lets pass.
-/// - **Atomic**: a step is whole: its fragments are complete and of one revision, its events are
-///   its own, and only then there is a token.
-/// - **Resumable**: behind a token a stream goes on where the token says.
-/// - **Bookmarkable**: at a progress the watcher has everything that the map had at its revision,
-///   bit for bit.
-/// - **Filtered**: nothing comes that the filter does not show, and what leaves it does not stay.
+/// - **Ordered**: revisions and event numbers increase.
+/// - **Unique**: no revision and no event is sent twice.
+/// - **Reliable**: nothing is missing: every step begins at the end of the previous one, and its
+///   events are all events that pass the filter.
+/// - **Atomic**: a step is complete: its fragments are complete and of one revision, its events are
+///   its own, and the token comes last.
+/// - **Resumable**: a stream with a token continues at the token's position.
+/// - **Bookmarkable**: at a progress the watcher has the complete filtered map of its revision, bit
+///   for bit.
+/// - **Filtered**: nothing is sent that does not pass the filter, and objects that stop passing are
+///   removed.
 ///
 /// For one thread.
 class WatchPromises {
  public:
   WatchPromises(const MapFilter& filter, const MapHistory* history, const VoxelScale& scale);
 
-  /// How a stream begins. From now on only events can be held to their promises.
+  /// Start of a stream. After `kNow` only events can be checked.
   enum class Begin { kSnapshot, kNow, kResumed, kWithinStep };
 
-  /// A stream begins; resumed behind `progress()`, or behind `part_token()`.
+  /// Begins a stream; a resumed one continues after `progress()` or `part_token()`.
   void BeginStream(Begin begin);
 
-  /// A message of the stream. What a stream told after its last progress is void when it ends,
-  /// unless the next one goes on within the step.
+  /// Checks a message of the stream. The content after the last progress is dropped at the end of
+  /// the stream, unless the next stream continues the step.
   void Take(const v1::WatchMapResponse& message);
 
-  /// The token for going on within the step that has not been closed; empty without.
+  /// Token to resume within the unfinished step; empty if there is none.
   const std::string& part_token() const { return part_token_; }
 
-  /// The newest progress; none yet.
+  /// The newest progress; none before the first.
   const std::optional<v1::WatchProgress>& progress() const { return progress_; }
 
-  /// What was broken, each entry beginning with the promise's name.
+  /// Violations, each beginning with the promise's name.
   const std::vector<std::string>& broken() const { return broken_; }
 
   std::size_t steps() const { return steps_; }
@@ -58,9 +59,9 @@ class WatchPromises {
 
   std::size_t jumps() const { return jumps_; }  ///< Steps over several commits.
 
-  std::size_t patches() const { return patches_; }  ///< Leaves that came as patches.
+  std::size_t patches() const { return patches_; }  ///< Leaves received as patches.
 
-  std::size_t continued() const { return continued_; }  ///< Streams that went on within a step.
+  std::size_t continued() const { return continued_; }  ///< Streams that continued a step.
 
  private:
   void VoidStep();
@@ -92,18 +93,18 @@ class WatchPromises {
   std::size_t patches_ = 0;
   std::size_t continued_ = 0;
 
-  // Of the stream.
+  // State of the stream.
   Begin begin_ = Begin::kSnapshot;
-  bool within_step_ = false;    ///< It is to go on within a step, if its `created` says so.
-  std::uint64_t revision_ = 0;  ///< What the watcher has.
+  bool within_step_ = false;    ///< It should continue a step, if `created` confirms it.
+  std::uint64_t revision_ = 0;  ///< Revision of the watcher.
   bool expects_snapshot_ = false;
-  bool may_repeat_ = false;  ///< The next progress may repeat the revision: nothing is new.
+  bool may_repeat_ = false;  ///< The next progress may repeat the revision without changes.
   WatchedContent content_;
   std::uint64_t settled_event_ = 0;  ///< The last one before the newest progress.
 
-  // Of the step that has not been closed by a progress.
+  // State of the step that is not yet completed by a progress.
   WatchedContent next_;
-  std::uint64_t step_revision_ = 0;  ///< 0: nothing has been told yet.
+  std::uint64_t step_revision_ = 0;  ///< 0: no message of the step yet.
   std::uint32_t fragments_ = 0;
   std::uint32_t next_fragment_ = 1;
   std::vector<v1::ObjectEvent> events_;

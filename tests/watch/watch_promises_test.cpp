@@ -1,4 +1,4 @@
-// Faults that are planted in an honest watch must be found, each under its promise's name.
+// Tests that faults planted in a correct watch are detected, each under its promise's name.
 
 #include "tests/watch/watch_promises.h"
 
@@ -29,7 +29,7 @@ using Kind = v1::WatchMapResponse;
 
 constexpr VoxelScale kTinyScale{0.04, 0.12};
 
-/// Three commits: an object and much background appear, it changes, it goes.
+/// Three commits: an object and much background are added, the object changes, and is removed.
 class PlantedFaults : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -74,7 +74,7 @@ class PlantedFaults : public ::testing::Test {
     published_.push_back({std::make_shared<const MapSnapshot>(map_), *mark, {}});
   }
 
-  /// What an honest server tells: the first revision as a snapshot, then two steps.
+  /// Returns the messages of a correct server: the first revision as a snapshot, then two steps.
   Messages HonestMessages() {
     WatchHub hub({&store_, 10, absl::InfiniteDuration()});
     EXPECT_TRUE(hub.Enter(record_.key, std::make_shared<RecordingWatch>()).ok());
@@ -106,14 +106,14 @@ class PlantedFaults : public ::testing::Test {
     return promises.broken();
   }
 
-  /// What is found when `plant` has changed an honest watch.
+  /// Returns the violations after `plant` has changed a correct watch.
   std::vector<std::string> Find(const std::function<void(Messages*)>& plant) {
     Messages messages = HonestMessages();
     plant(&messages);
     return Check(messages);
   }
 
-  /// The place of the n-th message of a kind, from 0.
+  /// Returns the index of the n-th message of a kind, from 0.
   static std::size_t Place(const Messages& messages, Kind::KindCase kind, std::size_t n = 0) {
     for (std::size_t i = 0; i < messages.size(); ++i) {
       if (messages[i].kind_case() == kind && n-- == 0) return i;
@@ -141,7 +141,7 @@ class PlantedFaults : public ::testing::Test {
 TEST_F(PlantedFaults, AnHonestWatchBreaksNothing) {
   const Messages messages = HonestMessages();
   EXPECT_THAT(Check(messages), IsEmpty());
-  // Three fragments of the snapshot: the faults below have something to bite on.
+  // Several snapshot chunks and event batches: the faults below need them.
   (void)Place(messages, Kind::kSnapshot, 2);
   (void)Place(messages, Kind::kEvents, 1);
 }

@@ -1,8 +1,7 @@
-// The promises of a watch (tests/watch/watch_promises.h) over random histories: robots that upload,
-// watchers that are cut, stall, filter and resume, servers that are killed, change lists that are
-// compacted.
+// Tests the promises of watches over random histories: robots that upload, watchers that are
+// disconnected, stall, filter and resume, servers that are killed, change lists that are compacted.
 //
-// STEADYMAP_LAW_SEEDS (default 2) and STEADYMAP_LAW_OPERATIONS (default 250) make it longer.
+// STEADYMAP_LAW_SEEDS (default 2) and STEADYMAP_LAW_OPERATIONS (default 250) make the test longer.
 
 #include <chrono>
 #include <cstdlib>
@@ -31,7 +30,7 @@ constexpr std::uint32_t kMirrors = 2;
 constexpr std::chrono::seconds kCatchUpTime{60};
 
 int NumberFromEnvironment(const char* name, int standard) {
-  // Nothing of this process changes its environment.
+  // This process does not modify its environment.
   const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
   return text == nullptr ? standard : std::atoi(text);
 }
@@ -56,7 +55,8 @@ class FleetHistory {
     server_.AwaitIntegrated();
   }
 
-  /// Waits until all come to the newest revision; who did not in time, and how far they came.
+  /// Waits until all watchers have the newest revision; returns those that did not in time, with
+  /// their revisions.
   std::vector<std::string> AwaitWatchers() {
     const auto deadline = std::chrono::steady_clock::now() + kCatchUpTime;
     const Revision head = server_.history().head();
@@ -182,9 +182,9 @@ TEST(WatchProperty, HoldsOverRandomHistories) {
     all.events += life.events;
     all.resumed += life.resumed;
   }
-  // A history in which nothing happens proves nothing.
+  // A history without events would prove nothing.
   EXPECT_GT(all.steps, 100U);
-  // Watchers fall behind some times in a thousand operations.
+  // Watchers fall behind a few times per thousand operations.
   if (seeds * operations >= 4000) {
     EXPECT_GT(all.jumps, 0U);
   }
