@@ -3,14 +3,11 @@
 #
 #   cmake -D WORK=<scratch folder> -P check_documents_test.cmake
 
-if(NOT DEFINED WORK)
-  message(FATAL_ERROR "WORK must name a scratch folder")
-endif()
 set(CHECK "${CMAKE_CURRENT_LIST_DIR}/check_documents.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/expect.cmake")
 
 # Makes the files that references may name.
 function(make_tree)
-  file(REMOVE_RECURSE "${WORK}")
   file(WRITE "${WORK}/README.md" "# The whole\n")
   file(WRITE "${WORK}/core/README.md"
        "# core: the map\n\n"
@@ -20,27 +17,6 @@ function(make_tree)
   file(WRITE "${WORK}/proto/steadymap/v1/frame.proto" "syntax = \"proto3\"\;\n")
   file(WRITE "${WORK}/tests/python/upload_test.py" "import steadymap\n")
   file(WRITE "${WORK}/deploy/demo.sh" "#!/usr/bin/env bash\n")
-endfunction()
-
-# Expects the tree with the line `line` in the file `path` to pass (`expected` is PASS) or to be
-# refused by name.
-function(expect expected path line)
-  make_tree()
-  file(WRITE "${WORK}/${path}" "\n${line}\n")
-  execute_process(
-    COMMAND ${CMAKE_COMMAND} -D "ROOT=${WORK}" -P "${CHECK}"
-    RESULT_VARIABLE status
-    OUTPUT_VARIABLE output
-    ERROR_VARIABLE output)
-  if(expected STREQUAL "PASS" AND NOT status EQUAL 0)
-    message(SEND_ERROR "must be allowed: ${line} in ${path}\n${output}")
-  elseif(expected STREQUAL "REFUSE")
-    if(status EQUAL 0)
-      message(SEND_ERROR "was not caught: ${line} in ${path}")
-    elseif(NOT output MATCHES "${path}")
-      message(SEND_ERROR "the message does not name ${path}:\n${output}")
-    endif()
-  endif()
 endfunction()
 
 # Documents, from the root and from the file's own folder.
@@ -102,14 +78,4 @@ expect(PASS client/python/steadymap/_generated/frame.py "# See gone.md.")
 expect(PASS tests/layering/check_documents_test.cmake "expect(REFUSE core/gone.h gone.md)")
 expect(PASS tests/data/notes.txt "See gone.md.")
 
-# A tree without sources is a wrong path, not a clean tree.
-file(REMOVE_RECURSE "${WORK}")
-file(MAKE_DIRECTORY "${WORK}")
-execute_process(
-  COMMAND ${CMAKE_COMMAND} -D "ROOT=${WORK}" -P "${CHECK}"
-  RESULT_VARIABLE status
-  OUTPUT_QUIET ERROR_QUIET)
-if(status EQUAL 0)
-  message(SEND_ERROR "an empty tree passed")
-endif()
-file(REMOVE_RECURSE "${WORK}")
+expect_empty_tree_is_refused()
