@@ -31,11 +31,11 @@ void Mapper::UseClasses() {
   config_.classes = created_classes_;
   const std::vector<SemanticClass>& added = map_.added_classes();
   config_.classes.insert(config_.classes.end(), added.begin(), added.end());
-  Rest();
+  ReleaseFrameMemory();
 }
 
 /// All state that outlives a frame is in the map, so the other objects can be created again.
-void Mapper::Rest() {
+void Mapper::ReleaseFrameMemory() {
   cloud_.reset();
   updater_.reset();
 }

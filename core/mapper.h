@@ -45,7 +45,7 @@ class Mapper {
 
   /// Releases the memory that only frames need, a few megabytes. The next frame allocates it again.
   /// Has no other effect.
-  void Rest();
+  void ReleaseFrameMemory();
 
   /// Returns the newest processed entry, committed or not.
   MapSequence head() const { return MapSequence(map_.revision().value()); }

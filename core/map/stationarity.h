@@ -22,8 +22,8 @@ struct Belief {
 /// Whether objects of a class are expected to be stationary, the measurement `s` of Qian et al.,
 /// RSS 2022.
 enum class StationarityPrior {
-  kMoves,  ///< s = 0: contradictions have more weight.
-  kStays,  ///< s = 1: agreement has more weight.
+  kMobile,      ///< s = 0: contradictions have more weight.
+  kStationary,  ///< s = 1: agreement has more weight.
 };
 
 /// The constants of the update. Defaults: TorWIC (Qian et al., RSS 2022), except `max_evidence`.

@@ -169,7 +169,7 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   map_->MarkLeaves(&part, moved);
   if (object->state().status != ObjectStatus::kPresent ||
       CountConnectedCells(part) < parameters_.min_part_cells) {
-    map_->Forget(&part);
+    map_->Delete(&part);
     return;
   }
   BecomeHistory(&part);

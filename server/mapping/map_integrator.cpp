@@ -125,7 +125,7 @@ absl::Status MapIntegrator::Advance() {
     if (absl::Status status = Commit(); !status.ok()) return status;
   }
   if (Clock::now() >= release_at_) {
-    mapper_->Rest();
+    mapper_->ReleaseFrameMemory();
     release_at_ = Clock::time_point::max();
   }
   const Clock::time_point end = Clock::now() + kSlice;

@@ -278,7 +278,7 @@ class RestingMapper : public ::testing::TestWithParam<UpdatePolicy> {
     const std::unique_ptr<Mapper> mapper = Mapper::Create(config).value();
     std::vector<MapDelta> deltas;
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      if (i % rest_after == rest_after - 1) mapper->Rest();
+      if (i % rest_after == rest_after - 1) mapper->ReleaseFrameMemory();
       mapper->Integrate(mapper->head().Next(), frames[i]);
       deltas.push_back(mapper->Commit().delta);
     }

@@ -126,10 +126,10 @@ absl::Status MapDatabase::OpenLog(const std::filesystem::path& folder) {
 absl::Status MapDatabase::CheckNote() const {
   const Progress found = progress();
   if (found.durable_head < note_->known_head()) {
-    return Lost("log", found.durable_head.value(), note_->known_head().value());
+    return MissingTailError("log", found.durable_head.value(), note_->known_head().value());
   }
   if (found.head.revision() < note_->known_revision().value()) {
-    return Lost("history", found.head.revision(), note_->known_revision().value());
+    return MissingTailError("history", found.head.revision(), note_->known_revision().value());
   }
   return absl::OkStatus();
 }
