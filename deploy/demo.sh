@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# From nothing to a map: installs what is missing, builds, starts a daemon with a store of its own,
-# uploads frames, writes the map to demo-output/, and stops the daemon again.
+# Builds a map from scratch: installs missing packages, builds, starts a daemon with its own store,
+# uploads frames, writes the map to demo-output/, and stops the daemon.
 #
-#   deploy/demo.sh                          a simulated robot drives the TorWIC route 1-5
+#   deploy/demo.sh                          a simulated robot on the TorWIC route 1-5
 #   deploy/demo.sh --route ROUTE            another simulated route
 #   deploy/demo.sh --dataset FORMAT PATH... a recording: torwic, seven-scenes, tum, co-fusion
 #                                           or panoptic
@@ -20,7 +20,7 @@ case "${1:-}" in
   --dataset)
     (($# >= 3)) || { echo "demo.sh: $usage" >&2; exit 2; }
     source=(upload --format "$2")
-    # Recordings without labels show no objects.
+    # Recordings without labels contain no objects.
     [[ "$2" != seven-scenes && "$2" != tum ]] || policy=static
     for path in "${@:3}"; do
       [[ -d "$path" ]] || { echo "demo.sh: $path: expected a folder, found none" >&2; exit 2; }
@@ -39,8 +39,8 @@ begin() {
   step=$1
   echo "== demo.sh: $step"
 }
-work="" # Holds the store, the daemon's log and the build's.
-log=""  # Shown when the step that writes it fails.
+work="" # Contains the store and the logs of the daemon and the build.
+log=""  # Printed if the current step fails.
 daemon=""
 on_exit() {
   local status=$?
@@ -58,7 +58,7 @@ trap on_exit EXIT
 trap 'exit 130' INT TERM
 work=$(mktemp -d -t steadymap-demo.XXXXXX)
 
-begin "installing what is missing"
+begin "installing missing packages"
 deploy/install_dependencies.sh
 
 begin "configuring preset release"
@@ -91,7 +91,7 @@ begin "uploading: ${source[*]}"
 steadymap map create demo --policy "$policy"
 steadymap "${source[0]}" demo "${source[@]:1}"
 
-begin "what the map holds"
+begin "reading the map"
 steadymap map get demo
 steadymap events demo | tail -n 15
 
@@ -112,4 +112,4 @@ if ((status != 0)); then
   exit 1
 fi
 log=""
-echo "== demo.sh: done; look at demo-output/map.png"
+echo "== demo.sh: done; see demo-output/map.png"

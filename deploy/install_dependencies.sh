@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Installs what building and testing needs, from Debian 12's own packages. Quiet and without
-# privileges when nothing is missing.
+# Installs the packages for building and testing, all from Debian 12. Prints nothing and needs no
+# privileges if none is missing.
 #
-#   deploy/install_dependencies.sh [--lint]     --lint: also what deploy/lint.sh needs
+#   deploy/install_dependencies.sh [--lint]     --lint: also the packages for deploy/lint.sh
 set -euo pipefail
 
 build_packages=(
@@ -55,15 +55,15 @@ fi
 
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-# Waits for another package manager instead of failing beside it.
+# Waits for another package manager instead of failing.
 apt() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
     apt-get -q -y -o DPkg::Lock::Timeout=300 "$@" >"$log" 2>&1
 }
 
 echo "install_dependencies: installing ${#missing[@]} packages: ${missing[*]}"
-# The package lists of a fresh machine are empty and those of an old one outdated; only then is the
-# update worth its time.
+# The package lists of a fresh machine are empty and those of an old one outdated; only then is an
+# update needed.
 if ! apt install --no-install-recommends "${missing[@]}"; then
   echo "install_dependencies: updating the package lists first"
   if ! { apt update && apt install --no-install-recommends "${missing[@]}"; }; then

@@ -1,5 +1,5 @@
-# Run by `cmake --install`: installs the configuration and, under a prefix where systemd looks, the
-# unit, with the paths of that prefix. Wants STEADYMAP_DEPLOY, the folder with both.
+# Run by `cmake --install`: installs the configuration and, under a prefix that systemd searches,
+# the unit, with the paths of that prefix. Requires STEADYMAP_DEPLOY, the folder with both.
 set(CONFIGURATION "${CMAKE_INSTALL_PREFIX}/etc/steadymap")
 if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   set(CONFIGURATION /etc/steadymap)
@@ -21,5 +21,5 @@ if(CMAKE_INSTALL_PREFIX MATCHES "^/usr(/local)?$")
   file(CHMOD "${UNIT}" FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   message(STATUS "Installing: ${UNIT}")
 else()
-  message(STATUS "No systemd unit: systemd does not look under ${CMAKE_INSTALL_PREFIX}")
+  message(STATUS "No systemd unit: systemd does not search ${CMAKE_INSTALL_PREFIX}")
 endif()

@@ -4,10 +4,10 @@
 #
 #   deploy/lint.sh [--all | --since COMMIT]
 #
-# "What changed" is what differs from the merge base with main, or, on main itself, what its last day
-# of commits changed, together with what is not committed yet. Without such a commit: everything.
-# clang-tidy checks whole libraries and tests, those that have changed files, newest first, for
-# LINT_TIDY_SECONDS (default 300); then each changed file is compiled by itself, without what others
+# Changed files: the differences from the merge base with main, or, on main itself, the commits of
+# its last day, together with uncommitted changes. Without such a commit: all files. clang-tidy
+# checks whole libraries and tests that contain changed files, newest first, for LINT_TIDY_SECONDS
+# (default 300); then each changed file is compiled by itself, without headers that other files
 # include, for LINT_COMPILE_SECONDS (default 120).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -50,7 +50,7 @@ find_base() {
   git rev-list -1 --before="$(($(git log -1 --format=%ct) - 24 * 60 * 60))" HEAD
 }
 
-# Newest change first: what clang-tidy has no time for is what was checked before.
+# Newest change first: clang-tidy runs out of time at files that were checked before.
 sources=('*.cpp' '*.h')
 list_changed() {
   git diff --name-only HEAD -- "${sources[@]}"
@@ -102,20 +102,20 @@ if ((${#translation_units[@]})); then
   log=$(mktemp)
   trap 'rm -f "$log"' EXIT
 
-  # Compile commands for clang, and the headers generated from proto/, in a build folder of their
-  # own: precompiled headers hide what a file forgets to include. configure FOLDER [ARGUMENT]...
+  # Compile commands for clang, and the headers generated from proto/, in separate build folders:
+  # precompiled headers would hide missing includes. configure FOLDER [ARGUMENT]...
   configure() {
     if ! {
       cmake --preset clang -B "$1" -D CMAKE_DISABLE_PRECOMPILE_HEADERS=ON "${@:2}" &&
         cmake --build "$1" --target steadymap_proto steadymap_storage_proto
     } >"$log" 2>&1; then
       tail -n 30 "$log" >&2
-      fail "the build that clang-tidy needs failed"
+      fail "the build for clang-tidy failed"
     fi
   }
 
-  # Checks the files that standard input names, on all cores: check FOLDER CHECKS SECONDS. Not to
-  # be piped into: `status` would be set in a subshell.
+  # Checks the files named on standard input, on all cores: check FOLDER CHECKS SECONDS. Must not be
+  # the end of a pipe: `status` would be set in a subshell.
   check() {
     local deadline=$(($(date +%s) + $3))
     : >"$log"
@@ -130,7 +130,8 @@ if ((${#translation_units[@]})); then
       echo "lint.sh: out of time, $(wc -l <"$log") not checked, from $(head -n 1 "$log") on"
   }
 
-  # Most of clang-tidy's time goes into headers: a library at once costs little more than a file.
+  # Headers take most of clang-tidy's time: checking a whole library costs little more than one
+  # file.
   find_units() {
     local file units
     mapfile -t units < <(find build/lint-units -name 'unity_*.cxx')
@@ -144,7 +145,7 @@ if ((${#translation_units[@]})); then
   check build/lint-units -bugprone-suspicious-include "${LINT_TIDY_SECONDS:-300}" \
     < <(printf '%s\n' "${units[@]}")
 
-  # One check that finds nothing, and with it the compiler's own.
+  # A clang-tidy check without findings, which also runs the compiler's own checks.
   echo "== lint.sh: each file by itself, ${#translation_units[@]} files"
   configure build/lint
   check build/lint '-*,clang-diagnostic-*,google-readability-todo' "${LINT_COMPILE_SECONDS:-120}" \

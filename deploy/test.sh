@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs the whole test suite. The last lines printed are
+# Installs missing packages, builds, and runs the whole test suite. The last lines printed are
 # ctest's summary.
 #
 #   deploy/test.sh [PRESET]     PRESET: a configure preset with tests (default: ci)
@@ -23,7 +23,7 @@ on_exit() {
 }
 trap on_exit EXIT
 
-begin "installing what is missing"
+begin "installing missing packages"
 deploy/install_dependencies.sh
 
 begin "configuring preset $preset"
@@ -36,5 +36,5 @@ begin "building into build/$preset"
 cmake --build --preset "$preset"
 
 begin "running the tests"
-# Replaces this shell, so that nothing is printed after ctest's summary and its status is ours.
+# Replaces this shell, so that ctest's summary is the last output and its status the exit status.
 exec ctest --preset "$preset" --parallel "$(nproc)"

@@ -1,4 +1,4 @@
-"""The steadymapd of this build as a child process, as tests/support/daemon_process.h has it."""
+"""The steadymapd of this build as a child process, like tests/support/daemon_process.h."""
 
 import os
 import select
@@ -13,12 +13,12 @@ from typing import Optional, Sequence
 
 import steadymap
 
-# Far more than any start takes; only a daemon that hangs makes a test wait so long.
+# Much more than any start takes; reached only if a daemon hangs.
 _START_LIMIT_S = 30.0
 
 
 def program(variable: str) -> str:
-    """The program that CMake names in an environment variable."""
+    """Returns the path of a program, which CMake sets in an environment variable."""
     path = os.environ.get(variable)
     if not path:
         raise RuntimeError(f"{variable} must name a program of this build: run the tests by ctest")
@@ -26,9 +26,9 @@ def program(variable: str) -> str:
 
 
 class DaemonProcess:
-    """steadymapd on loopback, on a free port, with its store in a folder of its own.
+    """A steadymapd on loopback, on a free port, with its store in its own folder.
 
-    `executable` is another steadymapd than that of this build; `options` go before the usual ones.
+    `executable` replaces the steadymapd of this build; `options` precede the usual ones.
     """
 
     def __init__(
@@ -42,25 +42,25 @@ class DaemonProcess:
 
     @property
     def process_id(self) -> int:
-        """Of the running process."""
+        """Id of the running process."""
         return self._process.pid
 
     def kill(self) -> None:
-        """kill -9; returns when the process is gone."""
+        """Sends SIGKILL; returns when the process has ended."""
         if self._process is not None:
             self._process.send_signal(signal.SIGKILL)
             self._process.wait()
             self._process = None
 
     def terminate(self) -> int:
-        """SIGTERM; returns the exit code."""
+        """Sends SIGTERM; returns the exit code."""
         self._process.terminate()
         code = self._process.wait()
         self._process = None
         return code
 
     def run_client(self, client: Path, *arguments: str) -> None:
-        """Runs the command line of a build against it, which must succeed."""
+        """Runs the command line of a build against the daemon; it must succeed."""
         subprocess.run(
             [str(client), "--server", self.address, *arguments],
             check=True,
@@ -69,18 +69,18 @@ class DaemonProcess:
         )
 
     def send_signal(self, number: int) -> None:
-        """Sends a signal to it."""
+        """Sends a signal to the daemon."""
         if self._process is not None:
             self._process.send_signal(number)
 
     def restart(self) -> None:
-        """Starts it again, over the same store and on the same port."""
+        """Starts the daemon again, with the same store and port."""
         self._start(self.address)
 
     def _start(self, listen: str) -> None:
         (self._folder / "port").unlink(missing_ok=True)
-        # The daemon tells its service manager when it is ready, and holds the write end of the life
-        # line while it lives: waiting for either needs no polling.
+        # The daemon notifies its service manager when it is ready, and holds the write end of the
+        # life line until it ends: waiting for either needs no polling.
         life_line, inherited = os.pipe()
         with tempfile.TemporaryDirectory() as scratch, socket.socket(
             socket.AF_UNIX, socket.SOCK_DGRAM
@@ -118,7 +118,7 @@ class DaemonProcess:
 
 
 class DaemonTest(unittest.TestCase):
-    """Tests with one daemon and one client for the class; each test takes a map of its own."""
+    """Tests with one daemon and one client per class; each test has its own map."""
 
     daemon: DaemonProcess
     client: steadymap.Client
@@ -133,7 +133,7 @@ class DaemonTest(unittest.TestCase):
         cls.addClassCleanup(cls.client.close)
 
     def new_map(self, options: steadymap.MapOptions = steadymap.MapOptions()) -> str:
-        """A map named after the test."""
+        """Creates a map named after the test."""
         name = self._testMethodName.replace("_", "-")[:60]
         self.client.create_map(name, options)
         return name

@@ -1,4 +1,4 @@
-"""Errors of the wire as exceptions."""
+"""Errors of the wire format as exceptions."""
 
 import unittest
 
@@ -10,7 +10,7 @@ from steadymap._generated.v1 import status_pb2
 
 
 class FakeRpcError(grpc.RpcError):
-    """What gRPC raises, with what the test puts into it."""
+    """An error like those of gRPC, with content from the test."""
 
     def __init__(self, code, message, trailers=()):
         super().__init__()
@@ -27,7 +27,7 @@ class FakeRpcError(grpc.RpcError):
 
 
 def packed(name, message):
-    """A detail as a server packs it."""
+    """Packs a detail like a server."""
     return any_pb2.Any(
         type_url=f"type.googleapis.com/google.rpc.{name}", value=message.SerializeToString()
     )

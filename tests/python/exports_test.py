@@ -1,4 +1,4 @@
-"""Exports that arrive whole, and those that do not."""
+"""Complete and damaged exports."""
 
 import tempfile
 import unittest
@@ -13,7 +13,7 @@ CHUNKS = (b"abc", b"de")
 
 
 def export_messages(chunks=CHUNKS):
-    """What the service sends for a file of `CHUNKS`, with these chunks in it."""
+    """Returns the messages for a file of `CHUNKS`, but with these chunks."""
     content = b"".join(CHUNKS)
     header = ExportMapResponse.Header(revision=7, triangles=12)
     trailer = ExportMapResponse.Trailer(file_bytes=len(content), crc32c=extend_crc32c(0, content))

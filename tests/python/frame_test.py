@@ -17,7 +17,7 @@ PNG_START = b"\x89PNG\r\n\x1a\n"
 
 
 def decode_png(data):
-    """The pixels of a PNG file without filters but "up", which is all that images.py writes."""
+    """Decodes a PNG file with only the filter "up", the one that images.py writes."""
     width, height, bit_depth, color_type = struct.unpack(">IIBB", data[16:26])
     start = data.index(b"IDAT")
     length = struct.unpack(">I", data[start - 4 : start])[0]

@@ -1,7 +1,7 @@
-"""A disk that is filled at any moment: reads go on, uploads resume by themselves, nothing is lost.
+"""A disk that is filled at random times: reads work, uploads resume, no frame is lost.
 
-The disk is a tmpfs of the test's own, so the test needs a user namespace (`unshare`) and is skipped
-where the system gives none. STEADYMAP_FULL_DISK_ROUNDS makes it longer.
+The disk is a tmpfs of the test, which requires a user namespace (`unshare`); the test is skipped if
+the system does not allow one. STEADYMAP_FULL_DISK_ROUNDS makes it longer.
 """
 
 import errno
@@ -35,7 +35,7 @@ min_free_disk_bytes = 12582912
 
 
 class FullDisk(unittest.TestCase):
-    """Runs the other class where it may mount a disk."""
+    """Runs the other class in a namespace with permission to mount a disk."""
 
     @unittest.skipIf(OWN_MOUNTS in os.environ, "runs in the namespace already")
     def test_in_a_namespace_of_its_own(self):
@@ -52,7 +52,7 @@ class FullDisk(unittest.TestCase):
 
 
 class Feeder:
-    """Pushes frames from a thread of its own until it is stopped."""
+    """Pushes frames from its own thread until it is stopped."""
 
     def __init__(self, uploader):
         self._uploader = uploader
@@ -64,14 +64,14 @@ class Feeder:
     def _feed(self):
         noise = np.random.default_rng(1)
         while not self._stop.is_set():
-            # Depth that does not compress, so that the disk has something to do.
+            # Incompressible depth, so that the disk fills up.
             depth = noise.integers(1990, 2010, (240, 320), np.uint16)
             frame = wall_frame(self.pushed, width_px=320, height_px=240, depth=depth)
             self._uploader.push(frame)
             self.pushed += 1
 
     def stop(self):
-        """Returns how many frames were pushed."""
+        """Stops and returns the number of frames pushed."""
         self._stop.set()
         self._thread.join()
         return self.pushed
@@ -112,7 +112,7 @@ class OnSmallDisk(unittest.TestCase):
                 self.fail(f"{self.durable} frames are durable, not {count}: {self.log.read_text()}")
 
     def fill(self):
-        """Takes all there is, as another program would."""
+        """Uses up all free space, like another program."""
         with open(self.disk / "filler", "ab", buffering=0) as filler:
             try:
                 while True:
@@ -124,7 +124,7 @@ class OnSmallDisk(unittest.TestCase):
         (self.disk / "filler").unlink(missing_ok=True)
 
     def check_reads(self, least_revision):
-        """The map answers with all that it had, once it is open and the channel knows the daemon."""
+        """Waits until the map is open and the channel is connected, and checks its content."""
         deadline = time.monotonic() + WAIT_S
         while True:
             try:

@@ -1,4 +1,4 @@
-"""Uploads whose service turns out to have lost frames that it had acknowledged as durable."""
+"""Uploads to a service that has lost frames that it had acknowledged as durable."""
 
 import shutil
 import tempfile
@@ -18,8 +18,11 @@ BACKOFF = steadymap.BackoffOptions(first_delay_s=0.01, max_delay_s=0.05, give_up
 
 
 class AQueue(unittest.TestCase):
-    """Frames 1 to 6 are durable, 3 was refused, 5 are integrated, and frame 7 was not sent when the
-    service comes back with the frames up to 2."""
+    """A queue whose service lost frames.
+
+    Frames 1 to 6 are durable, 3 was refused, 5 are integrated, and frame 7 is unsent when the
+    service returns with the frames up to 2.
+    """
 
     def queue_of_six(self, recovery):
         queue = UploadQueue(1 << 20, 3, recovery)
@@ -33,7 +36,7 @@ class AQueue(unittest.TestCase):
         return queue
 
     def take(self, queue):
-        """The bytes of depth of each frame that is sent, by client sequence; all becomes durable."""
+        """Sends all frames, which become durable; returns their depth bytes by client sequence."""
         sent = {}
         while not queue.all_sent:
             while (index := queue.frame_to_read_again()) is not None:
@@ -96,8 +99,11 @@ class AnUploadToARestoredDaemon(unittest.TestCase):
         self.lost = []
 
     def options(self, **more):
-        """Copies the store when a third of the frames is durable, and puts the copy in its place when
-        two thirds are."""
+        """Returns options that restore an older store during the upload.
+
+        They copy the store when a third of the frames is durable, and restore the copy when two
+        thirds are.
+        """
         stops = []
 
         def note_progress(progress):

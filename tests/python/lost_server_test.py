@@ -1,6 +1,7 @@
-"""Clients that have lost their server: each try connects anew.
+"""Clients that lost their server: each attempt opens a new connection.
 
-A channel that has failed keeps failing for a while without looking, and its client comes back late.
+A channel that has failed keeps failing for a while without a new attempt, which delays the
+reconnection.
 """
 
 import asyncio
@@ -20,16 +21,16 @@ TRIES = 6
 TRIES_IN_VAIN = 3
 WAIT_S = 60.0
 
-# Delays of 1 ms each, and tries that take no time worth counting: ended by the test.
+# Delays of 1 ms and attempts of negligible duration; the test ends the retries.
 QUICK = steadymap.BackoffOptions(0.001, 0.001, jitter=0.0, give_up_after_s=1000.0)
 
 
 class _Enough(Exception):
-    """Ends a client that would go on for ever."""
+    """Ends a client that would retry forever."""
 
 
 class LostServer(unittest.TestCase):
-    """Closes every connection as it comes, and counts them."""
+    """A listener that closes every connection at once and counts them."""
 
     def setUp(self):
         self.listener = socket.create_server(("127.0.0.1", 0))
@@ -89,7 +90,7 @@ class LostServer(unittest.TestCase):
 
 
 class AKilledDaemon(unittest.TestCase):
-    """Is started again when it has been looked for so often."""
+    """A daemon that is restarted after a number of failed attempts."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -134,7 +135,8 @@ class AKilledDaemon(unittest.TestCase):
             while not isinstance(next(watch), steadymap.Progress):
                 pass
             self.kill()
-            # It finds the daemon, or goes on for ever; what another client brings ends the wait.
+            # The watch either finds the daemon or waits forever; a frame of another client ends the
+            # wait.
             bring = threading.Thread(target=self.bring_a_frame_at_last)
             bring.start()
             self.addCleanup(bring.join)

@@ -1,4 +1,4 @@
-"""Changes of maps on a daemon, and between two of them."""
+"""Changes of maps on a daemon, and concurrent changes."""
 
 import shutil
 import tempfile
@@ -119,7 +119,7 @@ class ADamagedMap(unittest.TestCase):
 
 
 class AChange(unittest.TestCase):
-    """Against a map that is kept here, with etags and request ids as the contract has them."""
+    """Changes of a map in this process, with the etags and request ids of the contract."""
 
     def setUp(self):
         self.map = map_pb2.Map(name="tenants/default/maps/hall", labels={"old": "1"}, etag="1")

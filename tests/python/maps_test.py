@@ -79,7 +79,7 @@ class Maps(DaemonTest):
 
 class AClient(DaemonTest):
     def test_without_a_server_is_told_that_it_is_unavailable(self):
-        # Port 1 of loopback: nobody may listen there.
+        # Port 1 of loopback has no listener.
         with steadymap.connect("127.0.0.1:1", timeout_s=5.0) as client:
             with self.assertRaises(errors.UnavailableError):
                 client.list_maps()

@@ -19,7 +19,7 @@ BOX_DISTANCE_M = 1.5
 
 
 def room_frame(number, boxes_m):
-    """A wall at 2.5 m, and upright squares of the class goods at 1.5 m, centred at these y."""
+    """Returns a wall at 2.5 m and squares of the class goods at 1.5 m, centred at these y."""
     frame = wall_frame(number, distance_m=2.5, width_px=160, height_px=120)
     depth, labels = frame.depth, frame.labels
     columns, rows = np.meshgrid(np.arange(160), np.arange(120))

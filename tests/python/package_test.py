@@ -1,4 +1,4 @@
-"""The package as its users meet it: installed, documented, with and without what is optional."""
+"""The package from a user's view: installed, documented, with and without optional packages."""
 
 import contextlib
 import inspect
@@ -26,7 +26,7 @@ EXAMPLE = SOURCE / "client/python/examples/upload_folder.py"
 
 
 def run_python(*arguments, path=None):
-    """Runs Python and gives what it printed; fails with what it said."""
+    """Runs Python and returns its output; fails with its error output."""
     environment = dict(os.environ)
     if path is not None:
         environment["PYTHONPATH"] = str(path)
@@ -38,7 +38,7 @@ def run_python(*arguments, path=None):
 
 
 def blocks_of_the_readme():
-    """Its indented blocks: commands and code."""
+    """Returns the indented blocks of the README: commands and code."""
     text = (SOURCE / "README.md").read_text(encoding="utf-8")
     return [
         textwrap.dedent(block) for block in re.findall(r"(?:^(?: {4}.*)?\n)+", text, re.MULTILINE)
@@ -54,7 +54,7 @@ class TemporaryFolderTest(DaemonTest):
 
 class AnInstalledPackage(TemporaryFolderTest):
     def copy_tree(self):
-        """A copy of what an installation reads, because setuptools builds inside of it."""
+        """Copies the sources of an installation, because setuptools builds inside of them."""
         tree = self.folder / "tree"
         for part in ("client/python", "proto"):
             ignored = shutil.ignore_patterns("build", "*.egg-info", "__pycache__", "_generated")
@@ -86,7 +86,7 @@ class AnInstalledPackage(TemporaryFolderTest):
         (commands,) = [block for block in blocks_of_the_readme() if "pip install" in block]
         home = self.folder / "home"
         home.mkdir()
-        # Debian's packages are all that it needs.
+        # Debian's packages must be sufficient.
         environment = {**os.environ, "HOME": str(home), "PIP_NO_INDEX": "1"}
         environment.pop("PYTHONPATH")
         script = commands + "~/steadymap-python/bin/python -c 'import steadymap as s; print(s)'"
@@ -107,7 +107,7 @@ class TheReadme(DaemonTest):
         (example,) = [block for block in blocks_of_the_readme() if "from steadymap import" in block]
         connect = steadymap.connect
         output = io.StringIO()
-        # The one thing it cannot know is where this daemon listens.
+        # Only the address of this daemon differs from the example.
         with mock.patch("steadymap.connect", lambda address: connect(self.daemon.address)):
             with contextlib.redirect_stdout(output):
                 exec(compile(example, "README.md", "exec"), {})

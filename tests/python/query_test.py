@@ -1,4 +1,4 @@
-"""Queries against closed form: a flat wall."""
+"""Queries compared with a closed form: a flat wall."""
 
 import tempfile
 import unittest
@@ -13,7 +13,7 @@ from steadymap import errors, mesh
 
 WALL_M = 2.0
 TRUNCATION_M = 0.15
-STEP_M = 2e-3  # Distances are kept in steps; the truncation has some hundred of them.
+STEP_M = 2e-3  # Distances are quantised; the truncation has some hundred steps.
 
 
 class AWall(DaemonTest):
@@ -26,7 +26,7 @@ class AWall(DaemonTest):
         cls.client.create_map("empty")
 
     def points_before_the_wall(self, count):
-        """Seeded points well within the truncation, and their distances."""
+        """Returns seeded points well within the truncation band, and their distances."""
         random = np.random.default_rng(5)
         distance_m = random.uniform(-0.08, 0.13, count)
         y, z = random.uniform(-0.4, 0.4, (2, count))
@@ -84,8 +84,8 @@ class AWall(DaemonTest):
         corners = surface.vertices[surface.triangles].astype(float)
         sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         self.assertTrue((sides[:, 0] < 0).all(), "triangles face the camera")
-        # The camera sees 64 x 48 pixels at f = 64: 2 m x 1.5 m of the wall; a voxel or two are lost
-        # along each border.
+        # The camera observes 64 x 48 pixels at f = 64: 2 m x 1.5 m of the wall; a voxel or two are
+        # missing along each border.
         area_m2 = np.linalg.norm(sides, axis=1).sum() / 2
         self.assertGreater(area_m2, (2.0 - 4 * 0.05) * (1.5 - 4 * 0.05))
         self.assertLess(area_m2, 2.0 * 1.5)

@@ -1,4 +1,4 @@
-"""The pure state behind an upload."""
+"""The pure state of an upload."""
 
 import unittest
 
@@ -39,7 +39,7 @@ def queue_of(count, max_batch_bytes=1 << 20, max_batch_frames=8, size=1000):
 
 
 def take_all(queue):
-    """(first sequence, frames) of every batch there is credit for."""
+    """Returns (first sequence, frame count) of every batch that the credit allows."""
     batches = []
     while (request := queue.take_batch()) is not None:
         batches.append((request.batch.first_client_seq, len(request.batch.frames)))

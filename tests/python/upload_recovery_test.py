@@ -1,4 +1,4 @@
-"""Uploads that outlive the daemon."""
+"""Uploads that continue after a restart of the daemon."""
 
 import signal
 import tempfile

@@ -16,7 +16,7 @@ IMPATIENT = steadymap.BackoffOptions(first_delay_s=0.01, max_delay_s=0.01, give_
 
 
 def nan_frame(number):
-    """A frame whose position is not finite."""
+    """Returns a frame with a non-finite position."""
     T_world_camera = LOOK_ALONG_X.copy()
     T_world_camera[1, 3] = np.nan
     return wall_frame(number, T_world_camera=T_world_camera)
@@ -145,7 +145,7 @@ class Upload(DaemonTest):
         )
         options = steadymap.UploadOptions(
             backoff=backoff,
-            sleep=waits.append,  # However long a try takes: only these delays count.
+            sleep=waits.append,  # Attempts take no time: only these delays count.
             on_retry=lambda error, delay_s: retries.append(error),
         )
         with socket.socket() as nobody:
@@ -171,7 +171,7 @@ class _Cancelled(grpc.RpcError):
 
 
 class _CallThatNeverEnds:
-    """Until it is cancelled."""
+    """A call that ends only by cancellation."""
 
     def __init__(self):
         self._cancelled = threading.Event()
@@ -198,10 +198,10 @@ class _LateChannel:
         pass
 
     def unary_unary(self, method, **serializers):
-        """Answers nothing."""
+        """Returns no response."""
 
     def stream_stream(self, method, **serializers):
-        """What makes a call of `method`."""
+        """Returns a function that makes a call of `method`."""
 
         def start(requests):
             for _ in requests:

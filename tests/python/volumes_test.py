@@ -1,4 +1,4 @@
-"""Leaves against what the service itself samples from them."""
+"""Leaves compared with samples from the service."""
 
 import unittest
 
@@ -11,7 +11,7 @@ from steadymap import errors
 
 
 def centers_m(section):
-    """Centres of all voxels of the background's leaves, shape (L, 8, 8, 8, 3)."""
+    """Returns the centres of all voxels of the background's leaves, shape (L, 8, 8, 8, 3)."""
     voxels = np.stack(np.meshgrid(*3 * [np.arange(8)], indexing="ij"), axis=-1)
     origins = np.array([leaf.origin for leaf in section.leaves])
     return (origins[:, None, None, None] + voxels) * section.voxel_size_m
@@ -46,7 +46,7 @@ class ASection(DaemonTest):
         self.assertGreater(len(points_m), 1000)
         samples = self.client.sample_distance("rough", points_m)
         known = ~np.isnan(samples.distance_m)
-        # Where a neighbour is unknown, a sample may be, too.
+        # A sample may be unknown if a neighbour is.
         self.assertGreater(known.sum(), 0.1 * len(points_m))
         distance_m = self.voxels.distance_m[observed][known]
         np.testing.assert_allclose(distance_m, samples.distance_m[known], atol=1e-5)
@@ -97,11 +97,11 @@ class UnpackLeaves(unittest.TestCase):
             b"\x02" + bytes(64),  # No voxel.
             good[:-1],
             good + b"\x00",
-            b"\x12" + good[1:],  # Colours that are not there.
+            b"\x12" + good[1:],  # Missing colours.
             b"\x22" + good[1:],  # No zstd frame.
             one_voxel + bytes((2, 0, 0, 0)),  # Without weight.
-            one_voxel + bytes((0xFF, 0xFF, 2, 0)),  # Further than the truncation.
-            one_voxel + bytes((0x00, 0x04, 2, 0)),  # By one step.
+            one_voxel + bytes((0xFF, 0xFF, 2, 0)),  # Beyond the truncation.
+            one_voxel + bytes((0x00, 0x04, 2, 0)),  # Beyond it by one step.
         ):
             leaf = steadymap.Leaf(0, np.zeros(3, np.int32), damaged)
             with self.subTest(damaged=damaged[:2]), self.assertRaises(errors.DataLossError):

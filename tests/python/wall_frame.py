@@ -1,4 +1,4 @@
-"""A small frame of a flat wall, as tests/support/wall_frame.h has it."""
+"""A small frame of a flat wall, like tests/support/wall_frame.h."""
 
 import dataclasses
 
@@ -23,9 +23,9 @@ def wall_frame(
     height_px: int = 48,
     **changes: object,
 ) -> steadymap.Frame:
-    """A frame whose every pixel has the wall's distance: the wall is the plane x = eye + distance.
+    """Returns a frame of the wall x = eye + distance: every pixel has this distance.
 
-    `number` sets the capture time, ten frames a second from 100 s.
+    `number` sets the capture time, ten frames per second from 100 s.
     """
     T_world_camera = LOOK_ALONG_X.copy()
     T_world_camera[:3, 3] = eye_m

@@ -1,4 +1,4 @@
-"""A WatchService that plays scripts, a stream each."""
+"""A scripted WatchService with one script per stream."""
 
 import concurrent.futures
 import threading
@@ -23,7 +23,7 @@ def created(revision, incarnation="one", continues_step=False):
 
 
 def with_token(part, token):
-    """A part of a step with a token for going on behind it."""
+    """Returns a part of a step with a resume token."""
     getattr(part, part.WhichOneof("kind")).resume_token = token
     return part
 
@@ -68,8 +68,11 @@ def goodbye(delay_ms):
 
 
 class WatchServiceDouble(watch_service_pb2_grpc.WatchServiceServicer):
-    """Serves on a free port of loopback. A script is responses and, at its end, the status to abort
-    with; a script without one stays open until the watcher leaves."""
+    """Serves on a free port of loopback.
+
+    A script contains responses and, at its end, the status to abort with; without a status the
+    stream stays open until the watcher closes it.
+    """
 
     def __init__(self, *scripts):
         self.requests = []

@@ -1,4 +1,4 @@
-"""Watches: against a server that follows scripts, and against the daemon."""
+"""Watches of a scripted server and of the daemon."""
 
 import asyncio
 import dataclasses
@@ -29,13 +29,13 @@ from steadymap._generated.v1 import watch_service_pb2
 UNAVAILABLE = grpc.StatusCode.UNAVAILABLE
 QUICK = steadymap.BackoffOptions(first_delay_s=0.001, max_delay_s=0.01, give_up_after_s=60.0)
 
-# One for all tests: gRPC's asyncio is for one event loop a process.
+# One for all tests: gRPC's asyncio supports one event loop per process.
 _runner = asyncio.Runner()
 unittest.addModuleCleanup(_runner.close)
 
 
 def brief(item):
-    """An item in a few words."""
+    """Returns a summary of an item."""
     kind = type(item).__name__
     if isinstance(item, steadymap.Snapshot):
         return (kind, item.revision, *(thing.id for thing in item.objects))
@@ -48,13 +48,13 @@ def brief(item):
 
 
 def follow(address, count, options):
-    """The first `count` items of a watch, in a few words."""
+    """Returns summaries of the first `count` items of a watch."""
     with steadymap.connect(address) as client, client.watch("hall", options) as watch:
         return [brief(next(watch)) for _ in range(count)]
 
 
 def follow_asynchronously(address, count, options):
-    """The same by asyncio."""
+    """Returns summaries of the first `count` items of an asyncio watch."""
 
     async def collect():
         items = []
@@ -312,7 +312,7 @@ class AWatchOfADaemon(unittest.TestCase):
         self.client.create_map("hall", steadymap.MapOptions(policy="pocd"))
 
     def read_up_to(self, watch, revision):
-        """Items up to the Progress that reaches the revision."""
+        """Returns the items up to the Progress that reaches the revision."""
         items = []
         for item in watch:
             items.append(item)
@@ -321,7 +321,7 @@ class AWatchOfADaemon(unittest.TestCase):
         self.fail("the watch ended")
 
     def apply(self, items, objects, numbers):
-        """Keeps a mirror of the objects, and the numbers of the events, up to date."""
+        """Updates a copy of the objects and the numbers of the events."""
         for item in items:
             if isinstance(item, (steadymap.Created, steadymap.Resync)):
                 objects.clear()
