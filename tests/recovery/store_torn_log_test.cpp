@@ -85,7 +85,7 @@ class TornLog : public ::testing::Test {
     return store_->LoadMap(map_);
   }
 
-  /// Expects exactly the first `count` appends, complete. The database knows of ten entries, so
+  /// Expects exactly the first `count` appends, complete. The database records ten entries, so
   /// missing entries among the first five appends are always detected.
   void ExpectAppends(const StoredState& state, std::uint64_t count) {
     const std::vector<LogEntry> entries = ReadAll(store_.get(), map_.key);
