@@ -44,7 +44,7 @@ class WorkingMap {
   /// Starts the frame of `revision`. Subsequent changes have its capture time.
   void BeginFrame(Revision revision, Timestamp capture_time);
 
-  /// Ends the frame: deletes the objects passed to `Forget` in it.
+  /// Ends the frame: deletes the objects passed to `Delete` in it.
   void EndFrame();
 
   /// Advances to `revision`, with additional classes as the only change.
@@ -83,7 +83,7 @@ class WorkingMap {
   /// number.
   std::vector<TrackedObject*> TentativeObjects() { return FindAll(tentative_); }
 
-  /// Returns the objects of status `kArchived`, including those passed to `Forget`, by increasing
+  /// Returns the objects of status `kArchived`, including those passed to `Delete`, by increasing
   /// id. Cost: proportional to their number.
   std::vector<TrackedObject*> ArchivedObjects() { return FindAll(archived_); }
 
