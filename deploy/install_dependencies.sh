@@ -11,7 +11,7 @@ build_packages=(
   libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler
   librocksdb-dev libzstd-dev libpng-dev zlib1g-dev libjpeg62-turbo-dev
   libopenexr-dev libtiff-dev libcairo2-dev libjemalloc-dev
-  libspdlog-dev libcli11-dev libtomlplusplus-dev libsystemd-dev
+  libspdlog-dev libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libsystemd-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   python3 python3-grpcio python3-protobuf python3-numpy python3-zstandard python3-crc32c
   python3-pip python3-setuptools python3-wheel python3-matplotlib

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -18,6 +20,12 @@ namespace steadymap {
 namespace {
 
 const MapName kHall{"default", "hall"};
+
+/// Returns whether an entry of `list` has this member.
+bool Has(const Json& list, const std::string& key, const std::string& value) {
+  return std::any_of(
+      list.begin(), list.end(), [&](const Json& entry) { return entry.at(key) == value; });
+}
 
 class CliFileTest : public CliTest {
  protected:
@@ -46,8 +54,8 @@ TEST_F(CliTest, MapsAreCreatedListedShownAndDeleted) {
   EXPECT_EQ(Run({"map", "create", "attic"}).exit_code, 0);
   const Outcome list = Run({"map", "list"});
   EXPECT_LT(list.out.find("maps/attic"), list.out.find("maps/kitchen"));
-  EXPECT_NE(Run({"map", "get", "kitchen", "--json"}).out.find("\"voxel_size_m\": 0.02"),
-            std::string::npos);
+  const Json kitchen = Run({"map", "get", "kitchen", "--json"}).Document();
+  EXPECT_EQ(kitchen.at("config").at("voxel_size_m"), 0.02);
   ExpectFailure({"map", "create", "kitchen"}, "ALREADY_EXISTS");
   EXPECT_EQ(Run({"map", "delete", "kitchen"}).exit_code, 0);
   ExpectFailure({"map", "get", "kitchen"}, "NOT_FOUND");
@@ -67,7 +75,7 @@ TEST_F(CliFileTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
   const Outcome upload =
       Run({"simulate", "hall", "--route", "baseline", "--ideal", "--stride", "10", "--json"});
   ASSERT_EQ(upload.exit_code, 0) << upload.err;
-  EXPECT_NE(upload.out.find("\"refused_count\": 0"), std::string::npos) << upload.out;
+  EXPECT_EQ(upload.Document().at("refused_count"), 0) << upload.out;
 
   const Outcome nowhere = Run({"query", "hall", "--point", "1000,0,0"});
   EXPECT_EQ(nowhere.exit_code, 0) << nowhere.err;
@@ -81,11 +89,9 @@ TEST_F(CliFileTest, ASimulatedRouteIsMappedQueriedExportedAndDrawn) {
   EXPECT_EQ(HeadOf("map.ply", 4), "ply\n");
   EXPECT_EQ(HeadOf("map.vdb", 4), " BDV");
   EXPECT_EQ(HeadOf("map.glb", 4), "glTF");
-  const std::string answer =
-      Run({"query", "hall", "--point", FirstVertex("map.ply"), "--json"}).out;
-  const std::string key = "\"distance_m\": ";
-  ASSERT_NE(answer.find(key), std::string::npos) << answer;
-  EXPECT_NEAR(std::stod(answer.substr(answer.find(key) + key.size())), 0.0, 0.01)
+  const Json answer =
+      Run({"query", "hall", "--point", FirstVertex("map.ply"), "--json"}).Document();
+  EXPECT_NEAR(answer.at("samples").at(0).at("distance_m").get<double>(), 0.0, 0.01)
       << "a vertex of the surface lies within a fifth of a voxel of it";
 
   const std::uintmax_t whole = std::filesystem::file_size(PathOf("map.ply"));
@@ -110,18 +116,20 @@ TEST_F(CliTest, ObjectsOfAChangedPlaceAreListedExportedAndDrawnAndSurviveAKill) 
   ASSERT_EQ(Run({"map", "create", "depot", "--policy", "pocd"}).exit_code, 0);
   const Outcome upload = Run({"simulate", "depot", "--route", "1-5", "--stride", "6", "--json"});
   ASSERT_EQ(upload.exit_code, 0) << upload.err;
-  EXPECT_NE(Run({"map", "get", "depot", "--json"}).out.find("\"policy\": \"pocd\""),
-            std::string::npos);
+  const Json depot = Run({"map", "get", "depot", "--json"}).Document();
+  EXPECT_EQ(depot.at("config").at("policy"), "pocd");
 
   const Outcome objects = Run({"objects", "depot", "--all", "--json"});
   ASSERT_EQ(objects.exit_code, 0) << objects.err;
-  EXPECT_NE(objects.out.find("\"standing\": \"present\""), std::string::npos) << objects.out;
-  EXPECT_NE(objects.out.find("\"standing\": \"archived\""), std::string::npos) << objects.out;
+  const Json object_list = objects.Document().at("objects");
+  EXPECT_TRUE(Has(object_list, "standing", "present")) << objects.out;
+  EXPECT_TRUE(Has(object_list, "standing", "archived")) << objects.out;
   EXPECT_EQ(Run({"objects", "depot"}).out.find("archived"), std::string::npos);
   const Outcome events = Run({"events", "depot", "--json"});
   ASSERT_EQ(events.exit_code, 0) << events.err;
-  EXPECT_NE(events.out.find("\"type\": \"created\""), std::string::npos) << events.out;
-  EXPECT_NE(events.out.find("\"type\": \"removed\""), std::string::npos) << events.out;
+  const Json event_list = events.Document().at("events");
+  EXPECT_TRUE(Has(event_list, "type", "created")) << events.out;
+  EXPECT_TRUE(Has(event_list, "type", "removed")) << events.out;
   const Outcome removed = Run({"events", "depot", "--type", "removed"});
   EXPECT_NE(removed.out.find("removed"), std::string::npos) << removed.out;
   EXPECT_EQ(removed.out.find("created"), std::string::npos) << removed.out;
@@ -146,9 +154,8 @@ TEST_F(CliTest, ObjectsOfAChangedPlaceAreListedExportedAndDrawnAndSurviveAKill) 
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return std::filesystem::file_size(PathOf(file));
   };
-  const std::size_t id_place = objects.out.find("\"id\": ") + 6;
-  const std::string id = objects.out.substr(id_place, objects.out.find(',', id_place) - id_place);
-  EXPECT_LT(export_size("one.vdb", id), export_size("all.vdb", ""));
+  const auto id = object_list.at(0).at("id").get<std::uint64_t>();
+  EXPECT_LT(export_size("one.vdb", std::to_string(id)), export_size("all.vdb", ""));
   ExpectFailure(
       {"export", "depot", "--format", "vdb", "--output", PathOf("x.vdb"), "--object", "999999"},
       "NOT_FOUND");
@@ -168,15 +175,11 @@ TEST_F(CliTest, ASessionThatIsRepeatedCountsOnce) {
   ASSERT_EQ(first.exit_code, 0) << first.err;
   const Outcome second = Run(command);
   ASSERT_EQ(second.exit_code, 0) << second.err;
-  EXPECT_NE(second.out.find("\"bytes_sent\": 0"), std::string::npos) << second.out;
-  const auto revision = [](const std::string& json) {
-    return json.substr(json.find("\"revision\""));
-  };
-  const std::string state = Run({"map", "get", "twin", "--json"}).out;
-  EXPECT_NE(revision(first.out), "\"revision\": 0\n}\n");
-  EXPECT_EQ(revision(second.out), revision(first.out));
-  EXPECT_EQ(revision(first.out).substr(0, revision(first.out).find('\n')) + ",",
-            revision(state).substr(0, revision(state).find('\n')));
+  EXPECT_EQ(second.Document().at("bytes_sent"), 0) << second.out;
+  const Json state = Run({"map", "get", "twin", "--json"}).Document().at("state");
+  EXPECT_NE(first.Document().at("revision"), 0);
+  EXPECT_EQ(second.Document().at("revision"), first.Document().at("revision"));
+  EXPECT_EQ(first.Document().at("revision"), state.at("revision"));
 }
 
 TEST_F(CliTest, AnUploadResumesAfterAKilledDaemon) {

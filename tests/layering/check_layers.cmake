@@ -41,7 +41,7 @@ set(client_MAY
     ${GENERATED_PROTO}
     ${GENERATED_SERVICE}
     "\"(core|proto|client)/.*\""
-    "<(Eigen|absl|google/protobuf|grpc|grpcpp|CLI|spdlog|OpenEXR)/.*>")
+    "<(Eigen|absl|google/protobuf|grpc|grpcpp|CLI|nlohmann|spdlog|OpenEXR)/.*>")
 
 set(server_MAY ".*")
 set(server_MAY_NOT "\"(client|tests)/.*\"")

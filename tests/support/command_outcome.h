@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/cli/command_line.h"
+#include "client/cli/text/json_text.h"
 
 namespace steadymap {
 
@@ -13,6 +14,9 @@ struct Outcome {
   int exit_code = 0;
   std::string out;
   std::string err;
+
+  /// Returns the output parsed as one JSON document.
+  Json Document() const { return Json::parse(out); }
 };
 
 /// Runs a command of the command line in this process; `open_channel` opens its channels.

@@ -13,6 +13,7 @@
 #include "client/bench/evaluation/route_evaluation.h"
 #include "client/bench/simulator/routes/named_routes.h"
 #include "client/cli/bench/evaluation_json.h"
+#include "client/cli/text/json_text.h"
 #include "client/cli/text/number_text.h"
 #include "client/cli/text/output_file.h"
 #include "client/cli/upload/progress_report.h"
@@ -145,7 +146,7 @@ absl::Status EvaluateCommand::Run() const {
   }
   const absl::StatusOr<std::vector<Evaluation>> evaluations = EvaluateAll();
   if (!evaluations.ok()) return evaluations.status();
-  if (as_json_) context_->out << EvaluationJson(*evaluations);
+  if (as_json_) context_->out << IndentedJson(EvaluationJson(*evaluations));
   return absl::OkStatus();
 }
 

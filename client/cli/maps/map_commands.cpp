@@ -9,6 +9,7 @@
 
 #include "client/cli/maps/map_text.h"
 #include "client/cli/text/argument_text.h"
+#include "client/cli/text/json_text.h"
 #include "client/map/map_client.h"
 #include "proto/convert_map.h"
 
@@ -101,9 +102,7 @@ absl::Status MapCommands::Get() const {
   const absl::StatusOr<v1::Map> map = MapClient(context_->Channel()).GetMap(*name);
   if (!map.ok()) return map.status();
   if (as_json_) {
-    JsonWriter json;
-    WriteMapJson(*map, &json);
-    context_->out << json.Finish();
+    context_->out << IndentedJson(MapJson(*map));
   } else {
     WriteMapText(*map, &context_->out);
   }
@@ -124,11 +123,10 @@ absl::Status MapCommands::List() const {
     WriteMapTable(*maps, &context_->out);
     return absl::OkStatus();
   }
-  JsonWriter json;
-  json.BeginObject().Key("maps").BeginArray();
-  for (const v1::Map& map : *maps) WriteMapJson(map, &json);
-  json.EndArray().EndObject();
-  context_->out << json.Finish();
+  Json document;
+  document["maps"] = Json::array();
+  for (const v1::Map& map : *maps) document["maps"].push_back(MapJson(map));
+  context_->out << IndentedJson(document);
   return absl::OkStatus();
 }
 

@@ -4,6 +4,7 @@
 #include <iomanip>
 #include <map>
 #include <string>
+#include <utility>
 
 #include <absl/strings/str_join.h>
 
@@ -73,64 +74,58 @@ void WriteFact(const char* name, const std::string& value, std::ostream* out) {
   *out << std::left << std::setw(14) << name << value << '\n';
 }
 
-void WriteConfigJson(const v1::MapConfig& config, JsonWriter* json) {
-  json->BeginObject();
-  json->Key("voxel_size_m").Number(config.voxel_size_m());
-  json->Key("truncation_m").Number(config.truncation_m());
-  json->Key("max_depth_m").Number(config.max_depth_m());
-  json->Key("policy").Text(PolicyText(config.policy()));
-  json->Key("classes").BeginArray();
+Json ConfigJson(const v1::MapConfig& config) {
+  Json classes = Json::array();
   for (const v1::SemanticClass& semantic_class : config.classes()) {
-    json->BeginObject();
-    json->Key("id").Integer(semantic_class.id());
-    json->Key("name").Text(semantic_class.name());
-    json->Key("motion").Text(MotionText(semantic_class.motion()));
-    json->Key("in_background").Boolean(semantic_class.in_background());
-    json->EndObject();
+    classes.push_back({{"id", semantic_class.id()},
+                       {"name", semantic_class.name()},
+                       {"motion", MotionText(semantic_class.motion())},
+                       {"in_background", semantic_class.in_background()}});
   }
-  json->EndArray();
-  json->EndObject();
+  return {{"voxel_size_m", config.voxel_size_m()},
+          {"truncation_m", config.truncation_m()},
+          {"max_depth_m", config.max_depth_m()},
+          {"policy", PolicyText(config.policy())},
+          {"classes", std::move(classes)}};
 }
 
-void WriteWorldFrameJson(const v1::WorldFrame& frame, JsonWriter* json) {
-  json->BeginObject();
-  json->Key("description").Text(frame.description());
-  json->Key("floor").Text(frame.floor());
-  json->Key("anchor");
-  if (frame.has_anchor()) {
-    json->BeginObject();
-    json->Key("latitude_deg").Number(frame.anchor().latitude_deg());
-    json->Key("longitude_deg").Number(frame.anchor().longitude_deg());
-    json->Key("altitude_m").Number(frame.anchor().altitude_m());
-    json->Key("heading_deg").Number(frame.anchor().heading_deg());
-    json->EndObject();
-  } else {
-    json->Null();
-  }
-  json->EndObject();
+// Returns null if there is none.
+Json AnchorJson(const v1::WorldFrame& frame) {
+  if (!frame.has_anchor()) return nullptr;
+  return {{"latitude_deg", frame.anchor().latitude_deg()},
+          {"longitude_deg", frame.anchor().longitude_deg()},
+          {"altitude_m", frame.anchor().altitude_m()},
+          {"heading_deg", frame.anchor().heading_deg()}};
 }
 
-void WriteStateJson(const v1::MapState& state, JsonWriter* json) {
-  json->BeginObject();
-  json->Key("revision").Integer(state.revision());
-  json->Key("durable_map_seq").Integer(state.durable_map_seq());
-  json->Key("integrated_map_seq").Integer(state.integrated_map_seq());
-  json->Key("lag_frames").Integer(state.lag_frames());
-  json->Key("refused_frames").Integer(state.refused_frames());
-  json->Key("present_objects").Integer(state.present_objects());
-  json->Key("archived_objects").Integer(state.archived_objects());
-  json->Key("leaves").Integer(state.leaves());
-  json->Key("voxels").Integer(state.voxels());
-  json->Key("memory_bytes").Integer(state.memory_bytes());
-  json->Key("last_capture_time");
-  if (state.has_last_capture_time()) {
-    json->Text(TimeText(state.last_capture_time()));
-  } else {
-    json->Null();
-  }
-  json->Key("condition").Text(ConditionWord(state));
-  json->Key("condition_reason").Text(state.condition_reason());
-  json->EndObject();
+// Returns null if there is none.
+Json WorldFrameJson(const v1::Map& map) {
+  if (!map.has_world_frame()) return nullptr;
+  return {{"description", map.world_frame().description()},
+          {"floor", map.world_frame().floor()},
+          {"anchor", AnchorJson(map.world_frame())}};
+}
+
+// Returns null if there is none.
+Json LastCaptureJson(const v1::MapState& state) {
+  if (!state.has_last_capture_time()) return nullptr;
+  return TimeText(state.last_capture_time());
+}
+
+Json StateJson(const v1::MapState& state) {
+  return {{"revision", state.revision()},
+          {"durable_map_seq", state.durable_map_seq()},
+          {"integrated_map_seq", state.integrated_map_seq()},
+          {"lag_frames", state.lag_frames()},
+          {"refused_frames", state.refused_frames()},
+          {"present_objects", state.present_objects()},
+          {"archived_objects", state.archived_objects()},
+          {"leaves", state.leaves()},
+          {"voxels", state.voxels()},
+          {"memory_bytes", state.memory_bytes()},
+          {"last_capture_time", LastCaptureJson(state)},
+          {"condition", ConditionWord(state)},
+          {"condition_reason", state.condition_reason()}};
 }
 
 }  // namespace
@@ -189,31 +184,19 @@ void WriteMapTable(const std::vector<v1::Map>& maps, std::ostream* out) {
   }
 }
 
-void WriteMapJson(const v1::Map& map, JsonWriter* json) {
-  json->BeginObject();
-  json->Key("name").Text(map.name());
-  json->Key("display_name").Text(map.display_name());
-  json->Key("create_time").Text(TimeText(map.create_time()));
-  json->Key("etag").Text(map.etag());
-  json->Key("incarnation").Text(map.incarnation());
-  json->Key("byte_budget").Integer(map.byte_budget());
-  json->Key("max_commit_delay_ms")
-      .Integer(static_cast<std::uint64_t>(map.max_commit_delay().seconds() * 1000 +
-                                          map.max_commit_delay().nanos() / 1'000'000));
-  json->Key("labels").BeginObject();
-  for (const auto& [key, value] : LabelsOf(map)) json->Key(key).Text(value);
-  json->EndObject();
-  json->Key("world_frame");
-  if (map.has_world_frame()) {
-    WriteWorldFrameJson(map.world_frame(), json);
-  } else {
-    json->Null();
-  }
-  json->Key("config");
-  WriteConfigJson(map.config(), json);
-  json->Key("state");
-  WriteStateJson(map.state(), json);
-  json->EndObject();
+Json MapJson(const v1::Map& map) {
+  const auto& delay = map.max_commit_delay();
+  return {{"name", map.name()},
+          {"display_name", map.display_name()},
+          {"create_time", TimeText(map.create_time())},
+          {"etag", map.etag()},
+          {"incarnation", map.incarnation()},
+          {"byte_budget", map.byte_budget()},
+          {"max_commit_delay_ms", delay.seconds() * 1000 + delay.nanos() / 1'000'000},
+          {"labels", LabelsOf(map)},
+          {"world_frame", WorldFrameJson(map)},
+          {"config", ConfigJson(map.config())},
+          {"state", StateJson(map.state())}};
 }
 
 void WriteChangedMap(std::string_view done, const v1::Map& map, bool as_json, std::ostream* out) {
@@ -221,9 +204,7 @@ void WriteChangedMap(std::string_view done, const v1::Map& map, bool as_json, st
     *out << done << ' ' << map.name() << '\n';
     return;
   }
-  JsonWriter json;
-  WriteMapJson(map, &json);
-  *out << json.Finish();
+  *out << IndentedJson(MapJson(map));
 }
 
 }  // namespace steadymap

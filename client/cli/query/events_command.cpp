@@ -8,6 +8,7 @@
 #include "client/cli/query/object_text.h"
 #include "client/cli/text/argument_text.h"
 #include "client/cli/text/enumerator_text.h"
+#include "client/cli/text/json_text.h"
 
 namespace steadymap {
 namespace {
@@ -91,7 +92,7 @@ absl::Status EventsCommand::Run() const {
   const absl::StatusOr<MapList<v1::ObjectEvent>> events = client.ListEvents(*name, *query);
   if (!events.ok()) return events.status();
   if (as_json_) {
-    context_->out << ListJson(*events, "events", names, WriteEventJson);
+    context_->out << IndentedJson(ListJson(*events, "events", names, EventJson));
   } else {
     WriteEventLines(events->entries, names, &context_->out);
   }

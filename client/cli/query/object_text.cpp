@@ -27,25 +27,18 @@ double StationarityOf(const v1::Belief& belief) {
   return sum > 0.0 ? belief.alpha() / sum : 0.0;
 }
 
-void WriteVectorJson(const char* key, const v1::Vector3& vector, JsonWriter* json) {
-  json->Key(key).Vector(vector.x(), vector.y(), vector.z());
+Json PointJson(const v1::Vector3& point) { return VectorJson(point.x(), point.y(), point.z()); }
+
+Json PoseJson(const v1::UprightPose& pose) {
+  return {{"position", PointJson(pose.position_m())}, {"yaw", pose.yaw_rad()}};
 }
 
-// Writes a pose as a member of the JSON object that is open.
-void WritePoseJson(const char* key, const v1::UprightPose& pose, JsonWriter* json) {
-  json->Key(key).BeginObject();
-  WriteVectorJson("position", pose.position_m(), json);
-  json->Key("yaw").Number(pose.yaw_rad());
-  json->EndObject();
-}
-
-// Writes the members of a belief into the JSON object that is open.
-void WriteBeliefMembers(const v1::Belief& belief, JsonWriter* json) {
-  json->Key("stationarity").Number(StationarityOf(belief));
-  json->Key("alpha").Number(belief.alpha());
-  json->Key("beta").Number(belief.beta());
-  json->Key("change_mean_m").Number(belief.change_mean_m());
-  json->Key("change_std_m").Number(belief.change_std_m());
+Json BeliefJson(const v1::Belief& belief) {
+  return {{"stationarity", StationarityOf(belief)},
+          {"alpha", belief.alpha()},
+          {"beta", belief.beta()},
+          {"change_mean_m", belief.change_mean_m()},
+          {"change_std_m", belief.change_std_m()}};
 }
 
 // Returns the part of an event's line after its type: the object or robot and the change.
@@ -165,24 +158,23 @@ std::string ObjectText(const v1::Object& object, const ClassNames& classes) {
                       object.revision());
 }
 
-void WriteObjectJson(const v1::Object& object, const ClassNames& classes, JsonWriter* json) {
-  json->BeginObject();
-  json->Key("id").Integer(object.id());
-  json->Key("class").Integer(object.class_id());
-  json->Key("class_name").Text(classes.NameOf(object.class_id()));
-  json->Key("class_confidence").Number(object.class_confidence());
-  json->Key("standing").Text(WordOf(v1::ObjectStanding_descriptor(), object.standing()));
-  WriteVectorJson("center", object.cuboid().center_m(), json);
-  json->Key("yaw").Number(object.cuboid().yaw_rad());
-  WriteVectorJson("size", object.cuboid().size_m(), json);
-  WriteBeliefMembers(object.belief(), json);
-  json->Key("first_seen").Number(SecondsOf(object.first_seen()));
-  json->Key("last_seen").Number(SecondsOf(object.last_seen()));
-  json->Key("views").Integer(object.views());
-  json->Key("absences").Integer(object.absences());
-  json->Key("revision").Integer(object.revision());
-  json->Key("leaves").Integer(object.leaves());
-  json->EndObject();
+Json ObjectJson(const v1::Object& object, const ClassNames& classes) {
+  Json json = {{"id", object.id()},
+               {"class", object.class_id()},
+               {"class_name", classes.NameOf(object.class_id())},
+               {"class_confidence", object.class_confidence()},
+               {"standing", WordOf(v1::ObjectStanding_descriptor(), object.standing())},
+               {"center", PointJson(object.cuboid().center_m())},
+               {"yaw", object.cuboid().yaw_rad()},
+               {"size", PointJson(object.cuboid().size_m())}};
+  json.update(BeliefJson(object.belief()));
+  json["first_seen"] = SecondsOf(object.first_seen());
+  json["last_seen"] = SecondsOf(object.last_seen());
+  json["views"] = object.views();
+  json["absences"] = object.absences();
+  json["revision"] = object.revision();
+  json["leaves"] = object.leaves();
+  return json;
 }
 
 void WriteEventLines(const std::vector<v1::ObjectEvent>& events,
@@ -197,42 +189,37 @@ void WriteEventLines(const std::vector<v1::ObjectEvent>& events,
   }
 }
 
-void WriteEventJson(const v1::ObjectEvent& event, const ClassNames& classes, JsonWriter* json) {
-  json->BeginObject();
-  json->Key("number").Integer(event.number());
-  json->Key("type").Text(WordOf(v1::EventType_descriptor(), event.type()));
-  json->Key("reason").Text(WordOf(v1::EventReason_descriptor(), event.reason()));
-  json->Key("object").Integer(event.object_id());
-  json->Key("class").Integer(event.class_id());
-  json->Key("class_name").Text(classes.NameOf(event.class_id()));
-  json->Key("time").Number(SecondsOf(event.capture_time()));
-  json->Key("revision").Integer(event.revision());
-  WriteVectorJson("center", event.center_m(), json);
+Json EventJson(const v1::ObjectEvent& event, const ClassNames& classes) {
+  Json json = {{"number", event.number()},
+               {"type", WordOf(v1::EventType_descriptor(), event.type())},
+               {"reason", WordOf(v1::EventReason_descriptor(), event.reason())},
+               {"object", event.object_id()},
+               {"class", event.class_id()},
+               {"class_name", classes.NameOf(event.class_id())},
+               {"time", SecondsOf(event.capture_time())},
+               {"revision", event.revision()},
+               {"center", PointJson(event.center_m())}};
   if (event.has_old_center_m()) {
-    WriteVectorJson("old_center", event.old_center_m(), json);
-    WriteVectorJson("new_center", event.center_m(), json);
+    json["old_center"] = PointJson(event.old_center_m());
+    json["new_center"] = PointJson(event.center_m());
   }
   if (event.has_world_from_object_before() && event.has_world_from_object_after()) {
-    WritePoseJson("pose_before", event.world_from_object_before(), json);
-    WritePoseJson("pose_after", event.world_from_object_after(), json);
+    json["pose_before"] = PoseJson(event.world_from_object_before());
+    json["pose_after"] = PoseJson(event.world_from_object_after());
   }
-  if (event.has_confidence()) json->Key("confidence").Number(event.confidence());
-  if (event.related_object_id() != 0) json->Key("related").Integer(event.related_object_id());
+  if (event.has_confidence()) json["confidence"] = event.confidence();
+  if (event.related_object_id() != 0) json["related"] = event.related_object_id();
   if (!event.robot().empty()) {
-    json->Key("robot").Text(event.robot());
-    json->Key("sensor").Text(event.sensor());
+    json["robot"] = event.robot();
+    json["sensor"] = event.sensor();
   }
   if (event.has_before() && event.has_after()) {
-    json->Key("views").Integer(event.views());
-    json->Key("absences").Integer(event.absences());
-    json->Key("before").BeginObject();
-    WriteBeliefMembers(event.before(), json);
-    json->EndObject();
-    json->Key("after").BeginObject();
-    WriteBeliefMembers(event.after(), json);
-    json->EndObject();
+    json["views"] = event.views();
+    json["absences"] = event.absences();
+    json["before"] = BeliefJson(event.before());
+    json["after"] = BeliefJson(event.after());
   }
-  json->EndObject();
+  return json;
 }
 
 }  // namespace steadymap

@@ -5,11 +5,12 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <absl/status/statusor.h>
 
-#include "client/cli/text/json_writer.h"
+#include "client/cli/text/json_text.h"
 #include "client/map/map_client.h"
 #include "core/types/identifiers.h"
 
@@ -55,30 +56,28 @@ std::string ObjectText(const v1::Object& object, const ClassNames& classes);
 /// Converts a time to seconds since 1970.
 double SecondsOf(const google::protobuf::Timestamp& moment);
 
-/// Returns the result of a list call as JSON: `{"revision", "<key>": [...]}`. `write_entry` writes
+/// Returns the result of a list call as JSON: `{"revision", "<key>": [...]}`. `entry_json` converts
 /// each entry.
 template <typename Message>
-std::string ListJson(const MapList<Message>& list,
-                     std::string_view key,
-                     const ClassNames& classes,
-                     void (*write_entry)(const Message&, const ClassNames&, JsonWriter*)) {
-  JsonWriter json;
-  json.BeginObject().Key("revision").Integer(list.revision.value()).Key(key).BeginArray();
-  for (const Message& entry : list.entries) write_entry(entry, classes, &json);
-  json.EndArray().EndObject();
-  return json.Finish();
+Json ListJson(const MapList<Message>& list,
+              std::string_view key,
+              const ClassNames& classes,
+              Json (*entry_json)(const Message&, const ClassNames&)) {
+  Json entries = Json::array();
+  for (const Message& entry : list.entries) entries.push_back(entry_json(entry, classes));
+  return {{"revision", list.revision.value()}, {key, std::move(entries)}};
 }
 
-/// Writes an object as JSON: lengths in metres in the world frame, angles in radians, times in
+/// Returns an object as JSON: lengths in metres in the world frame, angles in radians, times in
 /// seconds since 1970.
-void WriteObjectJson(const v1::Object& object, const ClassNames& classes, JsonWriter* json);
+Json ObjectJson(const v1::Object& object, const ClassNames& classes);
 
 /// Writes one line for each event.
 void WriteEventLines(const std::vector<v1::ObjectEvent>& events,
                      const ClassNames& classes,
                      std::ostream* out);
 
-/// Writes an event as JSON, in the units of `WriteObjectJson`.
-void WriteEventJson(const v1::ObjectEvent& event, const ClassNames& classes, JsonWriter* json);
+/// Returns an event as JSON, in the units of `ObjectJson`.
+Json EventJson(const v1::ObjectEvent& event, const ClassNames& classes);
 
 }  // namespace steadymap

@@ -7,6 +7,7 @@
 
 #include "client/cli/query/object_text.h"
 #include "client/cli/text/argument_text.h"
+#include "client/cli/text/json_text.h"
 #include "client/map/map_client.h"
 
 namespace steadymap {
@@ -66,7 +67,7 @@ absl::Status ObjectsCommand::Run() const {
   const absl::StatusOr<MapList<v1::Object>> objects = client.ListObjects(*name, query);
   if (!objects.ok()) return objects.status();
   if (as_json_) {
-    context_->out << ListJson(*objects, "objects", names, WriteObjectJson);
+    context_->out << IndentedJson(ListJson(*objects, "objects", names, ObjectJson));
   } else {
     WriteObjectTable(objects->entries, names, &context_->out);
   }

@@ -1,10 +1,12 @@
 #include "client/cli/query/query_command.h"
 
+#include <utility>
+
 #include <CLI/CLI.hpp>
 #include <Eigen/Core>
 
 #include "client/cli/text/argument_text.h"
-#include "client/cli/text/json_writer.h"
+#include "client/cli/text/json_text.h"
 #include "client/cli/text/number_text.h"
 #include "client/map/map_client.h"
 
@@ -51,21 +53,18 @@ void WriteSampleText(const Eigen::Vector3d& point,
        << FixedText(sample.weight(), 2) << '\n';
 }
 
-void WriteSampleJson(const Eigen::Vector3d& point,
-                     const v1::DistanceSample& sample,
-                     JsonWriter* json) {
-  json->BeginObject();
-  json->Key("point_m").Vector(point.x(), point.y(), point.z());
-  json->Key("state").Text(StateText(sample.state()));
+Json SampleJson(const Eigen::Vector3d& point, const v1::DistanceSample& sample) {
+  Json json = {{"point_m", VectorJson(point.x(), point.y(), point.z())},
+               {"state", StateText(sample.state())}};
   if (sample.has_distance_m()) {
-    json->Key("distance_m").Number(sample.distance_m());
+    json["distance_m"] = sample.distance_m();
     const v1::Vector3& gradient = sample.gradient();
-    json->Key("gradient").Vector(gradient.x(), gradient.y(), gradient.z());
-    json->Key("object_id").Integer(sample.object_id());
-    json->Key("class_id").Integer(sample.class_id());
-    json->Key("weight").Number(sample.weight());
+    json["gradient"] = VectorJson(gradient.x(), gradient.y(), gradient.z());
+    json["object_id"] = sample.object_id();
+    json["class_id"] = sample.class_id();
+    json["weight"] = sample.weight();
   }
-  json->EndObject();
+  return json;
 }
 
 }  // namespace
@@ -94,15 +93,19 @@ absl::Status QueryCommand::Run() const {
   const absl::StatusOr<v1::SampleDistanceResponse> answer =
       MapClient(context_->Channel()).SampleDistance(*name, points);
   if (!answer.ok()) return answer.status();
-  JsonWriter json;
-  json.BeginObject().Key("revision").Integer(answer->revision()).Key("samples").BeginArray();
+  Json samples = Json::array();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const v1::DistanceSample& sample = answer->samples(static_cast<int>(i));
-    WriteSampleJson(points[i], sample, &json);
-    if (!as_json_) WriteSampleText(points[i], sample, &context_->out);
+    if (as_json_) {
+      samples.push_back(SampleJson(points[i], sample));
+    } else {
+      WriteSampleText(points[i], sample, &context_->out);
+    }
   }
-  json.EndArray().EndObject();
-  if (as_json_) context_->out << json.Finish();
+  if (as_json_) {
+    context_->out << IndentedJson(
+        {{"revision", answer->revision()}, {"samples", std::move(samples)}});
+  }
   return absl::OkStatus();
 }
 

@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "client/cli/maps/map_lookup.h"
 #include "client/cli/text/argument_text.h"
-#include "client/cli/text/json_writer.h"
+#include "client/cli/text/json_text.h"
 #include "client/cli/text/number_text.h"
 #include "client/cli/upload/progress_report.h"
 #include "client/cli/upload/upload_warnings.h"
@@ -126,34 +127,28 @@ void WriteSummaryText(const UploadOutcome& outcome, std::ostream* out) {
        << " unreadable; " << outcome.map << " is at revision " << progress.revision << '\n';
 }
 
-void WriteSummaryJson(const UploadOutcome& outcome, std::ostream* out) {
+Json SummaryJson(const UploadOutcome& outcome) {
   const UploadProgress& progress = outcome.summary.progress;
-  JsonWriter json;
-  json.BeginObject();
-  json.Key("map").Text(outcome.map);
-  json.Key("session").Text(outcome.session);
-  json.Key("frames").Integer(progress.pushed);
-  json.Key("integrated").Integer(progress.integrated);
-  json.Key("refused").BeginArray();
+  Json refused_frames = Json::array();
   for (const RefusedUpload& refused : outcome.summary.refused) {
-    json.BeginObject();
-    json.Key("client_seq").Integer(refused.client_seq);
-    json.Key("reason").Text(ReasonOf(refused.status));
-    json.Key("field").Text(FieldOf(refused.status));
-    json.Key("message").Text(std::string(refused.status.message()));
-    json.EndObject();
+    refused_frames.push_back({{"client_seq", refused.client_seq},
+                              {"reason", ReasonOf(refused.status)},
+                              {"field", FieldOf(refused.status)},
+                              {"message", std::string(refused.status.message())}});
   }
-  json.EndArray();
-  json.Key("refused_count").Integer(progress.refused);
-  json.Key("unreadable_count").Integer(outcome.unreadable.size());
-  json.Key("sent_again").Integer(progress.sent_again);
-  json.Key("reconnections").Integer(progress.reconnections);
-  json.Key("bytes_sent").Integer(progress.bytes_sent);
-  json.Key("elapsed_s").Number(outcome.elapsed_s);
-  json.Key("frames_per_s").Number(outcome.frames_per_s());
-  json.Key("revision").Integer(progress.revision);
-  json.EndObject();
-  *out << json.Finish();
+  return {{"map", outcome.map},
+          {"session", outcome.session},
+          {"frames", progress.pushed},
+          {"integrated", progress.integrated},
+          {"refused", std::move(refused_frames)},
+          {"refused_count", progress.refused},
+          {"unreadable_count", outcome.unreadable.size()},
+          {"sent_again", progress.sent_again},
+          {"reconnections", progress.reconnections},
+          {"bytes_sent", progress.bytes_sent},
+          {"elapsed_s", outcome.elapsed_s},
+          {"frames_per_s", outcome.frames_per_s()},
+          {"revision", progress.revision}};
 }
 
 // Returns OK only if every frame of the source is in the map.
@@ -236,7 +231,7 @@ absl::Status RunUpload(const UploadRunOptions& options,
   outcome.summary = *std::move(summary);
   outcome.elapsed_s = SteadySeconds() - start_s;
   if (options.as_json) {
-    WriteSummaryJson(outcome, &context->out);
+    context->out << IndentedJson(SummaryJson(outcome));
   } else {
     WriteSummaryText(outcome, &context->out);
   }

@@ -16,7 +16,7 @@
 #include "client/cli/maps/map_lookup.h"
 #include "client/cli/text/argument_text.h"
 #include "client/cli/text/error_line.h"
-#include "client/cli/text/json_writer.h"
+#include "client/cli/text/json_text.h"
 #include "client/cli/text/number_text.h"
 #include "client/cli/text/output_file.h"
 #include "client/cli/text/stop_signal.h"
@@ -192,16 +192,13 @@ absl::Status MirrorCommand::WriteFiles(const MapName& name,
   const absl::StatusOr<std::uint64_t> bytes = WriteEncodedFile(folder / kMapFile, encoder.get());
   if (!bytes.ok()) return bytes.status();
 
-  JsonWriter json;
-  json.BeginObject();
-  json.Key("map").Text(name.ToString());
-  json.Key("revision").Integer(map.revision.value());
-  json.Key("last_capture_time").Number(map.last_capture_time.seconds());
-  json.Key("objects").Integer(map.objects.size());
-  json.Key("bytes").Integer(*bytes);
-  json.Key("resume_token").Text(ResumeTokenText(resume_token));
-  json.EndObject();
-  absl::Status status = WriteTextFile(folder / kStateFile, json.Finish());
+  const Json state = {{"map", name.ToString()},
+                      {"revision", map.revision.value()},
+                      {"last_capture_time", map.last_capture_time.seconds()},
+                      {"objects", map.objects.size()},
+                      {"bytes", *bytes},
+                      {"resume_token", ResumeTokenText(resume_token)}};
+  absl::Status status = WriteTextFile(folder / kStateFile, IndentedJson(state));
   if (!status.ok()) return status;
   context_->out << (folder / kMapFile).string() << ": " << BytesText(*bytes) << ", revision "
                 << map.revision.value() << " of " << name.ToString() << std::endl;

@@ -1,40 +1,28 @@
 #include "client/cli/watch/watch_lines.h"
 
 #include <sstream>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
-#include "client/cli/text/json_writer.h"
+#include "client/cli/text/json_text.h"
 #include "client/cli/text/number_text.h"
 #include "client/cli/watch/resume_token.h"
 
 namespace steadymap {
 namespace {
 
-JsonWriter BeginLine(std::string_view kind) {
-  JsonWriter json(JsonLayout::kOneLine);
-  json.BeginObject().Key("kind").Text(kind);
-  return json;
-}
-
-std::string FinishLine(JsonWriter* json) {
-  json->EndObject();
-  return json->Finish();
-}
-
-std::string VolumeJson(const WatchStep& step, const VolumeChange& change) {
-  JsonWriter json = BeginLine("volume");
-  json.Key("revision").Integer(step.revision.value());
-  json.Key("previous_revision").Integer(step.previous_revision.value());
-  json.Key("commits").Integer(step.commits);
-  json.Key("last_capture_time").Number(step.last_capture_time.value_or(Timestamp()).seconds());
-  json.Key("leaves").BeginArray();
+Json VolumeJson(const WatchStep& step, const VolumeChange& change) {
+  Json leaves = Json::array();
   for (const auto& [object, counts] : change) {
-    json.BeginObject().Key("object").Integer(object);
-    json.Key("changed").Integer(counts.changed).Key("gone").Integer(counts.gone).EndObject();
+    leaves.push_back({{"object", object}, {"changed", counts.changed}, {"gone", counts.gone}});
   }
-  json.EndArray();
-  return FinishLine(&json);
+  return {{"kind", "volume"},
+          {"revision", step.revision.value()},
+          {"previous_revision", step.previous_revision.value()},
+          {"commits", step.commits},
+          {"last_capture_time", step.last_capture_time.value_or(Timestamp()).seconds()},
+          {"leaves", std::move(leaves)}};
 }
 
 }  // namespace
@@ -47,12 +35,11 @@ std::string WatchLines::Created(const v1::WatchCreated& created) const {
                         LengthText(created.voxel_size_m()),
                         "\n");
   }
-  JsonWriter json = BeginLine("created");
-  json.Key("revision").Integer(created.revision());
-  json.Key("voxel_size_m").Number(created.voxel_size_m());
-  json.Key("truncation_m").Number(created.truncation_m());
-  json.Key("incarnation").Text(created.incarnation());
-  return FinishLine(&json);
+  return JsonLine({{"kind", "created"},
+                   {"revision", created.revision()},
+                   {"voxel_size_m", created.voxel_size_m()},
+                   {"truncation_m", created.truncation_m()},
+                   {"incarnation", created.incarnation()}});
 }
 
 std::string WatchLines::Event(const v1::ObjectEvent& event) const {
@@ -61,30 +48,23 @@ std::string WatchLines::Event(const v1::ObjectEvent& event) const {
     WriteEventLines({event}, classes_, &line);
     return "event  " + line.str();
   }
-  JsonWriter json = BeginLine("event");
-  json.Key("event");
-  WriteEventJson(event, classes_, &json);
-  return FinishLine(&json);
+  return JsonLine({{"kind", "event"}, {"event", EventJson(event, classes_)}});
 }
 
 std::string WatchLines::Object(Revision revision, const v1::Object& object) const {
   if (!as_json_) return absl::StrCat("object    ", ObjectText(object, classes_), "\n");
-  JsonWriter json = BeginLine("object");
-  json.Key("revision").Integer(revision.value());
-  json.Key("object");
-  WriteObjectJson(object, classes_, &json);
-  return FinishLine(&json);
+  return JsonLine({{"kind", "object"},
+                   {"revision", revision.value()},
+                   {"object", ObjectJson(object, classes_)}});
 }
 
 std::string WatchLines::Removed(Revision revision, std::uint64_t object) const {
   if (!as_json_) return absl::StrCat("removed   object ", object, " is no longer shown\n");
-  JsonWriter json = BeginLine("removed");
-  json.Key("revision").Integer(revision.value()).Key("object").Integer(object);
-  return FinishLine(&json);
+  return JsonLine({{"kind", "removed"}, {"revision", revision.value()}, {"object", object}});
 }
 
 std::string WatchLines::Volume(const WatchStep& step, const VolumeChange& change) const {
-  if (as_json_) return VolumeJson(step, change);
+  if (as_json_) return JsonLine(VolumeJson(step, change));
   std::uint64_t background = 0;
   std::uint64_t of_objects = 0;
   std::uint64_t objects = 0;
@@ -110,9 +90,7 @@ std::string WatchLines::Resync(Revision revision, std::string_view reason) const
                         std::string(reason),
                         ")\n");
   }
-  JsonWriter json = BeginLine("resync");
-  json.Key("revision").Integer(revision.value()).Key("reason").Text(reason);
-  return FinishLine(&json);
+  return JsonLine({{"kind", "resync"}, {"revision", revision.value()}, {"reason", reason}});
 }
 
 std::string WatchLines::Progress(const WatchStep& step) const {
@@ -120,13 +98,12 @@ std::string WatchLines::Progress(const WatchStep& step) const {
   if (!as_json_) {
     return absl::StrCat("progress  revision ", step.revision.value(), ", token ", token, "\n");
   }
-  JsonWriter json = BeginLine("progress");
-  json.Key("revision").Integer(step.revision.value());
-  json.Key("previous_revision").Integer(step.previous_revision.value());
-  json.Key("commits").Integer(step.commits);
-  json.Key("snapshot").Boolean(step.is_snapshot);
-  json.Key("resume_token").Text(token);
-  return FinishLine(&json);
+  return JsonLine({{"kind", "progress"},
+                   {"revision", step.revision.value()},
+                   {"previous_revision", step.previous_revision.value()},
+                   {"commits", step.commits},
+                   {"snapshot", step.is_snapshot},
+                   {"resume_token", token}});
 }
 
 }  // namespace steadymap

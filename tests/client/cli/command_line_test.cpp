@@ -129,7 +129,7 @@ TEST_F(CommandLineTest, ObjectsAndEventsSendTheirFilters) {
                          "--all",
                          "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, "{\n  \"revision\": 12,\n  \"objects\": []\n}\n");
+  EXPECT_EQ(outcome.Document(), Json::parse(R"({"revision": 12, "objects": []})"));
   const v1::ListObjectsRequest& objects = queries_.objects_request;
   ASSERT_EQ(objects.class_ids_size(), 2);
   EXPECT_EQ(objects.class_ids(0), 7U);
@@ -151,7 +151,7 @@ TEST_F(CommandLineTest, ObjectsAndEventsSendTheirFilters) {
                  "2024-05-01T12:00:01Z",
                  "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, "{\n  \"revision\": 12,\n  \"events\": []\n}\n");
+  EXPECT_EQ(outcome.Document(), Json::parse(R"({"revision": 12, "events": []})"));
   EXPECT_EQ(queries_.events_request.types(0), v1::EVENT_TYPE_MOVED);
   EXPECT_EQ(queries_.events_request.start_time().seconds(), 1'714'564'800);
   EXPECT_EQ(queries_.events_request.start_time().nanos(), 500'000'000);
@@ -183,13 +183,15 @@ TEST_F(CommandLineTest, ListingsComeAsTextAndAsJson) {
   for (const char* name : {"attic", "hall", "kitchen"}) Run({"map", "create", name});
   const Outcome text = Run({"map", "list"});
   EXPECT_EQ(std::count(text.out.begin(), text.out.end(), '\n'), 4) << text.out;
-  const Outcome json = Run({"map", "list", "--json"});
-  EXPECT_TRUE(json.out.starts_with("{\n  \"maps\": [\n")) << json.out;
-  EXPECT_NE(json.out.find("\"name\": \"tenants/default/maps/kitchen\""), std::string::npos);
-  EXPECT_NE(json.out.find("\"voxel_size_m\": 0.05"), std::string::npos);
-  EXPECT_EQ(Run({"map", "list", "--tenant", "acme", "--json"}).out, "{\n  \"maps\": []\n}\n");
-  const Outcome one = Run({"map", "get", "hall", "--json"});
-  EXPECT_TRUE(one.out.starts_with("{\n  \"name\": \"tenants/default/maps/hall\"")) << one.out;
+  const Json maps = Run({"map", "list", "--json"}).Document().at("maps");
+  ASSERT_EQ(maps.size(), 3U) << maps;
+  EXPECT_EQ(maps[2].at("name"), "tenants/default/maps/kitchen");
+  EXPECT_EQ(maps[2].at("config").at("voxel_size_m"), 0.05);
+  EXPECT_EQ(Run({"map", "list", "--tenant", "acme", "--json"}).Document(),
+            Json::parse(R"({"maps": []})"));
+  const Json one = Run({"map", "get", "hall", "--json"}).Document();
+  EXPECT_EQ(one.begin().key(), "name");
+  EXPECT_EQ(one.at("name"), "tenants/default/maps/hall");
   EXPECT_NE(Run({"map", "get", "hall"}).out.find("voxel size    5 cm"), std::string::npos);
   EXPECT_EQ(Run({"map", "delete", "hall"}).exit_code, 0);
   EXPECT_EQ(maps_.maps.size(), 2U);
@@ -215,9 +217,15 @@ TEST_F(CommandLineTest, QueryPrintsStatesAndDistances) {
   EXPECT_EQ(queries_.sample_request.points_m(1).x(), -1.0);
   std::vector<std::string> with_json = arguments;
   with_json.emplace_back("--json");
-  const Outcome json = Run(with_json);
-  EXPECT_NE(json.out.find("\"revision\": 9"), std::string::npos);
-  EXPECT_NE(json.out.find("\"state\": \"unknown\""), std::string::npos);
+  EXPECT_EQ(Run(with_json).Document(), Json::parse(R"({
+    "revision": 9,
+    "samples": [
+      {"point_m": [1, 2, 3], "state": "free", "distance_m": 0.0312, "gradient": [-1, 0, 0],
+       "object_id": 0, "class_id": 0, "weight": 12.5},
+      {"point_m": [-1, 0, 0.5], "state": "unknown"},
+      {"point_m": [0, 0, 1], "state": "free"}
+    ]
+  })"));
   ExpectFailure({"query", "kitchen", "--point", "1,2"}, 1, "x,y,z");
 }
 

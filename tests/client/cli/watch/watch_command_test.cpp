@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "client/cli/command_line.h"
+#include "client/cli/text/json_text.h"
 #include "client/cli/watch/resume_token.h"
 #include "core/query/vdb_file.h"
 #include "core/types/error.h"
@@ -48,6 +49,13 @@ struct WatchOutcome {
     std::istringstream stream(out);
     for (std::string line; std::getline(stream, line);) lines.push_back(line);
     return lines;
+  }
+
+  /// Returns the lines, each parsed as a JSON document.
+  std::vector<Json> Documents() const {
+    std::vector<Json> documents;
+    for (const std::string& line : Lines()) documents.push_back(Json::parse(line));
+    return documents;
   }
 };
 
@@ -159,26 +167,28 @@ TEST_F(WatchCommandTest, JsonIsADocumentALine) {
   const WatchOutcome outcome =
       Run({"watch", "kitchen", "--from", "snapshot", "--json", "--count", "2"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  const std::vector<std::string> lines = outcome.Lines();
+  const std::vector<Json> lines = outcome.Documents();
   ASSERT_EQ(lines.size(), 11U) << outcome.out;
-  EXPECT_TRUE(
-      lines[0].starts_with("{\"kind\": \"created\", \"revision\": 5, \"voxel_size_m\": 0.05"));
-  EXPECT_TRUE(
-      lines[1].starts_with("{\"kind\": \"object\", \"revision\": 5, \"object\": {\"id\": 1,"));
-  EXPECT_TRUE(lines[3].starts_with("{\"kind\": \"volume\", \"revision\": 5,"));
-  EXPECT_EQ(lines[4],
-            "{\"kind\": \"progress\", \"revision\": 5, \"previous_revision\": 5, \"commits\": 0, "
-            "\"snapshot\": true, \"resume_token\": \"dDU\"}");
-  EXPECT_EQ(lines[5], "{\"kind\": \"removed\", \"revision\": 6, \"object\": 1}");
-  EXPECT_TRUE(lines[7].find("\"class_name\": \"chair\"") != std::string::npos) << lines[7];
-  EXPECT_TRUE(lines[8].starts_with("{\"kind\": \"event\", \"event\": {\"number\": 1, "))
-      << lines[8];
-  EXPECT_TRUE(
-      lines[9].find("\"last_capture_time\": 60, \"leaves\": [{\"object\": 0, \"changed\": 1, "
-                    "\"gone\": 1}") != std::string::npos)
-      << lines[9];
-  EXPECT_NE(lines[10].find("\"resume_token\": \"dDY\""), std::string::npos);
-  for (const std::string& line : lines) EXPECT_TRUE(line.starts_with("{") && line.ends_with("}"));
+  for (const Json& line : lines) EXPECT_EQ(line.begin().key(), "kind") << line;
+  EXPECT_EQ(lines[0].at("kind"), "created");
+  EXPECT_EQ(lines[0].at("revision"), 5);
+  EXPECT_EQ(lines[0].at("voxel_size_m"), 0.05);
+  EXPECT_EQ(lines[1].at("kind"), "object");
+  EXPECT_EQ(lines[1].at("revision"), 5);
+  EXPECT_EQ(lines[1].at("object").at("id"), 1);
+  EXPECT_EQ(lines[3].at("kind"), "volume");
+  EXPECT_EQ(lines[3].at("revision"), 5);
+  EXPECT_EQ(lines[4], Json::parse(R"({
+    "kind": "progress", "revision": 5, "previous_revision": 5, "commits": 0, "snapshot": true,
+    "resume_token": "dDU"
+  })"));
+  EXPECT_EQ(lines[5], Json::parse(R"({"kind": "removed", "revision": 6, "object": 1})"));
+  EXPECT_EQ(lines[7].at("object").at("class_name"), "chair");
+  EXPECT_EQ(lines[8].at("kind"), "event");
+  EXPECT_EQ(lines[8].at("event").at("number"), 1);
+  EXPECT_EQ(lines[9].at("last_capture_time"), 60);
+  EXPECT_EQ(lines[9].at("leaves")[0], Json::parse(R"({"object": 0, "changed": 1, "gone": 1})"));
+  EXPECT_EQ(lines[10].at("resume_token"), "dDY");
 }
 
 TEST_F(WatchCommandTest, PeopleGetTheSameInWords) {
@@ -217,9 +227,10 @@ TEST_F(WatchCommandTest, AResyncIsSaidBeforeWhatFollows) {
   const WatchOutcome outcome =
       Run({"watch", "kitchen", "--from", "snapshot", "--json", "--until-revision", "6"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  ASSERT_GT(outcome.Lines().size(), 5U);
-  EXPECT_EQ(outcome.Lines()[5],
-            "{\"kind\": \"resync\", \"revision\": 6, \"reason\": \"REVISION_COMPACTED\"}");
+  const std::vector<Json> lines = outcome.Documents();
+  ASSERT_GT(lines.size(), 5U);
+  EXPECT_EQ(lines[5],
+            Json::parse(R"({"kind": "resync", "revision": 6, "reason": "REVISION_COMPACTED"})"));
 }
 
 TEST_F(WatchCommandTest, TheTokenFileIsKeptAndGoneOnFrom) {
@@ -308,10 +319,10 @@ TEST_F(WatchCommandTest, AMirrorWritesTheMapAndWhatItIs) {
   EXPECT_EQ(outcome.Lines().size(), 1U);
   EXPECT_TRUE(outcome.Says("revision 5 of tenants/default/maps/kitchen")) << outcome.out;
   EXPECT_EQ(ContentOf("a/b/map.vdb"), *WriteVdb(first_, nullptr));
-  const std::string state = ContentOf("a/b/mirror.json");
-  EXPECT_NE(state.find("\"revision\": 5"), std::string::npos) << state;
-  EXPECT_NE(state.find("\"objects\": 2"), std::string::npos) << state;
-  EXPECT_NE(state.find("\"resume_token\": \"dDU\""), std::string::npos) << state;
+  const Json state = Json::parse(ContentOf("a/b/mirror.json"));
+  EXPECT_EQ(state.at("revision"), 5);
+  EXPECT_EQ(state.at("objects"), 2);
+  EXPECT_EQ(state.at("resume_token"), "dDU");
   const v1::WatchMapRequest request = watches_.requests().at(0);
   EXPECT_EQ(request.start(), v1::WATCH_START_SNAPSHOT_THEN_FOLLOW);
   EXPECT_EQ(request.filter().kinds_size(), 2) << "no events";

@@ -74,12 +74,13 @@ TEST(ScoreTable, OtherRoutesStandAlone) {
 }
 
 TEST(EvaluationJson, HoldsTheCounts) {
-  const std::string json = EvaluationJson({Example()});
-  EXPECT_NE(json.find("\"wrong_voxels\": 220"), std::string::npos);
-  EXPECT_NE(json.find("\"method\": \"POCD\""), std::string::npos);
-  EXPECT_NE(json.find("\"brier\": null"), std::string::npos);
-  EXPECT_NE(json.find("\"trail\": {\n"), std::string::npos);
-  EXPECT_NE(json.find("\"free_space\": 0"), std::string::npos);
+  const Json table = Json::parse(IndentedJson(EvaluationJson({Example()}))).at(0);
+  const Json& scores = table.at("rows").at(0);
+  EXPECT_EQ(scores.at("near").at("wrong_voxels"), 220);
+  EXPECT_EQ(scores.at("trail"), Json::parse(R"({"share": 0.4, "part": 4, "whole": 10})"));
+  EXPECT_TRUE(scores.at("brier").is_null()) << scores;
+  EXPECT_EQ(scores.at("stage_ms").at("free_space"), 0);
+  EXPECT_EQ(table.at("reported").at(0).at("method"), "POCD") << table;
 }
 
 TEST(SelectMethods, TheYardsticksAreAlwaysThere) {
