@@ -120,7 +120,7 @@ def unpack_leaves(leaves: Sequence[Leaf], truncation_m: float) -> LeafVoxels:
     weight_units = _undo_differences(observed, _from_zigzag(planes[2] | planes[3] << 8), 0xFFFF)
     is_damaged = (np.abs(steps) > _MAX_DISTANCE_STEPS) | (observed & (weight_units == 0))
     if is_damaged.any():
-        raise DataLossError("a packed leaf is damaged: a voxel is out of range", reason="CHECKSUM")
+        raise DataLossError("a packed leaf is corrupt: a voxel is out of range", reason="CHECKSUM")
     # Rounded once, as the server does: a quotient of two float32 differs in its last bit.
     step_m = np.float32(truncation_m / _MAX_DISTANCE_STEPS)
     distance_m = np.where(observed, steps.astype(np.float32) * step_m, np.float32(np.nan))
@@ -135,7 +135,7 @@ def unpack_leaves(leaves: Sequence[Leaf], truncation_m: float) -> LeafVoxels:
 
 
 def _damaged(what: str) -> DataLossError:
-    return DataLossError(f"a packed leaf is damaged: {what}", reason="CHECKSUM")
+    return DataLossError(f"a packed leaf is corrupt: {what}", reason="CHECKSUM")
 
 
 def _body_of(packed: bytes) -> Tuple[bytes, bool]:

@@ -139,7 +139,7 @@ std::vector<HostileCase> BrokenLeaves() {
       {"DamagedLeaf",
        AlteredLeaf([](v1::PackedLeaf* leaf) { leaf->set_packed("garbage"); }),
        data_loss,
-       "damaged"},
+       "corrupt"},
       {"PatchOfALeafThatIsNotThere",
        AlteredDelta(1,
                     [](Messages* delta) {
@@ -161,7 +161,7 @@ std::vector<HostileCase> BrokenLeaves() {
          leaf->set_packed("garbage");
        }),
        data_loss,
-       "damaged"},
+       "corrupt"},
       {"LeafBetweenLeaves",
        AlteredLeaf([](v1::PackedLeaf* leaf) { leaf->set_origin_y(3); }),
        internal,

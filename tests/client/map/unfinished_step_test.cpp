@@ -214,8 +214,8 @@ std::vector<WrongContinuation> WrongContinuations() {
   Messages other = Continued(FirstMap());
   other[0].mutable_created()->set_incarnation("another");
   return {{"OfNothing", whole, Continued(FirstMap()), "none is unfinished"},
-          {"OfAnotherRevision", begun, Continued(SecondMap()), "within another step"},
-          {"OfAnotherMap", begun, other, "within another step"},
+          {"OfAnotherRevision", begun, Continued(SecondMap()), "continues another step"},
+          {"OfAnotherMap", begun, other, "continues another step"},
           {"WithATokenThatIsTooLong", Messages(), long_token, "a resume token of 257 bytes"}};
 }
 
