@@ -11,7 +11,8 @@ TrackedObject& AddObjectOf(const Observation& observation,
   }
   mean_world /= static_cast<double>(observation.samples.size());
   TrackedObject& object = map->AddObject(mean_world);
-  object.state().class_id = ClassId(observation.label);
+  ObjectEdit edit = map->Edit(&object);
+  edit.state().class_id = ClassId(observation.label);
   return object;
 }
 

@@ -57,8 +57,11 @@ bool ObjectLifecycle::TakePlace(TrackedObject* object) {
   }
   if (const TrackedObject* whole = FindWholeOf(*object); whole != nullptr) {
     // A wall that was moved along itself shows what it did at first, and may still have moved.
-    ObjectState& state = object->state();
-    if (!Stays(*object)) state.first_seen = std::min(state.first_seen, whole->state().first_seen);
+    if (!Stays(*object)) {
+      ObjectEdit edit = map_->Edit(object);
+      Timestamp& first_seen = edit.state().first_seen;
+      first_seen = std::min(first_seen, whole->state().first_seen);
+    }
     Enter(EventType::kSplit, EventReason::kDisconnected, whole->id(), object);
     return true;
   }
@@ -88,11 +91,13 @@ void ObjectLifecycle::Enter(EventType type,
                             EventReason reason,
                             ObjectId related,
                             TrackedObject* object) {
-  object->state().status = ObjectStatus::kPresent;
+  {
+    ObjectEdit edit = map_->Edit(object);
+    edit.state().status = ObjectStatus::kPresent;
+  }
   ObjectEvent event = map_->MakeEvent(type, reason, *object);
   event.related = related;
   map_->RecordEvent(event);
-  map_->MarkChanged(object);
 }
 
 /// The objects that may share surface with one, or come as near.
@@ -148,8 +153,11 @@ void ObjectLifecycle::TakeBack(TrackedObject* known, TrackedObject* object) {
   if (Stays(*known)) {
     others = FindGoneWith(*known, parameters_.recognition, map_->ArchivedObjects());
   }
-  known->state().supporting_frames += object->state().supporting_frames;
-  map_->MarkLeaves(known, CopyVoxels(*object, map_->scale(), known).into);
+  {
+    ObjectEdit edit = map_->Edit(known);
+    edit.state().supporting_frames += object->state().supporting_frames;
+    CopyVoxels(*object, map_->scale(), &edit);
+  }
   Return(known, EventReason::kShapeMatched, object->state().belief);
   if (object->state().status == ObjectStatus::kPresent) {
     TellMerged(*object, EventReason::kShapeMatched, known->id(), map_);
@@ -161,17 +169,19 @@ void ObjectLifecycle::TakeBack(TrackedObject* known, TrackedObject* object) {
 
 /// Takes an archived object as standing in its place again.
 void ObjectLifecycle::Return(TrackedObject* object, EventReason reason, const Belief& belief) {
-  ObjectState& state = object->state();
-  const Belief before = state.belief;
-  state.status = ObjectStatus::kPresent;
-  state.belief = belief;
-  state.evidence = {};
-  state.in_place_since = map_->now();
-  state.last_seen = map_->now();
+  const Belief before = object->state().belief;
+  {
+    ObjectEdit edit = map_->Edit(object);
+    ObjectState& state = edit.state();
+    state.status = ObjectStatus::kPresent;
+    state.belief = belief;
+    state.evidence = {};
+    state.in_place_since = map_->now();
+    state.last_seen = map_->now();
+  }
   ObjectEvent event = map_->MakeEvent(EventType::kReturned, reason, *object);
   event.before = before;
   map_->RecordEvent(event);
-  map_->MarkChanged(object);
 }
 
 /// Gives new objects of classes that stay what was once known of them: a wall is taken down and put
@@ -196,7 +206,10 @@ void ObjectLifecycle::TakeBackParts(const std::vector<ObjectInView>& in_view) {
                            map_->scale(),
                            parameters_.recognition,
                            ObjectsAround(*view.object, map_->scale().truncation_m))) {
-      map_->MarkLeaves(view.object, CopyVoxels(*part, map_->scale(), view.object).into);
+      {
+        ObjectEdit edit = map_->Edit(view.object);
+        CopyVoxels(*part, map_->scale(), &edit);
+      }
       TellMerged(*part, EventReason::kShapeMatched, view.object->id(), map_);
       map_->Delete(part);
     }

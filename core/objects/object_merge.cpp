@@ -16,18 +16,19 @@ bool IsPresent(const TrackedObject& object) {
 }  // namespace
 
 void MergeObjects(TrackedObject* into, TrackedObject* from, WorkingMap* map) {
-  ObjectState& state = into->state();
   const ObjectState& other = from->state();
-  const MovedLeaves moved = CopyVoxels(*from, map->scale(), into);
-  map->MarkLeaves(into, moved.into);
-  state.first_seen = std::min(state.first_seen, other.first_seen);
-  state.in_place_since = std::min(state.in_place_since, other.in_place_since);
-  state.last_seen = std::max(state.last_seen, other.last_seen);
-  state.supporting_frames = std::max(state.supporting_frames, other.supporting_frames);
-  if (other.status == ObjectStatus::kPresent) {
-    TellMerged(*from, EventReason::kConnected, state.id, map);
+  {
+    ObjectEdit edit = map->Edit(into);
+    CopyVoxels(*from, map->scale(), &edit);
+    ObjectState& state = edit.state();
+    state.first_seen = std::min(state.first_seen, other.first_seen);
+    state.in_place_since = std::min(state.in_place_since, other.in_place_since);
+    state.last_seen = std::max(state.last_seen, other.last_seen);
+    state.supporting_frames = std::max(state.supporting_frames, other.supporting_frames);
   }
-  map->MarkChanged(into);
+  if (other.status == ObjectStatus::kPresent) {
+    TellMerged(*from, EventReason::kConnected, into->id(), map);
+  }
   map->Delete(from);
 }
 

@@ -193,21 +193,21 @@ class MoveSearch {
     const Eigen::Vector3d old_center_world = before->cuboid().center_world;
     const UprightPose T_world_before = before->state().T_world_object;
     if (match.has_value()) {
-      map_->MarkLeaves(
-          after,
-          ResampleVoxels(
-              *before, match->T_world_object, parameters_.kept_weight, map_->scale(), after));
+      ObjectEdit edit = map_->Edit(after);
+      ResampleVoxels(*before, match->T_world_object, parameters_.kept_weight, map_->scale(), &edit);
     }
-    ObjectState& state = before->state();
-    const Belief belief_before = state.belief;
-    map_->TakeVolume(before, *after);
-    state.status = ObjectStatus::kPresent;
-    state.belief = after->state().belief;
-    state.evidence = after->state().evidence;
-    state.in_place_since = after->state().in_place_since;
-    state.last_seen = after->state().last_seen;
-    state.supporting_frames += after->state().supporting_frames;
-    map_->MarkChanged(before);
+    const Belief belief_before = before->state().belief;
+    {
+      ObjectEdit edit = map_->Edit(before);
+      edit.TakeVolume(*after);
+      ObjectState& state = edit.state();
+      state.status = ObjectStatus::kPresent;
+      state.belief = after->state().belief;
+      state.evidence = after->state().evidence;
+      state.in_place_since = after->state().in_place_since;
+      state.last_seen = after->state().last_seen;
+      state.supporting_frames += after->state().supporting_frames;
+    }
     ObjectEvent event = map_->MakeEvent(EventType::kMoved, reason, *before);
     event.before = belief_before;
     event.old_center_world = old_center_world;

@@ -102,22 +102,27 @@ void ObjectMapper::JudgeObjects() {
     if (verdicts[i].judged() == 0) continue;
     if (verdicts[i].turned > 0) ReleaseSamples(static_cast<std::uint32_t>(i + 1), &association_);
     TrackedObject* object = in_view_[i].object;
-    AddEvidence(verdicts[i],
-                object->surface(),
-                map_->now(),
-                parameters_.judgement.visit_gap_s,
-                &object->state().evidence);
-    map_->MarkChanged(object);
+    {
+      ObjectEdit edit = map_->Edit(object);
+      AddEvidence(verdicts[i],
+                  object->surface(),
+                  map_->now(),
+                  parameters_.judgement.visit_gap_s,
+                  &edit.state().evidence);
+    }
     DecideOn(verdicts[i], object);
   }
 }
 
 /// Updates the belief in an object, and removes it or what is gone of it.
 void ObjectMapper::DecideOn(const ObjectVerdict& verdict, TrackedObject* object) {
-  ObjectState& state = object->state();
+  const ObjectState& state = object->state();
   const StationarityPrior prior = PriorOf(config_, state.class_id);
   const Belief before = state.belief;
-  if (!UpdateBelief(prior, map_->now(), parameters_.judgement, &state)) return;
+  {
+    ObjectEdit edit = map_->Edit(object);
+    if (!UpdateBelief(prior, map_->now(), parameters_.judgement, &edit.state())) return;
+  }
   if (state.belief.stationarity() < parameters_.min_stationarity &&
       IsContradicted(verdict, map_->now(), parameters_.contradiction, *object)) {
     Archive(object, ReasonOf(verdict), before);
@@ -137,9 +142,11 @@ void ObjectMapper::Archive(TrackedObject* object, EventReason reason, const Beli
 
 /// Takes an object out of the map.
 void ObjectMapper::BecomeHistory(TrackedObject* object) {
-  object->state().status = ObjectStatus::kArchived;
-  object->state().in_place_since = map_->now();
-  map_->MarkChanged(object);
+  {
+    ObjectEdit edit = map_->Edit(object);
+    edit.state().status = ObjectStatus::kArchived;
+    edit.state().in_place_since = map_->now();
+  }
   if (!parameters_.keeps_removed) map_->Delete(object);
 }
 
@@ -163,10 +170,11 @@ void ObjectMapper::RemoveGoneParts(TrackedObject* object) {
   const std::optional<int> score = FindGoneScore(*object);
   if (!score.has_value()) return;
   TrackedObject& part = map_->AddPart(*object);
-  const std::vector<LeafOrigin> moved =
-      MoveGoneVoxels({*score, -parameters_.beside_gone_score}, object, &part);
-  map_->MarkLeaves(object, moved);
-  map_->MarkLeaves(&part, moved);
+  {
+    ObjectEdit edit = map_->Edit(object);
+    ObjectEdit part_edit = map_->Edit(&part);
+    MoveGoneVoxels({*score, -parameters_.beside_gone_score}, &edit, &part_edit);
+  }
   if (object->state().status != ObjectStatus::kPresent ||
       CountConnectedCells(part) < parameters_.min_part_cells) {
     map_->Delete(&part);
@@ -237,7 +245,8 @@ std::uint32_t ObjectMapper::ChooseOwner(const Observation& observation) {
 
 std::uint32_t ObjectMapper::AddObject(const Observation& observation) {
   TrackedObject& object = AddObjectOf(observation, samples_, map_);
-  object.state().belief = InitialBelief(parameters_.confirmation.initial_stationarity);
+  ObjectEdit edit = map_->Edit(&object);
+  edit.state().belief = InitialBelief(parameters_.confirmation.initial_stationarity);
   in_view_.push_back({&object, 0, samples_.width(), 0, samples_.height()});
   return static_cast<std::uint32_t>(in_view_.size());
 }
@@ -255,12 +264,11 @@ void ObjectMapper::CountViews() {
   }
   for (std::size_t i = 0; i < in_view_.size(); ++i) {
     if (fitting_samples_[i] < kMinFittingSamples) continue;
-    TrackedObject* object = in_view_[i].object;
-    ObjectState& state = object->state();
+    ObjectEdit edit = map_->Edit(in_view_[i].object);
+    ObjectState& state = edit.state();
     ++state.supporting_frames;
     if (state.status == ObjectStatus::kTentative) state.last_seen = map_->now();
     AddVotes(samples_by_class[i], &state);
-    map_->MarkChanged(object);
   }
 }
 

@@ -48,16 +48,16 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
     TrackedObject* object = segments_.in_view()[place].object;
     const std::size_t samples = segments_.CountSamples(place);
     if (samples > 0) {
-      ++object->state().supporting_frames;
-      object->state().last_seen = map->now();
-      AddVotes({{object->state().class_id, samples}}, &object->state());
-      map->MarkChanged(object);
+      CountView(samples, object);
       const std::optional<double> change_m = MeasureChange(place, *cloud);
       if (!change_m.has_value()) continue;
       Update(object, *change_m);
       if (std::abs(*change_m) > largest_fused_m || object->is_deleted()) segments_.Release(place);
     } else if (IsExpectedInView(*object, *cloud)) {
-      ++object->state().contradicted_updates;
+      {
+        ObjectEdit edit = map->Edit(object);
+        ++edit.state().contradicted_updates;
+      }
       Update(object, parameters_.stationarity.max_change_m);
     }
   }
@@ -124,14 +124,26 @@ bool PaperMapper::IsExpectedInView(const TrackedObject& object, const SemanticCl
              parameters_.min_visible_share * static_cast<double>(object.surface().point_count());
 }
 
+/// Counts the frame for an object that it shows with so many samples.
+void PaperMapper::CountView(std::size_t samples, TrackedObject* object) {
+  ObjectEdit edit = map_->Edit(object);
+  ObjectState& state = edit.state();
+  ++state.supporting_frames;
+  state.last_seen = map_->now();
+  AddVotes({{state.class_id, samples}}, &state);
+}
+
 /// Updates the belief by one measurement, and removes what is no longer believed.
 void PaperMapper::Update(TrackedObject* object, double change_m) {
-  ObjectState& state = object->state();
+  const ObjectState& state = object->state();
   const Belief before = state.belief;
-  state.belief = UpdateStationarity(
-                     before, change_m, PriorOf(config_, state.class_id), parameters_.stationarity)
-                     .belief;
-  map_->MarkChanged(object);
+  {
+    ObjectEdit edit = map_->Edit(object);
+    edit.state().belief =
+        UpdateStationarity(
+            before, change_m, PriorOf(config_, state.class_id), parameters_.stationarity)
+            .belief;
+  }
   if (state.belief.stationarity() >= parameters_.min_stationarity) return;
   ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object);
   event.before = before;
@@ -144,11 +156,13 @@ void PaperMapper::AddObjects() {
   segments_.AddObjects();
   for (std::size_t place = known; place < segments_.in_view().size(); ++place) {
     TrackedObject* object = segments_.in_view()[place].object;
-    object->state().belief = InitialBelief(parameters_.initial_stationarity);
-    object->state().status = ObjectStatus::kPresent;
-    object->state().supporting_frames = 1;
+    {
+      ObjectEdit edit = map_->Edit(object);
+      edit.state().belief = InitialBelief(parameters_.initial_stationarity);
+      edit.state().status = ObjectStatus::kPresent;
+      edit.state().supporting_frames = 1;
+    }
     map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
-    map_->MarkChanged(object);
   }
 }
 

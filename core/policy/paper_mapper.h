@@ -53,6 +53,7 @@ class PaperMapper final : public MapUpdater {
   std::vector<std::optional<std::size_t>> Associate();
   std::optional<double> MeasureChange(std::size_t place, const SemanticCloud& cloud) const;
   bool IsExpectedInView(const TrackedObject& object, const SemanticCloud& cloud) const;
+  void CountView(std::size_t samples, TrackedObject* object);
   void Update(TrackedObject* object, double change_m);
   void AddObjects();
 

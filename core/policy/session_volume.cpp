@@ -17,14 +17,13 @@ std::int32_t LowestVoxel(double position_m, const VoxelScale& scale) {
 }  // namespace
 
 SessionVolume::SessionVolume(WorkingMap* map) : map_(*map) {
-  for (auto& [id, object] : map->mutable_objects()) {
-    if (object.is_archived()) continue;
-    const Eigen::Vector3d& corner_world = object.state().T_world_object.position_world;
+  for (TrackedObject* object : map->TentativeObjects()) {
+    const Eigen::Vector3d& corner_world = object->state().T_world_object.position_world;
     const LeafOrigin tile{LowestVoxel(corner_world.x(), map->scale()),
                           LowestVoxel(corner_world.y(), map->scale()),
                           LowestVoxel(corner_world.z(), map->scale())};
-    tiles_.emplace(tile, &object);
-    last_fused_ = std::max(last_fused_, object.state().last_seen);
+    tiles_.emplace(tile, object);
+    last_fused_ = std::max(last_fused_, object->state().last_seen);
   }
 }
 
@@ -56,52 +55,42 @@ std::size_t SessionVolume::leaf_count() const {
   return count;
 }
 
-TrackedObject& SessionVolume::TileAt(LeafOrigin tile) {
+TrackedObject* SessionVolume::TileAt(LeafOrigin tile) {
   const auto known = tiles_.find(tile);
-  if (known != tiles_.end()) return *known->second;
+  if (known != tiles_.end()) return known->second;
   const Eigen::Vector3d corner_world =
       Eigen::Vector3d(tile.x, tile.y, tile.z) * map_.scale().voxel_size_m;
-  TrackedObject& object = map_.AddObject(corner_world);
-  tiles_.emplace(tile, &object);
+  TrackedObject* object = &map_.AddObject(corner_world);
+  tiles_.emplace(tile, object);
   return object;
 }
 
 void SessionVolume::Fuse(TsdfIntegrator* integrator) {
-  std::vector<LeafOrigin> changed;
-  integrator->IntegrateWorld(
-      [this](LeafOrigin origin) {
-        const Place place = PlaceOf(origin);
-        return LeafPlace{&TileAt(place.tile).MutableVolume(), place.origin};
-      },
-      &changed);
-  MarkLeaves(changed);
+  const auto place_of = [this](LeafOrigin origin) {
+    const Place place = PlaceOf(origin);
+    return ObjectLeaf{TileAt(place.tile), place.origin};
+  };
+  for (TrackedObject* tile : map_.FuseTiles(place_of, integrator)) Stamp(tile);
   if (tiles_.empty() || (map_.now() - last_fused_).seconds() < kStampGrainS) return;
   // The visit goes on, though nothing changes any more.
-  TrackedObject* tile = tiles_.begin()->second;
-  tile->state().last_seen = map_.now();
-  map_.MarkChanged(tile);
-  last_fused_ = map_.now();
+  Stamp(tiles_.begin()->second);
 }
 
 void SessionVolume::StoreLeaf(LeafOrigin origin, const LeafVoxels& voxels) {
   const Place place = PlaceOf(origin);
-  TileAt(place.tile).MutableVolume().StoreLeaf(place.origin, voxels);
-  MarkLeaves({origin});
+  TrackedObject* tile = TileAt(place.tile);
+  {
+    ObjectEdit edit = map_.Edit(tile);
+    edit.StoreLeaf(place.origin, voxels);
+  }
+  Stamp(tile);
 }
 
-void SessionVolume::MarkLeaves(const std::vector<LeafOrigin>& changed_leaves) {
-  std::map<LeafOrigin, std::vector<LeafOrigin>> changed_by_tile;
-  for (const LeafOrigin& origin : changed_leaves) {
-    const Place place = PlaceOf(origin);
-    changed_by_tile[place.tile].push_back(place.origin);
-  }
-  for (const auto& [corner, origins] : changed_by_tile) {
-    TrackedObject& tile = TileAt(corner);
-    tile.state().last_seen = map_.now();
-    tile.UpdateSurface(origins);
-    map_.MarkLeaves(&tile, origins);
-  }
-  if (!changed_leaves.empty()) last_fused_ = map_.now();
+/// Notes that a tile was fused into now.
+void SessionVolume::Stamp(TrackedObject* tile) {
+  ObjectEdit edit = map_.Edit(tile);
+  edit.state().last_seen = map_.now();
+  last_fused_ = map_.now();
 }
 
 void SessionVolume::Discard() {

@@ -47,8 +47,8 @@ class SessionVolume final : public VoxelReader {
   };
 
   static Place PlaceOf(LeafOrigin origin);
-  TrackedObject& TileAt(LeafOrigin tile);
-  void MarkLeaves(const std::vector<LeafOrigin>& changed_leaves);
+  TrackedObject* TileAt(LeafOrigin tile);
+  void Stamp(TrackedObject* tile);
 
   WorkingMap& map_;
   std::map<LeafOrigin, TrackedObject*> tiles_;  ///< By lowest voxel.

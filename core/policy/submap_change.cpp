@@ -51,19 +51,18 @@ void SubmapMapper::CountDetections() {
   for (std::size_t place = 0; place < segments_.in_view().size(); ++place) {
     const std::size_t samples = segments_.CountSamples(place);
     if (samples == 0) continue;
-    ObjectState& state = segments_.in_view()[place].object->state();
+    ObjectEdit edit = map_->Edit(segments_.in_view()[place].object);
+    ObjectState& state = edit.state();
     ++state.supporting_frames;
     state.contradicted_updates = 0;
     state.last_seen = map_->now();
     AddVotes({{state.class_id, samples}}, &state);
-    map_->MarkChanged(segments_.in_view()[place].object);
     detected.insert(state.id);
   }
-  for (auto& [id, object] : map_->mutable_objects()) {
-    ObjectState& state = object.state();
-    if (!IsActive(state) || detected.contains(id)) continue;
-    ++state.contradicted_updates;
-    map_->MarkChanged(&object);
+  for (TrackedObject* object : map_->AllObjects()) {
+    if (!IsActive(object->state()) || detected.contains(object->id())) continue;
+    ObjectEdit edit = map_->Edit(object);
+    ++edit.state().contradicted_updates;
   }
 }
 
@@ -71,7 +70,7 @@ void SubmapMapper::CountDetections() {
 /// turns out to be; forgets one that was not.
 void SubmapMapper::KeepOrMerge() {
   for (TrackedObject* object : map_->TentativeObjects()) {
-    ObjectState& state = object->state();
+    const ObjectState& state = object->state();
     if (!IsActive(state)) {
       map_->Delete(object);
     } else if (state.supporting_frames >= parameters_.keeping_views) {
@@ -79,9 +78,9 @@ void SubmapMapper::KeepOrMerge() {
       if (twin != nullptr) {
         Reactivate(twin, object);
       } else {
-        state.status = ObjectStatus::kPresent;
+        ObjectEdit edit = map_->Edit(object);
+        edit.state().status = ObjectStatus::kPresent;
         map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
-        map_->MarkChanged(object);
       }
     }
   }
@@ -104,17 +103,19 @@ TrackedObject* SubmapMapper::FindInactiveTwin(const TrackedObject& fresh) {
 }
 
 void SubmapMapper::Reactivate(TrackedObject* twin, TrackedObject* fresh) {
-  ObjectState& state = twin->state();
-  const MovedLeaves moved = CopyVoxels(*fresh, map_->scale(), twin);
-  map_->MarkLeaves(twin, moved.into);
-  state.supporting_frames += fresh->state().supporting_frames;
-  state.contradicted_updates = 0;
-  state.last_seen = fresh->state().last_seen;
-  if (state.status == ObjectStatus::kArchived) {
-    state.status = ObjectStatus::kPresent;
+  const bool is_back = twin->is_archived();
+  {
+    ObjectEdit edit = map_->Edit(twin);
+    CopyVoxels(*fresh, map_->scale(), &edit);
+    ObjectState& state = edit.state();
+    state.supporting_frames += fresh->state().supporting_frames;
+    state.contradicted_updates = 0;
+    state.last_seen = fresh->state().last_seen;
+    if (is_back) state.status = ObjectStatus::kPresent;
+  }
+  if (is_back) {
     map_->RecordEvent(map_->MakeEvent(EventType::kReturned, EventReason::kShapeMatched, *twin));
   }
-  map_->MarkChanged(twin);
   map_->Delete(fresh);
 }
 
@@ -148,18 +149,16 @@ void SubmapMapper::Decide(const Tally& tally, TrackedObject* object) {
   const double least_conflict = std::max(
       parameters_.max_conflict_points,
       parameters_.max_conflict_share * static_cast<double>(object->surface().point_count()));
-  ObjectState& state = object->state();
-  const bool is_present = state.status == ObjectStatus::kPresent;
+  const bool is_present = object->state().status == ObjectStatus::kPresent;
+  ObjectEdit edit = map_->Edit(object);
   if (tally.contradicted > least_conflict) {
     if (!is_present) return;
     map_->RecordEvent(map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *object));
-    state.status = ObjectStatus::kArchived;
-    map_->MarkChanged(object);
+    edit.state().status = ObjectStatus::kArchived;
   } else if (IsMatch(tally)) {
     if (is_present) return;
     map_->RecordEvent(map_->MakeEvent(EventType::kReturned, EventReason::kShapeMatched, *object));
-    state.status = ObjectStatus::kPresent;
-    map_->MarkChanged(object);
+    edit.state().status = ObjectStatus::kPresent;
   }
 }
 

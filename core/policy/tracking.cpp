@@ -82,55 +82,63 @@ bool TrackingMapper::IsLost(const Registration& registration,
 
 /// Takes the object to where it was found, and tells so once it has come far enough.
 void TrackingMapper::Move(const Registration& registration, TrackedObject* object) {
-  ObjectState& state = object->state();
-  double& moved_m = state.belief.change_mean_m;
   const double step_m = registration.shift_world.norm();
   if (step_m == 0.0 && registration.yaw_rad == 0.0) {
-    moved_m = 0.0;
+    SetMoved(0.0, object);
     return;
   }
   // The correction moves the points to the object; the object goes the other way.
   const Eigen::Isometry3d T_world_found =
-      registration.T_correction.inverse() * state.T_world_object.ToIsometry();
-  state.T_world_object.position_world = T_world_found.translation();
-  state.T_world_object.yaw_rad -= registration.yaw_rad;
-  moved_m += step_m;
-  map_->MarkChanged(object);
-  if (moved_m < parameters_.reported_move_m || state.status != ObjectStatus::kPresent) return;
+      registration.T_correction.inverse() * object->state().T_world_object.ToIsometry();
+  const double moved_m = object->state().belief.change_mean_m + step_m;
+  {
+    ObjectEdit edit = map_->Edit(object);
+    UprightPose& T_world_object = edit.state().T_world_object;
+    T_world_object.position_world = T_world_found.translation();
+    T_world_object.yaw_rad -= registration.yaw_rad;
+    edit.state().belief.change_mean_m = moved_m;
+  }
+  if (moved_m < parameters_.reported_move_m || object->state().status != ObjectStatus::kPresent) {
+    return;
+  }
   ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kDisplaced, *object);
   event.old_center_world = event.center_world + registration.shift_world * (moved_m / step_m);
   map_->RecordEvent(event);
-  moved_m = 0.0;
+  SetMoved(0.0, object);
+}
+
+void TrackingMapper::SetMoved(double moved_m, TrackedObject* object) {
+  ObjectEdit edit = map_->Edit(object);
+  edit.state().belief.change_mean_m = moved_m;
 }
 
 void TrackingMapper::Drop(TrackedObject* object) {
   if (object->state().status == ObjectStatus::kPresent) {
     map_->RecordEvent(map_->MakeEvent(EventType::kRemoved, EventReason::kDisplaced, *object));
   }
-  object->state().status = ObjectStatus::kArchived;
-  map_->MarkChanged(object);
+  ObjectEdit edit = map_->Edit(object);
+  edit.state().status = ObjectStatus::kArchived;
 }
 
 void TrackingMapper::CountViews() {
   for (std::size_t place = 0; place < segments_.in_view().size(); ++place) {
     const std::size_t samples = segments_.CountSamples(place);
     if (samples == 0) continue;
-    TrackedObject* object = segments_.in_view()[place].object;
-    ObjectState& state = object->state();
+    ObjectEdit edit = map_->Edit(segments_.in_view()[place].object);
+    ObjectState& state = edit.state();
     ++state.supporting_frames;
     state.last_seen = map_->now();
     AddVotes({{state.class_id, samples}}, &state);
-    map_->MarkChanged(object);
   }
 }
 
 void TrackingMapper::ConfirmAndForget() {
   for (TrackedObject* object : map_->TentativeObjects()) {
-    ObjectState& state = object->state();
+    const ObjectState& state = object->state();
     if (state.supporting_frames >= parameters_.confirming_views) {
-      state.status = ObjectStatus::kPresent;
+      ObjectEdit edit = map_->Edit(object);
+      edit.state().status = ObjectStatus::kPresent;
       map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
-      map_->MarkChanged(object);
     } else if ((map_->now() - state.last_seen).seconds() > parameters_.tentative_age_s) {
       map_->Delete(object);
     }

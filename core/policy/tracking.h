@@ -47,6 +47,7 @@ class TrackingMapper final : public MapUpdater {
  private:
   void Follow(std::size_t place);
   void Move(const Registration& registration, TrackedObject* object);
+  void SetMoved(double moved_m, TrackedObject* object);
   bool IsLost(const Registration& registration,
               const std::vector<Eigen::Vector3d>& points_world,
               const TrackedObject& object) const;

@@ -132,45 +132,38 @@ bool ShareLattice(const ObjectState& a, const ObjectState& b) {
   return a.T_world_object.yaw_rad == 0.0 && b.T_world_object.yaw_rad == 0.0;
 }
 
-MovedLeaves CopyVoxels(const TrackedObject& from, const VoxelScale& scale, TrackedObject* into) {
-  assert(ShareLattice(from.state(), into->state()));
+void CopyVoxels(const TrackedObject& from, const VoxelScale& scale, ObjectEdit* into) {
+  const ObjectState& target_state = into->object().state();
+  assert(ShareLattice(from.state(), target_state));
   const Eigen::Vector3d offset_voxels =
-      (from.state().T_world_object.position_world - into->state().T_world_object.position_world) /
+      (from.state().T_world_object.position_world - target_state.T_world_object.position_world) /
       scale.voxel_size_m;
   const Eigen::Vector3i shift = offset_voxels.array().round().cast<int>();
-  TsdfGrid& volume = into->MutableVolume();
-  MovedLeaves moved;
   LeafVoxels voxels;
   from.volume().ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
     const LeafOrigin target = Shift(origin, shift);
-    volume.LoadLeaf(target, &voxels);
+    into->object().volume().LoadLeaf(target, &voxels);
     TakeBetterVoxels(leaf, &voxels);
-    volume.StoreLeaf(target, voxels);
-    moved.from.push_back(origin);
-    moved.into.push_back(target);
+    into->StoreLeaf(target, voxels);
   });
   for (const LeafEvidence& evidence : from.state().evidence.leaves) {
     TakeBetterEvidence(evidence,
                        &into->state().evidence.MutableLeaf(Shift(evidence.origin, shift)));
   }
-  into->UpdateSurface(moved.into);
-  return moved;
 }
 
-std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
-                                       const Eigen::Isometry3d& T_world_from,
-                                       double max_weight,
-                                       const VoxelScale& scale,
-                                       TrackedObject* into) {
+void ResampleVoxels(const TrackedObject& from,
+                    const Eigen::Isometry3d& T_world_from,
+                    double max_weight,
+                    const VoxelScale& scale,
+                    ObjectEdit* into) {
   const Eigen::Isometry3d T_from_into =
-      T_world_from.inverse() * into->state().T_world_object.ToIsometry();
+      T_world_from.inverse() * into->object().state().T_world_object.ToIsometry();
   const std::set<LeafOrigin> targets = LeavesUnder(from.volume(), T_from_into.inverse(), scale);
   TsdfSampler sampler(from.volume(), scale);
-  TsdfGrid& volume = into->MutableVolume();
-  std::vector<LeafOrigin> changed;
   LeafVoxels voxels;
   for (const LeafOrigin& origin : targets) {
-    volume.LoadLeaf(origin, &voxels);
+    into->object().volume().LoadLeaf(origin, &voxels);
     bool has_changed = false;
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (IsSet(voxels.observed, offset)) continue;
@@ -181,12 +174,8 @@ std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
       StoreCanonical(sample, max_weight, scale, offset, &voxels);
       has_changed = true;
     }
-    if (!has_changed) continue;
-    volume.StoreLeaf(origin, voxels);
-    changed.push_back(origin);
+    if (has_changed) into->StoreLeaf(origin, voxels);
   }
-  into->UpdateSurface(changed);
-  return changed;
 }
 
 DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
@@ -236,13 +225,8 @@ std::size_t CountConnectedCells(const TrackedObject& object) {
   return most;
 }
 
-std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
-                                       TrackedObject* object,
-                                       TrackedObject* part) {
-  const std::set<CellPlace> gone_cells = FindGoneCells(*object, scores);
-  TsdfGrid& volume = object->MutableVolume();
-  TsdfGrid& part_volume = part->MutableVolume();
-  std::vector<LeafOrigin> changed;
+void MoveGoneVoxels(const GoneScores& scores, ObjectEdit* object, ObjectEdit* part) {
+  const std::set<CellPlace> gone_cells = FindGoneCells(object->object(), scores);
   LeafVoxels voxels;
   for (LeafEvidence& leaf : object->state().evidence.leaves) {
     std::array<bool, kEvidenceCells> is_gone{};
@@ -250,7 +234,7 @@ std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
       is_gone[cell] = gone_cells.contains(PlaceOf(leaf.origin, static_cast<std::uint8_t>(cell)));
     }
     LeafVoxels gone{};
-    volume.LoadLeaf(leaf.origin, &voxels);
+    object->object().volume().LoadLeaf(leaf.origin, &voxels);
     gone.has_color = voxels.has_color;
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (!is_gone[EvidenceCellOf(offset)] || !IsSet(voxels.observed, offset)) continue;
@@ -269,13 +253,9 @@ std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
     }
     if (gone.observed == LeafMask{}) continue;
     part->state().evidence.MutableLeaf(leaf.origin).score = gone_score;
-    volume.StoreLeaf(leaf.origin, voxels);
-    part_volume.StoreLeaf(leaf.origin, gone);
-    changed.push_back(leaf.origin);
+    object->StoreLeaf(leaf.origin, voxels);
+    part->StoreLeaf(leaf.origin, gone);
   }
-  object->UpdateSurface(changed);
-  part->UpdateSurface(changed);
-  return changed;
 }
 
 }  // namespace steadymap

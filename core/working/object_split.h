@@ -3,32 +3,26 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/working/object_edit.h"
 #include "core/working/tracked_object.h"
 
 /// Moves voxels between objects, after a merge or for a split.
 namespace steadymap {
-
-/// The changed leaves, each in the frame of its own object.
-struct MovedLeaves {
-  std::vector<LeafOrigin> from;
-  std::vector<LeafOrigin> into;
-};
 
 /// True if the voxels of two objects are on a common lattice: neither is rotated.
 bool ShareLattice(const ObjectState& a, const ObjectState& b);
 
 /// Copies all voxels and evidence of `from` to `into`. At equal positions, the voxel with the
 /// larger weight is kept. The objects must share their lattice (asserted). `from` is unchanged.
-MovedLeaves CopyVoxels(const TrackedObject& from, const VoxelScale& scale, TrackedObject* into);
+void CopyVoxels(const TrackedObject& from, const VoxelScale& scale, ObjectEdit* into);
 
 /// Adds the voxels of `from`, placed at `T_world_from`, to `into` where `into` has none, with
-/// weights of at most `max_weight`. Interpolates distances. Returns the changed leaves in the frame
-/// of `into`.
-std::vector<LeafOrigin> ResampleVoxels(const TrackedObject& from,
-                                       const Eigen::Isometry3d& T_world_from,
-                                       double max_weight,
-                                       const VoxelScale& scale,
-                                       TrackedObject* into);
+/// weights of at most `max_weight`. Interpolates distances.
+void ResampleVoxels(const TrackedObject& from,
+                    const Eigen::Isometry3d& T_world_from,
+                    double max_weight,
+                    const VoxelScale& scale,
+                    ObjectEdit* into);
 
 /// The numbers of evidence cells on an object's surface with absence evidence.
 struct DoubtedCells {
@@ -56,9 +50,7 @@ struct GoneScores {
 };
 
 /// Moves the voxels and scores of the absent evidence cells of `object` to `part`, which must have
-/// the same frame. Returns the changed leaves.
-std::vector<LeafOrigin> MoveGoneVoxels(const GoneScores& scores,
-                                       TrackedObject* object,
-                                       TrackedObject* part);
+/// the same frame.
+void MoveGoneVoxels(const GoneScores& scores, ObjectEdit* object, ObjectEdit* part);
 
 }  // namespace steadymap

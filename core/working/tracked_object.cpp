@@ -40,11 +40,6 @@ void TrackedObject::UpdateSurface(std::span<const LeafOrigin> changed_leaves) {
   UpdateBounds();
 }
 
-void TrackedObject::RebuildSurface() {
-  surface_.Rebuild(*volume_, scale_);
-  UpdateBounds();
-}
-
 void TrackedObject::UpdateBounds() {
   cuboid_.reset();
   Eigen::AlignedBox3f bounds;

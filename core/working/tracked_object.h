@@ -12,7 +12,8 @@
 
 namespace steadymap {
 
-/// An object of the working map: its published state with cached values.
+/// An object of the working map: its published state with cached values. Only an `ObjectEdit` can
+/// change it, so that the map knows of every change.
 class TrackedObject {
  public:
   /// Constructs a new object whose frame has its origin at `position_world`.
@@ -21,7 +22,9 @@ class TrackedObject {
   /// Continues from a published object and shares its volume.
   TrackedObject(const MapObject& published, const VoxelScale& scale);
 
-  ObjectState& state() { return state_; }
+  // No move and no assignment, which would change an object without an edit.
+  TrackedObject(const TrackedObject&) = default;
+  TrackedObject& operator=(const TrackedObject&) = delete;
 
   const ObjectState& state() const { return state_; }
 
@@ -35,18 +38,7 @@ class TrackedObject {
   /// True if it is archived and not to be deleted at the end of the frame.
   bool is_history() const { return is_archived() && !is_deleted_; }
 
-  void MarkDeleted() {
-    state_.status = ObjectStatus::kArchived;
-    is_deleted_ = true;
-  }
-
   const TsdfGrid& volume() const { return *volume_; }
-
-  /// Returns the volume for writing; cloned first if a published state shares it.
-  TsdfGrid& MutableVolume();
-
-  /// Replaces pose and volume by copies of those of another object.
-  void TakeVolume(const TrackedObject& other);
 
   const ObjectSurface& surface() const { return surface_; }
 
@@ -59,12 +51,6 @@ class TrackedObject {
   /// Returns the world-aligned box around `bounds_object()`; empty without surface.
   Box BoundsInWorld() const;
 
-  /// Updates surface and bounds after a change of some leaves of the volume.
-  void UpdateSurface(std::span<const LeafOrigin> changed_leaves);
-
-  /// Updates surface and bounds after a change of the whole volume.
-  void RebuildSurface();
-
   /// Returns the cuboid around the surface, world frame. Cost: about 100 us after a change, else
   /// none.
   const Cuboid& cuboid() const;
@@ -73,6 +59,23 @@ class TrackedObject {
   std::shared_ptr<const MapObject> Publish() const;
 
  private:
+  friend class ObjectEdit;
+  friend class WorkingMap;
+
+  void MarkDeleted() {
+    state_.status = ObjectStatus::kArchived;
+    is_deleted_ = true;
+  }
+
+  /// Returns the volume for writing; cloned first if a published state shares it.
+  TsdfGrid& MutableVolume();
+
+  /// Replaces pose and volume by copies of those of another object.
+  void TakeVolume(const TrackedObject& other);
+
+  /// Updates surface and bounds after a change of some leaves of the volume.
+  void UpdateSurface(std::span<const LeafOrigin> changed_leaves);
+
   void UpdateBounds();
 
   ObjectState state_;

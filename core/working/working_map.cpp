@@ -91,6 +91,13 @@ std::vector<const TrackedObject*> WorkingMap::ObjectsNear(const Box& box_world) 
   return objects;
 }
 
+std::vector<TrackedObject*> WorkingMap::AllObjects() {
+  std::vector<TrackedObject*> objects;
+  objects.reserve(objects_.size());
+  for (auto& [id, object] : objects_) objects.push_back(&object);
+  return objects;
+}
+
 std::vector<TrackedObject*> WorkingMap::FindAll(const std::set<ObjectId>& ids) {
   std::vector<TrackedObject*> objects;
   objects.reserve(ids.size());
@@ -131,9 +138,9 @@ TrackedObject& WorkingMap::AddObject(const Eigen::Vector3d& position_world) {
   const double leaf_size_m = map_.scale.leaf_size_m();
   const Eigen::Vector3d nearest_leaf = (position_world.array() / leaf_size_m).round();
   TrackedObject& object = Insert(nearest_leaf * leaf_size_m);
-  object.state().first_seen = now();
-  object.state().in_place_since = now();
-  object.state().last_seen = now();
+  object.state_.first_seen = now();
+  object.state_.in_place_since = now();
+  object.state_.last_seen = now();
   MarkChanged(&object);
   return object;
 }
@@ -141,9 +148,9 @@ TrackedObject& WorkingMap::AddObject(const Eigen::Vector3d& position_world) {
 TrackedObject& WorkingMap::AddPart(const TrackedObject& whole) {
   TrackedObject& part = Insert(whole.state().T_world_object.position_world);
   const ObjectId id = part.id();
-  part.state() = whole.state();
-  part.state().id = id;
-  part.state().evidence = {};
+  part.state_ = whole.state();
+  part.state_.id = id;
+  part.state_.evidence = {};
   MarkChanged(&part);
   return part;
 }
@@ -151,31 +158,26 @@ TrackedObject& WorkingMap::AddPart(const TrackedObject& whole) {
 void WorkingMap::Delete(TrackedObject* object) {
   object->MarkDeleted();
   object->volume().ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
-    changed_leaves_.push_back({object->id(), origin});
+    MarkLeaves(*object, {&origin, 1});
   });
   changed_objects_.insert(object->id());
   forgotten_.push_back(object->id());
   Register(*object);
 }
 
-void WorkingMap::TakeVolume(TrackedObject* object, const TrackedObject& other) {
-  std::vector<LeafOrigin> leaves;
-  const auto collect = [&leaves](LeafOrigin origin, const LeafView&) { leaves.push_back(origin); };
-  object->volume().ForEachLeaf(collect);
-  other.volume().ForEachLeaf(collect);
-  object->TakeVolume(other);
-  MarkLeaves(object, leaves);
+ObjectEdit WorkingMap::Edit(TrackedObject* object) {
+  assert(&objects_.at(object->id()) == object);
+  return {object, this};
 }
 
 void WorkingMap::MarkChanged(TrackedObject* object) {
-  object->state().revision = revision();
+  object->state_.revision = revision();
   changed_objects_.insert(object->id());
   Register(*object);
 }
 
-void WorkingMap::MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> leaves) {
-  for (const LeafOrigin& origin : leaves) changed_leaves_.push_back({object->id(), origin});
-  if (!leaves.empty()) MarkChanged(object);
+void WorkingMap::MarkLeaves(const TrackedObject& object, std::span<const LeafOrigin> leaves) {
+  for (const LeafOrigin& origin : leaves) changed_leaves_.push_back({object.id(), origin});
 }
 
 void WorkingMap::FuseBackground(TsdfIntegrator* integrator) {
@@ -195,8 +197,31 @@ void WorkingMap::FuseObject(std::uint32_t owner,
   std::vector<LeafOrigin> changed;
   integrator->Integrate(
       owner, object->state().T_world_object.ToIsometry(), &object->MutableVolume(), &changed);
-  object->UpdateSurface(changed);
-  MarkLeaves(object, changed);
+  ObjectEdit edit = Edit(object);
+  edit.MarkLeaves(changed);
+}
+
+std::vector<TrackedObject*> WorkingMap::FuseTiles(
+    const std::function<ObjectLeaf(LeafOrigin)>& place_of, TsdfIntegrator* integrator) {
+  std::vector<LeafOrigin> changed;
+  integrator->IntegrateWorld(
+      [&place_of](LeafOrigin origin) {
+        const ObjectLeaf place = place_of(origin);
+        return LeafPlace{&place.object->MutableVolume(), place.origin};
+      },
+      &changed);
+  std::map<ObjectId, std::vector<LeafOrigin>> changed_by_tile;
+  for (const LeafOrigin& origin : changed) {
+    const ObjectLeaf place = place_of(origin);
+    changed_by_tile[place.object->id()].push_back(place.origin);
+  }
+  std::vector<TrackedObject*> tiles;
+  for (const auto& [id, leaves] : changed_by_tile) {
+    tiles.push_back(&objects_.at(id));
+    ObjectEdit edit = Edit(tiles.back());
+    edit.MarkLeaves(leaves);
+  }
+  return tiles;
 }
 
 std::size_t WorkingMap::surface_bytes() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -16,6 +17,7 @@
 #include "core/types/timestamp.h"
 #include "core/volume/background.h"
 #include "core/volume/free_space.h"
+#include "core/working/object_edit.h"
 #include "core/working/object_index.h"
 #include "core/working/tracked_object.h"
 
@@ -27,13 +29,18 @@ struct MapCommit {
   std::shared_ptr<const MapSnapshot> snapshot;
 };
 
+/// A leaf of the volume of an object.
+struct ObjectLeaf {
+  TrackedObject* object = nullptr;
+  LeafOrigin origin;
+};
+
 /// The map of the single writer: all state that outlives a frame, with the changes since the last
 /// commit. A policy keeps all its state between frames here, so that a restart does not change the
 /// result.
 ///
-/// After a change the writer calls one of the `Mark` functions. A change that is not marked is
-/// neither stored nor visible in the index and the status sets. The `Fuse` functions mark their own
-/// changes. One thread at a time.
+/// Every function marks its own changes. The state and the volume of an object change only by an
+/// `ObjectEdit`, which marks the object. One thread at a time.
 class WorkingMap {
  public:
   explicit WorkingMap(const MapConfig& config);
@@ -71,7 +78,8 @@ class WorkingMap {
   /// the object is deleted.
   const std::map<ObjectId, TrackedObject>& objects() const { return objects_; }
 
-  std::map<ObjectId, TrackedObject>& mutable_objects() { return objects_; }
+  /// Returns all objects, by increasing id. Cost: proportional to their number.
+  std::vector<TrackedObject*> AllObjects();
 
   /// Returns the objects of any status whose surface bounds (aligned with the world's axes, metres)
   /// are within 1 mm of a box, by increasing id. The margin covers rounding differences. Cost:
@@ -87,6 +95,9 @@ class WorkingMap {
   /// id. Cost: proportional to their number.
   std::vector<TrackedObject*> ArchivedObjects() { return FindAll(archived_); }
 
+  /// Returns write access to an object of this map.
+  [[nodiscard]] ObjectEdit Edit(TrackedObject* object);
+
   /// Adds an object with a new id, first and last seen now. The origin of its frame is the leaf
   /// corner nearest to `position_world`, so that its lattice is that of the world.
   TrackedObject& AddObject(const Eigen::Vector3d& position_world);
@@ -97,15 +108,6 @@ class WorkingMap {
   /// Archives the object, and deletes it at the end of the frame.
   void Delete(TrackedObject* object);
 
-  /// Replaces pose and volume of `object` by copies of those of `other`.
-  void TakeVolume(TrackedObject* object, const TrackedObject& other);
-
-  /// Marks a change of the object's state or surface.
-  void MarkChanged(TrackedObject* object);
-
-  /// Marks changed leaves of the object, and its state if there are any.
-  void MarkLeaves(TrackedObject* object, std::span<const LeafOrigin> leaves);
-
   /// Fuses the background's cells (owner 0) of the integrator's frame into the background.
   void FuseBackground(TsdfIntegrator* integrator);
 
@@ -114,6 +116,12 @@ class WorkingMap {
 
   /// Fuses the cells of one owner in the integrator's frame into an object.
   void FuseObject(std::uint32_t owner, TrackedObject* object, TsdfIntegrator* integrator);
+
+  /// Fuses the background's cells of the integrator's frame into objects that are tiles of the
+  /// world, instead of into the background. `place_of` returns the leaf of an object for the origin
+  /// of a leaf of the world, every time the same. Returns the changed objects, by increasing id.
+  std::vector<TrackedObject*> FuseTiles(const std::function<ObjectLeaf(LeafOrigin)>& place_of,
+                                        TsdfIntegrator* integrator);
 
   /// Returns the memory of the surfaces of all objects, bytes.
   std::size_t surface_bytes() const;
@@ -140,6 +148,14 @@ class WorkingMap {
   MapCommit Commit();
 
  private:
+  friend class ObjectEdit;
+
+  /// Marks a change of the object's state or surface.
+  void MarkChanged(TrackedObject* object);
+
+  /// Marks changed leaves of the object.
+  void MarkLeaves(const TrackedObject& object, std::span<const LeafOrigin> leaves);
+
   TrackedObject& Insert(const Eigen::Vector3d& position_world);
   void Register(const TrackedObject& object);
   std::vector<TrackedObject*> FindAll(const std::set<ObjectId>& ids);

@@ -12,6 +12,7 @@
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
@@ -19,6 +20,8 @@ namespace {
 using ::steadymap::testing::Body;
 using ::steadymap::testing::kScale;
 using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::StateOf;
+using ::steadymap::testing::StoreVolume;
 using ::steadymap::testing::WallVolume;
 
 constexpr double kMaxRangeM = 5.0;
@@ -26,8 +29,7 @@ constexpr double kMaxRangeM = 5.0;
 /// Gives a wall of one square metre that faces the camera at the world's origin from `depth_m` away
 /// along x to `object`.
 void GiveWall(double depth_m, TrackedObject* object) {
-  object->MutableVolume() = WallVolume(depth_m, kScale);
-  object->RebuildSurface();
+  StoreVolume(WallVolume(depth_m, kScale), object);
 }
 
 /// One frame of a wall that fills the picture, and what the objects make of it.
@@ -141,7 +143,7 @@ TEST(FindObjectsInView, LeavesOutObjectsThatAreArchivedEmptyBehindOrFar) {
   EXPECT_TRUE(Look(2.0, {&first}).in_view.empty()) << "empty";
   GiveWall(2.0, &first);
   EXPECT_EQ(Look(2.0, {&first}).in_view.size(), 1U);
-  first.state().status = ObjectStatus::kArchived;
+  StateOf(&first).status = ObjectStatus::kArchived;
   EXPECT_TRUE(Look(2.0, {&first}).in_view.empty()) << "archived";
   GiveWall(-2.0, &second);
   EXPECT_TRUE(Look(2.0, {&second}).in_view.empty()) << "behind";

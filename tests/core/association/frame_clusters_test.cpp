@@ -4,6 +4,7 @@
 
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_scene.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
@@ -11,6 +12,8 @@ namespace {
 using ::steadymap::testing::Body;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::SceneBody;
+using ::steadymap::testing::StateOf;
+using ::steadymap::testing::StoreVolume;
 using ::steadymap::testing::WallVolume;
 
 constexpr VoxelScale kClusterScale;
@@ -20,10 +23,9 @@ constexpr std::uint16_t kClusterLabel = 4;
 class FrameClustersTest : public ::testing::Test {
  protected:
   FrameClustersTest() : wall_(ObjectId(1), Eigen::Vector3d::Zero(), kClusterScale) {
-    wall_.MutableVolume() = WallVolume(2.0, kClusterScale);
-    wall_.RebuildSurface();
-    wall_.state().class_id = ClassId(kClusterLabel);
-    wall_.state().status = ObjectStatus::kPresent;
+    StoreVolume(WallVolume(2.0, kClusterScale), &wall_);
+    StateOf(&wall_).class_id = ClassId(kClusterLabel);
+    StateOf(&wall_).status = ObjectStatus::kPresent;
   }
 
   /// Samples of the wall in a frame of `bodies`.

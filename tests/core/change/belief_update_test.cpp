@@ -4,11 +4,13 @@
 
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::kScale;
+using ::steadymap::testing::StateOf;
 
 constexpr Timestamp kNow = Timestamp::FromNanoseconds(100'000'000'000);
 constexpr std::uint8_t kCell = 17;
@@ -296,13 +298,13 @@ TEST(UpdateBelief, TakesFewerAbsencesToLoseWhatWasKnownFromAnEarlierVisit) {
 /// An object with that surface, last found at `kNow`.
 TrackedObject FoundNow() {
   TrackedObject object(ObjectId(1), Eigen::Vector3d::Zero(), kScale);
-  object.MutableVolume() =
+  testing::StoreVolume(
       testing::MakeVolume([](const Eigen::Vector3d& point) { return point.x() - 0.1; },
                           Box(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.39, 3.99, 0.79)),
                           kScale,
-                          [](const Eigen::Vector3d&) { return true; });
-  object.RebuildSurface();
-  object.state().last_seen = kNow;
+                          [](const Eigen::Vector3d&) { return true; }),
+      &object);
+  StateOf(&object).last_seen = kNow;
   return object;
 }
 
@@ -321,7 +323,8 @@ TEST(IsContradicted, CountsWhatEarlierFramesMissed) {
   TrackedObject object = FoundNow();
   ObjectVerdict verdict;
   verdict.seen_through = 1;
-  LeafEvidence& evidence = object.state().evidence.MutableLeaf(object.surface().leaves()[0].origin);
+  LeafEvidence& evidence =
+      StateOf(&object).evidence.MutableLeaf(object.surface().leaves()[0].origin);
   evidence.score.fill(-1);
   EXPECT_TRUE(IsContradicted(verdict, Later(20.0), ContradictionParameters(), object));
   evidence.score.fill(0);
@@ -335,7 +338,7 @@ TEST(IsContradicted, LeavesWhatWasFoundAMomentAgoButForAnEdge) {
   const Timestamp next_visit = Later(90.0);
   std::size_t found = 0;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    LeafEvidence& evidence = object.state().evidence.MutableLeaf(leaf.origin);
+    LeafEvidence& evidence = StateOf(&object).evidence.MutableLeaf(leaf.origin);
     evidence.confirmed = Later(80.0);
     for (const SurfaceVoxel& point : leaf.points) {
       found += evidence.score[point.cell] == 0 ? 1U : 0U;
@@ -346,9 +349,9 @@ TEST(IsContradicted, LeavesWhatWasFoundAMomentAgoButForAnEdge) {
   parameters.found_ratio = static_cast<double>(found) / 11.0 - 0.1;
   EXPECT_FALSE(IsContradicted(verdict, next_visit, parameters, object));
   EXPECT_TRUE(IsContradicted(verdict, Later(101.0), parameters, object)) << "too long ago";
-  object.state().belief = InitialBelief(0.19);
+  StateOf(&object).belief = InitialBelief(0.19);
   EXPECT_TRUE(IsContradicted(verdict, next_visit, parameters, object)) << "hardly believed";
-  object.state().belief = InitialBelief(0.21);
+  StateOf(&object).belief = InitialBelief(0.21);
   EXPECT_FALSE(IsContradicted(verdict, next_visit, parameters, object));
   parameters.found_ratio = static_cast<double>(found) / 11.0 + 0.1;
   EXPECT_TRUE(IsContradicted(verdict, next_visit, parameters, object)) << "too few";

@@ -19,6 +19,7 @@
 #include "tests/support/analytic_scene.h"
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
@@ -30,6 +31,8 @@ using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneLook;
+using ::steadymap::testing::StateOf;
+using ::steadymap::testing::StoreVolume;
 using ::steadymap::testing::WallVolume;
 using ::steadymap::testing::WithReach;
 
@@ -39,10 +42,9 @@ constexpr std::uint16_t kFarShelf = 6;
 /// away along x.
 std::unique_ptr<TrackedObject> KnownWall(ObjectId id, double depth_m) {
   auto object = std::make_unique<TrackedObject>(id, Eigen::Vector3d::Zero(), kScale);
-  object->MutableVolume() = WallVolume(depth_m, kScale);
-  object->RebuildSurface();
-  object->state().class_id = ClassId(kWallClass);
-  object->state().status = ObjectStatus::kPresent;
+  StoreVolume(WallVolume(depth_m, kScale), object.get());
+  StateOf(object.get()).class_id = ClassId(kWallClass);
+  StateOf(object.get()).status = ObjectStatus::kPresent;
   return object;
 }
 
@@ -197,19 +199,19 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
   const std::unique_ptr<TrackedObject> older = KnownWall(ObjectId(1), 2.0);
   const std::unique_ptr<TrackedObject> newer = KnownWall(ObjectId(2), 1.75);
   for (const SurfaceLeaf& leaf : older->surface().leaves()) {
-    older->state().evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
+    StateOf(older.get()).evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
   }
-  newer->state().in_place_since = Timestamp::FromSeconds(95.0);
+  StateOf(newer.get()).in_place_since = Timestamp::FromSeconds(95.0);
   const Frame frame = RenderScene({SeenWall(1.75)}, {});
   const ObjectVerdict verdict = JudgeFirst({older.get(), newer.get()}, frame);
   EXPECT_GT(verdict.replaced, CellsOfWallAt2m() / 2);
   EXPECT_EQ(verdict.replaced, verdict.judged());
 
-  newer->state().in_place_since = Timestamp::FromSeconds(91.0);
+  StateOf(newer.get()).in_place_since = Timestamp::FromSeconds(91.0);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U)
       << "both were there at once";
-  newer->state().in_place_since = Timestamp::FromSeconds(95.0);
-  newer->state().class_id = ClassId(kGoodsClass);
+  StateOf(newer.get()).in_place_since = Timestamp::FromSeconds(95.0);
+  StateOf(newer.get()).class_id = ClassId(kGoodsClass);
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
 }
 
@@ -217,18 +219,18 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
 ObjectVerdict JudgeWallBehindBox(double front_m, double back_m) {
   const std::unique_ptr<TrackedObject> older = KnownWall(ObjectId(1), 2.0);
   for (const SurfaceLeaf& leaf : older->surface().leaves()) {
-    older->state().evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
+    StateOf(older.get()).evidence.MutableLeaf(leaf.origin).confirmed = Timestamp::FromSeconds(90.0);
   }
   const std::unique_ptr<TrackedObject> newer = KnownWall(ObjectId(2), front_m);
   const testing::Solid box = {
       Box(Eigen::Vector3d(front_m, -0.5, -0.5), Eigen::Vector3d(back_m, 0.5, 0.5))};
-  newer->MutableVolume() = testing::MakeVolume(
-      [&](const Eigen::Vector3d& point) { return testing::DistanceFrom(box, point); },
-      Box(Eigen::Vector3d::Constant(-0.7), Eigen::Vector3d(back_m + 0.2, 0.7, 0.7)),
-      kScale,
-      [](const Eigen::Vector3d&) { return true; });
-  newer->RebuildSurface();
-  newer->state().in_place_since = Timestamp::FromSeconds(95.0);
+  StoreVolume(testing::MakeVolume(
+                  [&](const Eigen::Vector3d& point) { return testing::DistanceFrom(box, point); },
+                  Box(Eigen::Vector3d::Constant(-0.7), Eigen::Vector3d(back_m + 0.2, 0.7, 0.7)),
+                  kScale,
+                  [](const Eigen::Vector3d&) { return true; }),
+              newer.get());
+  StateOf(newer.get()).in_place_since = Timestamp::FromSeconds(95.0);
   return JudgeFirst({older.get(), newer.get()}, RenderScene({SeenWall(front_m)}, {}));
 }
 
@@ -241,8 +243,8 @@ TEST(VisibilityTest, SaysNothingOfSurfaceBehindANewerThingThatEndsBeforeIt) {
 /// The known wall, turned about its middle by `yaw_rad` against the one that is seen.
 std::unique_ptr<TrackedObject> TurnedWall(double yaw_rad) {
   std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
-  wall->state().T_world_object = {{2.0 - 2.0 * std::cos(yaw_rad), -2.0 * std::sin(yaw_rad), 0.0},
-                                  yaw_rad};
+  StateOf(wall.get()).T_world_object = {
+      {2.0 - 2.0 * std::cos(yaw_rad), -2.0 * std::sin(yaw_rad), 0.0}, yaw_rad};
   return wall;
 }
 

@@ -10,6 +10,7 @@
 #include "tests/support/analytic_samples.h"
 #include "tests/support/analytic_scene.h"
 #include "tests/support/analytic_solid.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
@@ -30,13 +31,12 @@ class MergeConnectedTest : public ::testing::Test {
     TrackedObject& half = map_.AddObject(Eigen::Vector3d::Zero());
     const double low_m = is_left ? 0.0 : -1.0;
     const Solid wall = {Box(Eigen::Vector3d(2.0, low_m, 0.0), Eigen::Vector3d(2.3, low_m + 1, 1))};
-    half.MutableVolume() = MakeVolume(wall, map_.scale());
-    half.RebuildSurface();
-    ObjectState& state = half.state();
+    ObjectEdit edit = map_.Edit(&half);
+    testing::StoreVolume(MakeVolume(wall, map_.scale()), &edit);
+    ObjectState& state = edit.state();
     state.class_id = ClassId(kWallClass);
     state.status = standing;
     state.in_place_since = Timestamp::FromSeconds(came_s);
-    map_.MarkChanged(&half);
     in_view_.push_back({&half, 0, 10, 0, 10});
     if (is_left) left_ = static_cast<std::uint32_t>(in_view_.size());
     return &half;
@@ -91,7 +91,10 @@ TEST_F(MergeConnectedTest, LeavesApartWhatCameOnDifferentVisits) {
 }
 
 TEST_F(MergeConnectedTest, LeavesApartWhatIsOfDifferentClasses) {
-  Put(true, ObjectStatus::kPresent)->state().class_id = ClassId(kGoodsClass);
+  {
+    ObjectEdit edit = map_.Edit(Put(true, ObjectStatus::kPresent));
+    edit.state().class_id = ClassId(kGoodsClass);
+  }
   Put(false, ObjectStatus::kPresent);
   EXPECT_TRUE(Merge().empty());
 }

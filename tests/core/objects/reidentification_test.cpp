@@ -5,14 +5,17 @@
 
 #include <gtest/gtest.h>
 
-#include "core/working/object_split.h"
+#include "core/working/working_map.h"
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::kScale;
+using ::steadymap::testing::StateOf;
+using ::steadymap::testing::StoreVolume;
 
 constexpr ClassId kClass{7};
 
@@ -22,15 +25,16 @@ TrackedObject Front(std::uint64_t id, double y_m, double width_m, bool is_whole 
   const double leaf_m = kScale.leaf_size_m();
   TrackedObject object(ObjectId(id), {0.0, std::floor(y_m / leaf_m) * leaf_m, 0.0}, kScale);
   const double first_m = y_m - object.state().T_world_object.position_world.y();
-  object.MutableVolume() = testing::MakeVolume(
-      [](const Eigen::Vector3d& point) { return 0.2 - point.x(); },
-      Box(Eigen::Vector3d(0.05, first_m, 0.0), Eigen::Vector3d(0.35, first_m + width_m, 1.0)),
-      kScale,
-      [&](const Eigen::Vector3d& point) {
-        return is_whole || (point.y() > first_m - 1e-6 && point.y() < first_m + width_m + 1e-6);
-      });
-  object.RebuildSurface();
-  object.state().class_id = kClass;
+  StoreVolume(
+      testing::MakeVolume(
+          [](const Eigen::Vector3d& point) { return 0.2 - point.x(); },
+          Box(Eigen::Vector3d(0.05, first_m, 0.0), Eigen::Vector3d(0.35, first_m + width_m, 1.0)),
+          kScale,
+          [&](const Eigen::Vector3d& point) {
+            return is_whole || (point.y() > first_m - 1e-6 && point.y() < first_m + width_m + 1e-6);
+          }),
+      &object);
+  StateOf(&object).class_id = kClass;
   return object;
 }
 
@@ -83,10 +87,10 @@ TEST(CompareSurfaces, IsNothingWithoutSurface) {
 class RecognitionArchive : public ::testing::Test {
  protected:
   TrackedObject* Put(TrackedObject object, double gone_s) {
-    object.state().status = ObjectStatus::kArchived;
-    object.state().in_place_since = Timestamp::FromSeconds(gone_s);
+    StateOf(&object).status = ObjectStatus::kArchived;
+    StateOf(&object).in_place_since = Timestamp::FromSeconds(gone_s);
     const ObjectId id = object.id();
-    return &objects_.insert_or_assign(id, std::move(object)).first->second;
+    return &objects_.try_emplace(id, std::move(object)).first->second;
   }
 
   TrackedObject* Find(const TrackedObject& object, StationarityPrior prior) {
@@ -113,12 +117,12 @@ TEST_F(RecognitionArchive, GivesWhatStoodInThatPlace) {
 TEST_F(RecognitionArchive, GivesAThinFrontThatWasSeenALittleInFront) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject object = Front(3, 0.0, 0.8);
-  object.MutableVolume() =
+  StoreVolume(
       testing::MakeVolume([](const Eigen::Vector3d& point) { return 0.19 - point.x(); },
                           Box(Eigen::Vector3d(0.05, 0.0, 0.0), Eigen::Vector3d(0.35, 0.8, 1.0)),
                           kScale,
-                          [](const Eigen::Vector3d&) { return true; });
-  object.RebuildSurface();
+                          [](const Eigen::Vector3d&) { return true; }),
+      &object);
   ASSERT_FALSE(object.bounds_object().intersects(known->bounds_object()));
   EXPECT_EQ(Find(object, StationarityPrior::kMobile), known);
 }
@@ -126,31 +130,47 @@ TEST_F(RecognitionArchive, GivesAThinFrontThatWasSeenALittleInFront) {
 TEST_F(RecognitionArchive, GivesNothingOfAnotherClassOrStillPresent) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject other_class = Front(3, 0.0, 0.8);
-  other_class.state().class_id = ClassId(4);
+  StateOf(&other_class).class_id = ClassId(4);
   EXPECT_EQ(Find(other_class, StationarityPrior::kMobile), nullptr);
-  known->state().status = ObjectStatus::kPresent;
+  StateOf(known).status = ObjectStatus::kPresent;
   EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMobile), nullptr);
 }
 
 TEST_F(RecognitionArchive, GivesNothingThatIsBeingForgotten) {
-  TrackedObject* merged = Put(Front(2, 0.0, 0.8), 10.0);
-  const TrackedObject* gone = Put(Front(4, 1.2, 0.8), 10.0);
-  merged->MarkDeleted();
-  EXPECT_EQ(Find(Front(3, 0.0, 0.8), StationarityPrior::kMobile), nullptr);
-  EXPECT_TRUE(FindGoneWith(*gone, parameters_, Candidates()).empty());
-  EXPECT_TRUE(FindReturnedParts(Front(3, 0.0, 0.4), kScale, parameters_, Candidates()).empty());
+  WorkingMap map{MapConfig()};
+  const auto put = [&](const TrackedObject& object) {
+    TrackedObject* archived = &map.AddPart(object);
+    ObjectEdit edit = map.Edit(archived);
+    edit.TakeVolume(object);
+    edit.state().status = ObjectStatus::kArchived;
+    edit.state().in_place_since = Timestamp::FromSeconds(10.0);
+    return archived;
+  };
+  TrackedObject* merged = put(Front(2, 0.0, 0.8));
+  const TrackedObject* gone = put(Front(4, 1.2, 0.8));
+  const auto find = [&] {
+    return FindReturned(
+        Front(3, 0.0, 0.8), kScale, StationarityPrior::kMobile, parameters_, map.ArchivedObjects());
+  };
+  EXPECT_EQ(find(), merged);
+  map.Delete(merged);
+  EXPECT_EQ(find(), nullptr);
+  EXPECT_TRUE(FindGoneWith(*gone, parameters_, map.ArchivedObjects()).empty());
+  EXPECT_TRUE(
+      FindReturnedParts(Front(3, 0.0, 0.4), kScale, parameters_, map.ArchivedObjects()).empty());
 }
 
 TEST_F(RecognitionArchive, GivesNothingThatStoodTurned) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject turned = Front(3, 0.0, 0.8);
-  turned.MutableVolume() = testing::MakeVolume(
-      [](const Eigen::Vector3d& point) { return 0.2 - point.x() + 0.13 * (point.y() - 0.4); },
-      Box(Eigen::Vector3d(0.05, 0.0, 0.0), Eigen::Vector3d(0.35, 0.8, 1.0)),
-      kScale,
-      [](const Eigen::Vector3d&) { return true; });
-  turned.RebuildSurface();
-  turned.state().in_place_since = Timestamp::FromSeconds(100.0);
+  StoreVolume(
+      testing::MakeVolume(
+          [](const Eigen::Vector3d& point) { return 0.2 - point.x() + 0.13 * (point.y() - 0.4); },
+          Box(Eigen::Vector3d(0.05, 0.0, 0.0), Eigen::Vector3d(0.35, 0.8, 1.0)),
+          kScale,
+          [](const Eigen::Vector3d&) { return true; }),
+      &turned);
+  StateOf(&turned).in_place_since = Timestamp::FromSeconds(100.0);
   EXPECT_EQ(Find(turned, StationarityPrior::kStationary), nullptr);
   parameters_.turn.turned_rad = 0.0;
   EXPECT_EQ(Find(turned, StationarityPrior::kStationary), known) << "distance alone does not tell";
@@ -159,10 +179,10 @@ TEST_F(RecognitionArchive, GivesNothingThatStoodTurned) {
 TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
   TrackedObject* known = Put(Front(2, 0.0, 0.8), 10.0);
   TrackedObject beside = Front(3, 0.4, 0.8);
-  beside.state().in_place_since = Timestamp::FromSeconds(100.0);
+  StateOf(&beside).in_place_since = Timestamp::FromSeconds(100.0);
   EXPECT_EQ(Find(beside, StationarityPrior::kMobile), nullptr);
   EXPECT_EQ(Find(beside, StationarityPrior::kStationary), known);
-  beside.state().in_place_since = Timestamp::FromSeconds(12.0);
+  StateOf(&beside).in_place_since = Timestamp::FromSeconds(12.0);
   EXPECT_EQ(Find(beside, StationarityPrior::kStationary), nullptr) << "moved along itself";
 }
 
@@ -170,18 +190,18 @@ TEST_F(RecognitionArchive, LeavesGoneWhatIsNotFoundAgainOnTheSameVisit) {
   TrackedObject* known = Put(Front(1, 0.0, 1.6), 100.0);
   // All but a quarter of it was missed when it was found gone.
   for (const SurfaceLeaf& leaf : known->surface().leaves()) {
-    LeafEvidence& evidence = known->state().evidence.MutableLeaf(leaf.origin);
+    LeafEvidence& evidence = StateOf(known).evidence.MutableLeaf(leaf.origin);
     for (const SurfaceVoxel& point : leaf.points) {
       evidence.score[point.cell] = point.position_object.y() > 0.4F ? -3 : 1;
     }
   }
   TrackedObject rest = Front(2, 0.0, 0.4);
-  rest.state().last_seen = Timestamp::FromSeconds(104.0);
+  StateOf(&rest).last_seen = Timestamp::FromSeconds(104.0);
   EXPECT_EQ(Find(rest, StationarityPrior::kMobile), nullptr);
   TrackedObject most = Front(3, 0.0, 1.4);
-  most.state().last_seen = Timestamp::FromSeconds(104.0);
+  StateOf(&most).last_seen = Timestamp::FromSeconds(104.0);
   EXPECT_EQ(Find(most, StationarityPrior::kMobile), known) << "what was missed is there again";
-  rest.state().last_seen = Timestamp::FromSeconds(300.0);
+  StateOf(&rest).last_seen = Timestamp::FromSeconds(300.0);
   EXPECT_EQ(Find(rest, StationarityPrior::kMobile), known) << "on another visit";
 }
 
@@ -191,15 +211,15 @@ TEST_F(RecognitionArchive, KnowsWhatStayedOfOneThatWentOnTheSameVisit) {
     return FindWhole(object, kScale, parameters_, Candidates());
   };
   TrackedObject rest = Front(2, 0.0, 0.4);
-  rest.state().last_seen = Timestamp::FromSeconds(104.0);
+  StateOf(&rest).last_seen = Timestamp::FromSeconds(104.0);
   EXPECT_EQ(find(rest), whole);
   TrackedObject beside = Front(3, 1.6, 1.2);
-  beside.state().last_seen = Timestamp::FromSeconds(104.0);
+  StateOf(&beside).last_seen = Timestamp::FromSeconds(104.0);
   EXPECT_EQ(find(beside), nullptr) << "most of it was never known";
   TrackedObject other_class = rest;
-  other_class.state().class_id = ClassId(4);
+  StateOf(&other_class).class_id = ClassId(4);
   EXPECT_EQ(find(other_class), nullptr);
-  rest.state().last_seen = Timestamp::FromSeconds(300.0);
+  StateOf(&rest).last_seen = Timestamp::FromSeconds(300.0);
   EXPECT_EQ(find(rest), nullptr) << "on another visit";
 }
 
@@ -208,14 +228,14 @@ class RecognitionPieces : public RecognitionArchive {
  protected:
   TrackedObject* Stand(TrackedObject object, double since_s) {
     TrackedObject* put = Put(std::move(object), since_s);
-    put->state().status = ObjectStatus::kPresent;
+    StateOf(put).status = ObjectStatus::kPresent;
     return put;
   }
 
   /// A new piece at `y_m` of that width, which comes at 200 s.
   TrackedObject* Find(double y_m, double width_m, const PieceParameters& parameters) {
     TrackedObject piece = Front(9, y_m, width_m, /*is_whole=*/false);
-    piece.state().in_place_since = Timestamp::FromSeconds(200.0);
+    StateOf(&piece).in_place_since = Timestamp::FromSeconds(200.0);
     return FindHost(piece, parameters, Candidates());
   }
 };
@@ -226,7 +246,7 @@ TEST_F(RecognitionPieces, BelongToTheNearestThatStandsNearEnough) {
   Put(Front(3, 1.2, 0.1), 190.0);
   EXPECT_EQ(Find(1.3, 0.1, parameters_.fixture), near) << "what is archived holds no pieces";
   EXPECT_EQ(Find(3.2, 0.1, parameters_.fixture), nullptr) << "nothing within reach";
-  near->state().class_id = ClassId(4);
+  StateOf(near).class_id = ClassId(4);
   EXPECT_EQ(Find(2.6, 0.1, parameters_.fixture), nullptr) << "of another class";
 }
 
@@ -239,7 +259,7 @@ TEST_F(RecognitionPieces, AreNoWiderThanThat) {
 TEST_F(RecognitionPieces, OfThingsBelongOnlyToWhatCameOnTheSameVisit) {
   TrackedObject* host = Stand(Front(1, 0.0, 0.7), 10.0);
   EXPECT_EQ(Find(0.8, 0.1, parameters_.thing), nullptr);
-  host->state().in_place_since = Timestamp::FromSeconds(190.0);
+  StateOf(host).in_place_since = Timestamp::FromSeconds(190.0);
   EXPECT_EQ(Find(0.8, 0.1, parameters_.thing), host);
 }
 

@@ -10,12 +10,14 @@
 #include "core/types/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_solid.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::Solid;
+using ::steadymap::testing::StoreVolume;
 using ::steadymap::testing::WallVolume;
 
 constexpr double kRecentS = 20.0;
@@ -41,15 +43,14 @@ class FindMovesTest : public ::testing::Test {
     const Eigen::Vector3d origin_world = pile.state().T_world_object.position_world;
     Solid solid = solid_world;
     for (Box& box : solid) box.translate(-origin_world);
-    pile.MutableVolume() = MakeVolume(solid, map_.scale());
-    pile.RebuildSurface();
-    ObjectState& state = pile.state();
+    ObjectEdit edit = map_.Edit(&pile);
+    StoreVolume(MakeVolume(solid, map_.scale()), &edit);
+    ObjectState& state = edit.state();
     state.status = ObjectStatus::kPresent;
     state.first_seen = Timestamp::FromSeconds(came_s);
     state.in_place_since = state.first_seen;
     state.last_seen = Timestamp::FromSeconds(last_seen_s);
     state.supporting_frames = 20;
-    map_.MarkChanged(&pile);
     in_view_.push_back({&pile, 0, 10, 0, 10});
     return &pile;
   }
@@ -60,21 +61,23 @@ class FindMovesTest : public ::testing::Test {
   /// The same of one that was given up at a time.
   void PutGivenUp(double y_m, double given_up_s) {
     TrackedObject* pile = PutMissed(y_m);
-    pile->state().status = ObjectStatus::kArchived;
-    pile->state().in_place_since = Timestamp::FromSeconds(given_up_s);
-    map_.MarkChanged(pile);
+    ObjectEdit edit = map_.Edit(pile);
+    edit.state().status = ObjectStatus::kArchived;
+    edit.state().in_place_since = Timestamp::FromSeconds(given_up_s);
   }
 
   TrackedObject* PutMissed(const Solid& solid_world) {
     TrackedObject* pile = Put(solid_world, 10.0, 30.0);
-    pile->state().evidence.absent_streak_cells = 12.0;
+    ObjectEdit edit = map_.Edit(pile);
+    edit.state().evidence.absent_streak_cells = 12.0;
     return pile;
   }
 
   /// Every cell of its surface was found at that time.
-  static void FindAllOf(TrackedObject* pile, double found_s) {
+  void FindAllOf(TrackedObject* pile, double found_s) {
+    ObjectEdit edit = map_.Edit(pile);
     for (const SurfaceLeaf& leaf : pile->surface().leaves()) {
-      LeafEvidence& evidence = pile->state().evidence.MutableLeaf(leaf.origin);
+      LeafEvidence& evidence = edit.state().evidence.MutableLeaf(leaf.origin);
       evidence.confirmed = Timestamp::FromSeconds(found_s);
       evidence.score.fill(1);
     }
@@ -105,10 +108,11 @@ TEST_F(FindMovesTest, TellsAPileThatWasPushedAside) {
 TEST_F(FindMovesTest, TellsAMoveOfWhatHadShownItsFrontAlone) {
   const Eigen::Vector3d middle(2.0, 0.0, 0.5);
   TrackedObject* front = PutMissed({Box(middle, middle)});
-  front->MutableVolume() = WallVolume(0.0, map_.scale());
-  front->RebuildSurface();
+  {
+    ObjectEdit edit = map_.Edit(front);
+    StoreVolume(WallVolume(0.0, map_.scale()), &edit);
+  }
   ASSERT_LT(front->cuboid().size_m.y(), 0.05);
-  map_.MarkChanged(front);
   const ObjectId missed = front->id();
   // Its sides lie where the front knows nothing.
   Put({Box(Eigen::Vector3d(1.4, -0.56, -0.06), Eigen::Vector3d(1.58, 0.56, 1.06))}, 95.0, 100.0);

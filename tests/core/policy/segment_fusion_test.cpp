@@ -31,9 +31,7 @@ class SegmentFusionTest : public ::testing::Test {
     const int frame = static_cast<int>(map_.revision().value());
     cloud_.Compute(LookAtScene(scene, frame, 1).front());
     map_.BeginFrame(map_.revision().Next(), Timestamp::FromSeconds(frame));
-    std::vector<TrackedObject*> candidates;
-    for (auto& [id, object] : map_.mutable_objects()) candidates.push_back(&object);
-    fusion_.Match(candidates, &cloud_, &map_);
+    fusion_.Match(map_.AllObjects(), &cloud_, &map_);
   }
 
   /// Samples of the frame matched with the objects of a class.

@@ -12,6 +12,7 @@
 
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
@@ -22,6 +23,7 @@ using ::steadymap::testing::LooksAround;
 using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::RandomMotionAbout;
 using ::steadymap::testing::Solid;
+using ::steadymap::testing::StoreVolume;
 using ::steadymap::testing::SurfaceView;
 using ::steadymap::testing::ThingsToLookAt;
 using ::steadymap::testing::WithNoise;
@@ -32,8 +34,7 @@ constexpr double kIcpNoiseM = 0.003;
 /// A thing whose frame is the world's, but for a shift.
 TrackedObject Thing(const Solid& solid, const Eigen::Vector3d& position_world) {
   TrackedObject thing(ObjectId(1), position_world, kScale);
-  thing.MutableVolume() = MakeVolume(solid, kScale);
-  thing.RebuildSurface();
+  StoreVolume(MakeVolume(solid, kScale), &thing);
   return thing;
 }
 

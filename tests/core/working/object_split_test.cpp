@@ -8,11 +8,13 @@
 
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
 
 using ::steadymap::testing::kScale;
+using ::steadymap::testing::StateOf;
 
 /// Multiples of the canonical steps, so that every voxel of a test volume is exact.
 LeafVoxels LeafWith(float weight, int distance_steps) {
@@ -26,13 +28,29 @@ LeafVoxels LeafWith(float weight, int distance_steps) {
 /// A wall that faces -x in the object's frame, one leaf wide along y and z each.
 TrackedObject Wall(ObjectId id, const Eigen::Vector3d& position_world) {
   TrackedObject object(id, position_world, kScale);
-  object.MutableVolume() =
+  testing::StoreVolume(
       testing::MakeVolume([](const Eigen::Vector3d& point) { return 0.1 - point.x(); },
                           Box(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.2, 0.39, 0.39)),
                           kScale,
-                          [](const Eigen::Vector3d&) { return true; });
-  object.RebuildSurface();
+                          [](const Eigen::Vector3d&) { return true; }),
+      &object);
   return object;
+}
+
+void StoreLeaf(LeafOrigin origin, const LeafVoxels& voxels, TrackedObject* object) {
+  ObjectEdit edit = ObjectEdit::OfUnregistered(object);
+  edit.StoreLeaf(origin, voxels);
+}
+
+void CopyInto(const TrackedObject& from, TrackedObject* into) {
+  ObjectEdit edit = ObjectEdit::OfUnregistered(into);
+  CopyVoxels(from, kScale, &edit);
+}
+
+void MoveGone(const GoneScores& scores, TrackedObject* object, TrackedObject* part) {
+  ObjectEdit edit = ObjectEdit::OfUnregistered(object);
+  ObjectEdit part_edit = ObjectEdit::OfUnregistered(part);
+  MoveGoneVoxels(scores, &edit, &part_edit);
 }
 
 /// All observed voxels of a volume, by leaf and offset.
@@ -59,9 +77,9 @@ TEST(ShareLattice, HoldsOnlyForObjectsThatWereNotTurned) {
 TEST(CopyVoxels, PutsVoxelsWhereTheyAreInTheWorld) {
   const TrackedObject from = Wall(ObjectId(2), {1.2, -0.8, 0.4});
   TrackedObject into(ObjectId(1), {0.4, 0.4, 0.0}, kScale);
-  const MovedLeaves moved = CopyVoxels(from, kScale, &into);
-  EXPECT_EQ(moved.from, (std::vector<LeafOrigin>{{0, 0, 0}}));
-  EXPECT_EQ(moved.into, (std::vector<LeafOrigin>{{16, -24, 8}}));
+  CopyInto(from, &into);
+  EXPECT_TRUE(from.volume().FindLeaf({0, 0, 0}));
+  EXPECT_TRUE(into.volume().FindLeaf({16, -24, 8}));
   EXPECT_EQ(into.volume().CountObservedVoxels(), from.volume().CountObservedVoxels());
   EXPECT_GT(into.surface().point_count(), 0U);
   const Cuboid& a = from.cuboid();
@@ -80,9 +98,9 @@ TEST(CopyVoxels, KeepsOfTwoVoxelsTheOneThatWasSeenBetter) {
   better.observed[0] &= ~(std::uint64_t{1} << 6);
   better.distance_m[6] = 0.0F;
   better.weight[6] = 0.0F;
-  from.MutableVolume().StoreLeaf(in_from, better);
-  into.MutableVolume().StoreLeaf(in_into, LeafWith(1.0F, 200));
-  CopyVoxels(from, kScale, &into);
+  StoreLeaf(in_from, better, &from);
+  StoreLeaf(in_into, LeafWith(1.0F, 200), &into);
+  CopyInto(from, &into);
   LeafVoxels both;
   into.volume().LoadLeaf(in_into, &both);
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
@@ -100,9 +118,9 @@ TEST(CopyVoxels, KeepsColoursOfBothObjects) {
   LeafVoxels colored = LeafWith(2.0F, 100);
   colored.color.fill(0x01102030U);
   colored.has_color = true;
-  from.MutableVolume().StoreLeaf({0, 0, 0}, colored);
-  into.MutableVolume().StoreLeaf({0, 0, 0}, LeafWith(1.0F, 200));
-  CopyVoxels(from, kScale, &into);
+  StoreLeaf({0, 0, 0}, colored, &from);
+  StoreLeaf({0, 0, 0}, LeafWith(1.0F, 200), &into);
+  CopyInto(from, &into);
   LeafVoxels both;
   into.volume().LoadLeaf({0, 0, 0}, &both);
   EXPECT_EQ(both, colored);
@@ -111,15 +129,15 @@ TEST(CopyVoxels, KeepsColoursOfBothObjects) {
 TEST(CopyVoxels, KeepsTheBetterEvidence) {
   TrackedObject from = Wall(ObjectId(2), {0.4, 0.0, 0.0});
   TrackedObject into = Wall(ObjectId(1), {0.0, 0.0, 0.0});
-  LeafEvidence& theirs = from.state().evidence.MutableLeaf({0, 0, 0});
+  LeafEvidence& theirs = StateOf(&from).evidence.MutableLeaf({0, 0, 0});
   theirs.score[3] = 2;
   theirs.score[4] = -7;
   theirs.confirmed = Timestamp::FromSeconds(50.0);
-  LeafEvidence& ours = into.state().evidence.MutableLeaf({8, 0, 0});
+  LeafEvidence& ours = StateOf(&into).evidence.MutableLeaf({8, 0, 0});
   ours.score[3] = -3;
   ours.score[4] = -5;
   ours.confirmed = Timestamp::FromSeconds(40.0);
-  CopyVoxels(from, kScale, &into);
+  CopyInto(from, &into);
   const LeafEvidence* both = into.state().evidence.FindLeaf({8, 0, 0});
   ASSERT_NE(both, nullptr);
   EXPECT_EQ(both->score[3], 2);
@@ -131,13 +149,13 @@ TEST(CopyVoxels, KeepsTheBetterEvidence) {
 TEST(MoveGoneVoxels, MovesExactlyTheGoneCells) {
   TrackedObject object = Wall(ObjectId(1), {0.4, 0.0, 0.0});
   const auto before = VoxelsOf(object.volume());
-  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  LeafEvidence& evidence = StateOf(&object).evidence.MutableLeaf({0, 0, 0});
   for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
     evidence.score[cell] = static_cast<std::int8_t>(cell % 4 < 2 ? -5 : -4);
   }
   TrackedObject part(ObjectId(2), {0.4, 0.0, 0.0}, kScale);
   const std::size_t points_before = object.surface().point_count();
-  EXPECT_EQ(MoveGoneVoxels({-5, -5}, &object, &part), (std::vector<LeafOrigin>{{0, 0, 0}}));
+  MoveGone({-5, -5}, &object, &part);
 
   auto after = VoxelsOf(object.volume());
   const auto moved = VoxelsOf(part.volume());
@@ -158,12 +176,12 @@ TEST(MoveGoneVoxels, MovesExactlyTheGoneCells) {
 
 TEST(MoveGoneVoxels, TakesDoubtedCellsThatGoneOnesAreConnectedTo) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
-  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  LeafEvidence& evidence = StateOf(&object).evidence.MutableLeaf({0, 0, 0});
   // Along z, one is gone, one missed, one found, and behind that one missed.
   const std::array<std::int8_t, 4> scores = {-5, -3, 2, -3};
   for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) evidence.score[cell] = scores[cell % 4];
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  MoveGoneVoxels({-5, -3}, &object, &part);
+  MoveGone({-5, -3}, &object, &part);
   for (const auto& [place, voxel] : VoxelsOf(part.volume())) {
     EXPECT_LT(EvidenceCellOf(place.second) % 4, 2);
   }
@@ -180,7 +198,7 @@ TEST(CountDoubtedCells, CountsCellsWithSurfaceAlone) {
   DoubtedCells cells = CountDoubtedCells(object, -5);
   EXPECT_EQ(cells.all, 16U) << "four by four, where the wall passes";
   EXPECT_EQ(cells.doubted, 0U);
-  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-3);
+  StateOf(&object).evidence.MutableLeaf({0, 0, 0}).score.fill(-3);
   cells = CountDoubtedCells(object, -5);
   EXPECT_EQ(cells.doubted, 16U);
   EXPECT_EQ(cells.gone, 0U);
@@ -190,7 +208,7 @@ TEST(CountDoubtedCells, CountsCellsWithSurfaceAlone) {
 TEST(CountFoundCells, CountsCellsWithSurfaceInLeavesFoundLately) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   EXPECT_EQ(CountFoundCells(object, Timestamp()), 0U) << "no evidence";
-  LeafEvidence& evidence = object.state().evidence.MutableLeaf({0, 0, 0});
+  LeafEvidence& evidence = StateOf(&object).evidence.MutableLeaf({0, 0, 0});
   evidence.confirmed = Timestamp::FromSeconds(50.0);
   EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.0)), 0U);
   evidence.score.fill(2);
@@ -203,7 +221,7 @@ TEST(CountConnectedCells, CountsTheLargestGroup) {
   EXPECT_EQ(CountConnectedCells(object), 16U);
   // A second leaf beside it, and one that nothing joins.
   for (const double y_m : {0.4, 1.2}) {
-    CopyVoxels(Wall(ObjectId(2), {0.0, y_m, 0.0}), kScale, &object);
+    CopyInto(Wall(ObjectId(2), {0.0, y_m, 0.0}), &object);
   }
   EXPECT_EQ(CountConnectedCells(object), 32U);
   EXPECT_EQ(CountConnectedCells(TrackedObject(ObjectId(3), Eigen::Vector3d::Zero(), kScale)), 0U);
@@ -212,9 +230,9 @@ TEST(CountConnectedCells, CountsTheLargestGroup) {
 TEST(MoveGoneVoxels, TakesAWholeLeafAway) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   const auto before = VoxelsOf(object.volume());
-  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
+  StateOf(&object).evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  MoveGoneVoxels({-5, -5}, &object, &part);
+  MoveGone({-5, -5}, &object, &part);
   EXPECT_EQ(object.volume().leaf_count(), 0U);
   EXPECT_EQ(object.surface().point_count(), 0U);
   EXPECT_TRUE(object.bounds_object().isEmpty());
@@ -224,18 +242,18 @@ TEST(MoveGoneVoxels, TakesAWholeLeafAway) {
 TEST(MoveGoneVoxels, ChangesNothingWhereNothingIsGone) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   const auto before = VoxelsOf(object.volume());
-  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-4);
+  StateOf(&object).evidence.MutableLeaf({0, 0, 0}).score.fill(-4);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  EXPECT_TRUE(MoveGoneVoxels({-5, -5}, &object, &part).empty());
+  MoveGone({-5, -5}, &object, &part);
   EXPECT_EQ(VoxelsOf(object.volume()), before);
   EXPECT_EQ(part.volume().leaf_count(), 0U);
 }
 
 TEST(MoveGoneVoxels, ForgetsTheScoresOfCellsWithoutVoxels) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
-  object.state().evidence.MutableLeaf({80, 0, 0}).score.fill(-9);
+  StateOf(&object).evidence.MutableLeaf({80, 0, 0}).score.fill(-9);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  EXPECT_TRUE(MoveGoneVoxels({-5, -5}, &object, &part).empty());
+  MoveGone({-5, -5}, &object, &part);
   EXPECT_EQ(object.state().evidence.FindLeaf({80, 0, 0})->score[0], 0);
   EXPECT_EQ(part.state().evidence.FindLeaf({80, 0, 0}), nullptr);
 }
@@ -244,9 +262,9 @@ TEST(MoveGoneVoxels, LeavesAPublishedVolumeAlone) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   const std::shared_ptr<const MapObject> published = object.Publish();
   const auto before = VoxelsOf(*published->volume);
-  object.state().evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
+  StateOf(&object).evidence.MutableLeaf({0, 0, 0}).score.fill(-9);
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  MoveGoneVoxels({-5, -5}, &object, &part);
+  MoveGone({-5, -5}, &object, &part);
   EXPECT_EQ(VoxelsOf(*published->volume), before);
 }
 

@@ -8,29 +8,24 @@
 
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_solid.h"
+#include "tests/support/object_edits.h"
 
 namespace steadymap {
 namespace {
 
 using ObjectList = std::vector<TrackedObject*>;
 
-/// Writes a cube with sides of 20 cm into the object, somewhere around the origin of its frame, and
-/// returns the leaves.
-std::vector<LeafOrigin> WriteCube(const Eigen::Vector3d& center_object, TrackedObject* object) {
+/// Replaces the volume of the object by a cube with sides of 20 cm around a point of its frame.
+void WriteCube(const Eigen::Vector3d& center_object, TrackedObject* object, WorkingMap* map) {
   const Box body(center_object.array() - 0.1, center_object.array() + 0.1);
   const Box around(center_object.array() - 0.3, center_object.array() + 0.3);
-  object->MutableVolume() = testing::Canonical(
-      testing::MakeVolume(
-          [&body](const Eigen::Vector3d& point) { return testing::DistanceFrom({body}, point); },
-          around,
-          VoxelScale(),
-          [](const Eigen::Vector3d&) { return true; }),
-      VoxelScale());
-  object->RebuildSurface();
-  std::vector<LeafOrigin> leaves;
-  object->volume().ForEachLeaf(
-      [&leaves](LeafOrigin origin, const LeafView&) { leaves.push_back(origin); });
-  return leaves;
+  const TsdfGrid cube = testing::MakeVolume(
+      [&body](const Eigen::Vector3d& point) { return testing::DistanceFrom({body}, point); },
+      around,
+      VoxelScale(),
+      [](const Eigen::Vector3d&) { return true; });
+  ObjectEdit edit = map->Edit(object);
+  testing::StoreVolume(testing::Canonical(cube, VoxelScale()), &edit);
 }
 
 /// What `ObjectsNear` should give.
@@ -38,17 +33,17 @@ ObjectList WalkNear(const Box& box_world, WorkingMap* map) {
   constexpr double kTouchM = 1e-3;
   const Box touching(box_world.min().array() - kTouchM, box_world.max().array() + kTouchM);
   ObjectList near;
-  for (auto& [id, object] : map->mutable_objects()) {
-    const Box bounds_world = object.BoundsInWorld();
-    if (!bounds_world.isEmpty() && bounds_world.intersects(touching)) near.push_back(&object);
+  for (TrackedObject* object : map->AllObjects()) {
+    const Box bounds_world = object->BoundsInWorld();
+    if (!bounds_world.isEmpty() && bounds_world.intersects(touching)) near.push_back(object);
   }
   return near;
 }
 
 ObjectList WalkStanding(ObjectStatus standing, WorkingMap* map) {
   ObjectList objects;
-  for (auto& [id, object] : map->mutable_objects()) {
-    if (object.state().status == standing) objects.push_back(&object);
+  for (TrackedObject* object : map->AllObjects()) {
+    if (object->state().status == standing) objects.push_back(object);
   }
   return objects;
 }
@@ -63,7 +58,7 @@ class RandomPolicy {
       map->AddObject(Position());
       return;
     }
-    TrackedObject* object = &Any(map);
+    TrackedObject* object = Any(map);
     switch (std::uniform_int_distribution(0, 6)(random_)) {
       case 0:
         map->AddObject(Position());
@@ -75,19 +70,16 @@ class RandomPolicy {
         map->Delete(object);
         break;
       case 3:
-        map->TakeVolume(object, Any(map));
+        TakeVolume(*Any(map), object, map);
         break;
       case 4:
-        object->state().T_world_object = {Position(), Uniform(-3.0, 3.0)};
-        map->MarkChanged(object);
+        Move(object, map);
         break;
       case 5:
-        if (object->is_deleted()) break;
-        object->state().status = static_cast<ObjectStatus>(Integer(2));
-        map->MarkChanged(object);
+        SetStatus(object, map);
         break;
       default:
-        map->MarkLeaves(object, WriteCube(0.1 * Position(), object));
+        WriteCube(0.1 * Position(), object, map);
         break;
     }
   }
@@ -103,9 +95,24 @@ class RandomPolicy {
   }
 
  private:
-  TrackedObject& Any(WorkingMap* map) {
-    const auto place = static_cast<std::ptrdiff_t>(Integer(map->objects().size() - 1));
-    return std::next(map->mutable_objects().begin(), place)->second;
+  static void TakeVolume(const TrackedObject& other, TrackedObject* object, WorkingMap* map) {
+    ObjectEdit edit = map->Edit(object);
+    edit.TakeVolume(other);
+  }
+
+  void Move(TrackedObject* object, WorkingMap* map) {
+    ObjectEdit edit = map->Edit(object);
+    edit.state().T_world_object = {Position(), Uniform(-3.0, 3.0)};
+  }
+
+  void SetStatus(TrackedObject* object, WorkingMap* map) {
+    if (object->is_deleted()) return;
+    ObjectEdit edit = map->Edit(object);
+    edit.state().status = static_cast<ObjectStatus>(Integer(2));
+  }
+
+  TrackedObject* Any(WorkingMap* map) {
+    return map->AllObjects()[Integer(map->objects().size() - 1)];
   }
 
   double Uniform(double low, double high) {
@@ -163,7 +170,7 @@ TEST(WorkingMap, SharesVolumesWithTheSnapshotItWasRestoredFromUntilItWritesThem)
   WorkingMap map((MapConfig()));
   map.BeginFrame(Revision(1), Timestamp::FromSeconds(1.0));
   TrackedObject& made = map.AddObject(Eigen::Vector3d::Zero());
-  map.MarkLeaves(&made, WriteCube(Eigen::Vector3d::Zero(), &made));
+  WriteCube(Eigen::Vector3d::Zero(), &made, &map);
   const ObjectId id = made.id();
   map.EndFrame();
   const std::shared_ptr<const MapSnapshot> published = map.Commit().snapshot;
@@ -172,11 +179,14 @@ TEST(WorkingMap, SharesVolumesWithTheSnapshotItWasRestoredFromUntilItWritesThem)
 
   WorkingMap restored((MapConfig()));
   restored.Restore(*published);
-  TrackedObject& object = restored.mutable_objects().at(id);
+  TrackedObject& object = *restored.AllObjects().front();
   EXPECT_EQ(&object.volume(), volume.get()) << "memory for two";
   LeafVoxels leaf;
   leaf.observed.front() = 1;
-  object.MutableVolume().StoreLeaf({800, 0, 0}, leaf);
+  {
+    ObjectEdit edit = restored.Edit(&object);
+    edit.StoreLeaf({800, 0, 0}, leaf);
+  }
   EXPECT_NE(&object.volume(), volume.get());
   EXPECT_EQ(object.volume().leaf_count(), leaves + 1);
   EXPECT_EQ(volume->leaf_count(), leaves);
@@ -188,7 +198,7 @@ TEST(WorkingMap, FindsNothingInAnEmptyBoxNorAnObjectWithoutSurface) {
   const Box around(Eigen::Vector3d::Constant(-1.0), Eigen::Vector3d::Constant(1.0));
   TrackedObject& object = map.AddObject(Eigen::Vector3d::Zero());
   EXPECT_TRUE(map.ObjectsNear(around).empty());
-  map.MarkLeaves(&object, WriteCube(Eigen::Vector3d::Zero(), &object));
+  WriteCube(Eigen::Vector3d::Zero(), &object, &map);
   EXPECT_EQ(map.ObjectsNear(around), ObjectList{&object});
   EXPECT_TRUE(map.ObjectsNear(Box()).empty());
 }
