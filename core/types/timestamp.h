@@ -8,7 +8,7 @@ namespace steadymap {
 
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
-/// A difference of two times, nanoseconds; negative if the second is earlier.
+/// The difference of two points in time, nanoseconds.
 class Duration {
  public:
   constexpr Duration() = default;
@@ -49,14 +49,14 @@ class Timestamp {
 
   friend constexpr auto operator<=>(const Timestamp&, const Timestamp&) = default;
 
-  /// The time from `b` to `a`, exact. A difference beyond 292 years is the longest that there is.
+  /// Returns the exact time from `b` to `a`; the largest or smallest duration on overflow.
   friend constexpr Duration operator-(Timestamp a, Timestamp b) {
     std::int64_t ns = 0;
     if (__builtin_sub_overflow(a.ns_, b.ns_, &ns)) ns = a < b ? kMin : kMax;
     return Duration::FromNanoseconds(ns);
   }
 
-  /// Beyond the times that can be told: the latest or earliest.
+  /// Returns the sum; the latest or earliest time on overflow.
   friend constexpr Timestamp operator+(Timestamp time, Duration duration) {
     std::int64_t ns = 0;
     if (__builtin_add_overflow(time.ns_, duration.nanoseconds(), &ns)) {
@@ -65,6 +65,7 @@ class Timestamp {
     return Timestamp(ns);
   }
 
+  /// Returns the difference; the latest or earliest time on overflow.
   friend constexpr Timestamp operator-(Timestamp time, Duration duration) {
     std::int64_t ns = 0;
     if (__builtin_sub_overflow(time.ns_, duration.nanoseconds(), &ns)) {

@@ -14,7 +14,7 @@ class WorkingMap;
 /// Write access to one object of a working map; made by `WorkingMap::Edit`. Its destructor updates
 /// the surface, and marks the object as changed if the edit gave out the state or changed the
 /// volume. Objects have no other write access, so that a commit cannot miss a change, and an object
-/// that nobody changed is not part of the delta.
+/// without a change is not part of the delta.
 ///
 /// Index and status sets of the map have the old values until the destructor. An edit therefore
 /// ends before the code that finds objects by place or status. It must not outlive the frame.

@@ -13,7 +13,7 @@
 namespace steadymap {
 
 /// An object of the working map: its published state with cached values. Only an `ObjectEdit` can
-/// change it, so that the map knows of every change.
+/// change it, so that the map records every change.
 class TrackedObject {
  public:
   /// Constructs a new object whose frame has its origin at `position_world`.
