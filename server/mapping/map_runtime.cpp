@@ -156,7 +156,7 @@ absl::Status MapRuntime::Enqueue(PendingBatch batch) {
 }
 
 void MapRuntime::AddClasses(std::vector<SemanticClass> classes,
-                            std::function<void(absl::Status)> done) {
+                            const std::function<void(absl::Status)>& done) {
   absl::Status status = CheckUploads();
   if (status.ok()) status = class_log_.Queue({std::move(classes), done});
   if (!status.ok()) return done(status);

@@ -131,7 +131,8 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
 
   /// Adds classes to the map's table. Calls `done` once they are durable, or with an error:
   /// `InvalidArgument` for classes that conflict with the table, or an error of `CheckUploads`.
-  void AddClasses(std::vector<SemanticClass> classes, std::function<void(absl::Status)> done);
+  void AddClasses(std::vector<SemanticClass> classes,
+                  const std::function<void(absl::Status)>& done);
 
   /// Number of frames that wait for the log.
   std::size_t queued_frames() const { return queue_.waiting_frames(); }

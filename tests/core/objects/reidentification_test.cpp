@@ -226,8 +226,8 @@ TEST_F(RecognitionArchive, KnowsWhatStayedOfOneThatWentOnTheSameVisit) {
 /// What stands and came at that time, and is a candidate for a piece to be of.
 class RecognitionPieces : public RecognitionArchive {
  protected:
-  TrackedObject* Stand(TrackedObject object, double since_s) {
-    TrackedObject* put = Put(std::move(object), since_s);
+  TrackedObject* Stand(const TrackedObject& object, double since_s) {
+    TrackedObject* put = Put(object, since_s);
     StateOf(put).status = ObjectStatus::kPresent;
     return put;
   }
