@@ -26,7 +26,8 @@ using ::steadymap::testing::LookAt;
 using ::steadymap::testing::RenderAnalytic;
 using ::steadymap::testing::Sphere;
 
-/// Frames of a sphere seen from a circle, so that later ones touch old and new leaves.
+/// Returns frames of a sphere from poses on a circle, so that later frames update old and new
+/// leaves.
 std::vector<Frame> CircleFrames(int count) {
   const Eigen::Vector3d center(0.1, 0.2, 0.3);
   std::vector<Frame> frames;
@@ -40,7 +41,7 @@ std::vector<Frame> CircleFrames(int count) {
   return frames;
 }
 
-/// A wall straight ahead.
+/// Returns a frame of a wall perpendicular to the optical axis.
 Frame WallFrame(int depth_mm) {
   Frame frame;
   frame.camera = AnalyticCamera();
@@ -49,7 +50,7 @@ Frame WallFrame(int depth_mm) {
   return frame;
 }
 
-/// Voxels of the background that were observed before and are not as they were.
+/// Returns the number of background voxels that were observed before and have changed.
 std::size_t CountChangedVoxels(const MapSnapshot& before, const MapSnapshot& after) {
   std::size_t count = 0;
   after.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
@@ -68,7 +69,7 @@ std::unique_ptr<Mapper> NewMapper() { return Mapper::Create(MapConfig()).value()
 
 std::string Vdb(const MapSnapshot& snapshot) { return WriteVdb(snapshot, nullptr).value(); }
 
-/// Integrates all frames with a commit after every `frames_per_commit`.
+/// Integrates all frames, with a commit after every `frames_per_commit` frames.
 std::vector<MapCommit> Map(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
   const std::unique_ptr<Mapper> mapper = NewMapper();
   std::vector<MapCommit> commits;
@@ -178,7 +179,8 @@ TEST(Mapper, SettlesNearTheCameraTooWhereALookWeighsMuch) {
   const auto at_400_mm = mapper->Commit().snapshot;
   mapper->Integrate(mapper->head().Next(), WallFrame(403));
   const auto at_403_mm = mapper->Commit().snapshot;
-  // But for the far end of the band, where weights have just risen from next to nothing.
+  // The bound allows for the far end of the truncation band, where weights have just risen from
+  // almost zero.
   EXPECT_LT(CountChangedVoxels(*at_400_mm, *at_403_mm), CountMap(*at_403_mm).voxels / 8);
   mapper->Integrate(mapper->head().Next(), WallFrame(420));
   EXPECT_GT(CountChangedVoxels(*at_403_mm, *mapper->Commit().snapshot), 100U);

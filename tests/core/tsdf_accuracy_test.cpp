@@ -1,5 +1,5 @@
-// Closed-form oracles of fusion, sampling, ray casting and meshing: a plane and a sphere, whose
-// distance is known everywhere, seen from several poses.
+// Closed-form oracles for fusion, sampling, ray casting and meshing: a plane and a sphere with
+// known distances everywhere, observed from several poses.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ using ::steadymap::testing::RangeFunction;
 using ::steadymap::testing::RenderAnalytic;
 using ::steadymap::testing::Sphere;
 
-/// A surface, its signed distance, and poses that see it.
+/// A surface, its signed distance, and poses that observe it.
 struct Oracle {
   const char* name;
   RangeFunction surface;
@@ -51,8 +51,8 @@ Oracle Ball() {
   const Eigen::Vector3d center(0.31, -0.22, 0.83);
   constexpr double kRadiusM = 0.6;
   std::vector<Eigen::Isometry3d> poses;
-  // Spread evenly: a fused distance away from the surface is only as good as the best look at it is
-  // straight.
+  // The poses are spread evenly, since the error of a fused distance away from the surface depends
+  // on the smallest incidence angle of any observation.
   constexpr int kPoses = 40;
   for (int i = 0; i < kPoses; ++i) {
     const double height = 1.0 - (2.0 * i + 1.0) / kPoses;
@@ -178,12 +178,12 @@ TEST_P(TsdfAccuracy, MeshVerticesLieOnTheSurfaceAndFaceOutwards) {
       ++outward;
     }
   }
-  // Slivers of no area have no side.
+  // Degenerate triangles have no orientation.
   EXPECT_GT(static_cast<double>(outward), 0.99 * static_cast<double>(mesh.triangles.size()));
 }
 
-/// What lies between the planes x = 0 and x = `gap_m` takes the distance from one to that from the
-/// other.
+/// Returns a volume whose distance is `before_m` for x <= 0 and `behind_m` for x >= `gap_m`, and
+/// linear between them.
 TsdfGrid StepOf(double before_m, double behind_m, double gap_m) {
   return testing::MakeVolume(
       [=](const Eigen::Vector3d& point) {
@@ -202,7 +202,8 @@ bool HasSurface(const TsdfGrid& volume) {
   return is_hit;
 }
 
-// The space behind a thin thing, seen from one side, meets the space before it, seen from another.
+// The free space behind a thin object, observed from one side, borders the free space in front of
+// it, observed from the other side.
 TEST(TsdfSurface, IsNotWhereTheDistanceJumps) {
   EXPECT_FALSE(HasSurface(StepOf(0.12, -0.12, 0.05)));
   EXPECT_FALSE(HasSurface(StepOf(0.02, -0.14, 0.05)));

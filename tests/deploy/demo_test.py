@@ -1,4 +1,4 @@
-"""What the demonstration leaves behind, judged by what it builds."""
+"""Tests of the build targets of the demonstration."""
 
 import os
 import re
@@ -16,7 +16,7 @@ class TheBuildOfTheDemo(unittest.TestCase):
         self.assertIn("PYTHONPATH=build/release/client/python", readme)
         demo = (SOURCE / "deploy/demo.sh").read_text(encoding="utf-8")
         targets = re.search(r"cmake --build --preset release --target (.*)", demo)[1].split()
-        # Every preset has the same targets; this build's stand for the release's.
+        # All presets have the same targets, so this build represents the release build.
         inputs = ["ninja", "-C", str(BUILD), "-t", "inputs", *targets]
         made_from = subprocess.run(inputs, check=True, capture_output=True, text=True).stdout
         self.assertTrue("client/python/generate_stubs.py\n" in made_from, targets)

@@ -1,4 +1,4 @@
-"""What `cmake --install` puts where: started and imported from there, not from the build tree."""
+"""Tests of `cmake --install`: programs and package run from the installed tree."""
 
 import os
 import re
@@ -14,7 +14,7 @@ from daemon_process import DaemonProcess, program  # noqa: E402
 
 
 def run(*command, **environment):
-    """Runs a command without what ctest sets for the build tree; gives what it printed."""
+    """Runs a command without the PYTHONPATH that ctest sets. Returns its output."""
     inherited = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     done = subprocess.run(
         [str(word) for word in command],
@@ -29,7 +29,7 @@ def run(*command, **environment):
 
 
 def install(prefix, destination=""):
-    """Installs this build under a prefix."""
+    """Installs this build under a prefix. Returns the output of cmake."""
     command = (program("CMAKE_COMMAND"), "--install", program("STEADYMAP_BUILD"))
     return run(*command, "--prefix", prefix, DESTDIR=str(destination))
 
@@ -107,7 +107,7 @@ class TheFolderOfAUser(InstallTest):
         version = run("/usr/bin/python3", "-c", "import sys; print('%d.%d' % sys.version_info[:2])")
         packages = prefix / f"lib/python{version.strip()}/site-packages"
         self.check_python(daemon.address, packages, HOME=str(home))
-        # systemd does not look there, and the unit forbids its daemon to look into homes.
+        # systemd does not search this prefix, and the unit denies its daemon access to homes.
         self.assertEqual(list(prefix.rglob("*.service")), [])
 
 

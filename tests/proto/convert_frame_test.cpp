@@ -17,7 +17,7 @@ const KnownLabels& Labels() {
   return labels;
 }
 
-// Each refusal of a frame is tested through the service, in tests/contract/refused_frame_test.cpp.
+// tests/contract/refused_frame_test.cpp tests each refusal of a frame through the service.
 
 TEST(ConvertFrame, EveryDepthEncodingGivesTheSamePixels) {
   const absl::StatusOr<Frame> raw = FromProto(MakeWallFrame(), kSource, Labels());
@@ -71,7 +71,7 @@ TEST(ConvertFrame, ColorIsDecoded) {
   EXPECT_EQ(frame->color, color);
 }
 
-/// Large enough that its images are decoded at the same time.
+/// Returns a frame large enough that its images are decoded in parallel.
 v1::Frame LargeFrame() {
   v1::Frame message = MakeWallFrame({.width_px = 320, .height_px = 240});
   const Image<std::uint16_t> instances(320, 240, 3);

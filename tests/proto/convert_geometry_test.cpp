@@ -14,7 +14,7 @@ namespace {
 using ::steadymap::testing::kInfinity;
 using ::steadymap::testing::kNan;
 
-// What rounding leaves after a rotation became a quaternion and back.
+// Rounding error of a rotation after the conversion to a quaternion and back.
 constexpr double kRotationTolerance = 1e-12;
 
 TEST(ConvertPose, RandomPosesComeBack) {

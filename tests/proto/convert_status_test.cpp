@@ -16,7 +16,7 @@
 namespace steadymap {
 namespace {
 
-/// A detail as any server packs it.
+/// Returns an error detail, packed in an Any under its type URL of google.rpc.
 google::protobuf::Any Detail(const std::string& name, const google::protobuf::Message& message) {
   google::protobuf::Any detail;
   detail.set_type_url("type.googleapis.com/google.rpc." + name);
@@ -24,7 +24,7 @@ google::protobuf::Any Detail(const std::string& name, const google::protobuf::Me
   return detail;
 }
 
-/// A field of length `bytes` on the wire; short ones only.
+/// Returns a length-delimited field on the wire. `bytes` must be short.
 std::string Field(int number, const std::string& bytes) {
   return std::string{static_cast<char>(number << 3 | 2), static_cast<char>(bytes.size())} + bytes;
 }
@@ -71,11 +71,11 @@ TEST(ConvertStatus, DetailsOfOtherNamesAndBrokenOnesAreIgnored) {
   EXPECT_EQ(reason_of("type.googleapis.com/google.rpc.ErrorInfo", "\xff"), "");
 }
 
-// Another library in the process may bring the originals, and protobuf ends a process in which two
-// files or messages have one name.
+// Another library in the process may register the original messages. Protobuf aborts a process that
+// registers two files or messages under one name.
 TEST(ConvertStatus, NothingIsRegisteredUnderNamesOfGoogleRpc) {
   const auto* const pool = google::protobuf::DescriptorPool::generated_pool();
-  // Also brings the messages of uploads, which hold a status, into this program.
+  // Also links the upload messages, which contain a status, into this program.
   EXPECT_EQ(v1::RefusedFrame::descriptor()->FindFieldByName("status")->message_type(),
             v1::Status::descriptor());
   for (const char* name : {"Status", "ErrorInfo", "BadRequest", "RetryInfo"}) {

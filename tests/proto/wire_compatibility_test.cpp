@@ -11,13 +11,14 @@
 #include "steadymap/v1/query_service.pb.h"
 #include "steadymap/v1/watch_service.pb.h"
 
-// Once version 1 of the protocol is frozen, clients of any age must understand servers of any
-// other: nothing that is on the wire may change or go. What was there then stands in
-// proto/steadymap/v1.frozen, a line a field, value and call, which is written by
+// After version 1 of the protocol is frozen, clients and servers of any age must be compatible: no
+// element on the wire may change or be removed. The frozen elements are listed in
+// proto/steadymap/v1.frozen, one line per field, value and call. The following command writes the
+// file:
 //
 //   STEADYMAP_FREEZE=1 build/dev/tests/proto/convert_test --gtest_filter='WireCompatibility.*'
 //
-// Until that file exists nothing is frozen.
+// Without this file nothing is frozen.
 namespace steadymap {
 namespace {
 
@@ -29,8 +30,8 @@ using google::protobuf::MethodDescriptor;
 
 const char* const kFrozenFile = STEADYMAP_SOURCE_DIR "/proto/steadymap/v1.frozen";
 
-/// Adds what matters on the wire, and in JSON, of a file and of those of this project that it
-/// imports.
+/// The elements that affect the wire format or JSON, of a file and of the project files that it
+/// imports, one line per element.
 class WireSurface {
  public:
   void AddFile(const FileDescriptor& file) {
@@ -106,7 +107,7 @@ TEST(WireCompatibility, TheSurfaceIsThatOfEveryFile) {
 
 TEST(WireCompatibility, NothingThatIsFrozenHasChanged) {
   const std::set<std::string> lines = Surface().lines();
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing writes the environment.
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): no thread writes the environment.
   if (std::getenv("STEADYMAP_FREEZE") != nullptr) {
     std::ofstream file(kFrozenFile);
     for (const std::string& line : lines) file << line << "\n";

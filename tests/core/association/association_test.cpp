@@ -26,13 +26,13 @@ using ::steadymap::testing::WallVolume;
 
 constexpr double kMaxRangeM = 5.0;
 
-/// Gives a wall of one square metre that faces the camera at the world's origin from `depth_m` away
-/// along x to `object`.
+/// Stores a wall of one square metre in `object`. The wall is at `depth_m` along x and faces the
+/// camera at the world origin.
 void GiveWall(double depth_m, TrackedObject* object) {
   StoreVolume(WallVolume(depth_m, kScale), object);
 }
 
-/// One frame of a wall that fills the picture, and what the objects make of it.
+/// One frame of a wall that fills the image, and its data association with the objects.
 struct Look {
   Look(double depth_m,
        const std::vector<TrackedObject*>& objects,
@@ -162,7 +162,7 @@ TEST(GiveCellsToOwners, GivesCellsToTheOwnersOfTheirSamples) {
     EXPECT_EQ(cell.owner, 1U) << "what nobody owns weighs nothing";
     ++owned;
   }
-  // Two cells a sample in each direction.
+  // One sample spans two cells in each direction.
   EXPECT_GT(owned, 7 * look.CountOwned(1) / 2);
   EXPECT_LT(owned, 9 * look.CountOwned(1) / 2);
 }

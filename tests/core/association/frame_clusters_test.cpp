@@ -19,7 +19,7 @@ using ::steadymap::testing::WallVolume;
 constexpr VoxelScale kClusterScale;
 constexpr std::uint16_t kClusterLabel = 4;
 
-/// A wall of one square metre that faces the camera at the world's origin from 2 m away.
+/// A wall of one square metre at 2 m, which faces the camera at the world origin.
 class FrameClustersTest : public ::testing::Test {
  protected:
   FrameClustersTest() : wall_(ObjectId(1), Eigen::Vector3d::Zero(), kClusterScale) {
@@ -28,7 +28,7 @@ class FrameClustersTest : public ::testing::Test {
     StateOf(&wall_).status = ObjectStatus::kPresent;
   }
 
-  /// Samples of the wall in a frame of `bodies`.
+  /// Returns the number of samples that the wall owns in a frame of `bodies`.
   std::size_t CountClaimed(const std::vector<SceneBody>& bodies,
                            const ClusterParameters& parameters) {
     SemanticCloud cloud{MapConfig()};
@@ -49,7 +49,7 @@ class FrameClustersTest : public ::testing::Test {
   TrackedObject wall_;
 };
 
-/// What is seen of a wall 2 m away, from `left_m` to `right_m`.
+/// Returns the visible part of a wall at 2 m, from `left_m` to `right_m`.
 SceneBody SeenFrom(double left_m, double right_m, std::uint16_t label = kClusterLabel) {
   return Body(label, {2.0, left_m, -0.45}, {2.3, right_m, 0.45});
 }
@@ -62,7 +62,7 @@ TEST_F(FrameClustersTest, BoundNothingUnlessAskedTo) {
 TEST_F(FrameClustersTest, KeepAnObjectFromAClusterWhoseCentreLiesFarOff) {
   const ClusterParameters gate = {.center_distance_m = 0.2};
   EXPECT_EQ(CountClaimed({SeenFrom(-0.45, 0.45)}, gate), CountClaimed({SeenFrom(-0.45, 0.45)}, {}));
-  // At its borders, a sample or two are of no cluster.
+  // One or two samples at the borders belong to no cluster.
   EXPECT_LT(CountClaimed({SeenFrom(-0.45, 3.0)}, gate), 5U) << "centred further right";
 }
 

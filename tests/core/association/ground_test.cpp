@@ -20,7 +20,7 @@ testing::SceneBody Ground() {
   return Body(kGroundClass, {-5.0, -5.0, kGroundM - 0.5}, {9.0, 5.0, kGroundM});
 }
 
-/// A crate on the ground, one metre wide and half a metre high.
+/// Returns a crate on the ground, 1 m wide and 0.5 m high.
 testing::SceneBody CrateOnGround() {
   return Body(kGoodsClass, {1.5, -0.5, kGroundM}, {2.2, 0.5, kGroundM + 0.5});
 }
@@ -42,7 +42,7 @@ TEST(FindGroundHeight, FindsNoneOnAWall) {
 }
 
 TEST(FindGroundHeight, TakesNoTablesTopWhereSomethingIsSeenBelowIt) {
-  // The floor lies out of the picture; the crate stands beside the table.
+  // The floor is outside the image. The crate is beside the table.
   const testing::SceneBody top = Body(8, {1.0, -0.6, kGroundM + 0.7}, {2.4, 0.6, kGroundM + 0.75});
   const testing::SceneBody crate =
       Body(kGoodsClass, {1.4, 0.7, kGroundM + 0.1}, {2.0, 1.3, kGroundM + 0.8});

@@ -18,7 +18,7 @@ using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::SamplesOf;
 using ::steadymap::testing::Scene;
 
-/// Nothing is known yet.
+/// Returns an association without owners.
 Association NoOwners(const SampleGrid& samples) {
   Association association;
   association.owner.assign(samples.size(), Association::kNone);
@@ -33,7 +33,7 @@ std::size_t CountValid(const SampleGrid& samples) {
   return count;
 }
 
-/// A wall at 2 m that fills the picture: goods to the left, wall to the right.
+/// Returns a frame of a wall at 2 m that fills the image: goods to the left, wall to the right.
 Frame HalfAndHalf() {
   return RenderScene({Body(kGoodsClass, {2.0, 0.0, -4.0}, {2.3, 4.0, 4.0}),
                       Body(kWallClass, {2.0, -4.0, -4.0}, {2.3, 0.0, 4.0})},
@@ -47,8 +47,8 @@ TEST(FindObservations, GroupsConnectedSurfaceOfOneClass) {
   EXPECT_EQ(found[0].label, kGoodsClass);
   EXPECT_EQ(found[1].label, kWallClass);
   EXPECT_EQ(found[0].samples.size() + found[1].samples.size(), CountValid(samples));
-  // The picture covers 320 / 277 by 240 / 277 of the depth; towards its corners a sample counts
-  // for a little more than it covers.
+  // The image spans 320 / 277 by 240 / 277 of the depth. Towards the corners, the estimated area of
+  // a sample is slightly larger than its true area.
   const double picture_m2 = 4.0 * 320.0 * 240.0 / (277.0 * 277.0);
   const double found_m2 = found[0].area_m2 + found[1].area_m2;
   EXPECT_GT(found_m2, 0.95 * picture_m2);
@@ -79,7 +79,8 @@ TEST(FindObservations, AreTheLargestOfTooMany) {
   Frame frame = HalfAndHalf();
   const PinholeCamera& camera = frame.camera;
   frame.instances = Image<std::uint16_t>(camera.width_px, camera.height_px);
-  // A thing of four by four samples amid things of one: those are more than a frame may have.
+  // One instance of four by four samples among instances of one sample, more than the limit per
+  // frame.
   constexpr int kSamplePx = 4;
   for (int v = 0; v < camera.height_px; ++v) {
     for (int u = 0; u < camera.width_px; ++u) {
@@ -94,7 +95,7 @@ TEST(FindObservations, AreTheLargestOfTooMany) {
   ASSERT_GT(CountValid(samples), 2 * kMaxObservations);
   const std::vector<Observation> found = FindObservations(samples, NoOwners(samples));
   ASSERT_EQ(found.size(), kMaxObservations);
-  // The large one begins far down the picture, behind the smaller ones that are kept.
+  // The large observation begins low in the image, after the smaller ones that are kept.
   EXPECT_EQ(found.back().samples.size(), 16U);
   for (std::size_t i = 1; i < found.size(); ++i) {
     EXPECT_LT(found[i - 1].samples.front(), found[i].samples.front());

@@ -18,7 +18,7 @@ class SampleGridTest : public ::testing::Test {
     samples_.Compute(cloud_);
   }
 
-  /// Returns the place of the point 2 m deep at a cell, possibly between the cells' centres.
+  /// Returns the place of a point at depth 2 m that projects to cell coordinates (`u`, `v`).
   std::optional<SamplePlace> PlaceAt(double u, double v) const {
     const Eigen::Vector3d point_camera = 2.0 * cloud_.camera().Ray(u, v);
     return samples_.FindPlace(cloud_.camera(), point_camera.cast<float>());
@@ -36,7 +36,7 @@ class SampleGridTest : public ::testing::Test {
 TEST_F(SampleGridTest, FindsThePlaceOfEveryCellOfASample) {
   for (int v = 0; v < cells_high(); ++v) {
     for (int u = 0; u < cells_wide(); ++u) {
-      // The cell's centre, and points just inside of its corners.
+      // Tests the cell centre and points just inside its corners.
       for (const double offset : {-0.49, 0.0, 0.49}) {
         const std::optional<SamplePlace> place = PlaceAt(u + offset, v - offset);
         ASSERT_TRUE(place.has_value()) << u << ' ' << v;

@@ -15,7 +15,7 @@ using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::SamplesOf;
 using ::steadymap::testing::Scene;
 
-/// What stands left of the picture's middle belongs to `left`, the rest to `right`.
+/// Assigns samples left of the image centre to `left`, and the others to `right`.
 Association Halves(const SampleGrid& samples, std::uint32_t left, std::uint32_t right) {
   Association association;
   association.owner.assign(samples.size(), Association::kNone);
@@ -35,7 +35,7 @@ TEST(FindSurfaceAdjacencies, CountsThePairsAlongACommonBorder) {
   ASSERT_EQ(contacts.size(), 1U);
   EXPECT_EQ(contacts[0].first, 2U);
   EXPECT_EQ(contacts[0].second, 7U);
-  // One pair a row; the outermost may not have been measured well.
+  // One pair per row. The outermost rows may be invalid.
   EXPECT_GE(contacts[0].samples, static_cast<std::size_t>(samples.height() - 4));
   EXPECT_LE(contacts[0].samples, static_cast<std::size_t>(samples.height()));
 }
@@ -52,7 +52,7 @@ TEST(FindSurfaceAdjacencies, FindsNoneBetweenWhatInstanceIdsTellApart) {
   frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px);
   for (int v = 0; v < frame.camera.height_px; ++v) {
     for (int u = 0; u < frame.camera.width_px; ++u) {
-      // The owners' border lies beside the one of the instances, as it does where they touch.
+      // The border of the owners is beside the border of the instances, as for touching objects.
       frame.instances.At(u, v) = u < frame.camera.width_px / 3 ? 3 : 0;
     }
   }

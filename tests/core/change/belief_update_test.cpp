@@ -20,7 +20,7 @@ Timestamp Later(double seconds) {
   return Timestamp::FromNanoseconds(kNow.nanoseconds() + static_cast<std::int64_t>(seconds * 1e9));
 }
 
-/// A surface with two leaves.
+/// Returns a surface with two leaves.
 ObjectSurface TwoLeaves() {
   ObjectSurface surface;
   surface.Rebuild(
@@ -41,7 +41,7 @@ ObjectVerdict OneCell(Verdict verdict) {
   return result;
 }
 
-/// Adds the same verdict so many times; the score of the judged cell afterwards.
+/// Adds the same verdict `times` times. Returns the resulting score of the judged cell.
 int ScoreAfter(int times, Verdict verdict, ObjectEvidence* evidence) {
   const ObjectSurface surface = TwoLeaves();
   for (int i = 0; i < times; ++i)
@@ -244,7 +244,8 @@ TEST(UpdateBelief, SaysNothingInBetweenButStartsAnew) {
   }
 }
 
-/// Updates that find everything gone until the belief falls below the limit of removal.
+/// Returns the number of updates with absence alone until the stationarity falls below 0.40, after
+/// `agreements_before` updates with presence.
 int AbsencesUntilRemoval(StationarityPrior prior, int agreements_before) {
   MapObject object = ObjectWith(0.0, 0.0);
   for (int i = 0; i < agreements_before; ++i) {
@@ -295,7 +296,7 @@ TEST(UpdateBelief, TakesFewerAbsencesToLoseWhatWasKnownFromAnEarlierVisit) {
   }
 }
 
-/// An object with that surface, last found at `kNow`.
+/// Returns an object whose surface is a plane of 4 m by 0.8 m, last observed at `kNow`.
 TrackedObject FoundNow() {
   TrackedObject object(ObjectId(1), Eigen::Vector3d::Zero(), kScale);
   testing::StoreVolume(

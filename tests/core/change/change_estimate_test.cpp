@@ -1,4 +1,5 @@
-// The change by rays against the paper's by voxels, and scenes whose change is known.
+// Compares the change by rays with the change by voxels of the paper, and tests scenes with known
+// change.
 
 #include "core/change/change_estimate.h"
 
@@ -25,7 +26,7 @@ constexpr int kSidePx = 48;
 constexpr double kFocalPx = 90.0;
 constexpr double kCenterPx = 0.5 * (kSidePx - 1);
 
-/// Depth along z that the camera at the origin of its frame sees of a surface; 0 where nothing is.
+/// Returns the depth along z of a surface, observed by a camera at the origin; 0 without a return.
 Image<float> DepthOf(const RangeFunction& surface) {
   Image<float> depth_m(kSidePx, kSidePx);
   for (int v = 0; v < kSidePx; ++v) {
@@ -42,15 +43,15 @@ Image<float> DepthOfPlane(double depth_m) {
   return DepthOf(Plane(Eigen::Vector3d::UnitZ(), depth_m));
 }
 
-/// A surface moved by a vector, both in the camera frame.
+/// Returns a surface translated by `shift`. Both are in the camera frame.
 RangeFunction Moved(const RangeFunction& surface, const Eigen::Vector3d& shift) {
   return [=](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
     return surface(origin - shift, direction);
   };
 }
 
-/// Depths of both surfaces at the pixel that a voxel centre projects to; none where one of them has
-/// nothing there.
+/// Returns the depths of both surfaces at the pixel of a voxel centre, or nothing if either surface
+/// has no return there.
 std::optional<std::pair<double, double>> DepthsAt(const Eigen::Vector3d& voxel_camera,
                                                   const Image<float>& object_depth_m,
                                                   const Image<float>& observed_depth_m) {
@@ -65,9 +66,9 @@ std::optional<std::pair<double, double>> DepthsAt(const Eigen::Vector3d& voxel_c
   return std::pair(object_m, observed_m);
 }
 
-/// The paper's sum, magnitude only: two truncated projective distances at each voxel of a grid in
-/// the camera frame. Voxels that lie a truncation or more in front of both surfaces belong to
-/// neither volume.
+/// Computes the magnitude of the sum of the paper: two truncated projective distances at each voxel
+/// of a grid in the camera frame. Voxels that are a truncation distance or more in front of both
+/// surfaces belong to neither volume.
 std::optional<double> ChangeByVoxels(const Image<float>& object_depth_m,
                                      const Image<float>& observed_depth_m,
                                      double voxel_size_m,
@@ -99,8 +100,8 @@ std::optional<double> ChangeByVoxels(const Image<float>& object_depth_m,
   return parameters.change_scale * sum_m / static_cast<double>(voxels);
 }
 
-/// Planes, boxes and spheres up to 1.5 m away. None has a face parallel to the voxels, whose layers
-/// would then begin and end with it all at once.
+/// Planes, boxes and spheres up to 1.5 m away. No face is parallel to the voxel layers, since a
+/// whole layer would then begin or end at the face at once.
 class RandomScenes {
  public:
   explicit RandomScenes(std::uint64_t seed) : random_(seed) {}
@@ -127,7 +128,7 @@ class RandomScenes {
     };
   }
 
-  /// By mostly along z: there the sign is beyond doubt.
+  /// Returns a shift mostly along z, so that the sign of the change is unambiguous.
   Eigen::Vector3d Shift() {
     const double along_m = Uniform(0.04, 0.25) * (Uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0);
     return {Uniform(-0.02, 0.02), Uniform(-0.02, 0.02), along_m};
@@ -192,7 +193,8 @@ TEST(EstimateChange, ByDefaultTakesAKnownShiftForWhatItIs) {
 }
 
 TEST(EstimateChange, NeverExceedsHalfATruncationIfThereIsOne) {
-  // Far away and thin the voxels are even along a ray, so the limit is the one of a line.
+  // The plane is far away, so voxels are evenly distributed along a ray and the limit is that of a
+  // line.
   ChangeParameters parameters = WithoutNoise();
   parameters.truncation_m = 0.2;
   for (const double shift_m : {0.2, 0.5, 5.0}) {
@@ -226,7 +228,8 @@ TEST(EstimateChange, IgnoresDepthsThatAreNone) {
   EXPECT_NEAR(*sum.Change(), 1.6 * 0.5, 1e-12);
 }
 
-/// Two depths of a plane, the second `nearer_m` nearer and with the noise that is expected.
+/// Returns the change between two depths of a plane. The second is `nearer_m` nearer and has the
+/// expected noise.
 std::optional<double> ChangeOfNoisyPlane(double nearer_m, const ChangeParameters& parameters) {
   constexpr double kDepthM = 2.0;
   std::mt19937_64 random(3);

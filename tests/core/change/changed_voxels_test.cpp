@@ -11,14 +11,14 @@ namespace {
 
 using ::steadymap::testing::kScale;
 
-/// Distance and weight of a voxel of the changed volume, by index; anything not finite in weight
-/// is not observed.
+/// Distance and weight of a voxel of the changed volume. A voxel with a weight of zero is
+/// unobserved.
 struct Voxel {
   float distance_m = 0.0F;
   float weight = 1.0F;
 };
 
-/// A volume of two leaves side by side along x.
+/// Returns a volume of two leaves adjacent along x.
 TsdfGrid VolumeOf(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
   TsdfGrid grid;
   for (const int first : {0, kLeafSide}) {
@@ -36,7 +36,7 @@ TsdfGrid VolumeOf(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
   return grid;
 }
 
-/// The changes where a block of voxels, [low, high), becomes free.
+/// Returns the changes if a block of voxels, [low, high), becomes free.
 std::vector<VoxelChange> FreeBlock(const Eigen::Vector3i& low,
                                    const Eigen::Vector3i& high,
                                    float weight = 1.0F) {

@@ -13,7 +13,7 @@ using ::steadymap::testing::kWallClass;
 
 constexpr std::uint16_t kDistantCeiling = 2;
 
-/// A frame of five by five tiles without any return, all of one label.
+/// Returns a frame of five by five tiles without returns, with one label.
 Frame NothingBut(std::uint16_t label) {
   constexpr int kFrameSidePx = 5 * MinDepthGrid::kTilePx;
   Frame frame;
@@ -22,7 +22,7 @@ Frame NothingBut(std::uint16_t label) {
   return frame;
 }
 
-/// Whether the middle of a frame shows what is far, and no goods.
+/// Whether the centre of a frame shows a distant class other than `class_id`.
 bool MiddleIsFar(const Frame& frame, std::uint16_t class_id = kGoodsClass) {
   NoReturnLabels tiles{MapConfig()};
   tiles.Compute(frame);

@@ -12,7 +12,7 @@ using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 using ::steadymap::testing::SceneLook;
 
-/// One frame and what it looks through, up to 2.5 m.
+/// One frame and its observed free space, up to 2.5 m.
 struct Sight {
   explicit Sight(const Scene& scene, const SceneLook& look = {})
       : frame(RenderScene(scene, look)), cloud(MapConfig()) {
@@ -54,7 +54,7 @@ TEST(ViewFreeSpace, LooksThroughNothingWithoutReturns) {
 }
 
 TEST(ViewFreeSpace, TakesNoPointJustAboveTheGroundForClear) {
-  // A low camera: the ray through a point 10 cm above the ground goes on for 75 cm.
+  // The camera is low: the ray through a point 10 cm above the ground continues for 75 cm.
   const Scene ground = {Body(1, {-5.0, -5.0, -1.0}, {9.0, 5.0, -0.3})};
   const Sight sight(ground, {.target_world = {2.0, 0.0, -0.3}});
   const Eigen::Vector3f low(1.5F, 0.0F, -0.2F);

@@ -1,4 +1,4 @@
-// Scenes whose answer is known: a wall at 2 m that a frame finds, misses, or cannot see.
+// Scenes with known ground truth: a wall at 2 m that a frame confirms, misses or does not observe.
 
 #include "core/change/visibility.h"
 
@@ -38,8 +38,8 @@ using ::steadymap::testing::WithReach;
 
 constexpr std::uint16_t kFarShelf = 6;
 
-/// A known wall of one square metre that faces the camera at the world's origin from `depth_m`
-/// away along x.
+/// Returns a known wall of one square metre at `depth_m` along x, which faces the camera at the
+/// world origin.
 std::unique_ptr<TrackedObject> KnownWall(ObjectId id, double depth_m) {
   auto object = std::make_unique<TrackedObject>(id, Eigen::Vector3d::Zero(), kScale);
   StoreVolume(WallVolume(depth_m, kScale), object.get());
@@ -48,12 +48,12 @@ std::unique_ptr<TrackedObject> KnownWall(ObjectId id, double depth_m) {
   return object;
 }
 
-/// A wall that fills the picture.
+/// Returns a wall that fills the image.
 testing::SceneBody SeenWall(double depth_m, std::uint16_t label = kWallClass) {
   return Body(label, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0});
 }
 
-/// What a frame says about the first of the objects. The camera looks along x.
+/// Returns the verdict of a frame on the first of the objects. The camera looks along x.
 ObjectVerdict JudgeFirst(const std::vector<TrackedObject*>& objects,
                          const Frame& frame,
                          const VisibilityParameters& parameters = {}) {
@@ -78,7 +78,7 @@ ObjectVerdict JudgeWallAt2m(const Frame& frame) {
   return JudgeFirst({wall.get()}, frame);
 }
 
-/// Evidence cells that the surface of the known wall passes.
+/// Returns the number of evidence cells that the surface of the known wall intersects.
 std::size_t CellsOfWallAt2m() {
   const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
   std::size_t cells = 0;
@@ -121,8 +121,8 @@ TEST(VisibilityTest, SaysNothingWithoutReturns) {
   EXPECT_EQ(JudgeWallAt2m(invalid).judged(), 0U);
 }
 
-/// A room's end that no depth reaches, and at the lower rim of the picture a board that gives depth
-/// from `board_m` on for 30 cm.
+/// Returns a frame of a wall beyond the depth range, and a board at the lower image border with
+/// returns from `board_m` to 30 cm further.
 Frame LookPastTheReach(std::uint16_t label, double board_m) {
   const double far_end_m = board_m + 0.3;
   const Scene scene = {
@@ -157,8 +157,8 @@ TEST(VisibilityTest, SaysNothingOfAWallInPlaceWithAnotherClass) {
   EXPECT_EQ(JudgeWallAt2m(RenderScene({SeenWall(2.0, kGoodsClass)}, {})).judged(), 0U);
 }
 
-// The side of a box that ends close before the wall lies in line with its edge, but faces another
-// way.
+// The side of a box that ends just in front of the wall is close to the wall edge, but has another
+// normal.
 TEST(VisibilityTest, TheSideOfAThingInFrontDoesNotShowAWall) {
   const Scene scene = {SeenWall(2.6), Body(kWallClass, {1.3, -4.0, -4.0}, {1.93, -0.46, 4.0})};
   const SceneLook look{.eye_world = {0.6, 0.9, 0.0}, .target_world = {2.0, -0.3, 0.0}};
@@ -215,7 +215,8 @@ TEST(VisibilityTest, TakesSurfaceCloseBehindANewerOneOfItsClassAsReplaced) {
   EXPECT_EQ(JudgeFirst({older.get(), newer.get()}, frame).judged(), 0U) << "of another class";
 }
 
-/// What the front of a newer box, seen alone, says about the known wall that it hides.
+/// Returns the verdict on the known wall behind a newer box, if only the front of the box is
+/// visible.
 ObjectVerdict JudgeWallBehindBox(double front_m, double back_m) {
   const std::unique_ptr<TrackedObject> older = KnownWall(ObjectId(1), 2.0);
   for (const SurfaceLeaf& leaf : older->surface().leaves()) {
@@ -240,7 +241,7 @@ TEST(VisibilityTest, SaysNothingOfSurfaceBehindANewerThingThatEndsBeforeIt) {
   EXPECT_EQ(JudgeWallBehindBox(1.55, 1.76).judged(), 0U);
 }
 
-/// The known wall, turned about its middle by `yaw_rad` against the one that is seen.
+/// Returns the known wall, rotated about its centre by `yaw_rad` relative to the observed wall.
 std::unique_ptr<TrackedObject> TurnedWall(double yaw_rad) {
   std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
   StateOf(wall.get()).T_world_object = {
@@ -288,7 +289,7 @@ TEST(VisibilityTest, MeasuresChangeAlongTheViewOfASlantedWall) {
   }
 }
 
-/// A frame with noise along z in its depth.
+/// Adds noise along z to the depth of a frame.
 Frame WithDepthNoise(Frame frame, double noise_m, std::mt19937_64* random) {
   std::normal_distribution<double> noise(0.0, noise_m / frame.depth.metres_per_unit);
   for (std::size_t i = 0; i < frame.depth.units.size(); ++i) {
@@ -298,7 +299,8 @@ Frame WithDepthNoise(Frame frame, double noise_m, std::mt19937_64* random) {
   return frame;
 }
 
-/// The change believed of the wall at 2 m after many noisy frames of a wall elsewhere.
+/// Returns the mean change in the belief of the wall at 2 m after many noisy frames of a wall at
+/// `seen_depth_m`.
 double SettledChange(double seen_depth_m) {
   const std::unique_ptr<TrackedObject> wall = KnownWall(ObjectId(1), 2.0);
   const Frame frame = RenderScene({SeenWall(seen_depth_m)}, {});

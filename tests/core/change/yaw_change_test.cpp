@@ -8,8 +8,9 @@
 namespace steadymap {
 namespace {
 
-/// What a flat front shows that is `width_m` wide along y, a metre high, faces -x, and was turned
-/// about its middle and then shifted. Points lie 5 cm apart; each distance errs by `noise_m`.
+/// Returns the observations of a flat front of `width_m` along y, 1 m high, facing -x, rotated
+/// about its centre and then shifted. Points are 5 cm apart. Each distance has noise of standard
+/// deviation `noise_m`.
 YawChangeSum LookAtFront(double width_m,
                          double turn_rad,
                          const Eigen::Vector3d& shift,
@@ -25,7 +26,7 @@ YawChangeSum LookAtFront(double width_m,
     for (int row = -10; row <= 10; ++row) {
       const double y = column * kStepM;
       const double z = row * kStepM;
-      // Along its normal, the turned front is met here.
+      // Offset of the rotated front along the normal of the unrotated front.
       const double offset_m = y * std::tan(turn_rad) + normal.dot(shift) + noise(random);
       sum.Add(middle + Eigen::Vector3d(0.0, y, z), normal, offset_m);
     }
@@ -63,7 +64,8 @@ TEST(YawChangeSum, LearnsNothingFromFlatSurface) {
 }
 
 TEST(YawChangeSum, KnowsHowFarTheTurnMovesTheSurface) {
-  // Columns of 17 points from -0.4 to 0.4 m: the turn moves each by its distance from the middle.
+  // Columns of 17 points from -0.4 to 0.4 m. The rotation moves each point in proportion to its
+  // distance from the centre.
   const YawChangeSum::Turn turn =
       LookAtFront(0.8, 0.15, Eigen::Vector3d(0.1, 0.0, 0.0), 0.0).Estimate();
   EXPECT_NEAR(turn.offset_m, std::tan(0.15) * 0.05 * std::sqrt(24.0), 1e-3);

@@ -14,19 +14,19 @@
 namespace steadymap {
 namespace {
 
-// A decoder with its packing and a small valid file.
+// A decoder, the name of its encoding and a small valid file.
 struct Subject {
   const char* name;
   std::string file;
   std::function<absl::Status(std::string_view data, int width_px, int height_px)> decode;
-  // Whether the format checks itself, so that any change of a byte must be found.
+  // Whether the format has a checksum, so that the decoder must detect every changed byte.
   bool checksummed;
 };
 
 constexpr int kImageWidthPx = 9;
 constexpr int kImageHeightPx = 7;
 
-// The status of a decoding; an image of a wrong size fails the test.
+// Returns the status of a decoding. Fails the test if the image has a wrong size.
 template <typename Pixel>
 absl::Status StatusOf(const absl::StatusOr<Image<Pixel>>& image, int width_px, int height_px) {
   if (image.ok()) {
@@ -106,7 +106,7 @@ TEST(ImageDecoders, RefuseAFileCutAtAnyByte) {
     SCOPED_TRACE(subject.name);
     for (std::size_t length = 0; length < subject.file.size(); ++length) {
       SCOPED_TRACE(length);
-      // A copy of its own, so that a sanitizer sees a read beyond the cut.
+      // A separate allocation, so that a sanitizer detects a read beyond the truncation.
       const std::vector<char> cut(subject.file.begin(),
                                   subject.file.begin() + static_cast<std::ptrdiff_t>(length));
       ExpectImageRefusal(subject.decode({cut.data(), cut.size()}, kImageWidthPx, kImageHeightPx));
@@ -190,7 +190,7 @@ TEST(DecodePixels, RefusesPngOfTheWrongKind) {
     std::string file;
   };
 
-  // A chunk that nobody knows is skipped; one that is too long is not even read.
+  // A chunk of unknown type is skipped. The content of an oversized chunk is not read.
   const std::string harmless = MakePngChunk("prVt", std::string(1000, 'x'));
   EXPECT_TRUE(DecodePixels(MakePng(4, 3, {}, {0}, harmless), PixelEncoding::kPng, 4, 3).ok());
   for (const Case& c :
@@ -210,7 +210,7 @@ TEST(DecodePixels, RefusesPngOfTheWrongKind) {
 
 TEST(DecodePixels, SkipsAFloodOfPngTextUnread) {
   std::string flood;
-  // Not even valid compressed text: whoever looks into it fails.
+  // The content is not valid compressed text, so a decoder that decompresses it fails.
   for (int i = 0; i < 2000; ++i) flood += MakePngChunk("zTXt", std::string("k\0\0", 3) + "junk");
   EXPECT_TRUE(DecodePixels(MakePng(4, 3, {}, {0}, flood), PixelEncoding::kPng, 4, 3).ok());
 }
@@ -222,7 +222,7 @@ TEST(DecodeColor, RefusesCmykJpeg) {
 }
 
 TEST(DecodeColor, RefusesAProgressiveJpegOfEndlessScans) {
-  // The last scan of a progressive file, repeated, burns time on every repetition.
+  // Each repetition of the last scan of a progressive file costs decoding time.
   const std::string file = MakeJpeg({8, 8, 1, {50, 50, 50}, true});
   const std::size_t scan = file.rfind("\xff\xda");
   const std::string last_scan = file.substr(scan, file.size() - 2 - scan);

@@ -1,4 +1,4 @@
-// Oracle: every matching of a small problem is tried.
+// Oracle: exhaustive search over all matchings of a small problem.
 
 #include "core/geometry/assignment.h"
 
@@ -31,7 +31,7 @@ Columns Solve(const Problem& problem) {
       problem.row_count, problem.column_count, problem.pairs, problem.unmatched_cost);
 }
 
-/// Cost of the cheapest pair there; infinity for none.
+/// Returns the cost of the cheapest pair of `row` and `column`, or infinity if they have no pair.
 double CostOf(const Problem& problem, std::size_t row, std::size_t column) {
   double cost = kInfinity;
   for (const AssignmentPair& pair : problem.pairs) {
@@ -40,7 +40,7 @@ double CostOf(const Problem& problem, std::size_t row, std::size_t column) {
   return cost;
 }
 
-/// Total cost of a matching; fails where it is none.
+/// Returns the total cost of a matching. Fails the test if the matching is invalid.
 double TotalCost(const Problem& problem, const Columns& columns) {
   EXPECT_EQ(columns.size(), problem.row_count);
   std::set<std::size_t> taken;
@@ -58,7 +58,7 @@ double TotalCost(const Problem& problem, const Columns& columns) {
   return total;
 }
 
-/// The least total over the rows from `row` on, given the columns already taken.
+/// Returns the minimum total cost over the rows from `row` on, given the columns already taken.
 double LeastCost(const Problem& problem, std::size_t row, std::vector<bool>* taken) {
   if (row == problem.row_count) return 0.0;
   double least = problem.unmatched_cost + LeastCost(problem, row + 1, taken);
@@ -77,7 +77,7 @@ double LeastCost(const Problem& problem) {
   return LeastCost(problem, 0, &taken);
 }
 
-/// Costs on a coarse grid, so that ties abound, or anywhere in [-2, 4].
+/// Returns a problem with costs on a coarse grid, to produce many ties, or uniform in [-2, 4].
 Problem RandomProblem(std::size_t most_per_side, bool with_ties, std::mt19937* random) {
   std::uniform_int_distribution<std::size_t> count(0, most_per_side);
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -150,7 +150,7 @@ TEST(AssignColumns, PairsThatAreNotFiniteAreNotAllowed) {
 
 TEST(AssignColumns, FindsTheDiagonalOfALargeComponent) {
   constexpr std::size_t kSide = 200;
-  // Least along the diagonal by the rearrangement inequality; greedy choices go wrong.
+  // The minimum is on the diagonal, by the rearrangement inequality. Greedy choices miss it.
   Problem problem{kSide, kSide, {}, 1e6};
   for (std::size_t row = 0; row < kSide; ++row) {
     for (std::size_t column = 0; column < kSide; ++column) {
@@ -164,7 +164,8 @@ TEST(AssignColumns, FindsTheDiagonalOfALargeComponent) {
 
 TEST(AssignColumns, ShiftsALongChainByOne) {
   constexpr std::size_t kRows = 2000;
-  // Each row but the last prefers its own column, which the last row needs the chain to vacate.
+  // Each row except the last prefers its own column. The last row needs an augmenting path through
+  // all rows.
   Problem problem{kRows, kRows, {}, 1e6};
   for (std::size_t row = 0; row + 1 < kRows; ++row) {
     problem.pairs.push_back({row, row, 0.0});

@@ -54,7 +54,8 @@ TEST(BoxTree, FindsTheBoxesThatHoldAPoint) {
   }
 }
 
-/// Which boxes a ray meets, by steps along it: one that it only grazes may be missed.
+/// Returns the boxes that a ray hits, found by sampling the ray. May miss a box that the ray only
+/// grazes.
 std::vector<std::size_t> StepAlong(const std::vector<Box>& boxes,
                                    const Eigen::Vector3d& origin,
                                    const Eigen::Vector3d& direction,

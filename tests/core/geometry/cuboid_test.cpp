@@ -29,12 +29,12 @@ Cuboid RandomCuboid(std::mt19937* random) {
           yaw(*random)};
 }
 
-/// A point of the box from coordinates in [-1, 1].
+/// Returns the point of the box at normalised coordinates `unit` in [-1, 1].
 Eigen::Vector3d PointIn(const Cuboid& cuboid, const Eigen::Vector3d& unit) {
   return cuboid.T_world_cuboid() * (0.5 * unit.cwiseProduct(cuboid.size_m));
 }
 
-/// Whether a point lies in the box, from the half-spaces of its base's sides.
+/// Whether the box contains a point, computed from the half-spaces of the sides of its base.
 bool Contains(const Cuboid& cuboid, const Eigen::Vector3d& point_world) {
   if (point_world.z() < cuboid.lowest_m() || point_world.z() > cuboid.highest_m()) return false;
   const std::array<Eigen::Vector2d, 4> corners = cuboid.BaseCorners();
@@ -46,7 +46,7 @@ bool Contains(const Cuboid& cuboid, const Eigen::Vector3d& point_world) {
   return true;
 }
 
-/// Least distance from `a` to `b` by cyclic projection onto each in turn (a convex problem).
+/// Returns the minimum distance between `a` and `b`, by alternating projection (a convex problem).
 double ProjectedDistance(const Cuboid& a, const Cuboid& b) {
   const auto project = [](const Cuboid& cuboid, const Eigen::Vector3d& point_world) {
     const Eigen::Vector3d half_m = 0.5 * cuboid.size_m;
@@ -135,7 +135,7 @@ TEST(OverlapM3, ClosedForms) {
   EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 2), CubeAt(0, 0, 0, 2)), 8.0, 1e-12);
   EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 2), CubeAt(1.5, 1, -1.75, 2)), 0.125, 1e-12);
   EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 9), CubeAt(1, 1, 1, 1, 0.7)), 1.0, 1e-12);
-  // Two unit squares at 45 degrees share a regular octagon of area 2 (sqrt(2) - 1).
+  // Two unit squares at 45 degrees intersect in a regular octagon of area 2 (sqrt(2) - 1).
   EXPECT_NEAR(OverlapM3(CubeAt(0, 0, 0, 1), CubeAt(0, 0, 0, 1, kPi / 4)),
               2.0 * (std::sqrt(2.0) - 1.0),
               1e-12);
@@ -161,7 +161,7 @@ TEST(OverlapM3, AgreesWithTheShareOfRandomPoints) {
       if (Contains(b, PointIn(a, {unit(random), unit(random), unit(random)}))) ++shared;
     }
     const double overlap_m3 = OverlapM3(a, b);
-    // Five standard deviations of a share of 20000 points are at most 0.018.
+    // The sampled share of 20000 points has an error of at most 0.018 at five standard deviations.
     ASSERT_NEAR(overlap_m3, a.volume_m3() * shared / kPoints, 0.018 * a.volume_m3());
     ASSERT_NEAR(overlap_m3, OverlapM3(b, a), 1e-12);
     ASSERT_TRUE(overlap_m3 < 1e-12 || DistanceBetween(a, b) < 1e-12) << "round " << round;
@@ -177,15 +177,15 @@ TEST(FitCuboid, NoPointsAndOnePoint) {
   EXPECT_EQ(cuboid.yaw_rad, 0.0);
 }
 
-// Headings are found to an eighth of a degree.
+// The heading search has a resolution of an eighth of a degree.
 constexpr double kHeadingErrorRad = 0.0022;
 
-/// How far two headings are apart when either end of a box may be its front, radians.
+/// Returns the angle between two headings in radians, modulo pi: a box has no distinguished front.
 double HeadingBetween(double a_rad, double b_rad) {
   return std::abs(std::remainder(a_rad - b_rad, kPi));
 }
 
-/// Random points of the box and its corners.
+/// Returns random points of the box, and its corners.
 std::vector<Eigen::Vector3d> PointsWithin(const Cuboid& cuboid, std::mt19937* random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::vector<Eigen::Vector3d> points;
@@ -211,8 +211,8 @@ TEST(FitCuboid, RecoversTheBoxThatPointsWereDrawnFrom) {
   }
 }
 
-/// Points of two upright sides that meet, as a robot sees them past a corner, each off by some
-/// millimetres.
+/// Returns points on two adjacent upright sides, as a robot observes them at a corner, with
+/// Gaussian noise of 4 mm.
 std::vector<Eigen::Vector3d> PointsOfTwoSides(const Cuboid& cuboid, std::mt19937* random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::normal_distribution<double> noise(0.0, 0.004);
@@ -233,7 +233,7 @@ TEST(FitCuboid, TwoSidesThatMeetTellTheHeadingOfTheBox) {
   for (const double yaw_rad : {-1.3, -0.8, -0.2, 0.0, 0.5, 1.1}) {
     const Cuboid box{{1.0, 2.0, 0.5}, {1.2, 0.8, 1.0}, yaw_rad};
     const Cuboid fit = FitCuboid(PointsOfTwoSides(box, &random));
-    // The major axis of these points is more than 20 degrees off.
+    // The major axis of these points is more than 20 degrees from the heading of the box.
     EXPECT_LT(HeadingBetween(fit.yaw_rad, yaw_rad), 0.01) << yaw_rad;
     EXPECT_LT((fit.center_world - box.center_world).norm(), 0.02);
     EXPECT_LT((fit.size_m - box.size_m).norm(), 0.05);

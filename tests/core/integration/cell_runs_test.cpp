@@ -18,7 +18,8 @@ using ::steadymap::testing::RenderScene;
 
 using Cell = std::pair<int, int>;  // Row and column.
 
-/// A wall, whose cells have weight and owner by chance, mostly those of the cell before.
+/// Returns the cells of a wall. Owner and weight are each redrawn at a cell with probability
+/// `change_chance`, else copied from the previous cell.
 SemanticCloud RandomOwners(std::uint32_t owners, double change_chance, std::uint32_t seed) {
   SemanticCloud cloud{MapConfig()};
   cloud.Compute(RenderScene({Body(kWallClass, {2.0, -4.0, -4.0}, {2.3, 4.0, 4.0})}, {}));

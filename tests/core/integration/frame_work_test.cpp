@@ -18,7 +18,7 @@ MapConfig FineConfig(double voxel_size_m, double max_depth_m) {
   return config;
 }
 
-/// A wall that faces a camera of 90 by 90 degrees, `depth_m` away.
+/// Returns a frame of a wall at `depth_m`, perpendicular to a camera of 90 by 90 degrees.
 Frame Wall(int side_px, double depth_m) {
   Frame frame;
   frame.camera = {side_px, side_px, side_px / 2.0, side_px / 2.0, side_px / 2.0, side_px / 2.0};
@@ -27,7 +27,7 @@ Frame Wall(int side_px, double depth_m) {
   return frame;
 }
 
-/// As `Wall`, each pixel as deep as chance has it.
+/// Returns a frame with an independent random depth at each pixel.
 Frame Noise(int side_px, double max_depth_m) {
   Frame frame = Wall(side_px, 1.0);
   std::mt19937 random(1);
@@ -39,7 +39,8 @@ Frame Noise(int side_px, double max_depth_m) {
 }
 
 TEST(EstimateTouchedLeaves, AreThoseOfAWall) {
-  // Of 4 m by 4 m in leaves of 8 cm: 2 500 on its face, and the band of 12 cm meets two or three.
+  // A wall of 4 m by 4 m has 2 500 leaves of 8 cm on its face. The truncation band of 12 cm
+  // intersects two or three layers of leaves.
   const std::size_t leaves =
       EstimateTouchedLeaves(Wall(512, 2.0), FineConfig(0.01, 4.0), kMaxFrameLeaves);
   EXPECT_GT(leaves, 2 * 2400U);

@@ -1,4 +1,4 @@
-// The cost of one frame stays within its bound for frames and maps that pass every check.
+// The cost of one frame is bounded for all frames and maps that pass validation.
 
 #include "tests/support/legal_frame.h"
 
@@ -14,7 +14,7 @@ namespace steadymap {
 namespace {
 
 /// Integrates a frame into an empty map, and again from a pose 2 cm further. Returns the larger
-/// number of leaves that one of the two integrations changed.
+/// number of leaves that one integration changed.
 std::size_t MostLeavesChanged(const MapConfig& config, Frame frame) {
   auto mapper = Mapper::Create(config).value();
   std::size_t most = 0;
@@ -45,8 +45,8 @@ TEST(LegalFrame, IsRefusedOrTouchesABoundedNumberOfLeaves) {
 }
 
 TEST(LegalFrame, OfThingsThatShareTheirLeavesIsFusedWithinTheBound) {
-  // A thousand stripes side by side, 5 mm by 25 m: together they meet some 15 000 leaves, but each
-  // has its own volume with hundreds of leaves: 440 000 and 4.7 GB, were there no bound.
+  // A thousand adjacent stripes of 5 mm by 25 m intersect about 15 000 leaves together, but each
+  // stripe has its own volume with hundreds of leaves: 440 000 leaves and 4.7 GB without the bound.
   MapConfig config;
   config.policy = UpdatePolicy::kPocd;
   config.voxel_size_m = 0.025;

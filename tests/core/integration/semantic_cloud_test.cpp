@@ -20,7 +20,8 @@ constexpr std::uint16_t kGoods = 7;
 constexpr std::uint16_t kPerson = 13;
 constexpr std::uint16_t kPersonInstance = 21;
 
-/// A person before a wall, with an instance id, the upper part of which is taken for goods.
+/// Returns a frame of a person in front of a wall. The person has an instance id, and the class of
+/// its upper part is goods.
 Frame PersonWithSpot(double goods_share) {
   Frame frame = RenderScene({Body(kWall, {3.0, -4.0, -4.0}, {3.2, 4.0, 4.0}),
                              Body(kPerson, {1.8, -0.4, -0.8}, {2.0, 0.4, 0.8})},

@@ -1,4 +1,4 @@
-// The two compiled variants of the kernels must agree bit for bit on any input.
+// The two compiled variants of the kernels must produce bit-identical results for any input.
 
 #include "core/integration/tsdf_kernel.h"
 
@@ -12,7 +12,7 @@
 namespace steadymap {
 namespace {
 
-/// A depth image of slanted patches, edges, holes and noise.
+/// Returns a depth image of slanted patches, edges, holes and noise.
 std::vector<std::uint16_t> RandomDepth(int width_px, int height_px, std::mt19937* random) {
   std::vector<std::uint16_t> depth(static_cast<std::size_t>(width_px) *
                                    static_cast<std::size_t>(height_px));
@@ -111,7 +111,7 @@ TEST(TsdfKernels, VariantsWriteTheSameVoxels) {
     LeafVoxels voxels[2];
     bool changed[2] = {false, false};
     const float origin[3] = {place(random), place(random), 1.2F + place(random)};
-    // Several looks, so that means, settling and the cap all come into play.
+    // Several observations, so that averaging, settling and the weight cap all take effect.
     for (int look = 0; look < 40; ++look) {
       for (const int variant : {0, 1}) {
         LeafVoxels& leaf = voxels[variant];

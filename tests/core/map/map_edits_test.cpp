@@ -14,7 +14,7 @@ namespace {
 constexpr LeafOrigin kOrigin{8, 0, -16};
 constexpr LeafOrigin kOtherOrigin{16, 0, -16};
 
-/// A leaf with one voxel.
+/// Returns a leaf with one voxel.
 std::string OneVoxelLeaf(const VoxelScale& scale, int weight) {
   LeafVoxels voxels;
   voxels.observed[3] = 1;
@@ -139,7 +139,7 @@ TEST_F(MapEditsTest, APatchLeavesTheOtherVoxelsOfItsLeaf) {
     ASSERT_TRUE(edits.StoreLeaf({ObjectId(owner), kOrigin}, leaf_of({3}, 9)).ok());
     edits.Finish();
     const MapSnapshot before = map_;
-    // Twice does no harm.
+    // Applying a patch twice has the same effect as once.
     MapEdits patches(&map_);
     for (int i = 0; i < 2; ++i) {
       ASSERT_TRUE(patches.PatchLeaf({ObjectId(owner), kOrigin}, leaf_of({6}, 9)).ok());

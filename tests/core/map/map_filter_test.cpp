@@ -5,7 +5,7 @@
 namespace steadymap {
 namespace {
 
-/// An object of class 7 with a cuboid of half a metre around (x, 0, 0).
+/// Returns an object of class 7 with a cuboid of 0.5 m around (x, 0, 0).
 ObjectState ObjectAt(std::uint64_t id, double x_m) {
   ObjectState object;
   object.id = ObjectId(id);

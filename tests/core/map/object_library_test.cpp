@@ -20,7 +20,7 @@ std::shared_ptr<const MapObject> MakeObject(ObjectId id, std::uint64_t views) {
   return object;
 }
 
-/// Everything that can be asked of a library, held against what a map says.
+/// Compares the results of all read operations of a library with those of a map.
 void ExpectHolds(const ObjectLibrary& library, const ObjectMap& truth, ObjectId last) {
   ASSERT_EQ(library.size(), truth.size());
   ASSERT_EQ(library.empty(), truth.empty());
@@ -52,7 +52,7 @@ class RandomLibrary {
  public:
   explicit RandomLibrary(unsigned seed) : random_(seed) {}
 
-  /// Writes or removes one object in both.
+  /// Writes or removes one object in both containers.
   void Step(ObjectLibrary* library, ObjectMap* truth) {
     const ObjectId id(std::uniform_int_distribution<std::uint64_t>(0, kLast.value())(random_));
     if (std::uniform_int_distribution(0, 99)(random_) < removed_percent_) {
@@ -63,7 +63,7 @@ class RandomLibrary {
       library->insert_or_assign(id, object);
       truth->insert_or_assign(id, object);
     }
-    // Now more, now less, so that chunks come and go.
+    // Alternates between mostly writes and mostly removals, so that chunks are added and removed.
     if (views_ % 200 == 0) removed_percent_ = 100 - removed_percent_;
   }
 
@@ -136,7 +136,7 @@ TEST(ObjectLibrary, CopiesShareTheChunksThatAreNotChanged) {
   EXPECT_EQ(library.at(changed)->supporting_frames, 0U);
   EXPECT_EQ(copy.at(changed)->supporting_frames, 1U);
   for (std::uint64_t id = 0; id < kObjects; ++id) {
-    // Entries lie in one place in both where their chunk is shared.
+    // Entries have the same address in both copies if their chunk is shared.
     const bool is_shared = &*library.find(ObjectId(id)) == &*copy.find(ObjectId(id));
     EXPECT_EQ(is_shared, id / ObjectLibrary::kChunkIds != 3) << id;
   }

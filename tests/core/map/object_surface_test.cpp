@@ -1,4 +1,4 @@
-// Oracle: planes and spheres, whose distances are known in closed form.
+// Oracle: planes and spheres, for which distances have a closed form.
 
 #include "core/map/object_surface.h"
 
@@ -18,7 +18,7 @@ namespace {
 using ::steadymap::testing::kScale;
 using ::steadymap::testing::MakeVolume;
 
-// Two leaves a side along y and z, as many along x as the planes below need.
+// Two leaves along each of y and z, and enough leaves along x for the planes below.
 Box SmallBounds() { return {Eigen::Vector3d(-0.4, 0.0, 0.0), Eigen::Vector3d(0.39, 0.79, 0.79)}; }
 
 TsdfGrid PlaneVolume(const Eigen::Vector3d& normal, double offset_m) {
@@ -50,7 +50,8 @@ std::vector<SurfaceVoxel> PointsOf(const ObjectSurface& surface) {
   return points;
 }
 
-/// Those of the points alone: room for leaves depends on the way that they came.
+/// Returns the bytes of the points alone. The capacity of the leaf list depends on the order of
+/// insertion.
 std::size_t PointBytesOf(const ObjectSurface& surface) {
   return surface.memory_bytes() - surface.leaves().capacity() * sizeof(SurfaceLeaf);
 }
@@ -87,7 +88,7 @@ TEST(ObjectSurface, HasOneVoxelAColumnAlongTheAxisThatThePlaneFaces) {
   const Eigen::Vector3d normal = Eigen::Vector3d(1.0, 0.3, -0.2).normalized();
   std::map<std::pair<long, long>, int> voxels_by_column;
   for (const SurfaceVoxel& point : PointsOf(SurfaceOf(PlaneVolume(normal, 0.1)))) {
-    // A point lies less than half a voxel off its voxel's centre.
+    // The surface point of a voxel is less than half a voxel from the voxel centre.
     const Eigen::Vector3d voxel = point.position_object.cast<double>() / kScale.voxel_size_m;
     ++voxels_by_column[{std::lround(voxel.y()), std::lround(voxel.z())}];
   }
@@ -104,7 +105,7 @@ TEST(ObjectSurface, PutsPointsOnASphereWithNormalsOutwards) {
   for (const SurfaceVoxel& point : PointsOf(surface)) {
     const Eigen::Vector3d radius = point.position_object.cast<double>() - center;
     EXPECT_NEAR(radius.norm(), 0.5, 0.001);
-    // At the border of a leaf a gradient is taken from one side.
+    // At the border of a leaf, the gradient is a one-sided difference.
     EXPECT_GT(radius.normalized().dot(point.normal_object.cast<double>()), 0.98);
   }
 }

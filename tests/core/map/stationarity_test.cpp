@@ -1,4 +1,4 @@
-// Oracle: the exact posterior, integrated over both unknowns.
+// Oracle: the exact posterior, integrated numerically over both unknowns.
 
 #include "core/map/stationarity.h"
 
@@ -29,7 +29,7 @@ double NormalDensity(double value, double mean, double std) {
   return std::exp(-0.5 * ratio * ratio) / (std * std::sqrt(2.0 * std::numbers::pi));
 }
 
-/// Moments of a density that need not be normalised.
+/// Moments of a density that may be unnormalised.
 struct Moments {
   double mass = 0.0;
   double change_m = 0.0;
@@ -39,14 +39,15 @@ struct Moments {
   double inlier_probability = 0.0;
 };
 
-/// A node of a quadrature over one unknown: its place, and the prior's density there times its
-/// weight.
+/// A node of a quadrature over one unknown: its position, and the prior density at this position
+/// times the quadrature weight.
 struct Node {
   double place;
   double weight;
 };
 
-/// Trapezoids, which converge exponentially for an analytic density that fades at both ends.
+/// Returns nodes of the trapezoidal rule, which converges exponentially for an analytic density
+/// that vanishes at both ends.
 std::vector<Node> ChangeNodes(const Belief& prior, double change_m, double noise_m) {
   const double step_m = std::min(prior.change_std_m, noise_m) / 3.0;
   const double low_m = std::min(prior.change_mean_m, change_m) - 10.0 * prior.change_std_m;
@@ -62,7 +63,8 @@ std::vector<Node> ChangeNodes(const Belief& prior, double change_m, double noise
   return nodes;
 }
 
-/// With v = 1 / (1 + exp(-x)) the Beta density fades at both ends; p(s | v)^k included.
+/// Returns nodes over x with v = 1 / (1 + exp(-x)), for which the Beta density vanishes at both
+/// ends. The weights include the factor p(s | v)^k.
 std::vector<Node> StationarityNodes(const Belief& prior, double stays_weight, double moves_weight) {
   constexpr double kStep = 0.1;
   constexpr int kStepsEachWay = 600;
@@ -106,7 +108,8 @@ Moments Integrate(const std::vector<Node>& changes,
           sum.inlier_probability / sum.mass};
 }
 
-/// The exact posterior's moments. `k` counts as in the paper's table 2.
+/// Returns the moments of the exact posterior. The exponent k of the class likelihood is that of
+/// table 2 of the paper.
 Moments ExactMoments(const Belief& prior,
                      double change_m,
                      StationarityPrior class_prior,
@@ -195,7 +198,7 @@ TEST(UpdateStationarity, AgreesWithTheFormulasAsPrinted) {
   const StationarityParameters parameters = PublishedParameters();
   const StationarityUpdate update =
       UpdateStationarity(prior, 0.9, StationarityPrior::kMobile, parameters);
-  // k = 0: a thing that moves was seen in place.
+  // k = 0: an object of a mobile class was observed in place.
   const double c1 = update.inlier_probability;
   ASSERT_GT(c1, 0.5);
   const double n = 6.0;
@@ -290,7 +293,7 @@ TEST(UpdateStationarity, SkipsWhatWouldRaiseStationarityBeyondItsMaximum) {
       UpdateStationarity(low, 0.0, StationarityPrior::kStationary, parameters);
   EXPECT_EQ(skipped.belief, low);
   EXPECT_GT(skipped.inlier_probability, 0.5);
-  // From above the maximum the way down stays open.
+  // A belief above the maximum can still decrease.
   const Belief high{0.1, 0.4, 9.0, 1.0};
   EXPECT_LT(UpdateStationarity(high, 4.0, StationarityPrior::kStationary, parameters)
                 .belief.stationarity(),
@@ -310,7 +313,7 @@ TEST(UpdateStationarity, ChangeBeyondTheMaximumCountsAsTheMaximum) {
 }
 
 TEST(UpdateStationarity, SharpBeliefsKeepTheirVariance) {
-  // Printed as e2 - e1^2, the variance of this Beta would have lost its last five digits.
+  // With the printed formula e2 - e1^2, the variance of this Beta would lose its last five digits.
   const Belief prior{0.0, 0.5, 6e10, 4e10};
   const Belief after =
       UpdateStationarity(prior, 0.0, StationarityPrior::kMobile, PublishedParameters()).belief;

@@ -1,4 +1,4 @@
-// Two objects whose surfaces a frame shows connected: the halves of a wall that fills the picture.
+// Two objects with connected surfaces in a frame: the halves of a wall that fills the image.
 
 #include "core/objects/object_merge.h"
 
@@ -26,7 +26,7 @@ class MergeConnectedTest : public ::testing::Test {
  protected:
   MergeConnectedTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
 
-  /// Half a wall, left (`y` > 0) or right of the picture's middle.
+  /// Adds half a wall, left (`y` > 0) or right of the image centre.
   TrackedObject* Put(bool is_left, ObjectStatus standing, double came_s = 99.0) {
     TrackedObject& half = map_.AddObject(Eigen::Vector3d::Zero());
     const double low_m = is_left ? 0.0 : -1.0;
@@ -57,7 +57,7 @@ class MergeConnectedTest : public ::testing::Test {
 
   WorkingMap map_{MapConfig()};
   std::vector<ObjectInView> in_view_;
-  std::uint32_t left_ = 0;  ///< Owner of what lies left of the picture's middle.
+  std::uint32_t left_ = 0;  ///< Owner of the samples left of the image centre.
 };
 
 TEST_F(MergeConnectedTest, KeepsTheOlderOfTwoThatTheMapShows) {
@@ -74,7 +74,7 @@ TEST_F(MergeConnectedTest, KeepsTheOlderOfTwoThatTheMapShows) {
   EXPECT_NEAR(whole.cuboid().size_m.maxCoeff(), 2.0, 0.1);
 }
 
-// Otherwise what the map has shown would be told as new once more.
+// Otherwise an object already in the published map would be reported as new again.
 TEST_F(MergeConnectedTest, KeepsTheOneThatTheMapShowsThoughItIsNewer) {
   Put(true, ObjectStatus::kTentative);
   const ObjectId shown = Put(false, ObjectStatus::kPresent)->id();

@@ -19,8 +19,8 @@ using ::steadymap::testing::StoreVolume;
 
 constexpr ClassId kClass{7};
 
-/// The front of a box that faces -x, along y from `y_m` on, one metre high: the leaves that its
-/// width reaches, or as much of them as lies within.
+/// Returns the front of a box that faces -x, from `y_m` along y, 1 m high. If `is_whole`, all
+/// voxels of the leaves that the width intersects are observed, else only those within the width.
 TrackedObject Front(std::uint64_t id, double y_m, double width_m, bool is_whole = true) {
   const double leaf_m = kScale.leaf_size_m();
   TrackedObject object(ObjectId(id), {0.0, std::floor(y_m / leaf_m) * leaf_m, 0.0}, kScale);
@@ -67,7 +67,7 @@ TEST(CompareSurfaces, FitsNothingThatLiesTooFarInFront) {
 
 TEST(CompareSurfaces, FitsNothingThatFacesTheOtherWay) {
   const TrackedObject object = Front(1, 0.0, 0.8);
-  // About the middle of the front, so that the surface comes to lie on itself.
+  // The rotation is about the centre of the front, so that the surface coincides with itself.
   const Eigen::Isometry3d T_other_object = Eigen::Translation3d(0.2, 0.4, 0.0) *
                                            Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()) *
                                            Eigen::Translation3d(-0.2, -0.4, 0.0);
@@ -188,7 +188,7 @@ TEST_F(RecognitionArchive, AsksLessOfAWallThanOfABox) {
 
 TEST_F(RecognitionArchive, LeavesGoneWhatIsNotFoundAgainOnTheSameVisit) {
   TrackedObject* known = Put(Front(1, 0.0, 1.6), 100.0);
-  // All but a quarter of it was missed when it was found gone.
+  // All but a quarter of its surface was missed when it was removed.
   for (const SurfaceLeaf& leaf : known->surface().leaves()) {
     LeafEvidence& evidence = StateOf(known).evidence.MutableLeaf(leaf.origin);
     for (const SurfaceVoxel& point : leaf.points) {
@@ -223,7 +223,7 @@ TEST_F(RecognitionArchive, KnowsWhatStayedOfOneThatWentOnTheSameVisit) {
   EXPECT_EQ(find(rest), nullptr) << "on another visit";
 }
 
-/// What stands and came at that time, and is a candidate for a piece to be of.
+/// Present objects that are candidate hosts for a piece.
 class RecognitionPieces : public RecognitionArchive {
  protected:
   TrackedObject* Stand(const TrackedObject& object, double since_s) {
@@ -232,7 +232,7 @@ class RecognitionPieces : public RecognitionArchive {
     return put;
   }
 
-  /// A new piece at `y_m` of that width, which comes at 200 s.
+  /// Returns the host of a new piece at `y_m` of width `width_m`, in place since 200 s.
   TrackedObject* Find(double y_m, double width_m, const PieceParameters& parameters) {
     TrackedObject piece = Front(9, y_m, width_m, /*is_whole=*/false);
     StateOf(&piece).in_place_since = Timestamp::FromSeconds(200.0);

@@ -1,5 +1,5 @@
-// Piles, all alike but where a test says otherwise, stand in a row along y; one stands where none
-// stood before.
+// Piles in a row along y, identical unless a test specifies otherwise. One pile is new at its
+// position.
 
 #include "core/objects/relocation.h"
 
@@ -22,7 +22,7 @@ using ::steadymap::testing::WallVolume;
 
 constexpr double kRecentS = 20.0;
 
-/// The middle of its front stands at `y_m`.
+/// Returns a pile with the centre of its front at `y_m`.
 Solid PileAt(double y_m, double height_m = 0.0) {
   return {Box(Eigen::Vector3d(2.0, y_m - 0.25, height_m),
               Eigen::Vector3d(2.5, y_m + 0.25, height_m + 0.8))};
@@ -32,12 +32,12 @@ class FindMovesTest : public ::testing::Test {
  protected:
   FindMovesTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
 
-  /// A pile that was seen first and last at these times.
+  /// Adds a pile with the given times of first and last observation.
   TrackedObject* Put(double y_m, double came_s, double last_seen_s) {
     return Put(PileAt(y_m), came_s, last_seen_s);
   }
 
-  /// The same of a thing of any shape.
+  /// Adds an object of any shape with the given times of first and last observation.
   TrackedObject* Put(const Solid& solid_world, double came_s, double last_seen_s) {
     TrackedObject& pile = map_.AddObject(solid_world.front().min());
     const Eigen::Vector3d origin_world = pile.state().T_world_object.position_world;
@@ -55,10 +55,10 @@ class FindMovesTest : public ::testing::Test {
     return &pile;
   }
 
-  /// A thing that was there long ago, and is not found any more.
+  /// Adds a pile that was observed long ago and is now missed.
   TrackedObject* PutMissed(double y_m) { return PutMissed(PileAt(y_m)); }
 
-  /// The same of one that was given up at a time.
+  /// Adds a pile that was archived at `given_up_s`.
   void PutGivenUp(double y_m, double given_up_s) {
     TrackedObject* pile = PutMissed(y_m);
     ObjectEdit edit = map_.Edit(pile);
@@ -73,7 +73,7 @@ class FindMovesTest : public ::testing::Test {
     return pile;
   }
 
-  /// Every cell of its surface was found at that time.
+  /// Sets every cell of the surface as observed at `found_s`.
   void FindAllOf(TrackedObject* pile, double found_s) {
     ObjectEdit edit = map_.Edit(pile);
     for (const SurfaceLeaf& leaf : pile->surface().leaves()) {
@@ -114,7 +114,7 @@ TEST_F(FindMovesTest, TellsAMoveOfWhatHadShownItsFrontAlone) {
   }
   ASSERT_LT(front->cuboid().size_m.y(), 0.05);
   const ObjectId missed = front->id();
-  // Its sides lie where the front knows nothing.
+  // The sides of this box are outside the observed voxels of the front.
   Put({Box(Eigen::Vector3d(1.4, -0.56, -0.06), Eigen::Vector3d(1.58, 0.56, 1.06))}, 95.0, 100.0);
   const std::vector<ObjectEvent> events = Find();
   ASSERT_EQ(events.size(), 1U);

@@ -1,4 +1,4 @@
-// A small scene for each switch of the pocd policy, whose answer is another one without it.
+// A small scene for each switch of the pocd policy. Its result depends on the switch.
 
 #include "core/policy/ablation.h"
 
@@ -44,14 +44,15 @@ using ::steadymap::testing::WithReach;
 constexpr std::uint16_t kCeilingLabel = 2;
 constexpr std::uint16_t kShelfLabel = 6;
 
-/// A map of the pocd policy with all switches on but one; with all on without a name.
+/// Returns a map of the pocd policy with all switches on except `name`; an empty name leaves all
+/// on.
 MapStory StoryWithout(const std::string& name) {
   MapperOptions options;
   if (!name.empty()) options.switches = AllOnBut(name).value();
   return MapStory(ConfigOf(UpdatePolicy::kPocd), options);
 }
 
-/// What a story tells with all switches on, then without the one called `name`.
+/// Returns the results of `tell` with all switches on, and without the switch `name`.
 template <typename Tell>
 auto WithAndWithout(const std::string& name, Tell tell) {
   MapStory with = StoryWithout("");
@@ -111,7 +112,7 @@ TEST(Ablation, WithoutVisibilityByDepthAHiddenBoxIsRemoved) {
   EXPECT_EQ(without, 1U);
 }
 
-/// Frames along a wall of `length_m` from one end to the other, 1.5 m before it.
+/// Returns frames along a wall of `length_m` from one end to the other, at a distance of 1.5 m.
 std::vector<Frame> DriveAlongWall(double length_m) {
   const SceneBody wall = Body(kWallClass, {1.5, 0.0, -1.0}, {1.6, length_m, 1.0});
   std::vector<Frame> frames;
@@ -155,7 +156,7 @@ TEST(Ablation, WithoutMergingTwoPiecesOfOneThingStayTwo) {
   EXPECT_EQ(without, 2U);
 }
 
-/// A pile with its top at `top_m`.
+/// Returns a pile with its top at `top_m`.
 SceneBody PileUpTo(double top_m) { return Body(kGoodsClass, {1.6, -0.4, -0.8}, {2.0, 0.4, top_m}); }
 
 TEST(Ablation, WithoutSplittingAPileKeepsThePartThatWasTakenAway) {
@@ -189,7 +190,7 @@ TEST(Ablation, WithoutReturningABoxThatComesBackIsANewOne) {
   const auto [with, without] = WithAndWithout("returning", [](MapStory* story) {
     story->Look({FarWall(), Goods(0.0)}, 12);
     story->Look({FarWall()}, 12, 1);
-    // Too short for its shape to be looked for elsewhere.
+    // Too few frames for re-identification by shape at another position.
     story->Look({FarWall(), Goods(0.0)}, 6, 2);
     return std::pair(CountEvents(*story, EventType::kReturned, kGoodsClass),
                      CountEvents(*story, EventType::kCreated, kGoodsClass));
@@ -220,7 +221,7 @@ TEST(Ablation, WithoutTheGuardALostRobotSpoilsTheMap) {
   EXPECT_GT(without, 0U);
 }
 
-/// Looks at a box as if it had been turned where it stands.
+/// Returns frames of a box that appears rotated in place by `yaw_rad`.
 std::vector<Frame> LookAtBoxTurnedBy(double yaw_rad, int first, int count) {
   const Eigen::Vector3d center_world = Goods(0.0).box_world.center();
   const Eigen::Isometry3d turn = Eigen::Translation3d(center_world) *

@@ -1,5 +1,5 @@
-// What all baseline policies owe: the same frames give the same map, wherever commits and restarts
-// fall, and nothing of what moves on its own stays.
+// Properties of all baseline policies: the same frames give the same map, independent of commits
+// and restarts, and no surface of dynamic objects remains.
 
 #include <string>
 
@@ -28,10 +28,10 @@ using ::steadymap::testing::SmallFrame;
 
 class BaselinePolicies : public ::testing::TestWithParam<UpdatePolicy> {};
 
-/// Those that do not take what is hidden for gone, as the paper does.
+/// Policies that, unlike the paper, do not take occluded surface for removed.
 class PoliciesThatSeeDepth : public BaselinePolicies {};
 
-/// Two visits to a box that comes, is moved and goes.
+/// Returns frames of two visits, in which a box is added, moved and removed.
 std::vector<Frame> EventfulVisits() {
   std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 6);
   const auto append = [&](const Scene& scene, int count, int visit) {

@@ -1,5 +1,5 @@
-// Small scenes with a known answer, run through a map of the pocd policy: things in front of a
-// wall, looked at from changing places.
+// Small scenes with known ground truth, processed by the pocd policy: objects in front of a wall,
+// observed from several poses.
 
 #include "core/policy/object_mapper.h"
 
@@ -38,7 +38,7 @@ using ::steadymap::testing::SmallFrame;
 
 constexpr std::uint16_t kRackClass = 6;
 
-/// Observed voxels of a volume within a box, world frame.
+/// Returns the number of observed voxels of a volume within a box in the world frame.
 std::size_t CountVoxelsIn(const VoxelReader& volume,
                           const Eigen::Vector3d& position_world,
                           double voxel_size_m,
@@ -56,12 +56,13 @@ std::size_t CountVoxelsIn(const VoxelReader& volume,
   return count;
 }
 
-/// Those of the background.
+/// Returns the number of observed background voxels within a box in the world frame.
 std::size_t CountBackgroundIn(const MapSnapshot& map, const Box& box_world) {
   return CountVoxelsIn(map.background, Eigen::Vector3d::Zero(), map.scale.voxel_size_m, box_world);
 }
 
-/// Those of present objects and the background.
+/// Returns the number of observed voxels of present objects and the background within a box in the
+/// world frame.
 std::size_t CountVoxelsIn(const MapSnapshot& map, const Box& box_world) {
   std::size_t count = CountBackgroundIn(map, box_world);
   for (const auto& [id, object] : map.objects) {
@@ -93,7 +94,8 @@ TEST(ObjectMapper, CreatesABoxAfterTheConfirmingViews) {
 }
 
 TEST(ObjectMapper, KnowsAPostOfWhichNoFrameShowsMuch) {
-  // 0.05 square metres of it face the camera: an object only when seen for longer.
+  // Only 0.05 square metres of the post face the camera: it becomes an object only after more
+  // frames.
   const Scene scene = {FarWall(), Body(kRackClass, {1.6, -0.03, -0.5}, {1.66, 0.03, 0.3})};
   MapStory story(PocdConfig());
   story.Look(scene, 4);
@@ -209,8 +211,8 @@ TEST(ObjectMapper, KnowsABoxThatWasMovedAside) {
   }
 }
 
-/// Looks at a box as if it had been turned where it stands, by `yaw_rad`: from places turned the
-/// other way.
+/// Returns frames of a body that appears rotated in place by `yaw_rad`: the reported camera poses
+/// are rotated about the centre of the body.
 std::vector<Frame> LookAtTurned(const SceneBody& body, double yaw_rad, int first, int count) {
   const Eigen::Vector3d center_world = body.box_world.center();
   const Eigen::Isometry3d turn = Eigen::Translation3d(center_world) *
@@ -225,7 +227,7 @@ TEST(ObjectMapper, NoticesABoxThatWasTurned) {
   MapStory story(PocdConfig());
   story.Look({Goods(0.0)}, 45);
   ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
-  // A box looks the same after a quarter turn.
+  // The yaw of a box is ambiguous modulo a quarter turn.
   const auto yaw_rad = [&] {
     return std::remainder(story.Present(kGoodsClass)[0]->cuboid.yaw_rad, M_PI / 2);
   };
@@ -263,7 +265,7 @@ TEST(ObjectMapper, KeepsWhatItKnewOfABoxThatMovedFarAway) {
   EXPECT_EQ(after.id, before.id);
   EXPECT_EQ(after.first_seen, before.first_seen);
   EXPECT_NEAR(after.cuboid.center_world.y(), 0.5, 0.1);
-  // The left side was seen from the first place, the right one from the second.
+  // The left side was observed at the first position, the right side at the second.
   EXPECT_GE(after.volume->CountObservedVoxels(), before.volume->CountObservedVoxels());
 }
 
@@ -278,7 +280,7 @@ TEST(ObjectMapper, NeverGuessesWhichOfTwoTwinsMoved) {
   EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 3U);
 }
 
-/// A pile with its top at `top_m`.
+/// Returns a pile with its top at `top_m`.
 SceneBody Pile(double top_m) { return Body(kGoodsClass, {1.6, -0.4, -0.8}, {2.0, 0.4, top_m}); }
 
 TEST(ObjectMapper, CutsOffThePartOfAPileThatWasTakenAway) {
@@ -333,7 +335,7 @@ TEST(ObjectMapper, TakesAHandsBreadthBesideARackForAPartOfIt) {
 
 TEST(ObjectMapper, ForgetsPartsThatAreTooSmallToHaveBeenThings) {
   const SceneBody rack = Body(kRackClass, {1.6, -0.8, -0.8}, {2.0, 0.4, 0.4});
-  // Twelve centimetres on top of it, as if the sensor had seen them, and never again.
+  // A layer of 12 cm on top of the rack, as from a sensor error, that is never observed again.
   const SceneBody crust = Body(kRackClass, {1.6, -0.8, 0.4}, {2.0, 0.4, 0.52});
   MapStory story(PocdConfig());
   story.Look({FarWall(), rack, crust}, 20);
@@ -365,7 +367,7 @@ TEST(ObjectMapper, CutsOffASliverThatWasMissedForLong) {
 
 TEST(ObjectMapper, GivesAnEdgeTooSmallToBeAThingToWhatItTouches) {
   const SceneBody rack = Body(kRackClass, {1.6, -0.8, -0.8}, {2.0, 0.0, 0.4});
-  // A rod that stands out by 12 cm, where nothing was before.
+  // A rod that protrudes by 12 cm into previously empty space.
   const SceneBody rod = Body(kRackClass, {1.6, 0.0, 0.0}, {1.65, 0.12, 0.06});
   MapStory story(PocdConfig());
   story.Look({FarWall(), rack}, 60);
@@ -407,7 +409,8 @@ TEST(ObjectMapper, PutsFramesWithoutLabelsIntoTheBackground) {
   EXPECT_GT(CountVoxelsIn(story.map(), Goods(0.0).box_world), 0U);
 }
 
-/// Takes the pixels at the left and right borders of goods for ground, or leaves them out.
+/// Labels the pixels at the left and right borders of goods as ground. Also deletes their depth if
+/// `leaves_out`.
 void SpoilBordersOfGoods(Frame* frame, bool leaves_out) {
   constexpr int kBorderPx = 5;
   const Image<std::uint16_t> labels = frame->labels;
@@ -431,7 +434,8 @@ TEST(ObjectMapper, LeavesNothingOfAThingWhoseEdgesHadTheLabelOfTheGround) {
   EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
 }
 
-/// Takes the pixels of goods right of their middle for ground, or leaves them out.
+/// Labels the pixels of goods right of their centre as ground. Also deletes their depth if
+/// `leaves_out`.
 void SpoilHalfOfGoods(Frame* frame, bool leaves_out) {
   for (int v = 0; v < frame->camera.height_px; ++v) {
     int first = frame->camera.width_px;
@@ -457,7 +461,7 @@ TEST(ObjectMapper, LeavesNothingOfAThingOfWhichHalfHadTheLabelOfTheGround) {
   EXPECT_EQ(CountBackgroundIn(story.map(), Around(box, 0.02)), 0U);
 }
 
-/// A box that comes, is moved and goes.
+/// Returns frames of a box that is added, moved and removed.
 std::vector<Frame> EventfulFrames() {
   std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 6);
   const auto append = [&](const Scene& scene, int count) {
@@ -485,7 +489,7 @@ TEST(ObjectMapper, GivesTheSameMapWhateverTheCommitRhythm) {
   }
 }
 
-/// A frame with returns in a patch of `side_px` around the middle only, and without labels.
+/// Reduces a frame to returns in a central patch of `side_px`, without labels.
 Frame Patch(Frame frame, int side_px) {
   frame.labels = {};
   for (int v = 0; v < frame.camera.height_px; ++v) {
@@ -498,7 +502,7 @@ Frame Patch(Frame frame, int side_px) {
   return frame;
 }
 
-/// The commits that frames lead to, one after every `frames_per_commit`.
+/// Returns the commits for frames, one after every `frames_per_commit` frames.
 std::vector<MapCommit> Commits(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
   const std::unique_ptr<Mapper> mapper = Mapper::Create(PocdConfig()).value();
   std::vector<MapCommit> commits;

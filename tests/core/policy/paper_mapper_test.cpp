@@ -1,4 +1,4 @@
-// Small scenes with a known answer, run through POCD as its paper has it, failures included.
+// Small scenes with known ground truth, processed by POCD as published, including its failures.
 
 #include "core/policy/paper_mapper.h"
 
@@ -47,7 +47,7 @@ TEST(PaperMapper, RemovesABoxThatDisappeared) {
   EXPECT_TRUE(story.Present(kGoodsClass).empty());
 }
 
-// The failure that judging by depth instead of by frustum removes.
+// A failure of visibility by frustum, which visibility by depth avoids.
 TEST(PaperMapper, DoubtsABoxThatIsOnlyHidden) {
   MapStory story = PaperStory();
   story.Look({FarWall(), Goods(0.0)}, 20);

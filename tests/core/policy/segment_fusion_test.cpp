@@ -16,7 +16,7 @@ using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::LookAtScene;
 using ::steadymap::testing::Scene;
 
-/// A map that segments are fused into, frame by frame.
+/// A map into which segments are fused, frame by frame.
 class SegmentFusionTest : public ::testing::Test {
  protected:
   /// Matches the next frame of a scene with all objects and fuses it.
@@ -34,7 +34,7 @@ class SegmentFusionTest : public ::testing::Test {
     fusion_.Match(map_.AllObjects(), &cloud_, &map_);
   }
 
-  /// Samples of the frame matched with the objects of a class.
+  /// Returns the number of samples of the frame that match objects of a class.
   std::size_t SamplesOf(std::uint16_t label) const {
     std::size_t samples = 0;
     for (std::size_t place = 0; place < fusion_.in_view().size(); ++place) {
@@ -60,7 +60,7 @@ TEST_F(SegmentFusionTest, MakesAnObjectOfEachSegmentOnce) {
 
 TEST_F(SegmentFusionTest, MatchesOneObjectWithAllItsParts) {
   See({FarWall()});
-  // A post cuts the view of the wall in two.
+  // A post divides the visible wall in two.
   const Scene scene = {FarWall(), Body(kGoodsClass, {1.5, -0.1, -3.0}, {1.6, 0.1, 3.0})};
   See(scene);
   EXPECT_EQ(map_.objects().size(), 2U);
@@ -83,7 +83,7 @@ TEST_F(SegmentFusionTest, MatchesNothingOfAnotherClassOrElsewhere) {
 
 TEST_F(SegmentFusionTest, CountsNothingAgainstAnObjectThatIsHidden) {
   See({FarWall(), Goods(0.0)});
-  // Three quarters of the box are behind a screen.
+  // Three quarters of the box are occluded by a screen.
   Match({FarWall(), Goods(0.0), Body(6, {1.0, -2.0, -2.0}, {1.05, 0.06, 2.0})});
   EXPECT_GT(SamplesOf(kGoodsClass), 20U);
 }

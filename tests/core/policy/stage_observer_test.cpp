@@ -21,7 +21,7 @@ using ::steadymap::testing::MapStory;
 
 using Stages = std::vector<std::optional<MapperStage>>;
 
-/// Writes down the stages; none where the mapper is left.
+/// Records the stages, with an empty entry for each exit from the mapper.
 class StageRecord final : public StageObserver {
  public:
   void Enter(MapperStage stage) override { stages_.emplace_back(stage); }

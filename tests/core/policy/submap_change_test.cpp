@@ -1,4 +1,4 @@
-// Small scenes with a known answer, run through a map of the submap_change policy.
+// Small scenes with known ground truth, processed by the submap_change policy.
 
 #include "core/policy/submap_change.h"
 
@@ -51,7 +51,7 @@ TEST(SubmapChange, ReportsNoChangeOfASceneThatStaysTheSame) {
   MapStory story = SubmapStory();
   for (int visit = 0; visit < 3; ++visit) {
     story.Look(scene, 20, visit);
-    // Away for long enough to make everything inactive.
+    // The pause is long enough to make all submaps inactive.
     story.Look({}, 6, visit);
   }
   EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 2U);

@@ -1,4 +1,4 @@
-// Small scenes with a known answer, run through a map of the tracking policy.
+// Small scenes with known ground truth, processed by the tracking policy.
 
 #include "core/policy/tracking.h"
 
@@ -21,8 +21,8 @@ using ::steadymap::testing::MapStory;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::Scene;
 
-/// Frames, from frame `first` on, that show three sides of the goods: one says nothing of how far
-/// it slid.
+/// Returns frames from frame `first` on that show three sides of the goods, since a single side
+/// does not constrain motion along itself.
 std::vector<Frame> LookAtCorner(const Scene& scene, int first, int count) {
   std::vector<Frame> frames;
   for (int i = first; i < first + count; ++i) {
@@ -57,7 +57,7 @@ TEST(Tracking, FollowsABoxThatIsCarriedADecimetreAFrame) {
     ASSERT_EQ(story.Present(kGoodsClass).size(), 1U) << step;
     const MapObject& object = *story.Present(kGoodsClass)[0];
     EXPECT_EQ(object.id, box);
-    // A turn moves the frame's origin, but not the middle of the box.
+    // A rotation moves the origin of the object frame, but not the box centre.
     const Eigen::Vector3d middle_object = Eigen::Vector3d(1.8, -0.5, 0.0) - start_world;
     const Eigen::Vector3d middle_world = object.T_world_object.ToIsometry() * middle_object;
     EXPECT_LT((middle_world - Eigen::Vector3d(1.8, y, 0.0)).norm(), 0.02) << step;
@@ -96,7 +96,7 @@ TEST(Tracking, DropsABoxThatJumpsAndTakesItForAnother) {
 }
 
 TEST(Tracking, KeepsWhatIsSimplyGone) {
-  // The failure that the other policies are there to mend.
+  // A known failure of this policy, which the other policies avoid.
   MapStory story = TrackingStory();
   story.Look({FarWall(), Goods(0.0)}, 12);
   story.Look({FarWall()}, 40);

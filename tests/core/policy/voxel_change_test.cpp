@@ -1,4 +1,4 @@
-// Small scenes with a known answer, run through a map of the voxel_change policy.
+// Small scenes with known ground truth, processed by the voxel_change policy.
 
 #include "core/policy/voxel_change.h"
 
@@ -23,7 +23,7 @@ using ::steadymap::testing::SceneBody;
 
 MapStory VoxelChangeStory() { return MapStory(ConfigOf(UpdatePolicy::kVoxelChange)); }
 
-/// The reasons of all events in a box.
+/// Returns the reasons of all events in a box.
 std::vector<EventReason> ReasonsIn(const MapStory& story, const Box& box_world) {
   std::vector<EventReason> reasons;
   for (const ObjectEvent& event : story.events()) {

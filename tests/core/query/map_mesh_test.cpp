@@ -21,7 +21,7 @@ using ::steadymap::testing::FloorMap;
 using ::steadymap::testing::kBoxPlace;
 using ::steadymap::testing::kBoxSizeM;
 
-/// Triangles refer to vertices that are there, and every vertex has a normal.
+/// Expects that all triangles refer to existing vertices and that each vertex has a normal.
 void ExpectWhole(const Mesh& mesh) {
   EXPECT_EQ(mesh.normals_world.size(), mesh.vertices_world.size());
   EXPECT_TRUE(mesh.colors.empty() || mesh.colors.size() == mesh.vertices_world.size());
@@ -40,9 +40,9 @@ TEST(ExtractMapMesh, ObjectsStandInTheWorldBesideTheBackground) {
   const Box body(-0.5 * kBoxSizeM, 0.5 * kBoxSizeM);
   for (std::size_t i = floor.vertices_world.size(); i < mesh.vertices_world.size(); ++i) {
     const Eigen::Vector3d vertex = T_object_world * mesh.vertices_world[i].cast<double>();
-    // Half a voxel: edges are rounded off.
+    // Tolerance of half a voxel: the mesh rounds the edges of the box.
     ASSERT_NEAR(testing::DistanceFrom({body}, vertex), 0.0, 0.0251);
-    // Outward: away from the middle of the box.
+    // Normals point outward, away from the box centre.
     EXPECT_GT(mesh.normals_world[i].dot(
                   (mesh.vertices_world[i] - kBoxPlace.position_world.cast<float>())),
               0.0F);
@@ -104,7 +104,7 @@ TEST(ExtractMapMesh, EndsSoonAfterItIsCancelled) {
   });
   ExtractMapMesh(volumes, map.scale, nullptr, never);
   EXPECT_GT(of_whole, 3 * map.background.leaf_count()) << "three times a leaf, a pass each";
-  // Each thread may ask at the same time, and every volume asks once before it begins.
+  // Each thread may check for cancellation once more, and each volume is checked once at its start.
   constexpr int kThreads = 3;
   const std::size_t afterwards = kThreads + volumes.size();
   for (std::size_t wanted_for = 0; wanted_for < of_whole; wanted_for += 7) {
@@ -118,7 +118,8 @@ TEST(ExtractMapMesh, EndsSoonAfterItIsCancelled) {
 
 TEST(LeafTouches, TurnedLeavesAreTestedWhereTheyStand) {
   const VoxelScale scale;
-  // A leaf of 0.35 m between voxel centres, its lowest corner at the object's origin.
+  // The leaf spans 0.35 m between voxel centres. Its lowest corner is the origin of the object
+  // frame.
   const MapObject object =
       BoxObject(ObjectId(1), kBoxSizeM, {.position_world = {1.0, 1.0, 0.0}, .yaw_rad = M_PI / 4});
   const PlacedVolume volume = VolumeOf(object);

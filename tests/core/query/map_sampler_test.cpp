@@ -1,4 +1,4 @@
-// Closed-form oracles of what a whole map shows: a floor and boxes whose distances are known.
+// Closed-form oracles for queries of a whole map: a floor and boxes with known distances.
 
 #include "core/query/map_sampler.h"
 
@@ -63,7 +63,7 @@ TEST(MapSampler, DistancesAreThoseOfTheUnionWhereverTheyAreKnown) {
     const double box_m = testing::DistanceFrom({body}, T_object_world * point);
     const double floor_m = point.z();
     const double truth_m = std::abs(box_m) < std::abs(floor_m) ? box_m : floor_m;
-    // Interpolation rounds the box's edges off.
+    // Interpolation rounds the edges of the box.
     ASSERT_NEAR(found.sample.distance_m, truth_m, 0.03) << point.transpose();
     by_object += found.object == ObjectId(3) ? 1 : 0;
   }
@@ -139,7 +139,7 @@ TEST(MapSampler, AnEmptyMapKnowsNothing) {
   EXPECT_FALSE(sampler.Sample({nan, 0.0, 0.0}).sample.known);
 }
 
-/// The floor, and a wall of one square metre across the x axis at 100 m.
+/// Returns a map of the floor and a wall of one square metre across the x axis at 100 m.
 MapSnapshot FloorAndFarWall() {
   MapSnapshot map = FloorMap();
   const TsdfGrid wall = testing::WallVolume(100.0);
@@ -151,7 +151,7 @@ MapSnapshot FloorAndFarWall() {
   return map;
 }
 
-/// Steps that a ray along x above the floor takes.
+/// Returns the number of steps of a ray along x above the floor.
 std::uint64_t StepsOfRay(const MapSnapshot& map, double max_range_m) {
   MapSampler sampler(map);
   sampler.CastRay({0.0, 0.0, 0.3}, Eigen::Vector3d::UnitX(), max_range_m);
@@ -163,8 +163,8 @@ TEST(MapSampler, EmptySpaceIsCrossedByTheTileInsteadOfByTheLeaf) {
   MapSampler sampler(map);
   const MapRayHit hit = sampler.CastRay({0.0, 0.0, 0.42}, Eigen::Vector3d::UnitX(), 200.0);
   EXPECT_NEAR(hit.hit.range_m, 100.0, 1e-3);
-  // 30 tiles, some leaves in the tiles of floor and wall, some voxels before the wall; by leaves
-  // alone 250.
+  // 30 tiles, some leaves in the tiles of the floor and the wall, and some voxels in front of the
+  // wall. A traversal by leaves alone takes 250 steps.
   EXPECT_LT(sampler.work().steps(), 70U);
 }
 
@@ -191,7 +191,8 @@ TEST(MapSampler, EndsWithinAStretchOnceItIsCancelled) {
   EXPECT_LE(sampler.work().steps(), before + 2 * QueryWork::kStepsPerCheck);
 }
 
-/// The side of the empty cube around a leaf's place, after a look at all leaves in it.
+/// Returns the side of the empty cube around an empty leaf position, after a check of all leaves in
+/// the cube. Returns 0 if the leaf exists.
 int CheckEmptySide(const VoxelReader& volume, LeafOrigin origin) {
   if (volume.FindLeaf(origin)) return 0;
   const int side = volume.EmptySideAt(origin);

@@ -17,7 +17,7 @@
 namespace steadymap {
 namespace {
 
-// Three triangles of a corner; positions that no decimal of six digits tells apart.
+// Returns three triangles of a corner. Some coordinates need more than six significant digits.
 Mesh CornerMesh(bool with_colors) {
   Mesh mesh;
   mesh.vertices_world = {
@@ -28,7 +28,7 @@ Mesh CornerMesh(bool with_colors) {
   return mesh;
 }
 
-// A mesh whose files have several pieces.
+// Returns a mesh large enough that each of its files has several pieces.
 Mesh LargeMesh() {
   constexpr std::uint32_t kVertices = 100'000;
   Mesh mesh;
@@ -46,7 +46,7 @@ std::vector<Mesh> SmallAndLargeMeshes() {
   return {CornerMesh(false), CornerMesh(true), LargeMesh()};
 }
 
-// The pieces of a file, none of which is empty or too long.
+// Returns the pieces of a file. Fails the test if a piece is empty or too long.
 std::vector<std::string> PiecesOf(FileEncoder* encoder) {
   std::vector<std::string> pieces;
   for (std::string piece; *encoder->Next(&piece);) {
@@ -60,7 +60,8 @@ std::vector<std::string> PiecesOf(FileEncoder* encoder) {
   return pieces;
 }
 
-// For so many bytes, where each piece is as long as it may be but for an element's length.
+// Returns the number of pieces of a file of `bytes`. Each piece has the maximum size, less at most
+// one element.
 std::size_t PiecesNeeded(std::size_t bytes) { return bytes / kFilePieceBytes + 1; }
 
 std::string Joined(const std::vector<std::string>& pieces) {
@@ -83,7 +84,7 @@ Eigen::Vector3f TakeVector(std::string_view* bytes) {
   return {x, y, Take<float>(bytes)};
 }
 
-// The lines of a PLY file's header; what follows it is left in `body`.
+// Returns the lines of the header of a PLY file, and the rest of the file in `body`.
 std::vector<std::string> PlyHeaderLines(const std::string& file, std::string_view* body) {
   const std::string end = "end_header\n";
   const std::size_t position = file.find(end);
@@ -154,7 +155,7 @@ TEST(EncodePly, WritesAnEmptyMeshWithoutElements) {
   EXPECT_TRUE(body.empty());
 }
 
-// A GLB file taken apart, with the container's rules checked on the way.
+// A parsed GLB file. The parser checks the rules of the container format.
 struct Glb {
   google::protobuf::Struct json;
   std::string_view buffer;
@@ -167,7 +168,7 @@ struct Glb {
     return At(list, i).fields().at(field).number_value();
   }
 
-  // The bytes of an accessor's view.
+  // Returns the bytes of the buffer view of an accessor.
   std::string_view Bytes(int accessor) const {
     const int view = static_cast<int>(Number("accessors", accessor, "bufferView"));
     return buffer.substr(static_cast<std::size_t>(Number("bufferViews", view, "byteOffset")),
@@ -264,7 +265,7 @@ TEST(EncodeGlb, WritesColoursAsOpaqueNormalizedLinearBytes) {
   EXPECT_EQ(glb.Number("accessors", 2, "componentType"), 5121);
   EXPECT_TRUE(glb.At("accessors", 2).fields().at("normalized").bool_value());
   std::string_view colors = glb.Bytes(2);
-  // 128 is 21.6 % of the light of 255, 188 is 50.3 %.
+  // sRGB 128 is 21.6 % of the linear intensity of 255, and 188 is 50.3 %.
   EXPECT_EQ((Take<std::array<std::uint8_t, 4>>(&colors)),
             (std::array<std::uint8_t, 4>{0, 55, 255, 255}));
   Take<std::uint64_t>(&colors);

@@ -1,5 +1,5 @@
-// What a map says of points and rays whose truth is known: a floor, a box over it, and space that
-// was looked through.
+// States of points and rays with known ground truth: a floor, a box above it, and observed free
+// space.
 
 #include <cmath>
 #include <cstddef>
@@ -25,7 +25,7 @@ const Eigen::Vector3d kDown = -Eigen::Vector3d::UnitZ();
 
 void LookThrough(const Eigen::Vector3d& from, const Eigen::Vector3d& to, MapSnapshot* map) {
   std::vector<LeafOrigin> changed;
-  // By the point: a ray of its own may skip a cell.
+  // Marks single points, since the traversal of a whole ray may skip a cell.
   constexpr int kPoints = 5000;
   for (int i = 0; i <= kPoints; ++i) {
     const Eigen::Vector3d point = from + (to - from) * i / kPoints;
@@ -68,7 +68,7 @@ TEST(PointState, ASurfaceThatCameLaterCountsMoreThanFreeSpace) {
 
 TEST(PointState, TheInsideOfAnObjectIsNotFreeBecauseItOnceWas) {
   MapSnapshot map = FloorMap();
-  const Eigen::Vector3d inside = kBoxPlace.position_world;  // Further from its faces than known.
+  const Eigen::Vector3d inside = kBoxPlace.position_world;  // Beyond the truncation band.
   LookThrough(inside - Eigen::Vector3d::UnitX(), inside + Eigen::Vector3d::UnitX(), &map);
   EXPECT_EQ(StateAt(map, inside), PointState::kFree);
   MapObject box = BoxObject(ObjectId(3), kBoxSizeM, kBoxPlace);
@@ -84,7 +84,7 @@ TEST(PointState, TheInsideOfAnObjectIsNotFreeBecauseItOnceWas) {
 
 TEST(PointState, BehindAnySurfaceIsNotFreeThoughAnotherIsNearer) {
   MapSnapshot map = FloorMap();
-  // It stands 20 cm deep in the floor.
+  // The box extends 20 cm below the floor surface.
   AddObject(BoxObject(ObjectId(1), {1.0, 1.0, 1.0}, {.position_world = {0.0, 0.0, 0.3}}), &map);
   const MapDistance sample = MapSampler(map).Sample({0.4, 0.0, 0.05});
   EXPECT_EQ(sample.object, kBackgroundId) << "5 cm above the floor, 10 cm behind the box's side";

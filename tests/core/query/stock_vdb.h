@@ -10,13 +10,13 @@
 
 namespace steadymap::testing {
 
-/// What `WriteVdb` must give, written by OpenVDB itself: every grid is built as a stock tree, and
-/// all are written at once by `openvdb::io::Stream`, with a UUID of zeros.
+/// Returns the reference result for `WriteVdb`, written by OpenVDB itself: every grid is a stock
+/// tree, and `openvdb::io::Stream` writes all grids at once, with a zero UUID.
 std::string WriteStockVdb(const MapSnapshot& snapshot,
                           const std::vector<PlacedVolume>& volumes,
                           const Box* box_world);
 
-/// Any grids as such a file.
+/// Returns a file of the given grids, written in the same way.
 std::string WriteStockVdb(const openvdb::GridPtrVec& grids);
 
 }  // namespace steadymap::testing

@@ -27,7 +27,7 @@ using ::steadymap::testing::AddObject;
 using ::steadymap::testing::BoxOverFloor;
 using ::steadymap::testing::WriteStockVdb;
 
-/// Leaves on both sides of the borders of a stock tree's nodes, and far from the origin.
+/// Returns leaves on both sides of the node borders of a stock tree, and far from the origin.
 std::vector<LeafOrigin> LeavesAroundNodeBorders() {
   std::vector<LeafOrigin> origins;
   for (const std::int32_t x : {-4104, -8, 0, 120, 4096}) {
@@ -38,7 +38,7 @@ std::vector<LeafOrigin> LeavesAroundNodeBorders() {
   return origins;
 }
 
-/// An object with these leaves, filled at random.
+/// Returns an object with leaves at `origins`, filled with random voxels.
 MapObject ObjectOf(std::uint64_t id,
                    const std::vector<LeafOrigin>& origins,
                    bool color,
@@ -58,7 +58,8 @@ MapObject ObjectOf(std::uint64_t id,
   return object;
 }
 
-/// A background in several tiles, objects with and without colour, and one of no voxels.
+/// Returns a map with a background of several tiles, objects with and without colour, and an object
+/// without voxels.
 MapSnapshot RandomMap() {
   std::mt19937 random(7);
   MapSnapshot map;
@@ -73,7 +74,7 @@ MapSnapshot RandomMap() {
   return map;
 }
 
-/// Forty objects, each around the origin of its frame: a file of many pieces.
+/// Returns forty objects, each around the origin of its frame. Their file has many pieces.
 MapSnapshot ManyObjects() {
   std::mt19937 random(3);
   MapSnapshot map;
@@ -96,8 +97,8 @@ openvdb::GridPtrVec ReadGrids(const std::string& file) {
   return *stream.getGrids();
 }
 
-/// Expects that a file holds the grids that `WriteStockVdb` writes: in their order, with the same
-/// metadata, and byte for byte the same once OpenVDB has read and written them.
+/// Expects the grids of `WriteStockVdb` in a file: in the same order, with the same metadata, and
+/// byte-identical after OpenVDB has read and rewritten them.
 void ExpectStockGrids(const std::string& file, const std::string& stock_file) {
   const openvdb::GridPtrVec grids = ReadGrids(file);
   const openvdb::GridPtrVec stock = ReadGrids(stock_file);
@@ -150,7 +151,7 @@ TEST(VdbEncoder, MakesPiecesOfBoundedLengthThatAddUpToTheFile) {
   EXPECT_EQ(piece, "");
 }
 
-/// Expects of a grid the values of its volume's leaves, and nothing else.
+/// Expects that a grid has the values of the leaves of its volume, and no other values.
 template <typename Grid, typename ValueOf>
 void ExpectVoxels(const PlacedVolume& volume,
                   const openvdb::GridBase::Ptr& grid,

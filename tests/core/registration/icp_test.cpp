@@ -1,4 +1,4 @@
-// Points of one look at a thing, moved by known motions, are registered to the thing's surface.
+// Registers the points of one view of an object, moved by known motions, to the object surface.
 
 #include "core/registration/icp.h"
 
@@ -31,7 +31,7 @@ using ::steadymap::testing::WithNoise;
 constexpr double kIcpSpacingRad = 0.02;
 constexpr double kIcpNoiseM = 0.003;
 
-/// A thing whose frame is the world's, but for a shift.
+/// Returns an object whose frame is the world frame translated by `position_world`.
 TrackedObject Thing(const Solid& solid, const Eigen::Vector3d& position_world) {
   TrackedObject thing(ObjectId(1), position_world, kScale);
   StoreVolume(MakeVolume(solid, kScale), &thing);
@@ -104,7 +104,7 @@ TEST(IcpTarget, IsAsGoodFarFromTheOriginOfTheWorld) {
   EXPECT_LT((corrected - corrected_far).norm(), 2e-3);
 }
 
-// All normals alike: what a wall leaves open stays as it is, instead of not being a number.
+// All normals are parallel, so the motion along the wall is unobservable: it must be zero, not NaN.
 TEST(IcpTarget, DoesNotMoveAlongAPlane) {
   const Solid wall = {Box(Eigen::Vector3d(1.0, -1.5, 0.0), Eigen::Vector3d(1.3, 1.5, 2.0))};
   IcpTarget target(Thing(wall, Eigen::Vector3d::Zero()));

@@ -1,4 +1,4 @@
-// PCL's point-to-plane ICP as a second opinion on registration. It has six degrees of freedom,
+// Compares registration with the point-to-plane ICP of PCL. PCL's ICP has six degrees of freedom,
 // exact surface points instead of a volume and no truncation, and takes some hundred times as long.
 
 #include <random>
@@ -29,8 +29,8 @@ using Cloud = pcl::PointCloud<pcl::PointNormal>;
 
 constexpr double kSpacingRad = 0.02;
 
-/// Largest distance of corresponding points at which two registrations agree, on average: the error
-/// that either may have (targets of the known motions).
+/// Maximum mean distance of corresponding points at which two registrations agree: the error that
+/// each may have (from the targets for known motions).
 constexpr double kAgreementM = 0.01;
 
 Eigen::Vector3d NormalAt(const Solid& solid, const Eigen::Vector3d& point) {
@@ -66,7 +66,7 @@ Cloud::Ptr CloudOf(const std::vector<Eigen::Vector3d>& points) {
   return cloud;
 }
 
-/// Mean distance between where two transforms bring points.
+/// Returns the mean distance between the images of `points` under two transforms.
 double MeanDistance(const std::vector<Eigen::Vector3d>& points,
                     const Eigen::Isometry3d& a,
                     const Eigen::Isometry3d& b) {

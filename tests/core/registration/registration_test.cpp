@@ -39,7 +39,7 @@ constexpr double kMaxYawRad = 8.0 * kDegree;
 constexpr double kRecoveredM = 0.01;
 constexpr double kRecoveredRad = 0.5 * kDegree;
 
-/// About 1 000 points of the things above.
+/// Yields about 1 000 points on each test object.
 constexpr double kSpacingRad = 0.016;
 
 Eigen::Vector3d MeanOf(const std::vector<Eigen::Vector3d>& points) {
@@ -48,7 +48,7 @@ Eigen::Vector3d MeanOf(const std::vector<Eigen::Vector3d>& points) {
   return sum / static_cast<double>(points.size());
 }
 
-/// How far a correction misses the inverse of a motion.
+/// The error of a correction, relative to the inverse of the motion.
 struct Miss {
   double shift_m = 0.0;
   double yaw_rad = 0.0;
@@ -56,7 +56,7 @@ struct Miss {
   bool recovered() const { return shift_m <= kRecoveredM && yaw_rad <= kRecoveredRad; }
 };
 
-/// Moves the points of a look by chance and registers them.
+/// Moves the points of a view by a random motion and registers them.
 class MotionTrial {
  public:
   explicit MotionTrial(std::uint64_t seed) : random_(seed) {}
@@ -81,7 +81,7 @@ class MotionTrial {
   Registration registration_;
 };
 
-/// The things to register, their volumes and looks at them.
+/// The objects to register, their volumes and views of them.
 struct Gallery {
   std::vector<Solid> solids = ThingsToLookAt();
   std::vector<TsdfGrid> volumes;
@@ -130,7 +130,7 @@ TEST(RegisterPoints, RecoversMotionsAgainstAFusedVolumeFromAnotherSide) {
               RangeTo(gallery.solids[which]), AnalyticCamera(), LookAt(eye, {0.0, 0.0, 0.4})));
     }
     const std::shared_ptr<const MapSnapshot> snapshot = mapper->Commit().snapshot;
-    // The looks of the first quadrant see what was mapped.
+    // The views of the first quadrant observe the mapped side.
     const std::vector<SurfaceView>& views = gallery.views[which];
     MotionTrial trial(2 + which);
     for (int i = 0; i < kMotions / 3; ++i) {
@@ -139,7 +139,7 @@ TEST(RegisterPoints, RecoversMotionsAgainstAFusedVolumeFromAnotherSide) {
       if (miss.recovered()) ++recovered;
     }
   }
-  // Of some looks at the crate, only a sliver of a side tells of the shift.
+  // In some views of the crate, only a narrow strip of one side constrains the shift.
   EXPECT_GE(recovered, kMotions * 97 / 100);
   RecordProperty("recovered", recovered);
 }
@@ -165,7 +165,8 @@ TEST(RegisterPoints, LeavesWhatFitsWhereItIs) {
   }
 }
 
-/// A wall along x from `left_m` to `right_m`, 2 m high, 0.2 m in front of the xz plane.
+/// Returns points of a wall along x from `left_m` to `right_m`, 2 m high, 0.2 m in front of the xz
+/// plane.
 std::vector<Eigen::Vector3d> WallPoints(double left_m, double right_m, std::mt19937_64* random) {
   std::uniform_real_distribution<double> x(left_m, right_m);
   std::uniform_real_distribution<double> z(0.2, 1.8);
@@ -188,7 +189,7 @@ TEST(RegisterPoints, DoesNotSlideAlongAWall) {
   std::uniform_real_distribution<double> yaw(-kMaxYawRad, kMaxYawRad);
   const TsdfGrid volume = LongWall(-2.0, 2.0);
   for (int i = 0; i < 200; ++i) {
-    // From well within the wall to halfway beyond its mapped end.
+    // The left end moves from well within the wall to halfway beyond the mapped end.
     const double left_m = 0.01 * i - 0.5;
     std::vector<Eigen::Vector3d> points = WallPoints(left_m, left_m + 1.5, &random);
     const Eigen::Vector3d center = MeanOf(points);
@@ -223,7 +224,8 @@ TEST(RegisterPoints, AnObjectThatGrowsStaysInPlace) {
   const Gallery gallery;
   std::mt19937_64 random(6);
   for (std::size_t which = 0; which < gallery.solids.size(); ++which) {
-    // Mapped up to a border that cuts the object: most looks see as much surface beyond it.
+    // The map ends at a border that cuts the object. In most views, as much surface is visible
+    // beyond the border.
     for (const double border_m : {-0.15, 0.0, 0.15}) {
       const TsdfGrid volume = MakeVolume(
           [&](const Eigen::Vector3d& point) { return DistanceFrom(gallery.solids[which], point); },
@@ -264,7 +266,7 @@ TEST(RegisterPoints, AnotherShapeIsDissimilar) {
       }
     }
   }
-  // From some sides the angle and the crate with its parcel look alike, but for what is unknown.
+  // From some sides, the angle and the crate with its parcel differ only in unobserved surface.
   EXPECT_GE(dissimilar, looks * 3 / 4);
   RecordProperty("dissimilar_percent", 100 * dissimilar / looks);
 }

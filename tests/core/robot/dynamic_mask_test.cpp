@@ -1,4 +1,4 @@
-// A person before a wall whom some frames take for something else.
+// A person in front of a wall. Some frames assign another class to the person.
 
 #include "core/robot/dynamic_mask.h"
 
@@ -27,9 +27,9 @@ using ::steadymap::testing::PocdConfig;
 using ::steadymap::testing::RenderScene;
 using ::steadymap::testing::SceneBody;
 
-constexpr std::uint16_t kCeilingClass = 2;  // Goes into the background at once.
+constexpr std::uint16_t kCeilingClass = 2;  // Fused into the background at once.
 
-/// Stands, or walks to the left, and is called by `label`.
+/// Returns a person with class `label`, centred at `y`.
 SceneBody Person(std::uint16_t label, double y = 0.0) {
   return Body(label, {1.2, y - 0.2, -0.7}, {1.5, y + 0.2, 0.7});
 }
@@ -39,7 +39,7 @@ class MovingSurfaceTest : public ::testing::Test {
   explicit MovingSurfaceTest(const MapConfig& config = PocdConfig())
       : moving_(config, {}), cloud_(config), map_(config) {}
 
-  /// How much of what is called by `label` would be fused of a frame.
+  /// Returns the number of cells of class `label` that a frame would fuse.
   std::size_t See(const std::vector<SceneBody>& scene,
                   std::uint16_t label,
                   double time_s,
@@ -60,7 +60,8 @@ class MovingSurfaceTest : public ::testing::Test {
     return count;
   }
 
-  /// The same of the person, whom the frame calls by `label`.
+  /// Returns the number of cells of the person that a frame would fuse, if it labels the person
+  /// `label`.
   std::size_t SeePerson(std::uint16_t label, double time_s, const std::string& robot = "robot") {
     return See({FarWall(), Person(label)}, label, time_s, robot);
   }

@@ -1,4 +1,4 @@
-// Robots that jump about in the corner of a room, through maps of the pocd policy.
+// Robots with pose jumps in the corner of a room, processed by maps of the pocd policy.
 
 #include "core/robot/localization_monitor.h"
 
@@ -32,7 +32,7 @@ using ::steadymap::testing::Room;
 using ::steadymap::testing::RoomWithout;
 using ::steadymap::testing::Scene;
 
-// Enough to see all of the room and to believe in it.
+// Enough frames to observe the whole room and to establish belief in its objects.
 constexpr int kMappingFrames = 70;
 
 constexpr double kShiftM = 1.0;
@@ -51,7 +51,7 @@ Trust TrustIn(const MapStory& story, const std::string& robot = "robot") {
   return story.map().robots.at({robot, SensorName::kDefaultSensor}).trust;
 }
 
-/// Expects a map to hold what it held, but for the robots.
+/// Expects the content of a map to be unchanged, except for the robots.
 void ExpectSameContent(MapSnapshot now, const MapSnapshot& before) {
   now.revision = before.revision;
   now.last_capture_time = before.last_capture_time;
@@ -136,7 +136,7 @@ TEST(LocalizationMonitor, TheFramesOfOtherRobotsGoOnToCount) {
 }
 
 TEST(LocalizationMonitor, ARobotThatComesBackToAChangedRoomIsBelieved) {
-  // It turns up where it stopped, or looks elsewhere; half of the boxes are gone.
+  // The robot returns to its last pose or to another one. Half of the boxes are removed.
   for (const int first : {70, 85, 104}) {
     SCOPED_TRACE(first);
     MapStory story(PocdConfig());
@@ -164,7 +164,7 @@ TEST(LocalizationMonitor, ARobotInANewPlaceIsBelieved) {
   MapStory story(PocdConfig());
   story.Play(Drive(Room(), 0, kMappingFrames));
   const std::size_t leaves = testing::PackedLeaves(story.map()).size();
-  // Another room, 50 m away: first after a pause, then by a robot that nobody knows.
+  // Another room, 50 m away: first after a pause, then from a robot unknown to the map.
   std::vector<Frame> frames = Drive(RoomWithout(2), 10, 10, kPauseS);
   for (Frame& frame : frames) frame.T_world_camera.translation().x() += 50.0;
   story.Play(frames);
@@ -197,7 +197,8 @@ TEST(LocalizationMonitor, ALostRobotIsFoundInAPlaceThatIsNewForLong) {
   story.Play({misled.begin(), first_in_new_place});
   ASSERT_EQ(TrustIn(story), Trust::kLost);
 
-  // It drives so far, seeing nothing, that neither where it says nor where it would be is known.
+  // The robot drives so far without returns that neither its reported nor its corrected position is
+  // mapped.
   std::vector<Frame> on_the_way;
   const auto drive_on = [](Frame* frame, int steps) {
     frame->T_world_camera.translation().x() += 0.3 * steps;
@@ -220,7 +221,7 @@ TEST(LocalizationMonitor, ALostRobotIsFoundInAPlaceThatIsNewForLong) {
   EXPECT_EQ(EventsOf(story, EventType::kRobotFound).size(), 1U);
 }
 
-/// A drive on which the robot gets lost for a while, with one glitch before.
+/// Returns a drive with one false pose, and later a period of false poses.
 std::vector<Frame> EventfulDrive() {
   std::vector<Frame> frames = Drive(Room(), 0, 40);
   const auto append = [&frames](std::vector<Frame> more) {

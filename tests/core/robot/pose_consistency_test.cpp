@@ -22,7 +22,7 @@ using ::steadymap::testing::Room;
 using ::steadymap::testing::RoomWithout;
 using ::steadymap::testing::Scene;
 
-/// Frames against a map of the room.
+/// Frames compared with a map of the room.
 class FrameAgreementTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

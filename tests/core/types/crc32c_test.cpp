@@ -8,7 +8,7 @@
 namespace steadymap {
 namespace {
 
-// Bit by bit, straight from the definition.
+// Computes CRC-32C bit by bit, directly from the definition.
 std::uint32_t SlowCrc32c(const std::string& data) {
   std::uint32_t crc = 0xFFFFFFFFU;
   for (const char byte : data) {
@@ -25,7 +25,7 @@ std::string RandomBytes(std::size_t size, std::mt19937* random) {
 }
 
 TEST(ExtendCrc32c, PublishedVectors) {
-  // RFC 3720, appendix B.4, and the usual check value.
+  // RFC 3720, appendix B.4, and the standard check value.
   EXPECT_EQ(ExtendCrc32c(0, "123456789"), 0xE3069283U);
   EXPECT_EQ(ExtendCrc32c(0, std::string(32, '\0')), 0x8A9136AAU);
   EXPECT_EQ(ExtendCrc32c(0, std::string(32, '\xFF')), 0x62A8AB43U);

@@ -1,4 +1,5 @@
-// Work on all cores: every item once, and the same bits for any number of threads.
+// Parallel loops: each item is processed once, and the result is bit-identical for any thread
+// count.
 
 #include "core/types/parallel.h"
 
@@ -101,7 +102,7 @@ TEST(ParallelFor, TakesTheWorkOwnerAlong) {
       if (WorkOwner() != &owner) ++strangers;
     });
   };
-  // The same threads help somebody else before and after.
+  // The same pool threads process work without an owner before and after.
   const auto work = [&] {
     for (int round = 0; round < 50; ++round) {
       ParallelFor(64, 1, look);
@@ -118,7 +119,7 @@ TEST(ParallelFor, TakesTheWorkOwnerAlong) {
   SetWorkOwner(nullptr);
 }
 
-/// What a map tells of a drive through a room that changes meanwhile.
+/// The output of a mapper for a drive through a room that changes during the drive.
 struct DriveResult {
   std::vector<MapDelta> deltas;
   Mesh mesh;

@@ -16,7 +16,7 @@ Timestamp At(std::int64_t ns) { return Timestamp::FromNanoseconds(ns); }
 Duration Of(std::int64_t ns) { return Duration::FromNanoseconds(ns); }
 
 TEST(Timestamp, DifferencesAreExactFarFromTheEpoch) {
-  // Doubles of seconds are 200 ns apart here.
+  // At this time, seconds stored as `double` have a resolution of about 240 ns.
   const std::int64_t now_ns = 1'800'000'000'000'000'001;
   EXPECT_EQ(At(now_ns) - At(now_ns - 1), Of(1));
   EXPECT_EQ(At(now_ns) + Of(-1), At(now_ns - 1));

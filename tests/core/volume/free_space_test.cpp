@@ -45,7 +45,7 @@ TEST(FreeSpace, TellsWhatIsBehindASurfaceByItsNormal) {
   FreeSpace free_space(kCellM);
   std::vector<LeafOrigin> changed;
   free_space.MarkRay({-0.55, 0.05, 0.05}, {0.25, 0.05, 0.05}, &changed);
-  // Both lie at the end of what is free.
+  // Both points are beside the border of the observed free space.
   EXPECT_TRUE(free_space.HasFreeSpaceBehind({0.31, 0.05, 0.05}, Eigen::Vector3d::UnitX()));
   EXPECT_FALSE(free_space.HasFreeSpaceBehind({0.29, 0.05, 0.05}, -Eigen::Vector3d::UnitX()));
 }
@@ -69,7 +69,7 @@ TEST(FreeSpace, MarksASlantedRayOnlyWhereItPasses) {
       EXPECT_LE(off_ray_m, 0.5 * std::sqrt(3.0) * kCellM) << cell.transpose();
     }
   });
-  // Points a cell apart: a cell holds two at most.
+  // The points are one cell apart, so a cell contains at most two of them.
   EXPECT_GE(CountFreeCells(free_space),
             static_cast<std::size_t>(0.5 * (to - from).norm() / kCellM));
 }

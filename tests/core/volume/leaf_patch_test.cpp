@@ -19,7 +19,7 @@ std::size_t CountVoxels(const LeafMask& mask) {
   return count;
 }
 
-/// A leaf in which each voxel of `leaf` is as it was or another, and others have come.
+/// Returns a copy of `leaf` with random voxels replaced and random voxels added.
 LeafVoxels Later(const LeafVoxels& leaf, std::mt19937* random) {
   const LeafVoxels other = RandomLeaf(random, 0.3, /*smooth=*/true, leaf.has_color);
   LeafVoxels later = leaf;

@@ -73,7 +73,7 @@ TEST(UnpackLeaf, SurvivesDamage) {
       damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
       LeafVoxels unpacked;
       if (!UnpackLeaf(damaged, kScale, &unpacked).ok()) continue;
-      // What is taken must be a leaf that could be packed again.
+      // Every leaf that the decoder accepts must be valid input of the encoder.
       for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
         ASSERT_EQ(IsSet(unpacked.observed, offset), unpacked.weight[offset] > 0.0F);
         ASSERT_LE(std::abs(unpacked.distance_m[offset]), static_cast<float>(kScale.truncation_m));
@@ -98,7 +98,7 @@ TEST(UnpackLeaf, RefusesWhatLiesBeyondTheTruncation) {
 }
 
 TEST(UnpackLeaf, RefusesABomb) {
-  // A zstd frame of 64 MiB of zeros, 2 KiB long, in the place of a body.
+  // A zstd frame of 2 KiB that decompresses to 64 MiB of zeros, in place of the leaf body.
   std::string bomb = "\x22";
   bomb += std::string("\x28\xB5\x2F\xFD\xA4\x00\x00\x00\x04", 9);
   for (int block = 0; block < 512; ++block) bomb += std::string("\x02\x00\x10\x00", 4);

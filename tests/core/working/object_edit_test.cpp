@@ -21,18 +21,18 @@ namespace {
 using ::steadymap::testing::ExpectSameMap;
 using ::steadymap::testing::kScale;
 
-// Without an edit, an object cannot be changed.
+// A TrackedObject cannot be modified without an edit.
 static_assert(std::is_same_v<decltype(std::declval<TrackedObject&>().state()), const ObjectState&>);
 static_assert(std::is_same_v<decltype(std::declval<TrackedObject&>().volume()), const TsdfGrid&>);
 static_assert(!std::is_copy_assignable_v<TrackedObject>);
 static_assert(!std::is_move_assignable_v<TrackedObject>);
 
-/// Applies all kinds of edits to a map, at random.
+/// Applies random edits of all kinds to a map.
 class RandomEditor {
  public:
   explicit RandomEditor(unsigned seed) : random_(seed) {}
 
-  /// Edits one object.
+  /// Edits one random object.
   void Step(WorkingMap* map) {
     if (map->objects().size() < 6) {
       StoreLeaf(&map->AddObject(Position()), map);
@@ -75,14 +75,14 @@ class RandomEditor {
   }
 
  private:
-  /// Writes a leaf, or removes one.
+  /// Writes or removes one leaf.
   void StoreLeaf(TrackedObject* object, WorkingMap* map) {
     ObjectEdit edit = map->Edit(object);
     const double probability = Integer(3) == 0 ? 0.0 : 0.5;
     edit.StoreLeaf(Origin(), RandomLeaf(&random_, probability, Integer(1) == 0, Integer(1) == 0));
   }
 
-  /// Writes one of the parts of the state.
+  /// Writes one random part of the state.
   void EditState(TrackedObject* object, WorkingMap* map) {
     ObjectEdit edit = map->Edit(object);
     ObjectState& state = edit.state();
@@ -144,12 +144,12 @@ class RandomEditor {
     return map->AllObjects()[Integer(map->objects().size() - 1)];
   }
 
-  /// Returns one of few leaves, so that edits meet.
+  /// Returns one of a few leaf origins, so that edits overlap.
   LeafOrigin Origin() {
     return {kLeafSide * static_cast<int>(Integer(2)), kLeafSide * static_cast<int>(Integer(1)), 0};
   }
 
-  /// Returns one of few positions on the lattice of the world, so that volumes overlap.
+  /// Returns one of a few positions on the world lattice, so that volumes overlap.
   Eigen::Vector3d Position() {
     return kScale.leaf_size_m() * Eigen::Vector3d(static_cast<double>(Integer(2)), 0.0, 0.0);
   }
@@ -157,7 +157,7 @@ class RandomEditor {
   std::mt19937 random_;
 };
 
-/// Returns the snapshot that a map would publish if all its objects were marked.
+/// Returns the snapshot that a map would publish if all its objects were marked as changed.
 MapSnapshot WithAllObjects(const WorkingMap& map, const MapSnapshot& published) {
   MapSnapshot all = published;
   all.objects = {};
@@ -187,7 +187,7 @@ TEST(ObjectEdit, PutsEveryChangeIntoTheNextDelta) {
   }
 }
 
-/// A map with one object, all committed.
+/// A map with one object, with all changes committed.
 class ObjectEditTest : public ::testing::Test {
  protected:
   ObjectEditTest() {
@@ -206,7 +206,7 @@ class ObjectEditTest : public ::testing::Test {
     return map_.Commit().delta;
   }
 
-  /// A leaf with surface.
+  /// Returns a leaf with surface.
   LeafVoxels Leaf() { return RandomLeaf(&random_, 1.0, /*smooth=*/true, /*color=*/false); }
 
   std::mt19937 random_{1};

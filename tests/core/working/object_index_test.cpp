@@ -24,7 +24,7 @@ std::vector<ObjectId> Ids(std::initializer_list<std::uint64_t> values) {
   return ids;
 }
 
-/// What the index should answer.
+/// Returns the expected result of the index, by linear search.
 std::vector<ObjectId> FindByWalk(const std::map<ObjectId, Box>& bounds_world, const Box& box) {
   std::vector<ObjectId> found;
   for (const auto& [id, bounds] : bounds_world) {
@@ -33,7 +33,7 @@ std::vector<ObjectId> FindByWalk(const std::map<ObjectId, Box>& bounds_world, co
   return found;
 }
 
-/// Boxes of all sizes, many on the borders of cells, some empty, flat or without end.
+/// A source of random boxes of all sizes: many on cell borders, some empty, degenerate or infinite.
 class BoxSource {
  public:
   explicit BoxSource(unsigned seed) : random_(seed) {}

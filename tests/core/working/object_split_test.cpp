@@ -16,7 +16,8 @@ namespace {
 using ::steadymap::testing::kScale;
 using ::steadymap::testing::StateOf;
 
-/// Multiples of the canonical steps, so that every voxel of a test volume is exact.
+/// Returns a leaf with uniform voxels. Distances are multiples of the canonical step, so that each
+/// voxel of a test volume is exact.
 LeafVoxels LeafWith(float weight, int distance_steps) {
   LeafVoxels voxels;
   voxels.distance_m.fill(static_cast<float>(distance_steps) * kScale.distance_step_m());
@@ -25,7 +26,7 @@ LeafVoxels LeafWith(float weight, int distance_steps) {
   return voxels;
 }
 
-/// A wall that faces -x in the object's frame, one leaf wide along y and z each.
+/// Returns a wall that faces -x in the object frame, one leaf wide along y and z.
 TrackedObject Wall(ObjectId id, const Eigen::Vector3d& position_world) {
   TrackedObject object(id, position_world, kScale);
   testing::StoreVolume(
@@ -53,7 +54,7 @@ void MoveGone(const GoneScores& scores, TrackedObject* object, TrackedObject* pa
   MoveGoneVoxels(scores, &edit, &part_edit);
 }
 
-/// All observed voxels of a volume, by leaf and offset.
+/// Returns all observed voxels of a volume, by leaf and offset.
 std::map<std::pair<LeafOrigin, std::size_t>, std::pair<float, float>> VoxelsOf(
     const TsdfGrid& volume) {
   std::map<std::pair<LeafOrigin, std::size_t>, std::pair<float, float>> voxels;
@@ -177,7 +178,7 @@ TEST(MoveGoneVoxels, MovesExactlyTheGoneCells) {
 TEST(MoveGoneVoxels, TakesDoubtedCellsThatGoneOnesAreConnectedTo) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   LeafEvidence& evidence = StateOf(&object).evidence.MutableLeaf({0, 0, 0});
-  // Along z, one is gone, one missed, one found, and behind that one missed.
+  // Cells along z: one gone, one missed, one found, and behind the found cell one missed.
   const std::array<std::int8_t, 4> scores = {-5, -3, 2, -3};
   for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) evidence.score[cell] = scores[cell % 4];
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
@@ -219,7 +220,7 @@ TEST(CountFoundCells, CountsCellsWithSurfaceInLeavesFoundLately) {
 TEST(CountConnectedCells, CountsTheLargestGroup) {
   TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
   EXPECT_EQ(CountConnectedCells(object), 16U);
-  // A second leaf beside it, and one that nothing joins.
+  // Adds a second leaf that is adjacent to the first, and a third that is disconnected.
   for (const double y_m : {0.4, 1.2}) {
     CopyInto(Wall(ObjectId(2), {0.0, y_m, 0.0}), &object);
   }

@@ -28,7 +28,7 @@ void WriteCube(const Eigen::Vector3d& center_object, TrackedObject* object, Work
   testing::StoreVolume(testing::Canonical(cube, VoxelScale()), &edit);
 }
 
-/// What `ObjectsNear` should give.
+/// Returns the expected result of `ObjectsNear`, by linear search.
 ObjectList WalkNear(const Box& box_world, WorkingMap* map) {
   constexpr double kTouchM = 1e-3;
   const Box touching(box_world.min().array() - kTouchM, box_world.max().array() + kTouchM);
@@ -48,7 +48,7 @@ ObjectList WalkStanding(ObjectStatus standing, WorkingMap* map) {
   return objects;
 }
 
-/// Does to a map what policies do, at random.
+/// Applies random operations of an update policy to a map.
 class RandomPolicy {
  public:
   explicit RandomPolicy(unsigned seed) : random_(seed) {}
