@@ -113,49 +113,63 @@ Rgb Mix(const Rgb& from, const Rgb& to, double weight) {
   return mixed;
 }
 
-void Canvas::SurfaceDeleter::operator()(_cairo_surface* surface) const {
-  cairo_surface_destroy(surface);
-}
+struct Canvas::Drawing {
+  Drawing(int width_px, int height_px)
+      : surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, height_px)),
+        context(cairo_create(surface)) {}
 
-void Canvas::ContextDeleter::operator()(_cairo* context) const { cairo_destroy(context); }
+  ~Drawing() {
+    cairo_destroy(context);
+    cairo_surface_destroy(surface);
+  }
+
+  Drawing(const Drawing&) = delete;
+  Drawing& operator=(const Drawing&) = delete;
+
+  cairo_surface_t* const surface;
+  cairo_t* const context;
+};
 
 Canvas::Canvas(int width_px, int height_px, const Rgb& background)
     : width_px_(width_px),
       height_px_(height_px),
-      surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, height_px)),
-      context_(cairo_create(surface_.get())) {
-  if (cairo_status(context_.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
+      drawing_(std::make_unique<Drawing>(width_px, height_px)) {
+  if (cairo_status(drawing_->context) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
   SetColor(background);
-  cairo_paint(context_.get());
-  cairo_set_line_cap(context_.get(), CAIRO_LINE_CAP_ROUND);
-  cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
+  cairo_paint(drawing_->context);
+  cairo_set_line_cap(drawing_->context, CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(drawing_->context, CAIRO_LINE_JOIN_ROUND);
 }
 
+Canvas::~Canvas() = default;
+Canvas::Canvas(Canvas&&) noexcept = default;
+Canvas& Canvas::operator=(Canvas&&) noexcept = default;
+
 Image<Rgb> Canvas::image() const {
-  cairo_surface_flush(surface_.get());
+  cairo_surface_flush(drawing_->surface);
   Image<Rgb> image(width_px_, height_px_);
   for (int v = 0; v < height_px_; ++v) {
-    const std::uint32_t* row = RowOf(surface_.get(), v);
+    const std::uint32_t* row = RowOf(drawing_->surface, v);
     for (int u = 0; u < width_px_; ++u) image.At(u, v) = FromPixel(row[u]);
   }
   return image;
 }
 
 void Canvas::SetColor(const Rgb& color) {
-  cairo_set_source_rgb(context_.get(), color[0] / 255.0, color[1] / 255.0, color[2] / 255.0);
+  cairo_set_source_rgb(drawing_->context, color[0] / 255.0, color[1] / 255.0, color[2] / 255.0);
 }
 
 void Canvas::Blend(int u, int v, const Rgb& color, double opacity) {
   if (u < 0 || v < 0 || u >= width_px() || v >= height_px() || opacity <= 0.0) return;
-  cairo_surface_flush(surface_.get());
-  std::uint32_t& pixel = RowOf(surface_.get(), v)[u];
+  cairo_surface_flush(drawing_->surface);
+  std::uint32_t& pixel = RowOf(drawing_->surface, v)[u];
   pixel = ToPixel(Mix(FromPixel(pixel), color, std::min(opacity, 1.0)));
-  cairo_surface_mark_dirty_rectangle(surface_.get(), u, v, 1, 1);
+  cairo_surface_mark_dirty_rectangle(drawing_->surface, u, v, 1, 1);
 }
 
 void Canvas::Paste(const Canvas& other, int u, int v) {
-  cairo_set_source_surface(context_.get(), other.surface_.get(), u, v);
-  cairo_paint(context_.get());
+  cairo_set_source_surface(drawing_->context, other.drawing_->surface, u, v);
+  cairo_paint(drawing_->context);
 }
 
 void Canvas::FillBox(const Eigen::Vector2d& low_px,
@@ -166,8 +180,8 @@ void Canvas::FillBox(const Eigen::Vector2d& low_px,
   const Eigen::Vector2d extent = high_px.cwiseMax(0.0).cwiseMin(size) - low;
   if (!(extent.minCoeff() > 0.0)) return;
   SetColor(color);
-  cairo_rectangle(context_.get(), low.x(), low.y(), extent.x(), extent.y());
-  cairo_fill(context_.get());
+  cairo_rectangle(drawing_->context, low.x(), low.y(), extent.x(), extent.y());
+  cairo_fill(drawing_->context);
 }
 
 void Canvas::DrawBox(const Eigen::Vector2d& low_px,
@@ -187,9 +201,9 @@ void Canvas::AddToPath(const Stroke& stroke, double margin_px) {
     const auto segment = ClipSegment(stroke[i == 0 ? 0 : i - 1], stroke[i], reach);
     if (!segment) continue;
     if (pen != segment->first) {
-      cairo_move_to(context_.get(), segment->first.x(), segment->first.y());
+      cairo_move_to(drawing_->context, segment->first.x(), segment->first.y());
     }
-    cairo_line_to(context_.get(), segment->second.x(), segment->second.y());
+    cairo_line_to(drawing_->context, segment->second.x(), segment->second.y());
     pen = segment->second;
   }
 }
@@ -197,8 +211,8 @@ void Canvas::AddToPath(const Stroke& stroke, double margin_px) {
 void Canvas::DrawStrokes(const std::vector<Stroke>& strokes, double width_px, const Rgb& color) {
   for (const Stroke& stroke : strokes) AddToPath(stroke, width_px);
   SetColor(color);
-  cairo_set_line_width(context_.get(), width_px);
-  cairo_stroke(context_.get());
+  cairo_set_line_width(drawing_->context, width_px);
+  cairo_stroke(drawing_->context);
 }
 
 void Canvas::FillDisc(const Eigen::Vector2d& center_px, double radius_px, const Rgb& color) {
@@ -217,11 +231,11 @@ void Canvas::Write(std::string_view text,
       Eigen::Vector2d(origin_px + Eigen::Vector2d(width_px, cap_height_px)));
   if (!picture.intersects(line)) return;
   const Font font = MakeFontWithCaps(cap_height_px);
-  cairo_set_scaled_font(context_.get(), font.get());
+  cairo_set_scaled_font(drawing_->context, font.get());
   SetColor(color);
-  cairo_move_to(context_.get(), origin_px.x(), origin_px.y());
-  cairo_show_text(context_.get(), ToPrintableAscii(text).c_str());
-  cairo_new_path(context_.get());
+  cairo_move_to(drawing_->context, origin_px.x(), origin_px.y());
+  cairo_show_text(drawing_->context, ToPrintableAscii(text).c_str());
+  cairo_new_path(drawing_->context);
 }
 
 void Canvas::WriteRightAligned(std::string_view text,

@@ -8,10 +8,6 @@
 
 #include "core/frame/frame.h"
 
-// Types of cairo, whose headers only the source file includes.
-struct _cairo;
-struct _cairo_surface;
-
 namespace steadymap {
 
 /// A polyline to be drawn with a round pen, pixels, y down. A single point is a disc.
@@ -23,6 +19,9 @@ using Stroke = std::vector<Eigen::Vector2d>;
 class Canvas {
  public:
   Canvas(int width_px, int height_px, const Rgb& background);
+  ~Canvas();
+  Canvas(Canvas&&) noexcept;
+  Canvas& operator=(Canvas&&) noexcept;
 
   int width_px() const { return width_px_; }
 
@@ -64,21 +63,15 @@ class Canvas {
                          const Rgb& color);
 
  private:
-  struct SurfaceDeleter {
-    void operator()(_cairo_surface* surface) const;
-  };
-
-  struct ContextDeleter {
-    void operator()(_cairo* context) const;
-  };
+  /// Surface and context of cairo, whose headers only the source file includes.
+  struct Drawing;
 
   void SetColor(const Rgb& color);
   void AddToPath(const Stroke& stroke, double margin_px);
 
   int width_px_;
   int height_px_;
-  std::unique_ptr<_cairo_surface, SurfaceDeleter> surface_;
-  std::unique_ptr<_cairo, ContextDeleter> context_;
+  std::unique_ptr<Drawing> drawing_;
 };
 
 /// Returns the advance width of a line of text as `Canvas::Write` draws it, pixels. 0 for empty
