@@ -67,20 +67,15 @@ absl::Status CheckLabels(const Image<std::uint16_t>& labels, const KnownLabels& 
 }
 
 absl::Status CheckPose(const Eigen::Isometry3d& T_world_camera) {
-  const Eigen::Vector3d position_m = T_world_camera.translation();
+  if (absl::Status status = CheckPosition("world_from_camera", T_world_camera.translation());
+      !status.ok()) {
+    return status;
+  }
   const Eigen::Matrix3d R_world_camera = T_world_camera.linear();
-  if (!position_m.allFinite() || !R_world_camera.allFinite() || position_m.norm() > kMaxPositionM) {
+  if (!R_world_camera.allFinite()) {
     return InvalidField(reason::kNonFinitePose,
                         "world_from_camera",
-                        absl::StrCat("the pose must be finite and within ",
-                                     kMaxPositionM,
-                                     " m of the map's origin, got position (",
-                                     position_m.x(),
-                                     ", ",
-                                     position_m.y(),
-                                     ", ",
-                                     position_m.z(),
-                                     ")"));
+                        "the rotation must be finite, got NaN or infinity");
   }
   const double deviation =
       (R_world_camera.transpose() * R_world_camera - Eigen::Matrix3d::Identity())

@@ -68,21 +68,24 @@ absl::Status ValidateCamera(const PinholeCamera& camera) {
   return absl::OkStatus();
 }
 
+absl::Status CheckPosition(const char* field, const Eigen::Vector3d& position_m) {
+  if (position_m.allFinite() && position_m.norm() <= kMaxPositionM) return absl::OkStatus();
+  return InvalidField(reason::kNonFinitePose,
+                      field,
+                      absl::StrCat("the position must be finite and within ",
+                                   kMaxPositionM,
+                                   " m of the map's origin, got (",
+                                   position_m.x(),
+                                   ", ",
+                                   position_m.y(),
+                                   ", ",
+                                   position_m.z(),
+                                   ")"));
+}
+
 absl::StatusOr<Eigen::Isometry3d> MakePose(const Eigen::Vector3d& position_m,
                                            const Eigen::Vector4d& quaternion_xyzw) {
-  if (!position_m.allFinite() || position_m.norm() > kMaxPositionM) {
-    return InvalidField(reason::kNonFinitePose,
-                        "position_m",
-                        absl::StrCat("the position must be finite and within ",
-                                     kMaxPositionM,
-                                     " m of the map's origin, got (",
-                                     position_m.x(),
-                                     ", ",
-                                     position_m.y(),
-                                     ", ",
-                                     position_m.z(),
-                                     ")"));
-  }
+  if (absl::Status status = CheckPosition("position_m", position_m); !status.ok()) return status;
   if (!quaternion_xyzw.allFinite()) {
     return InvalidField(reason::kNonFinitePose,
                         "orientation",

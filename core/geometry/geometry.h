@@ -66,6 +66,10 @@ inline constexpr double kMaxPositionM = 10'000.0;
 /// pixels, and the principal point lies within one image size of the image.
 absl::Status ValidateCamera(const PinholeCamera& camera);
 
+/// Returns OK if a position is finite and within `kMaxPositionM` of the origin. Errors:
+/// `InvalidArgument` with reason `NON_FINITE_POSE` and `field`.
+absl::Status CheckPosition(const char* field, const Eigen::Vector3d& position_m);
+
 /// Makes a rigid transform from a position [m] and a quaternion (x, y, z, w).
 ///
 /// Normalises a quaternion whose norm is within 1e-3 of one. Errors: `InvalidArgument` with reason

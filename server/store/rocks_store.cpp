@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/types/error.h"
+#include "server/store/disk/free_space.h"
 #include "server/store/disk/posix_file.h"
 #include "server/store/map_discovery.h"
 #include "server/store/store_catalog.h"
@@ -341,16 +342,7 @@ absl::Status RocksStore::health(MapKey map) const {
 }
 
 absl::Status RocksStore::CheckDisk() const {
-  const absl::StatusOr<std::uint64_t> free_bytes = platform_.free_disk_bytes(folder_);
-  if (!free_bytes.ok()) return free_bytes.status();
-  if (*free_bytes >= options_.min_free_disk_bytes) return absl::OkStatus();
-  return MakeError(absl::StatusCode::kResourceExhausted,
-                   reason::kDiskLow,
-                   absl::StrCat("the disk of the data folder has ",
-                                *free_bytes,
-                                " bytes left, fewer than the ",
-                                options_.min_free_disk_bytes,
-                                " that are kept free"));
+  return CheckFreeSpace(platform_.free_disk_bytes(folder_), options_.min_free_disk_bytes);
 }
 
 bool RocksStore::IsWaitingForDisk() const { return gate_->waiting() > 0; }

@@ -9,6 +9,7 @@
 #include "core/types/error.h"
 #include "server/store/database/store_keys.h"
 #include "server/store/database/store_records.h"
+#include "server/store/disk/free_space.h"
 #include "server/store/disk/posix_file.h"
 #include "server/store/map/content_loader.h"
 #include "server/store/map/map_history.h"
@@ -140,16 +141,7 @@ MapDatabase::Progress MapDatabase::progress() const {
 }
 
 absl::Status MapDatabase::CheckFree(std::uint64_t needed) const {
-  const absl::StatusOr<std::uint64_t> free_bytes = dependencies_.free_disk_bytes();
-  if (!free_bytes.ok()) return free_bytes.status();
-  if (*free_bytes >= needed) return absl::OkStatus();
-  return MakeError(absl::StatusCode::kResourceExhausted,
-                   reason::kDiskLow,
-                   absl::StrCat("the disk of the data folder has ",
-                                *free_bytes,
-                                " bytes left, fewer than the ",
-                                needed,
-                                " that are kept free"));
+  return CheckFreeSpace(dependencies_.free_disk_bytes(), needed);
 }
 
 absl::Status MapDatabase::Append(const LogAppend& append) {
