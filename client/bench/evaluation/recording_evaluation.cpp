@@ -137,7 +137,7 @@ absl::StatusOr<Evaluation> EvaluateRecording(const RecordingEvaluationOptions& o
     row.last_sequence_only = options.methods[i].last_sequence_only;
     row.map = scorer.Score(outcomes[i].surface);
     row.cost = outcomes[i].cost;
-    if (options.visit_map) options.visit_map(row.name, scorer, outcomes[i].surface);
+    if (options.visit_map) options.visit_map(row.name, scorer, outcomes[i]);
   }
   return evaluation;
 }

@@ -86,7 +86,9 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
   evaluation.frame_count = first.frame_count();
   RouteSurvey survey = SurveyRoute(first, SurveyOptionsFor(options));
   EventTruth event_truth = ListTrueEvents(route, survey);
-  const MapScorer scorer(MakeReference(&survey, options.with_ground));
+  Reference reference = MakeReference(&survey, options.with_ground);
+  if (options.visit_reference) options.visit_reference(reference);
+  const MapScorer scorer(std::move(reference));
   evaluation.scored_voxels = scorer.scored_voxels();
 
   std::vector<std::vector<BeliefSample>> beliefs(options.methods.size());
@@ -107,7 +109,7 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
       if (HasBeliefs(options.methods[i])) {
         AddBeliefs(*outcome.map, scorer, SampleSpacingFor(options.voxel_size_m), &beliefs[i]);
       }
-      if (seed == 0 && options.visit_map) options.visit_map(row.name, scorer, outcome.surface);
+      if (seed == 0 && options.visit_map) options.visit_map(row.name, scorer, outcome);
     }
   }
   for (std::size_t i = 0; i < beliefs.size(); ++i) {

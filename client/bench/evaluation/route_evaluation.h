@@ -20,7 +20,9 @@ struct RouteEvaluationOptions {
   double voxel_size_m = 0.2;
   bool with_ground = false;  ///< Scores the voxels of the ground, too.
   std::vector<Method> methods;
-  MapVisitor visit_map;            ///< For the maps of the first seed; may be empty.
+  MapVisitor visit_map;  ///< For the maps of the first seed; may be empty.
+  /// Receives the ground truth before the first frame; may be empty.
+  std::function<void(const Reference&)> visit_reference;
   std::function<void()> on_frame;  ///< Called after each frame; may be empty.
 };
 

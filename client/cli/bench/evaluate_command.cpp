@@ -18,12 +18,17 @@
 #include "client/cli/text/output_file.h"
 #include "client/cli/upload/progress_report.h"
 #include "core/frame/image_codec.h"
+#include "core/map/placed_volume.h"
+#include "core/query/map_mesh.h"
+#include "core/query/mesh_file.h"
 
 namespace steadymap {
 namespace {
 
 // Column of the descriptions in the list of switches.
 constexpr std::size_t kSwitchColumn = 14;
+
+constexpr double kTruncationVoxels = 3.0;
 
 /// Returns the error of a route name; empty if the name is valid.
 std::string FindRouteFault(const std::string& name) {
@@ -53,11 +58,33 @@ std::string EvaluateFooter() {
   return footer;
 }
 
-absl::Status WritePicture(const std::filesystem::path& path, const Image<Rgb>& picture) {
+absl::Status WriteFile(const std::filesystem::path& path, std::string_view data) {
   absl::StatusOr<OutputFile> file = OutputFile::Create(path);
   if (!file.ok()) return file.status();
-  const absl::Status status = file->Write(EncodeColorPng(picture));
+  const absl::Status status = file->Write(data);
   return status.ok() ? file->Commit() : status;
+}
+
+/// Returns the path of a file about a map: `title` and `method` without blanks.
+std::filesystem::path PathOf(const std::string& folder,
+                             const std::string& title,
+                             const std::string& method,
+                             const char* extension) {
+  std::string name = title + "-" + method + extension;
+  std::erase(name, ' ');
+  return std::filesystem::path(folder) / name;
+}
+
+/// Returns the true visible surface as vertices without triangles.
+Mesh PointsOf(const Reference& reference) {
+  Mesh mesh;
+  for (const std::vector<SurfacePoint>* points : {&reference.seen, &reference.ground}) {
+    for (const SurfacePoint& point : *points) {
+      mesh.vertices_world.push_back(point.position_world);
+      mesh.normals_world.push_back(point.normal_world);
+    }
+  }
+  return mesh;
 }
 
 }  // namespace
@@ -85,11 +112,30 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
                    "Edge of the compared voxels (default: 0.06 m for table scenes, otherwise 0.2)")
       ->type_name("METRES")
       ->check(CLI::Range(0.02, 1.0));
+  command
+      ->add_option("--map-voxel",
+                   map_voxel_size_m_,
+                   "Edge of the maps' voxels, with a truncation of three voxels (default: 0.02 m "
+                   "for table scenes, otherwise 0.05)")
+      ->type_name("METRES")
+      ->check(CLI::Range(0.001, 1.0));
+  command
+      ->add_option("--max-depth",
+                   max_depth_m_,
+                   "Largest depth that the maps use (default: 4 m for table scenes, otherwise 3)")
+      ->type_name("METRES")
+      ->check(CLI::Range(0.1, 100.0));
   command->add_flag("--ground", with_ground_, "Score the ground too");
   command->add_flag("--stages", with_stages_, "Show the time per stage of a frame");
   command
       ->add_option(
           "--pictures", pictures_folder_, "Draw the scored voxels of each map into this folder")
+      ->type_name("DIR");
+  command
+      ->add_option("--meshes",
+                   meshes_folder_,
+                   "Write the mesh of each map into this folder as PLY, and for a route its true "
+                   "surface as points")
       ->type_name("DIR");
   command->add_flag("--json", as_json_, "Print the tables as JSON");
   command->callback([this] { context_->action = [this] { return Run(); }; });
@@ -141,8 +187,9 @@ absl::Status EvaluateCommand::Run() const {
   if (routes_.empty() && sequences_.empty()) {
     return absl::InvalidArgumentError("expected a --route, or a --format and its --sequence");
   }
-  if (!pictures_folder_.empty()) {
-    if (absl::Status status = MakeFolder(pictures_folder_); !status.ok()) return status;
+  for (const std::string& folder : {pictures_folder_, meshes_folder_}) {
+    if (folder.empty()) continue;
+    if (absl::Status status = MakeFolder(folder); !status.ok()) return status;
   }
   const absl::StatusOr<std::vector<Evaluation>> evaluations = EvaluateAll();
   if (!evaluations.ok()) return evaluations.status();
@@ -177,9 +224,9 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
   absl::StatusOr<Route> route = MakeRoute(name);
   if (!route.ok()) return route.status();
   absl::StatusOr<std::vector<Method>> methods =
-      SelectMethods(policies_, MapConfigFor(name), switched_off_);
+      SelectMethods(policies_, ConfigOfMaps(MapConfigFor(name)), switched_off_);
   if (!methods.ok()) return methods.status();
-  absl::Status picture_status;
+  absl::Status write_status;
   RouteEvaluationOptions options;
   options.simulation.sensor = is_ideal_ ? SensorModel::Ideal() : SensorModel::Full();
   if (wrong_labels_.has_value()) {
@@ -195,7 +242,13 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
   options.voxel_size_m = voxel_size_m_ > 0.0 ? voxel_size_m_ : EvaluationVoxelFor(name);
   options.with_ground = with_ground_;
   options.methods = *std::move(methods);
-  options.visit_map = PictureWriter(name, &picture_status);
+  options.visit_map = MapWriter(name, &write_status);
+  if (!meshes_folder_.empty()) {
+    options.visit_reference = [&](const Reference& reference) {
+      write_status.Update(
+          WriteFile(PathOf(meshes_folder_, name, "truth", ".ply"), EncodePly(PointsOf(reference))));
+    };
+  }
   const std::size_t frame_total =
       Simulation(*route, options.simulation).frame_count() * seeds_.size();
   ProgressReport report(
@@ -207,15 +260,15 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
   };
   absl::StatusOr<Evaluation> evaluation = EvaluateRoute(*route, options);
   report.End();
-  if (!picture_status.ok()) return picture_status;
+  if (!write_status.ok()) return write_status;
   return evaluation;
 }
 
 absl::StatusOr<Evaluation> EvaluateCommand::EvaluateSequences() const {
   absl::StatusOr<std::vector<Method>> methods =
-      SelectMethods(policies_, MapConfig(), switched_off_);
+      SelectMethods(policies_, ConfigOfMaps(MapConfig()), switched_off_);
   if (!methods.ok()) return methods.status();
-  absl::Status picture_status;
+  absl::Status write_status;
   RecordingEvaluationOptions options;
   options.format = format_;
   options.sequences.assign(sequences_.begin(), sequences_.end());
@@ -225,26 +278,38 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateSequences() const {
   options.dataset.include_color = false;
   if (voxel_size_m_ > 0.0) options.voxel_size_m = voxel_size_m_;
   options.methods = *std::move(methods);
-  options.visit_map = PictureWriter(format_, &picture_status);
+  options.visit_map = MapWriter(format_, &write_status);
   absl::StatusOr<Evaluation> evaluation = EvaluateRecording(options);
-  if (!picture_status.ok()) return picture_status;
+  if (!write_status.ok()) return write_status;
   return evaluation;
 }
 
-MapVisitor EvaluateCommand::PictureWriter(const std::string& title, absl::Status* status) const {
-  if (pictures_folder_.empty()) return {};
-  return [this, title, status](const std::string& method,
-                               const MapScorer& scorer,
-                               const std::vector<SurfacePoint>& surface) {
-    if (!status->ok()) return;
+MapConfig EvaluateCommand::ConfigOfMaps(MapConfig defaults) const {
+  if (map_voxel_size_m_ > 0.0) {
+    defaults.voxel_size_m = map_voxel_size_m_;
+    defaults.truncation_m = kTruncationVoxels * map_voxel_size_m_;
+  }
+  if (max_depth_m_ > 0.0) defaults.max_depth_m = max_depth_m_;
+  return defaults;
+}
+
+MapVisitor EvaluateCommand::MapWriter(const std::string& title, absl::Status* status) const {
+  if (pictures_folder_.empty() && meshes_folder_.empty()) return {};
+  return [this, title, status](
+             const std::string& method, const MapScorer& scorer, const MethodOutcome& outcome) {
+    if (!meshes_folder_.empty()) {
+      const MapSnapshot& map = *outcome.map;
+      status->Update(WriteFile(
+          PathOf(meshes_folder_, title, method, ".ply"),
+          EncodePly(ExtractMapMesh(ShownVolumes(map), map.scale, /*box_world=*/nullptr))));
+    }
+    if (pictures_folder_.empty()) return;
     const ScorePictureText text = {title + ", " + method,
                                    "surface scored within half a voxel of " +
                                        LengthText(scorer.voxel_size_m()) + ", from above"};
-    std::string name = title + "-" + method + ".png";
-    std::erase(name, ' ');
-    const std::filesystem::path path = std::filesystem::path(pictures_folder_) / name;
-    *status =
-        WritePicture(path, DrawScorePicture(scorer.Judge(surface), scorer.voxel_size_m(), text));
+    status->Update(WriteFile(PathOf(pictures_folder_, title, method, ".png"),
+                             EncodeColorPng(DrawScorePicture(
+                                 scorer.Judge(outcome.surface), scorer.voxel_size_m(), text))));
   };
 }
 

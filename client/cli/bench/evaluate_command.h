@@ -27,9 +27,12 @@ class EvaluateCommand {
   absl::StatusOr<Evaluation> EvaluateNamedRoute(const std::string& name) const;
   absl::StatusOr<Evaluation> EvaluateSequences() const;
 
-  /// Returns a visitor that draws each map into the folder for pictures; empty without a folder.
-  /// Stores the first error in `status`.
-  MapVisitor PictureWriter(const std::string& title, absl::Status* status) const;
+  /// Returns the configuration of the maps: `defaults` with the given options.
+  MapConfig ConfigOfMaps(MapConfig defaults) const;
+
+  /// Returns a visitor that writes the mesh and the picture of each map into the folders for them;
+  /// empty without folders. Stores the first error in `status`.
+  MapVisitor MapWriter(const std::string& title, absl::Status* status) const;
 
   CommandContext* context_;
   std::vector<std::string> routes_;
@@ -44,7 +47,10 @@ class EvaluateCommand {
   std::optional<double> wrong_labels_;
   std::vector<std::size_t> lost_;  ///< First frame and number of frames; empty: none.
   double voxel_size_m_ = 0.0;      ///< 0: the default of the route.
+  double map_voxel_size_m_ = 0.0;  ///< Of the maps; 0: the default of the route.
+  double max_depth_m_ = 0.0;       ///< Of the maps; 0: the default of the route.
   std::string pictures_folder_;
+  std::string meshes_folder_;
   bool is_ideal_ = false;
   bool with_ground_ = false;
   bool with_stages_ = false;

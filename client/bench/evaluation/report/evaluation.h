@@ -38,6 +38,6 @@ struct Evaluation {
 
 /// Receives each final map, e.g. to draw it.
 using MapVisitor = std::function<void(
-    const std::string& method, const MapScorer& scorer, const std::vector<SurfacePoint>& surface)>;
+    const std::string& method, const MapScorer& scorer, const MethodOutcome& outcome)>;
 
 }  // namespace steadymap

@@ -52,9 +52,9 @@ TEST(EvaluateRoute, AnUnchangedRouteHasNoGhosts) {
   RouteEvaluationOptions options = Options(SensorModel::Full(), 12);
   options.seeds = {1, 2};
   std::map<std::string, std::size_t> visits;
-  options.visit_map = [&visits](const std::string& method,
-                                const MapScorer&,
-                                const std::vector<SurfacePoint>&) { ++visits[method]; };
+  options.visit_map = [&visits](const std::string& method, const MapScorer&, const MethodOutcome&) {
+    ++visits[method];
+  };
   const auto evaluation = EvaluateRoute(MakeRoute("baseline").value(), options);
   ASSERT_TRUE(evaluation.ok()) << evaluation.status();
   const MethodScore& row = Row(*evaluation, "static");
