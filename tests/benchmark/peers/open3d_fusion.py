@@ -14,7 +14,6 @@ import open3d
 
 from recordings import FORMATS
 
-# Open3D drops what lies behind a block's surface; three to four voxels are its usual band.
 TRUNCATION_VOXELS = 3.0
 
 
@@ -38,6 +37,12 @@ def fuse(frames, voxel_m, truncation_m, max_depth_m, stride_px):
     return volume.extract_triangle_mesh()
 
 
+def write(mesh, path):
+    """Writes a mesh as PLY."""
+    if not open3d.io.write_triangle_mesh(str(path), mesh):
+        raise SystemExit(f"cannot write {path}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("format", choices=sorted(FORMATS))
@@ -51,8 +56,7 @@ def main():
     truncation_m = arguments.truncation or TRUNCATION_VOXELS * arguments.voxel
     frames = (frame for folder in arguments.folders for frame in FORMATS[arguments.format](folder))
     mesh = fuse(frames, arguments.voxel, truncation_m, arguments.max_depth, arguments.stride)
-    if not open3d.io.write_triangle_mesh(str(arguments.out), mesh):
-        raise SystemExit(f"cannot write {arguments.out}")
+    write(mesh, arguments.out)
 
 
 if __name__ == "__main__":

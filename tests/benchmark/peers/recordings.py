@@ -1,7 +1,6 @@
 """Reads recorded depth frames in the layouts that `steadymap upload` reads."""
 
 import dataclasses
-import pathlib
 
 import numpy
 import open3d

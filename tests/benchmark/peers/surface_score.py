@@ -48,33 +48,39 @@ def bend_mm(cloud, indices):
     return bends
 
 
+def print_scores(reference_path, paths, radius_m):
+    """Prints one line per surface."""
+    reference, _ = sample(reference_path)
+    generator = numpy.random.default_rng(1)
+    count = len(reference.points)
+    chosen = generator.choice(count, min(count, MAX_BEND_POINTS), replace=False)
+    bends = bend_mm(reference, chosen)
+    classes = [(bends >= low) & (bends < high) for low, high in BEND_CLASSES_MM]
+    heading = "".join(f"{f'{low:g}-{high:g}':>8}" for low, high in BEND_CLASSES_MM)
+    title = f"share within {1e3 * radius_m:g} mm, %"
+    print(f"{title:40} triangles  accuracy    complete  by local bend, mm")
+    print(f"{'':71}{heading}")
+    shares = "".join(f"{100.0 * numpy.mean(rows):8.1f}" for rows in classes)
+    print(f"{'share of the reference':71}{shares}")
+    for path in paths:
+        surface, triangles = sample(path)
+        accuracy = share(surface.compute_point_cloud_distance(reference), radius_m)
+        distances_m = numpy.asarray(reference.compute_point_cloud_distance(surface))
+        by_bend = "".join(
+            f"{share(distances_m[chosen[rows]], radius_m):8.1f}" if rows.any() else f"{'-':>8}"
+            for rows in classes
+        )
+        complete = share(distances_m, radius_m)
+        print(f"{str(path)[-40:]:40} {triangles:9}  {accuracy:8.1f}  {complete:10.1f}{by_bend}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("surfaces", nargs="+", help="PLY files")
     parser.add_argument("--reference", required=True, help="a PLY file")
     parser.add_argument("--radius", type=float, default=0.02, help="metres")
     arguments = parser.parse_args()
-    reference, _ = sample(arguments.reference)
-    generator = numpy.random.default_rng(1)
-    count = len(reference.points)
-    chosen = generator.choice(count, min(count, MAX_BEND_POINTS), replace=False)
-    bends = bend_mm(reference, chosen)
-    classes = [(bends >= low) & (bends < high) for low, high in BEND_CLASSES_MM]
-    heading = "".join(f"{low:>5.0f}-{high:<3.0f}" for low, high in BEND_CLASSES_MM)
-    print(f"share within {1e3 * arguments.radius:.0f} mm, %")
-    print(f"{'surface':40} triangles accuracy  complete   by bend, mm {heading}")
-    shares = "".join(f"{100.0 * numpy.mean(rows):9.1f}" for rows in classes)
-    print(f"{'(share of the reference)':40} {'':30}            {shares}")
-    for path in arguments.surfaces:
-        surface, triangles = sample(path)
-        accuracy = share(surface.compute_point_cloud_distance(reference), arguments.radius)
-        distances_m = numpy.asarray(reference.compute_point_cloud_distance(surface))
-        by_bend = "".join(
-            f"{share(distances_m[chosen[rows]], arguments.radius):9.1f}" if rows.any() else f"{'-':>9}"
-            for rows in classes
-        )
-        complete = share(distances_m, arguments.radius)
-        print(f"{path[-40:]:40} {triangles:9} {accuracy:8.1f} {complete:9.1f}              {by_bend}")
+    print_scores(arguments.reference, arguments.surfaces, arguments.radius)
 
 
 if __name__ == "__main__":
