@@ -44,8 +44,8 @@ class Viewer {
     if (depth_m < kMinDepthM || depth_m > max_depth_m_) return Sight::kNone;
     const Eigen::Vector2f pixel = view_.camera.Project(p_camera);
     if (!view_.camera.Contains(pixel)) return Sight::kNone;
-    const float measured_m =
-        view_.depth_m.At(static_cast<int>(pixel.x() + 0.5F), static_cast<int>(pixel.y() + 0.5F));
+    const Eigen::Vector2i nearest = (pixel.array() + 0.5F).floor().cast<int>();
+    const float measured_m = view_.depth_m.At(nearest.x(), nearest.y());
     if (measured_m > max_range_m_) return Sight::kNone;
     if (measured_m > depth_m + kBehindM && !IsBesideSlope(point, depth_m, measured_m)) {
       return Sight::kLookedThrough;
