@@ -96,7 +96,7 @@ class SurfaceDrawing {
 
 /// Samples that an object covers, and how many of them each segment shares.
 struct Coverage {
-  std::size_t visible = 0;          ///< Not hidden by what was measured.
+  std::size_t visible = 0;          ///< Not occluded by what was measured.
   std::vector<std::size_t> shared;  ///< By segment.
 };
 

@@ -21,7 +21,7 @@ struct OverlapParameters {
 
 /// For each segment the object of its class that it overlaps best when both are drawn into the
 /// picture, as a place among `objects`; none if that is too little. Several segments may show parts
-/// of one object. What an object hides behind is not counted against it.
+/// of one object. Its occlusion by other objects is not counted against it.
 ///
 /// Cost: about 50 ns a surface point in view.
 std::vector<std::optional<std::size_t>> MatchByOverlap(const std::vector<Observation>& segments,

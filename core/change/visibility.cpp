@@ -159,7 +159,7 @@ bool VisibilityTest::IsSeenThrough(const TrackedObject& object,
          frame_.far_tiles.ShowOther(object.state().class_id, place.column, place.row);
 }
 
-/// The verdict on a point of the surface, none if it is hidden or out of view. Points that
+/// The verdict on a point of the surface, none if it is occluded or out of view. Points that
 /// are present are added to `sums`.
 std::optional<Verdict> VisibilityTest::JudgePoint(const TrackedObject& object,
                                                   LeafOrigin leaf,

@@ -40,7 +40,7 @@ struct CellVerdict {
 
 /// What a frame says about one object.
 struct ObjectVerdict {
-  std::vector<CellVerdict> cells;  ///< Judged cells only: what is hidden or out of view is not.
+  std::vector<CellVerdict> cells;  ///< Judged cells only: what is occluded or out of view is not.
   std::size_t present = 0;
   std::size_t seen_through = 0;
   std::size_t replaced = 0;
@@ -65,7 +65,7 @@ struct VisibilityParameters {
   /// says anything.
   double sure_depth_m = 3.0;
   /// False: the paper, where an object that nothing was matched with is gone if enough of its
-  /// points lie in the frustum, hidden or not, ...
+  /// points lie in the frustum, occluded or not, ...
   bool is_by_depth = true;
   /// ... which is this share (theta_vis).
   double min_visible_share = 0.20;

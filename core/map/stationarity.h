@@ -26,7 +26,8 @@ enum class StationarityPrior {
   kStationary,  ///< s = 1: agreement has more weight.
 };
 
-/// The constants of the update. Defaults: TorWIC (Qian et al., RSS 2022), except `max_evidence`.
+/// The constants of the update and of its likelihood. Defaults: TorWIC (Qian et al., RSS 2022),
+/// except `max_evidence`.
 struct StationarityParameters {
   /// Standard deviation of the measured change of a stationary object (tau), metres, > 0.
   double change_noise_m = 0.2;

@@ -13,8 +13,8 @@ namespace steadymap {
 /// paper describes (Qian et al., RSS 2022), or nothing where the paper has no such step. Set when a
 /// mapper is created; a map that was begun with other switches is a map of another policy.
 struct Ablation {
-  /// Absence is told by depth beyond the surface. Off: by an object in the frustum, hidden or not,
-  /// that nothing was matched with.
+  /// Absence is told by depth beyond the surface. Off: by an object in the frustum, occluded or
+  /// not, that nothing was matched with.
   bool visibility_by_depth = true;
   /// Where nothing returns, a label of what stays tells that one looks past a thing.
   bool far_labels = true;

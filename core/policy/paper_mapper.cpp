@@ -106,7 +106,7 @@ std::optional<double> PaperMapper::MeasureChange(std::size_t place,
                         parameters_.change);
 }
 
-/// Whether enough of an object's points lie in the frustum, hidden or not.
+/// Whether enough of an object's points lie in the frustum, occluded or not.
 bool PaperMapper::IsExpectedInView(const TrackedObject& object, const SemanticCloud& cloud) const {
   const Eigen::Isometry3d T_camera_object =
       cloud.T_world_camera().inverse() * object.state().T_world_object.ToIsometry();

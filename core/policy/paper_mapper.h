@@ -42,7 +42,7 @@ struct PaperParameters {
 /// POCD as its paper has it, without what steadymap adds (Qian et al., RSS 2022):
 /// clusters of one label are registered by ICP to the objects whose centres are near and matched
 /// one to one at the least cost; an object in the frustum that is not matched is contradicted,
-/// hidden or not; new objects are believed at once. The `pocd_paper` policy, to compare with.
+/// occluded or not; new objects are believed at once. The `pocd_paper` policy, to compare with.
 class PaperMapper final : public MapUpdater {
  public:
   PaperMapper(const MapConfig& config, const PaperParameters& parameters);
