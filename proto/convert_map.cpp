@@ -1,6 +1,5 @@
 #include "proto/convert_map.h"
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -10,12 +9,6 @@
 
 namespace steadymap {
 namespace {
-
-constexpr double kDefaultTruncationVoxels = 3.0;
-
-/// Rounds to a micrometre: 3 * 0.05 is slightly above 0.15 in binary, and clients display the
-/// value.
-double ToMicrometre(double metres) { return std::round(metres * 1e6) / 1e6; }
 
 absl::StatusOr<ClassMotion> MotionOf(v1::ClassMotion motion) {
   switch (motion) {
@@ -87,9 +80,8 @@ absl::StatusOr<std::vector<SemanticClass>> ReadClasses(const v1::MapConfig& mess
 absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message) {
   MapConfig config;
   if (message.voxel_size_m() != 0.0) config.voxel_size_m = message.voxel_size_m();
-  config.truncation_m = message.truncation_m() != 0.0
-                            ? message.truncation_m()
-                            : ToMicrometre(kDefaultTruncationVoxels * config.voxel_size_m);
+  config.truncation_m = message.truncation_m() != 0.0 ? message.truncation_m()
+                                                      : DefaultTruncationM(config.voxel_size_m);
   if (message.max_depth_m() != 0.0) config.max_depth_m = message.max_depth_m();
   const absl::StatusOr<UpdatePolicy> policy = FromProto(message.policy());
   if (!policy.ok()) return policy.status();

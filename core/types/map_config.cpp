@@ -1,6 +1,7 @@
 #include "core/types/map_config.h"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <set>
 
@@ -15,6 +16,7 @@ constexpr double kMinVoxelSizeM = 0.001;
 constexpr double kMaxVoxelSizeM = 1.0;
 constexpr double kMinTruncationVoxels = 2.0;
 constexpr double kMaxTruncationVoxels = 16.0;
+constexpr double kDefaultTruncationVoxels = 3.0;
 constexpr double kMinMaxDepthM = 0.1;
 constexpr double kMaxMaxDepthM = 100.0;
 constexpr double kMaxMaxDepthVoxels = 4000.0;
@@ -103,6 +105,11 @@ std::vector<SemanticClass> TorwicClasses() {
   add("forklift/truck", kDynamic);
   add("misc dynamic feature", kDynamic);
   return classes;
+}
+
+double DefaultTruncationM(double voxel_size_m) {
+  // 3 * 0.05 is slightly above 0.15 in binary, and clients display the value.
+  return std::round(kDefaultTruncationVoxels * voxel_size_m * 1e6) / 1e6;
 }
 
 std::size_t MapConfig::label_limit() const {

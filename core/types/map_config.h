@@ -13,7 +13,7 @@ namespace steadymap {
 
 /// The method by which a map is updated. Sources: `core/README.md`.
 enum class UpdatePolicy {
-  kStatic,        ///< Fuses every frame, removes nothing.
+  kStatic,        ///< Fuses every frame; rays clear what they pass through.
   kVoxelChange,   ///< Overwrites voxels where the current visit contradicts earlier visits.
   kSubmapChange,  ///< Includes or excludes whole objects by their latest comparison with a frame.
   kTracking,      ///< Registers objects in every frame. Absent objects stay in the map.
@@ -75,6 +75,10 @@ struct MapConfig {
 
   friend bool operator==(const MapConfig&, const MapConfig&) = default;
 };
+
+/// Returns the truncation distance of a map whose creator states none: three voxels, rounded to
+/// micrometres.
+double DefaultTruncationM(double voxel_size_m);
 
 /// The set of valid values in label images of a map: the ids of its class table, and 0, which means
 /// no label. Thread-safe.

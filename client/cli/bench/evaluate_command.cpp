@@ -28,8 +28,6 @@ namespace {
 // Column of the descriptions in the list of switches.
 constexpr std::size_t kSwitchColumn = 14;
 
-constexpr double kTruncationVoxels = 3.0;
-
 /// Returns the error of a route name; empty if the name is valid.
 std::string FindRouteFault(const std::string& name) {
   return std::string(MakeRoute(name).status().message());
@@ -287,7 +285,7 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateSequences() const {
 MapConfig EvaluateCommand::ConfigOfMaps(MapConfig defaults) const {
   if (map_voxel_size_m_ > 0.0) {
     defaults.voxel_size_m = map_voxel_size_m_;
-    defaults.truncation_m = kTruncationVoxels * map_voxel_size_m_;
+    defaults.truncation_m = DefaultTruncationM(map_voxel_size_m_);
   }
   if (max_depth_m_ > 0.0) defaults.max_depth_m = max_depth_m_;
   return defaults;

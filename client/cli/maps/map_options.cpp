@@ -16,18 +16,6 @@
 namespace steadymap {
 namespace {
 
-// Range of truncations that the server accepts, and its default, in voxels.
-constexpr double kMinTruncationVoxels = 2.0;
-constexpr double kMaxTruncationVoxels = 16.0;
-constexpr double kUsualTruncationVoxels = 3.0;
-
-// Returns the default truncation if it is in range for the voxel size, otherwise three voxels.
-double DefaultTruncation(const MapConfig& config) {
-  const double voxels = config.truncation_m / config.voxel_size_m;
-  if (voxels >= kMinTruncationVoxels && voxels <= kMaxTruncationVoxels) return config.truncation_m;
-  return kUsualTruncationVoxels * config.voxel_size_m;
-}
-
 std::string WordOfPolicy(UpdatePolicy policy) {
   return WordOf(v1::UpdatePolicy_descriptor(), ToProto(policy));
 }
@@ -59,10 +47,10 @@ absl::Status Differs(const v1::Map& present,
 
 const char kMapOptionsHelp[] =
     "These options are fixed when a map is created, so that the same frames always give the\n"
-    "same map. --policy static fuses all frames and removes nothing. pocd keeps objects and\n"
-    "detects moved and removed ones; it needs labels or instances in each frame. The other\n"
-    "policies are baselines for comparison. The default truncation is 0.15 m, or three voxels\n"
-    "if 0.15 m is not 2 to 16 voxels. --classes is a text file with one line `ID NAME\n"
+    "same map. --policy static fuses all frames; surface that rays pass through disappears\n"
+    "gradually. pocd keeps objects and detects moved and removed ones; it needs labels or\n"
+    "instances in each frame. The other policies are baselines for comparison. The default\n"
+    "truncation is three voxels. --classes is a text file with one line `ID NAME\n"
     "[static|semi-static|dynamic|background]` for each class. Pixels of dynamic classes are\n"
     "never mapped. A name of several words must be followed by one of these words. Without\n"
     "--classes, the map has the TorWIC classes.";
@@ -78,7 +66,7 @@ void AddMapOptions(CLI::App* command, MapOptions* options) {
       ->add_option("--truncation",
                    options->truncation_m,
                    "Half-width of the truncation band around surfaces, metres, 2 to 16 voxels")
-      ->default_str(absl::StrCat(defaults.truncation_m));
+      ->default_str("three voxels");
   command
       ->add_option(
           "--max-depth", options->max_depth_m, "Largest depth that is used, metres, 0.1 to 100")
@@ -95,7 +83,8 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
     config.policy = *policy;
   }
   if (options.voxel_size_m) config.voxel_size_m = *options.voxel_size_m;
-  config.truncation_m = options.truncation_m ? *options.truncation_m : DefaultTruncation(config);
+  config.truncation_m =
+      options.truncation_m ? *options.truncation_m : DefaultTruncationM(config.voxel_size_m);
   if (options.max_depth_m) config.max_depth_m = *options.max_depth_m;
   if (options.classes_file) {
     absl::StatusOr<std::vector<SemanticClass>> classes = LoadClassTable(*options.classes_file);

@@ -21,7 +21,7 @@ namespace steadymap {
 struct MapOptions {
   std::optional<std::string> policy;   ///< A word of `WordsOf(v1::UpdatePolicy_descriptor())`.
   std::optional<double> voxel_size_m;  ///< Edge of a voxel, metres.
-  /// Metres. Default: 0.15, or three voxels if 0.15 is out of range.
+  /// Metres. Default: three voxels.
   std::optional<double> truncation_m;
   std::optional<double> max_depth_m;        ///< Metres.
   std::optional<std::string> classes_file;  ///< A file for `LoadClassTable`.

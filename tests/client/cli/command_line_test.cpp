@@ -93,11 +93,11 @@ TEST_F(CommandLineTest, MapCreateSendsWhatIsAskedFor) {
   EXPECT_EQ(config.classes(1).motion(), v1::CLASS_MOTION_DYNAMIC);
 }
 
-TEST_F(CommandLineTest, TheDefaultTruncationFollowsVoxelsThatItDoesNotFit) {
+TEST_F(CommandLineTest, TheDefaultTruncationIsThreeVoxels) {
   EXPECT_EQ(Run({"map", "create", "coarse", "--voxel-size", "0.2"}).exit_code, 0);
   EXPECT_DOUBLE_EQ(maps_.maps.at("tenants/default/maps/coarse").config().truncation_m(), 0.6);
   EXPECT_EQ(Run({"map", "create", "fine", "--voxel-size", "0.01"}).exit_code, 0);
-  EXPECT_EQ(maps_.maps.at("tenants/default/maps/fine").config().truncation_m(), 0.15);
+  EXPECT_EQ(maps_.maps.at("tenants/default/maps/fine").config().truncation_m(), 0.03);
 }
 
 TEST_F(CommandLineTest, MapCreateRefusesWhatNoMapCanHave) {
