@@ -128,7 +128,25 @@ absl::Status DecodeImages(const v1::Frame& message, Frame* frame) {
   return absl::OkStatus();
 }
 
-/// Reads capture time, intrinsics, pose and depth unit.
+/// Returns nothing for an unknown value.
+std::optional<DepthSensorKind> SensorFromProto(v1::DepthSensor sensor) {
+  switch (sensor) {
+    case v1::DEPTH_SENSOR_UNSPECIFIED:
+      return DepthSensorKind::kUnknown;
+    case v1::DEPTH_SENSOR_STRUCTURED_LIGHT:
+      return DepthSensorKind::kStructuredLight;
+    case v1::DEPTH_SENSOR_STEREO:
+      return DepthSensorKind::kStereo;
+    case v1::DEPTH_SENSOR_TIME_OF_FLIGHT:
+      return DepthSensorKind::kTimeOfFlight;
+    case v1::DEPTH_SENSOR_LIDAR:
+      return DepthSensorKind::kLidar;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// Reads capture time, intrinsics, pose, depth unit and depth sensor.
 absl::Status ReadHeader(const v1::Frame& message, Frame* frame) {
   if (!message.has_capture_time()) {
     return InvalidField(
@@ -144,6 +162,14 @@ absl::Status ReadHeader(const v1::Frame& message, Frame* frame) {
   frame->camera = *camera;
   frame->T_world_camera = *pose;
   frame->depth.metres_per_unit = message.depth().metres_per_unit();
+  const std::optional<DepthSensorKind> sensor = SensorFromProto(message.depth().sensor());
+  if (!sensor.has_value()) {
+    return InvalidField(reason::kBadValue,
+                        "depth.sensor",
+                        absl::StrCat("the depth sensor must be one that is known, got ",
+                                     static_cast<int>(message.depth().sensor())));
+  }
+  frame->depth.sensor = *sensor;
   return absl::OkStatus();
 }
 

@@ -84,6 +84,7 @@ absl::Status CheckOptions(const DatasetFormat& format, const DatasetOptions& opt
 // Replaces values of the recording by those given in the options.
 absl::Status ApplyOptions(const DatasetOptions& options, RecordedSequence* sequence) {
   if (options.metres_per_unit) sequence->metres_per_unit = *options.metres_per_unit;
+  if (options.depth_sensor) sequence->depth_sensor = *options.depth_sensor;
   if (!options.intrinsics) return absl::OkStatus();
   const absl::StatusOr<ImageFile> depth = ReadImageFile(sequence->frames.front().depth);
   if (!depth.ok()) return depth.status();

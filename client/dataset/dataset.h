@@ -33,6 +33,8 @@ struct DatasetOptions {
   /// recording. Only for formats whose depth has units (`HasDepthUnit`). The image size is that of
   /// the first depth image.
   std::optional<std::array<double, 4>> intrinsics = std::nullopt;
+  /// The depth sensor. Replaces that of the format.
+  std::optional<v1::DepthSensor> depth_sensor = std::nullopt;
 };
 
 /// A recording on disk as a source of frames. Only its index is kept in memory, never its images.

@@ -166,6 +166,7 @@ absl::StatusOr<v1::Frame> RecordedFrameSource::Load(const RecordedSequence& sequ
   const absl::Status packed = PackDepthFile(
       frame.depth, sequence.camera, sequence.metres_per_unit, message.mutable_depth());
   if (!packed.ok()) return packed;
+  message.mutable_depth()->set_sensor(sequence.depth_sensor);
 
   if (!frame.labels.empty()) {
     const absl::Status status = PackLabels(frame.labels,

@@ -8,6 +8,7 @@
 
 #include <absl/status/status.h>
 
+#include "core/frame/depth_sensor.h"
 #include "core/geometry/geometry.h"
 #include "core/types/identifiers.h"
 #include "core/types/map_config.h"
@@ -63,6 +64,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 struct DepthImage {
   Image<std::uint16_t> units;
   double metres_per_unit = 0.001;  ///< In [1e-6, 1e-1].
+  DepthSensorKind sensor = DepthSensorKind::kUnknown;
 
   friend bool operator==(const DepthImage&, const DepthImage&) = default;
 };

@@ -33,6 +33,23 @@ TEST(ConvertFrame, EveryDepthEncodingGivesTheSamePixels) {
   }
 }
 
+TEST(ConvertFrame, TheDepthSensorIsReadAndAnUnknownOneRefused) {
+  v1::Frame message = MakeWallFrame();
+  EXPECT_EQ(FromProto(message, kSource, Labels())->depth.sensor, DepthSensorKind::kUnknown);
+  for (const auto& [sensor, kind] :
+       {std::pair{v1::DEPTH_SENSOR_STRUCTURED_LIGHT, DepthSensorKind::kStructuredLight},
+        {v1::DEPTH_SENSOR_STEREO, DepthSensorKind::kStereo},
+        {v1::DEPTH_SENSOR_TIME_OF_FLIGHT, DepthSensorKind::kTimeOfFlight},
+        {v1::DEPTH_SENSOR_LIDAR, DepthSensorKind::kLidar}}) {
+    message.mutable_depth()->set_sensor(sensor);
+    EXPECT_EQ(FromProto(message, kSource, Labels())->depth.sensor, kind);
+  }
+  message.mutable_depth()->set_sensor(static_cast<v1::DepthSensor>(99));
+  const absl::Status refused = FromProto(message, kSource, Labels()).status();
+  EXPECT_EQ(ReasonOf(refused), reason::kBadValue);
+  EXPECT_EQ(FieldOf(refused), "depth.sensor");
+}
+
 TEST(ConvertFrame, EveryLabelEncodingGivesTheSamePixels) {
   const Image<std::uint16_t> labels(64, 48, 7);
   const std::pair<v1::LabelEncoding, PixelEncoding> encodings[] = {

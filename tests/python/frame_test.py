@@ -75,6 +75,16 @@ class FrameChecks(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "width_px"):
                 steadymap.Intrinsics(side, 48, 64.0, 64.0, 31.5, 23.5)
 
+    def test_states_the_depth_sensor_by_name_or_value(self):
+        for value in (steadymap.DepthSensor.STEREO, "stereo"):
+            frame = wall_frame(depth_sensor=value)
+            message = frame_to_proto(frame, images.PixelEncoding.RAW)
+            self.assertEqual(message.depth.sensor, frame_pb2.DEPTH_SENSOR_STEREO)
+        message = frame_to_proto(wall_frame(), images.PixelEncoding.RAW)
+        self.assertEqual(message.depth.sensor, frame_pb2.DEPTH_SENSOR_UNSPECIFIED)
+        with self.assertRaisesRegex(ValueError, "sonar"):
+            wall_frame(depth_sensor="sonar")
+
 
 class DepthInUnits(unittest.TestCase):
     def test_rounds_metres_and_drops_what_is_no_return(self):

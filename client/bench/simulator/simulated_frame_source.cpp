@@ -28,6 +28,7 @@ v1::Frame PackSimulatedFrame(const Frame& frame) {
   FillFrameMessage(frame.capture_time, frame.camera, frame.T_world_camera, &message);
   message.mutable_depth()->set_encoding(v1::DEPTH_ENCODING_ZSTD_UINT16);
   message.mutable_depth()->set_metres_per_unit(frame.depth.metres_per_unit);
+  message.mutable_depth()->set_sensor(v1::DEPTH_SENSOR_STEREO);
   message.mutable_depth()->set_data(EncodePixels(frame.depth.units, PixelEncoding::kZstdUint16));
   if (!frame.labels.empty()) PackLabels(frame.labels, message.mutable_labels());
   if (!frame.instances.empty()) PackLabels(frame.instances, message.mutable_instances());

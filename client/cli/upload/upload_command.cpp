@@ -8,6 +8,8 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/text/argument_text.h"
+#include "client/cli/text/enumerator_text.h"
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {
@@ -92,6 +94,12 @@ UploadCommand::UploadCommand(CLI::App* app, CommandContext* context) : context_(
       ->add_option(
           "--intrinsics", intrinsics_, "Camera intrinsics, pixels (default: those of the format)")
       ->type_name("fx,fy,cx,cy");
+  command
+      ->add_option("--depth-sensor",
+                   depth_sensor_,
+                   "Kind of the depth camera, which determines the assumed noise: " +
+                       WordsOf(v1::DepthSensor_descriptor()) + " (default: that of the format)")
+      ->type_name("KIND");
   AddUploadRunOptions(command, &options_);
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
@@ -104,6 +112,17 @@ absl::Status UploadCommand::Run() const {
     const absl::StatusOr<std::array<double, 4>> intrinsics = ParseIntrinsics(intrinsics_);
     if (!intrinsics.ok()) return intrinsics.status();
     dataset.intrinsics = *intrinsics;
+  }
+  if (!depth_sensor_.empty()) {
+    const int sensor = NumberOf(v1::DepthSensor_descriptor(), depth_sensor_);
+    if (sensor == 0) {
+      return InvalidField(reason::kBadValue,
+                          "depth-sensor",
+                          "the depth sensor must be one of " +
+                              WordsOf(v1::DepthSensor_descriptor()) + ", got \"" + depth_sensor_ +
+                              "\"");
+    }
+    dataset.depth_sensor = static_cast<v1::DepthSensor>(sensor);
   }
   const std::vector<std::filesystem::path> paths(paths_.begin(), paths_.end());
   const absl::StatusOr<std::unique_ptr<DatasetSource>> source =

@@ -25,7 +25,8 @@ class UploadCommand {
   std::vector<std::string> paths_;
   std::string label_map_file_;
   std::string T_world_dataset_file_;
-  std::string intrinsics_;  ///< Text of the option.
+  std::string intrinsics_;    ///< Text of the option.
+  std::string depth_sensor_;  ///< A word of `WordsOf(v1::DepthSensor_descriptor())`, or empty.
   DatasetOptions dataset_;
 };
 

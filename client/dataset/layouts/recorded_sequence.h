@@ -13,6 +13,8 @@
 #include "core/geometry/geometry.h"
 #include "core/types/timestamp.h"
 
+#include "steadymap/v1/frame.pb.h"
+
 namespace steadymap {
 
 /// Frame period of a Kinect, for recordings without times.
@@ -39,6 +41,7 @@ struct RecordedFrame {
 struct RecordedSequence {
   PinholeCamera camera;
   double metres_per_unit = 0.001;  ///< Unit of depth images.
+  v1::DepthSensor depth_sensor = v1::DEPTH_SENSOR_UNSPECIFIED;
   /// Transforms the recording's world frame to one with z up. The options can replace it.
   Eigen::Isometry3d T_world_dataset = Eigen::Isometry3d::Identity();
   std::vector<RecordedFrame> frames;  ///< In recording order.

@@ -61,6 +61,7 @@ absl::StatusOr<RecordedSequence> IndexSevenScenesSequence(const fs::path& folder
   const auto camera = CameraOfSequence(folder, depth_files.front(), kSevenScenesCamera);
   if (!camera.ok()) return camera.status();
   RecordedSequence sequence;
+  sequence.depth_sensor = v1::DEPTH_SENSOR_STRUCTURED_LIGHT;
   sequence.camera = *camera;
   sequence.T_world_dataset = WorldFromDataset();
   for (const fs::path& depth : depth_files) {

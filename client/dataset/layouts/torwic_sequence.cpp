@@ -84,6 +84,7 @@ absl::StatusOr<RecordedSequence> IndexTorwicSequence(const fs::path& folder) {
   RecordedSequence sequence;
   sequence.camera = calibration->camera;
   sequence.metres_per_unit = calibration->metres_per_unit;
+  sequence.depth_sensor = v1::DEPTH_SENSOR_STEREO;
   for (std::size_t i = 0; i < depth.size(); ++i) {
     if (i >= poses->size()) {
       ++sequence.skipped_count;

@@ -115,6 +115,7 @@ absl::StatusOr<RecordedSequence> IndexTumSequence(const fs::path& folder) {
 
   RecordedSequence sequence;
   sequence.metres_per_unit = kMetresPerUnit;
+  sequence.depth_sensor = v1::DEPTH_SENSOR_STRUCTURED_LIGHT;
   sequence.camera = kTumCamera;
   if (!depth_images->empty()) {
     const auto camera = CameraOfSequence(folder, depth_images->front().value, kTumCamera);

@@ -19,7 +19,7 @@ from steadymap.client import Client, connect
 from steadymap.exports import ExportFormat, ExportSummary
 from steadymap.frame import Frame, Intrinsics
 from steadymap.geometry import Pose
-from steadymap.images import PixelEncoding
+from steadymap.images import DepthSensor, PixelEncoding
 from steadymap.maps import (
     ClassMotion,
     GeoAnchor,
@@ -48,6 +48,7 @@ __all__ = [
     "Created",
     "Cuboid",
     "Delta",
+    "DepthSensor",
     "DistanceSamples",
     "Event",
     "EventReason",

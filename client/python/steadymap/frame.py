@@ -7,7 +7,14 @@ import numpy as np
 
 from steadymap._generated.v1 import frame_pb2
 from steadymap.geometry import Pose, as_pose, pose_to_proto
-from steadymap.images import PixelEncoding, check_image, encode_color, encode_depth, encode_labels
+from steadymap.images import (
+    DepthSensor,
+    PixelEncoding,
+    check_image,
+    encode_color,
+    encode_depth,
+    encode_labels,
+)
 from steadymap.timestamps import timestamp_to_proto
 
 _MAX_SIDE_PX = 4096  # Upper bound of the service's own limit.
@@ -62,6 +69,7 @@ class Frame:
         color: (H, W, 3) uint8 RGB, or the bytes of a JPEG or PNG file. Packing an array costs about
             20 ms. None: the map's surface keeps its colour.
         metres_per_unit: Metres per unit of depth, in [1e-6, 0.1].
+        depth_sensor: A `DepthSensor` or its value.
     """
 
     depth: Union[np.ndarray, bytes]
@@ -72,6 +80,7 @@ class Frame:
     instances: Optional[Union[np.ndarray, bytes]] = None
     color: Optional[Union[np.ndarray, bytes]] = None
     metres_per_unit: float = 0.001
+    depth_sensor: Union[DepthSensor, str] = DepthSensor.UNSPECIFIED
 
     def __post_init__(self) -> None:
         size = (self.intrinsics.height_px, self.intrinsics.width_px)
@@ -86,6 +95,7 @@ class Frame:
                 f"metres_per_unit: expected a value in [1e-6, 0.1], got {self.metres_per_unit}"
             )
         object.__setattr__(self, "T_world_camera", as_pose(self.T_world_camera))
+        object.__setattr__(self, "depth_sensor", DepthSensor(self.depth_sensor))
 
 
 def frame_to_proto(frame: Frame, encoding: PixelEncoding) -> frame_pb2.Frame:
@@ -104,6 +114,7 @@ def frame_to_proto(frame: Frame, encoding: PixelEncoding) -> frame_pb2.Frame:
         world_from_camera=pose_to_proto(frame.T_world_camera),
         depth=encode_depth(frame.depth, frame.metres_per_unit, encoding),
     )
+    message.depth.sensor = frame_pb2.DepthSensor.Value(f"DEPTH_SENSOR_{frame.depth_sensor.name}")
     if frame.labels is not None:
         message.labels.CopyFrom(encode_labels(frame.labels, "labels", encoding))
     if frame.instances is not None:

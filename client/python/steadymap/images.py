@@ -37,6 +37,16 @@ class PixelEncoding(str, enum.Enum):
     PNG = "png"
 
 
+class DepthSensor(str, enum.Enum):
+    """Principle by which a camera measures depth. It determines the noise that the map assumes."""
+
+    UNSPECIFIED = "unspecified"
+    STRUCTURED_LIGHT = "structured_light"
+    STEREO = "stereo"
+    TIME_OF_FLIGHT = "time_of_flight"
+    LIDAR = "lidar"
+
+
 def default_encoding() -> PixelEncoding:
     """Returns the fastest available encoding."""
     return PixelEncoding.RAW if zstandard is None else PixelEncoding.ZSTD

@@ -11,8 +11,8 @@ from steadymap.timestamps import time_ns_from_proto
 class UpdatePolicy(str, enum.Enum):
     """Policy that updates a map from frames. Fixed when the map is created.
 
-    STATIC fuses every frame and removes nothing. POCD keeps a belief for each object whether it is
-    still in place. The others are baselines for comparison.
+    STATIC fuses every frame; surface that rays pass through disappears gradually. POCD keeps a
+    belief for each object whether it is still in place. The others are baselines for comparison.
     """
 
     STATIC = "static"

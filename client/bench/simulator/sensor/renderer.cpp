@@ -162,6 +162,7 @@ Frame Renderer::Render(const View& view, const RenderOptions& options) {
   frame.camera = state_->camera;
   frame.T_world_camera = view.T_world_camera;
   frame.depth.units = state_->depth_sensor.Measure(surfaces, view.noise_key);
+  frame.depth.sensor = DepthSensorKind::kStereo;
   frame.labels =
       PaintSurfaces(surfaces, ForEachSurface<std::uint16_t>(surfaces, [&](const Surface& surface) {
                       return ShownClass(state_->sensor, view.noise_key, *surface.object);
