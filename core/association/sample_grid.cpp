@@ -56,7 +56,7 @@ void SampleGrid::Compute(const SemanticCloud& cloud) {
       const int u = column * kStrideCells;
       const int v = row * kStrideCells;
       const SurfaceCell& cell = cloud.At(u, v);
-      if (!(cell.weight > 0.0F)) continue;
+      if (!(cell.weight > 0.0F) || !cloud.HasPlaneAt(u, v)) continue;
       SurfaceSample& sample = samples_[Index(column, row)];
       const Eigen::Vector3f normal_camera(cell.normal_x, cell.normal_y, cell.normal_z);
       const Eigen::Vector3f ray = camera.Ray(u, v).cast<float>();

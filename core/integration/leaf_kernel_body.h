@@ -32,6 +32,19 @@ constexpr float kColorBandVoxels = 1.75F;
 constexpr uint32_t kMaxColorLooks = 32;
 constexpr int kColorDeadBand = 16;
 
+// Behind the surface, the weight of a measurement is full within the noise and fades over these
+// voxels: the space behind is not observed, and thin objects observed from both sides keep both.
+constexpr float kFadeVoxels = 1.0F;
+
+// Up to the diagonal of a cell behind the surface, distances are extrapolated with the smallest
+// weight, so that the eight voxels around each point of the surface are known and rays can be cast.
+// Extrapolated voxels give no surface.
+constexpr float kKnownVoxels = 1.74F;
+
+// Expected distance of a voxel behind a surface that a ray refutes, if the ray passes close to a
+// silhouette.
+constexpr float kMinFreeVoxels = 0.5F;
+
 constexpr int kFloatsPerCacheLine = 16;
 
 constexpr float kWeightsPerUnit = 1.0F / kWeightUnit;
@@ -62,6 +75,10 @@ struct RowConstants {
         along_z(kLaneIndex * frame.step_z[2]),
         owner(static_cast<int32_t>(frame.owner) - Integers{}),
         cells(frame.cells),
+        clearance(frame.clearance),
+        inverse_fx(1.0F / frame.fx),
+        clears(frame.clears ? ~Integers{} : Integers{}),
+        min_free_m(kMinFreeVoxels * frame.voxel_size_m),
         cells_wide(frame.cells_wide),
         fx(frame.fx),
         fy(frame.fy),
@@ -70,8 +87,9 @@ struct RowConstants {
         image_width(static_cast<float>(frame.cells_wide)),
         image_height(static_cast<float>(frame.cells_high)),
         truncation_m(frame.truncation_m),
-        fade_from_m(-frame.voxel_size_m),
-        fade_scale(1.0F / (frame.truncation_m - frame.voxel_size_m)),
+        fade_scale(1.0F / (kFadeVoxels * frame.voxel_size_m)),
+        known_m(kKnownVoxels * frame.voxel_size_m),
+        noise(frame.noise),
         inverse_voxel_size2(1.0F / (frame.voxel_size_m * frame.voxel_size_m)),
         voxel_size_m(frame.voxel_size_m),
         dead_band_m(kDeadBandVoxels * frame.voxel_size_m),
@@ -84,6 +102,10 @@ struct RowConstants {
   Floats along_z;
   Integers owner;
   const SurfaceCell* cells;
+  const uint8_t* clearance;
+  float inverse_fx;
+  Integers clears;
+  float min_free_m;
   int32_t cells_wide;
   float fx;
   float fy;
@@ -92,8 +114,9 @@ struct RowConstants {
   float image_width;
   float image_height;
   float truncation_m;
-  float fade_from_m;
   float fade_scale;
+  float known_m;
+  KernelNoise noise;
   float inverse_voxel_size2;
   float voxel_size_m;
   float dead_band_m;  ///< At the surface, without the terms of distance and depth.
@@ -108,6 +131,7 @@ struct RowEvidence {
   Floats weight;
   Floats depth_m;  ///< Of the voxels.
   Integers valid;
+  Integers free;  ///< Valid voxels in front of the truncation band.
   int32_t cell[kLanes];
 };
 
@@ -137,7 +161,7 @@ STEADYMAP_INLINE void LoadHalfCells(const SurfaceCell* cells,
 }
 
 /// Computes the distances of eight voxels from the surface. Returns one bit for each voxel in the
-/// truncation band.
+/// truncation band or in front of it.
 STEADYMAP_INLINE uint32_t MeasureRow(const RowConstants& constants,
                                      const float base[3],
                                      RowEvidence* evidence) {
@@ -160,7 +184,10 @@ STEADYMAP_INLINE uint32_t MeasureRow(const RowConstants& constants,
   const Floats distance_m = plane[3] - (plane[0] * x + plane[1] * y + plane[2] * z);
   evidence->distance_m = distance_m;
   evidence->depth_m = z;
-  evidence->valid = in_image & (Abs(distance_m) < Splat(constants.truncation_m));
+  const Integers in_front = distance_m >= Splat(constants.truncation_m);
+  evidence->free = constants.clears & in_image & in_front;
+  evidence->valid =
+      evidence->free | (in_image & ~in_front & (distance_m > Splat(-constants.truncation_m)));
   return ToBits(evidence->valid);
 }
 
@@ -170,22 +197,39 @@ STEADYMAP_INLINE bool WeighRow(const RowConstants& constants, RowEvidence* evide
   const Floats distance_m = evidence->distance_m;
   Floats look[4];
   LoadHalfCells(constants.cells, evidence->cell, 1, look);
-  // Space behind the surface is not observed: the weight fades from one voxel behind the surface to
-  // the end of the band.
-  const Floats fade = Select(distance_m < Splat(constants.fade_from_m),
-                             (constants.truncation_m + distance_m) * constants.fade_scale,
-                             Splat(1.0F));
+  const Floats sigma_m = look[0] * look[0] * constants.noise.growth_per_m + constants.noise.floor_m;
+  const Floats fade =
+      Max(Min((distance_m + sigma_m) * constants.fade_scale + 1.0F, Splat(1.0F)), zero);
   // On an oblique surface, the measured point has a lateral offset from the foot of the voxel's
   // perpendicular. The error of the tangent plane on a curved surface grows with this offset.
   const Floats along_ray_m = look[0] - evidence->depth_m;
   const Floats beside_voxels2 =
       (along_ray_m * along_ray_m - distance_m * distance_m) * constants.inverse_voxel_size2;
   const Floats straying = 1.0F / (1.0F + Max(beside_voxels2, zero) * kStraying);
-  evidence->weight = look[1] * fade * straying;
-  evidence->valid = evidence->valid &
-                    (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
-                    (evidence->weight >= Splat(kWeightUnit)) &
-                    (reinterpret_cast<Integers>(look[3]) == constants.owner);
+  const Integers noise = along_ray_m <= sigma_m * (kSigmas * kDifferenceSigma);
+  evidence->valid = evidence->valid & ~(evidence->free & noise);
+  // A ray that passes in front of the band is as certain as a surface measured at the voxel.
+  const Floats inverse_z = 1.0F / evidence->depth_m;
+  const Floats free_weight = Min(inverse_z * inverse_z, Splat(kMaxLookWeight));
+  const Floats min_weight =
+      Select((distance_m + sigma_m > Splat(-constants.known_m)) & (look[1] > zero),
+             Splat(kWeightUnit),
+             zero);
+  evidence->weight =
+      Select(evidence->free, free_weight, Max(look[1] * fade * straying, min_weight));
+  const Integers fused = (Abs(along_ray_m) < Splat(kMaxRayBand * constants.truncation_m)) &
+                         (reinterpret_cast<Integers>(look[3]) == constants.owner);
+  evidence->valid =
+      evidence->valid & (evidence->free | fused) & (evidence->weight >= Splat(kWeightUnit));
+  if (ToBits(evidence->free) != 0) {
+    Floats clearance_cells;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      clearance_cells[lane] = static_cast<float>(constants.clearance[evidence->cell[lane]]);
+    }
+    const Floats clearance_m = clearance_cells * evidence->depth_m * constants.inverse_fx;
+    evidence->distance_m =
+        Select(evidence->free, Min(clearance_m, Splat(constants.truncation_m)), distance_m);
+  }
   return ToBits(evidence->valid) != 0;
 }
 
@@ -204,10 +248,25 @@ STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
       aside_m < Splat(constants.voxel_size_m), Splat(kSettledLooks), Splat(kSettledLooksAside));
   const Integers settled = (old_weight >= Min(evidence.weight * settled_looks, Splat(kMaxWeight))) &
                            (Abs(evidence.distance_m - old_distance_m) < dead_band_m);
-  const Integers fuse = evidence.valid & ~settled;
-  const Floats total = old_weight + evidence.weight;
-  const Floats mean_m =
-      (old_distance_m * old_weight + evidence.distance_m * evidence.weight) / total;
+  // The clearance of a ray is a lower bound of the distance.
+  const Integers known_free =
+      evidence.free & (old_weight > Splat(0.0F)) & (old_distance_m >= evidence.distance_m);
+  const Integers refuted = evidence.free & (old_distance_m <= Splat(0.0F));
+  const Floats distance_now_m =
+      Select(refuted, Max(evidence.distance_m, Splat(constants.min_free_m)), evidence.distance_m);
+  // An extrapolated distance never changes a measured one. Of two, the larger is kept, since behind
+  // a convex surface a tangent plane gives a smaller distance than the true one.
+  const Integers extrapolated = evidence.weight <= Splat(kWeightUnit);
+  const Integers was_extrapolated = old_weight <= Splat(kWeightUnit);
+  const Integers known_better =
+      extrapolated & (old_weight > Splat(0.0F)) &
+      (~was_extrapolated | (old_distance_m + dead_band_m >= evidence.distance_m));
+  const Integers fuse = evidence.valid & ~settled & ~known_free & ~known_better;
+  const Floats kept_weight = Select(was_extrapolated, Splat(0.0F), old_weight);
+  const Floats weight_now =
+      Select(evidence.free & was_extrapolated, Splat(kWeightUnit), evidence.weight);
+  const Floats total = kept_weight + weight_now;
+  const Floats mean_m = (old_distance_m * kept_weight + distance_now_m * weight_now) / total;
   const Floats new_distance_m = Round(mean_m * constants.steps_per_m) * constants.distance_step_m;
   const Floats new_weight = Min(Round(total * kWeightsPerUnit) * kWeightUnit, Splat(kMaxWeight));
   Store(Select(fuse, new_distance_m, old_distance_m), distance_m);
@@ -220,7 +279,7 @@ STEADYMAP_INLINE bool FuseRowColors(const RowConstants& constants,
                                     const RowEvidence& evidence,
                                     uint32_t* color) {
   const Integers near_surface =
-      evidence.valid & (Abs(evidence.distance_m) < Splat(constants.color_band_m));
+      evidence.valid & ~evidence.free & (Abs(evidence.distance_m) < Splat(constants.color_band_m));
   bool changed = false;
   for (uint32_t bits = ToBits(near_surface); bits != 0; bits &= bits - 1) {
     const int lane = __builtin_ctz(bits);

@@ -6,7 +6,9 @@
 namespace steadymap {
 
 SemanticCloud::SemanticCloud(const MapConfig& config, bool drops_dynamic)
-    : max_depth_m_(static_cast<float>(config.max_depth_m)), is_dynamic_(config.label_limit(), 0) {
+    : max_depth_m_(static_cast<float>(config.max_depth_m)),
+      truncation_m_(static_cast<float>(config.truncation_m)),
+      is_dynamic_(config.label_limit(), 0) {
   if (!drops_dynamic) return;
   for (const SemanticClass& row : config.classes) {
     if (row.motion != ClassMotion::kDynamic) continue;
@@ -17,6 +19,7 @@ SemanticCloud::SemanticCloud(const MapConfig& config, bool drops_dynamic)
 
 void SemanticCloud::Compute(const Frame& frame) {
   T_world_camera_ = frame.T_world_camera;
+  depth_noise_ = NoiseOf(frame.depth.sensor);
   has_color_ = !frame.color.empty();
   ComputeSurface(frame);
   TakeCorners(frame.labels, &labels_);
@@ -38,6 +41,8 @@ void SemanticCloud::ComputeSurface(const Frame& frame) {
     support_.assign(padded, 0.0F);
     cells_.assign(static_cast<std::size_t>(cells_wide_) * static_cast<std::size_t>(cells_high_),
                   {});
+    clearance_.assign(cells_.size(), 0);
+    has_plane_.assign(cells_.size(), 0);
   }
   // The centre of a cell is the common corner of its four pixels, half a pixel from the centre of
   // the first.
@@ -52,11 +57,17 @@ void SemanticCloud::ComputeSurface(const Frame& frame) {
                             height_px,
                             static_cast<float>(frame.depth.metres_per_unit),
                             max_depth_m_,
+                            truncation_m_,
+                            ForKernel(depth_noise_),
                             static_cast<float>(cell_camera_.fx),
                             static_cast<float>(cell_camera_.fy),
                             static_cast<float>(cell_camera_.cx),
                             static_cast<float>(cell_camera_.cy)},
-                           {inverse_depth_.data(), support_.data(), cells_.data()});
+                           {inverse_depth_.data(),
+                            support_.data(),
+                            cells_.data(),
+                            clearance_.data(),
+                            has_plane_.data()});
 }
 
 void SemanticCloud::DropDynamicClasses(const Frame& frame) {

@@ -5,12 +5,18 @@
 
 #include <Eigen/Geometry>
 
+#include "core/frame/depth_sensor.h"
 #include "core/frame/frame.h"
 #include "core/geometry/geometry.h"
 #include "core/integration/tsdf_kernel.h"
 #include "core/types/map_config.h"
 
 namespace steadymap {
+
+/// Returns a noise as the kernels take it.
+inline KernelNoise ForKernel(const DepthNoise& noise) {
+  return {static_cast<float>(noise.floor_m), static_cast<float>(noise.growth_per_m)};
+}
 
 /// The semantic cloud of a frame: for each 2 x 2 pixels a cell with the plane observed there, its
 /// weight as evidence, class and colour. Cells at depth edges have a low or zero weight. Cells
@@ -35,10 +41,20 @@ class SemanticCloud {
 
   const Eigen::Isometry3d& T_world_camera() const { return T_world_camera_; }
 
+  /// Returns the noise of the frame's depth sensor.
+  const DepthNoise& depth_noise() const { return depth_noise_; }
+
   bool has_color() const { return has_color_; }
 
   /// Returns the cells, row-major.
   const std::vector<SurfaceCell>& cells() const { return cells_; }
+
+  /// True if the plane of a cell follows from its neighbours; see `SurfaceOutput`. Other cells, at
+  /// edges, are fused with a plane that faces the camera.
+  bool HasPlaneAt(int column, int row) const { return has_plane_[Index(column, row)] != 0; }
+
+  /// Returns the clearance of each cell, row-major; see `SurfaceOutput`.
+  const std::vector<std::uint8_t>& clearance() const { return clearance_; }
 
   const SurfaceCell& At(int column, int row) const { return cells_[Index(column, row)]; }
 
@@ -77,6 +93,7 @@ class SemanticCloud {
 
   const TsdfKernels& kernels_ = SelectKernels();
   float max_depth_m_;
+  float truncation_m_;
   std::vector<std::uint8_t> is_dynamic_;  ///< By class.
   bool any_dynamic_ = false;
 
@@ -84,10 +101,13 @@ class SemanticCloud {
   int cells_high_ = 0;
   PinholeCamera cell_camera_;
   Eigen::Isometry3d T_world_camera_ = Eigen::Isometry3d::Identity();
+  DepthNoise depth_noise_;
   bool has_color_ = false;
   std::vector<float> inverse_depth_;
   std::vector<float> support_;
   std::vector<SurfaceCell> cells_;
+  std::vector<std::uint8_t> clearance_;
+  std::vector<std::uint8_t> has_plane_;
   std::vector<std::uint16_t> labels_;
   std::vector<std::uint16_t> instances_;
 };

@@ -8,10 +8,6 @@
 namespace steadymap {
 namespace {
 
-// Maximum difference from the inverse depth of the cell's nearest pixel, 1/m. Pixels further behind
-// belong to another surface: 3 cm at 1 m, 27 cm at 3 m.
-constexpr float kCellJump = 0.03F;
-
 /// Returns the depth of one pixel of each of eight cells, `kFarM` if it has no return.
 STEADYMAP_INLINE Floats PixelDepth(Words units, const SurfaceInput& input) {
   const Floats depth_m =
@@ -35,7 +31,8 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
                             PixelDepth(rows[1] & 0xFFFFU, input),
                             PixelDepth(rows[1] >> 16, input)};
   const Floats nearest = Min(Min(pixels[0], pixels[1]), Min(pixels[2], pixels[3]));
-  const Floats limit = nearest + nearest * nearest * kCellJump;
+  const Floats sigma_m = nearest * nearest * input.noise.growth_per_m + input.noise.floor_m;
+  const Floats limit = nearest + sigma_m * (kSigmas * kDifferenceSigma);
   Floats sum = Splat(0.0F);
   Floats count = Splat(0.0F);
   for (const Floats& pixel : pixels) {
@@ -43,9 +40,7 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
     sum += Select(agrees, pixel, Splat(0.0F));
     count += Select(agrees, Splat(1.0F), Splat(0.0F));
   }
-  // The depth limit applies to cells, not pixels. A limit per pixel would bias the last cells of an
-  // oblique surface towards the camera.
-  const Integers seen = nearest <= Splat(input.max_depth_m);
+  const Integers seen = nearest < Splat(kFarM);
   Store(Select(seen, count / sum, Splat(0.0F)), inverse_depth);
   Store(Select(seen, count * 0.25F, Splat(0.0F)), support);
 }
@@ -73,64 +68,62 @@ void ReduceRow(const SurfaceInput& input, int row, float* inverse_depth, float* 
   }
 }
 
-// The inverse depth of a plane is linear in pixel coordinates, and the noise of a range sensor is
-// nearly constant in inverse depth. A single threshold therefore separates planes from edges at any
-// depth: 2 cm at 1 m, 18 cm at 3 m.
-constexpr float kPlanarBend = 0.02F;
-
-// Stricter for one-sided slopes: at the silhouette of a curved object its curvature could be
-// mistaken for a slope.
-constexpr float kEdgeBend = 0.01F;
+// At the silhouette of a curved object, its curvature could be mistaken for a slope, so one-sided
+// slopes must be straighter.
+constexpr float kOneSidedShare = 0.5F;
 
 // At more than 80 degrees from normal incidence, depth determines the position of a surface poorly.
 constexpr float kMinCosine = 0.17F;
 
-// A cell next to an edge may contain flying pixels, and its slope is known from one side only.
-constexpr float kEdgeWeight = 0.25F;
+// Number of cells over which the depth of a plane is averaged.
+constexpr float kPlaneCells = 5.0F;
+constexpr float kLineCells = 3.0F;
 
-// The weight of a thin object in front of everything around it. Its slope is unknown and assumed to
-// face the camera.
-constexpr float kThinWeight = 0.1F;
+constexpr float kPixelsPerCell = 4.0F;
 
-// A measurement from less than 0.5 m has the weight of one from 0.5 m.
-constexpr float kMaxLookWeight = 4.0F;
+// Three standard deviations of an averaged depth must fit this share of the truncation distance:
+// the voxels of the band cannot average noise that leaves it.
+constexpr float kNoiseShare = 1.0F / 3.0F;
 
 /// Slope of the inverse depth along one axis.
 struct Slope {
-  Floats per_cell;
-  Integers planar;  ///< True if the surface is planar on both sides.
-  Floats trust;     ///< Factor of the weight.
+  Floats per_cell;  ///< 0 if unknown: the surface is assumed to face the camera.
+  Integers planar;  ///< True if the surface continues in a plane on both sides.
+  Integers known;   ///< True if it does so on one side, or if both neighbours are far behind.
 };
 
 /// True if three equally spaced inverse depths lie on a plane. A missing depth is zero.
-STEADYMAP_INLINE Integers IsStraight(Floats a, Floats b, Floats c, float max_bend) {
+STEADYMAP_INLINE Integers IsStraight(Floats a, Floats b, Floats c, Floats max_bend) {
   const Floats zero = Splat(0.0F);
-  return (a > zero) & (c > zero) & (Abs(a - 2.0F * b + c) < Splat(max_bend));
+  return (a > zero) & (b > zero) & (c > zero) & (Abs(a - 2.0F * b + c) < max_bend);
 }
 
 /// `neighbours` contains the inverse depths at two and one reaches before, and one and two reaches
-/// after the centre.
-STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre) {
+/// after the centre. `sigma` is the standard deviation of an inverse depth.
+STEADYMAP_INLINE Slope EstimateSlope(const Floats neighbours[4], Floats centre, Floats sigma) {
   constexpr float kPerCell = 1.0F / static_cast<float>(kSurfaceReach);
   const Floats zero = Splat(0.0F);
-  const Integers planar = IsStraight(neighbours[1], centre, neighbours[2], kPlanarBend);
-  const Integers before =
-      IsStraight(neighbours[0], neighbours[1], centre, kEdgeBend) & (neighbours[1] > zero);
-  const Integers after =
-      IsStraight(centre, neighbours[2], neighbours[3], kEdgeBend) & (neighbours[2] > zero);
-  // A much nearer neighbour occludes the continuation of this surface. A missing neighbour counts
-  // as far.
-  const Floats nearer = centre + kPlanarBend;
-  const Integers thin = (neighbours[1] < nearer) & (neighbours[2] < nearer);
+  const Floats max_bend = sigma * (kSigmas * kBendSigma);
+  const Integers planar = IsStraight(neighbours[1], centre, neighbours[2], max_bend);
+  const Floats max_side_bend = max_bend * kOneSidedShare;
+  const Integers before = IsStraight(neighbours[0], neighbours[1], centre, max_side_bend);
+  const Integers after = IsStraight(centre, neighbours[2], neighbours[3], max_side_bend);
   const Floats one_sided =
       Select(before, centre - neighbours[1], Select(after, neighbours[2] - centre, zero));
   const Floats per_cell =
       Select(planar, (neighbours[2] - neighbours[1]) * (0.5F * kPerCell), one_sided * kPerCell);
-  const Floats trust =
-      Select(planar,
-             Splat(1.0F),
-             Select(before | after, Splat(kEdgeWeight), Select(thin, Splat(kThinWeight), zero)));
-  return {per_cell, planar, trust};
+  const Floats nearer = centre + max_bend;
+  const Integers thin = (neighbours[1] < nearer) & (neighbours[2] < nearer);
+  return {per_cell, planar, planar | before | after | thin};
+}
+
+/// True if the centre is a flying pixel along one axis: it lies between a nearer and a farther
+/// neighbour and on neither.
+STEADYMAP_INLINE Integers IsFlying(Floats before, Floats centre, Floats after, Floats sigma) {
+  const Floats jump = sigma * (kSigmas * kDifferenceSigma);
+  const Floats rise = centre - before;
+  const Floats next_rise = after - centre;
+  return ((rise > jump) & (next_rise > jump)) | ((rise < -jump) & (next_rise < -jump));
 }
 
 /// Fits planes to the cells of a row from `column` on: eight, or all that remain.
@@ -151,16 +144,23 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
     beside[i] = Load(inverse_depth + reach);
     above_below[i] = Load(inverse_depth + reach * stride);
   }
-  const Slope along_u = EstimateSlope(beside, centre);
-  const Slope along_v = EstimateSlope(above_below, centre);
+  const Floats sigma = centre * centre * input.noise.floor_m + input.noise.growth_per_m;
+  const Slope along_u = EstimateSlope(beside, centre, sigma);
+  const Slope along_v = EstimateSlope(above_below, centre, sigma);
+  const Integers flying =
+      (~along_u.planar &
+       IsFlying(Load(inverse_depth - 1), centre, Load(inverse_depth + 1), sigma)) |
+      (~along_v.planar &
+       IsFlying(Load(inverse_depth - stride), centre, Load(inverse_depth + stride), sigma));
 
-  // On a plane, the mean of the neighbours equals the centre, so their average halves the noise.
-  const Floats three = Splat(1.0F / 3.0F);
+  // On a plane, the mean of the neighbours equals the centre, so their average reduces the noise.
+  // The weight is proportional to the number of averaged cells, the inverse of the variance.
+  const Floats three = Splat(1.0F / kLineCells);
   const Floats sum_u = beside[1] + beside[2];
   const Floats sum_v = above_below[1] + above_below[2];
   const Floats mean_u = (sum_u + centre) * three;
   const Floats mean_v = (sum_v + centre) * three;
-  const Floats mean_all = (sum_u + sum_v + centre) * 0.2F;
+  const Floats mean_all = (sum_u + sum_v + centre) * (1.0F / kPlaneCells);
   const Floats inverse =
       Select(along_u.planar & along_v.planar,
              mean_all,
@@ -175,23 +175,101 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Floats ray_x = u * (1.0F / input.fx);
   const Floats ray_y = v * (1.0F / input.fy);
   const Floats cosine = inverse * inverse_norm / Sqrt(1.0F + ray_x * ray_x + ray_y * ray_y);
-  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine *
-                  Load(output.support + at) * along_u.trust * along_v.trust;
-  weight = Select((centre > zero) & (cosine > Splat(kMinCosine)), weight, zero);
+  const Floats cells_averaged =
+      Select(along_u.planar & along_v.planar,
+             Splat(kPlaneCells),
+             Select(along_u.planar | along_v.planar, Splat(kLineCells), Splat(1.0F)));
+  const Floats support = Load(output.support + at);
+  Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * support *
+                  cells_averaged * (1.0F / kPlaneCells);
+  const Floats pixels_averaged = cells_averaged * support * kPixelsPerCell;
+  const Floats noise = sigma * kSigmas;
+  const Floats band = inverse * inverse * (input.truncation_m * kNoiseShare);
+  const Integers in_band = noise * noise <= band * band * pixels_averaged;
+  // The depth limit applies to cells, not pixels. A limit per pixel would bias the last cells of an
+  // oblique surface towards the camera.
+  const Integers near = centre * input.max_depth_m >= Splat(1.0F);
+  weight = Select(near & in_band & (cosine > Splat(kMinCosine)), weight, zero);
+  const Integers seen = (centre > zero) & ~flying;
+  weight = Select(seen, weight, zero);
 
-  Floats columns[kLanes] = {nx * inverse_norm,
-                            ny * inverse_norm,
-                            nz * inverse_norm,
-                            inverse_norm,
-                            1.0F / inverse,
+  Floats columns[kLanes] = {Select(seen, nx * inverse_norm, zero),
+                            Select(seen, ny * inverse_norm, zero),
+                            Select(seen, nz * inverse_norm, zero),
+                            Select(seen, inverse_norm, zero),
+                            Select(seen, 1.0F / inverse, zero),
                             weight,
                             zero,
                             zero};
   Transpose(columns);
   const int count = cells_wide - column < kLanes ? cells_wide - column : kLanes;
+  const uint32_t known = ToBits(along_u.known & along_v.known & seen);
+  uint8_t* has_plane = output.has_plane + static_cast<int64_t>(row) * cells_wide + column;
+  for (int lane = 0; lane < count; ++lane) has_plane[lane] = (known >> lane) & 1U;
   memcpy(output.cells + static_cast<int64_t>(row) * cells_wide + column,
          columns,
          static_cast<uint64_t>(count) * sizeof(SurfaceCell));
+}
+
+/// Sets the clearance of the cells of a row from `column` on to 0 where a ray beside the cell may
+/// end nearer, else to the maximum: eight cells, or all that remain.
+STEADYMAP_INLINE void MarkEdges(const SurfaceInput& input,
+                                const SurfaceOutput& output,
+                                int row,
+                                int column) {
+  const int cells_wide = input.width_px / 2;
+  const int cells_high = input.height_px / 2;
+  const int64_t stride = SurfaceStride(cells_wide);
+  const float* inverse_depth = output.inverse_depth + PlaceOfRow(row, stride) + column;
+  const Floats centre = Load(inverse_depth);
+  const Floats sigma = centre * centre * input.noise.floor_m + input.noise.growth_per_m;
+  const Floats limit = centre + sigma * (kSigmas * kDifferenceSigma);
+  const Floats nearest = Max(Max(Load(inverse_depth - 1), Load(inverse_depth + 1)),
+                             Max(Load(inverse_depth - stride), Load(inverse_depth + stride)));
+  const uint32_t open = ToBits((centre > Splat(0.0F)) & (nearest < limit));
+  const bool is_border_row = row == 0 || row == cells_high - 1;
+  const int count = cells_wide - column < kLanes ? cells_wide - column : kLanes;
+  uint8_t* clearance = output.clearance + static_cast<int64_t>(row) * cells_wide + column;
+  for (int lane = 0; lane < count; ++lane) {
+    const int at = column + lane;
+    const bool is_open =
+        ((open >> lane) & 1U) != 0 && !is_border_row && at > 0 && at < cells_wide - 1;
+    clearance[lane] = is_open ? kMaxClearance : 0;
+  }
+}
+
+STEADYMAP_INLINE uint8_t Nearer(uint8_t clearance, uint8_t neighbour) {
+  const auto next = static_cast<uint8_t>(neighbour + 1U);
+  return next < clearance ? next : clearance;
+}
+
+/// Computes the distance of each cell to the nearest cell marked 0, in cells, the longer of
+/// horizontal and vertical distance: one pass downwards and one upwards. The border is marked.
+void SpreadEdges(int cells_wide, int cells_high, uint8_t* clearance) {
+  for (int row = 1; row < cells_high - 1; ++row) {
+    uint8_t* here = clearance + static_cast<int64_t>(row) * cells_wide;
+    const uint8_t* above = here - cells_wide;
+    for (int column = 1; column < cells_wide - 1; ++column) {
+      for (int side = -1; side <= 1; ++side) {
+        here[column] = Nearer(here[column], above[column + side]);
+      }
+    }
+    for (int column = 1; column < cells_wide - 1; ++column) {
+      here[column] = Nearer(here[column], here[column - 1]);
+    }
+  }
+  for (int row = cells_high - 2; row > 0; --row) {
+    uint8_t* here = clearance + static_cast<int64_t>(row) * cells_wide;
+    const uint8_t* below = here + cells_wide;
+    for (int column = 1; column < cells_wide - 1; ++column) {
+      for (int side = -1; side <= 1; ++side) {
+        here[column] = Nearer(here[column], below[column + side]);
+      }
+    }
+    for (int column = cells_wide - 2; column > 0; --column) {
+      here[column] = Nearer(here[column], here[column + 1]);
+    }
+  }
 }
 
 void ComputeSurface(const SurfaceInput& input, const SurfaceOutput& output) {
@@ -205,8 +283,10 @@ void ComputeSurface(const SurfaceInput& input, const SurfaceOutput& output) {
   for (int row = 0; row < cells_high; ++row) {
     for (int column = 0; column < cells_wide; column += kLanes) {
       FitCells(input, output, row, column);
+      MarkEdges(input, output, row, column);
     }
   }
+  SpreadEdges(cells_wide, cells_high, output.clearance);
 }
 
 }  // namespace

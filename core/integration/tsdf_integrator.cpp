@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <span>
 #include <utility>
 
 #include "core/integration/cell_runs.h"
 #include "core/integration/frame_work.h"
+#include "core/integration/seen_through_leaves.h"
 #include "core/integration/semantic_cloud.h"
 #include "core/integration/tsdf_kernel.h"
 #include "core/types/parallel.h"
@@ -34,6 +36,7 @@ struct VolumeView {
   Eigen::Isometry3d T_volume_camera;
   std::uint32_t owner;
   std::span<const CellRun> cells;  ///< Of the owner.
+  bool clears;                     ///< See `LeafKernelFrame`.
 };
 
 /// Finds the leaves that intersect the truncation band around the surface of a frame. Works in
@@ -113,15 +116,16 @@ struct TsdfIntegrator::Scratch {
         max_depth_m(static_cast<float>(config.max_depth_m)) {}
 
   /// Returns the current frame from the viewpoint of a volume.
-  VolumeView View(std::uint32_t owner, const Eigen::Isometry3d& T_volume_world) const {
-    return {*cloud, T_volume_world * cloud->T_world_camera(), owner, runs.Of(owner)};
+  VolumeView View(std::uint32_t owner, const Eigen::Isometry3d& T_volume_world, bool clears) const {
+    return {*cloud, T_volume_world * cloud->T_world_camera(), owner, runs.Of(owner), clears};
   }
 
   template <typename PlaceOf>
   void Update(const VolumeView& view,
+              std::span<const LeafOrigin> origins,
               const PlaceOf& place_of,
               std::vector<LeafOrigin>* changed_leaves);
-  void CollectLeaves(const VolumeView& view);
+  const std::vector<LeafOrigin>& CollectLeaves(const VolumeView& view);
   LeafKernelFrame MakeKernelFrame(const VolumeView& view) const;
   void PrepareLeaf(LeafPlace place, bool with_color, LeafWork* work);
   static void StoreResult(const LeafWork& work);
@@ -136,8 +140,9 @@ struct TsdfIntegrator::Scratch {
   std::vector<LeafWork> batch;
 };
 
-/// Traverses the truncation band along a grid of rays and collects the intersected leaves.
-void TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
+/// Traverses the truncation band along a grid of rays and returns the intersected leaves, sorted.
+/// Valid until the next call.
+const std::vector<LeafOrigin>& TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
   const BandTraversal walk(view, scale);
   leaves.Reset(walk.base_leaf());
   // Number of cells between two rays at a depth of one metre.
@@ -165,12 +170,14 @@ void TsdfIntegrator::Scratch::CollectLeaves(const VolumeView& view) {
       column += stride_at(cell.depth_m);
     }
   }
+  return leaves.Sorted();
 }
 
 LeafKernelFrame TsdfIntegrator::Scratch::MakeKernelFrame(const VolumeView& view) const {
   const PinholeCamera& cell_camera = view.cloud.camera();
   LeafKernelFrame kernel_frame{};
   kernel_frame.cells = view.cloud.cells().data();
+  kernel_frame.clearance = view.cloud.clearance().data();
   kernel_frame.cells_wide = view.cloud.cells_wide();
   kernel_frame.cells_high = view.cloud.cells_high();
   kernel_frame.fx = static_cast<float>(cell_camera.fx);
@@ -187,8 +194,10 @@ LeafKernelFrame TsdfIntegrator::Scratch::MakeKernelFrame(const VolumeView& view)
   kernel_frame.voxel_size_m = static_cast<float>(scale.voxel_size_m);
   kernel_frame.truncation_m = static_cast<float>(scale.truncation_m);
   kernel_frame.distance_step_m = scale.distance_step_m();
+  kernel_frame.noise = ForKernel(view.cloud.depth_noise());
   kernel_frame.owner = view.owner;
   kernel_frame.fuse_color = view.cloud.has_color();
+  kernel_frame.clears = view.clears;
   return kernel_frame;
 }
 
@@ -208,16 +217,15 @@ void TsdfIntegrator::Scratch::StoreResult(const LeafWork& work) {
   }
 }
 
-/// Updates all leaves in the band of a view. `place_of(origin)` returns the storage location of a
-/// leaf. Only the calling thread accesses the grids; all threads access the voxels.
+/// Updates leaves, each given once. `place_of(origin)` returns the storage location of a leaf. Only
+/// the calling thread accesses the grids; all threads access the voxels.
 template <typename PlaceOf>
 void TsdfIntegrator::Scratch::Update(const VolumeView& view,
+                                     std::span<const LeafOrigin> origins,
                                      const PlaceOf& place_of,
                                      std::vector<LeafOrigin>* changed_leaves) {
-  CollectLeaves(view);
   const LeafKernelFrame kernel_frame = MakeKernelFrame(view);
   const Eigen::Isometry3d T_camera_volume = view.T_volume_camera.inverse();
-  std::span<const LeafOrigin> origins = leaves.Sorted();
   origins = origins.first(std::min(origins.size(), leaves_left));
   leaves_left -= origins.size();
   for (std::size_t first = 0; first < origins.size(); first += kBatchLeaves) {
@@ -258,25 +266,34 @@ void TsdfIntegrator::SetFrame(const SemanticCloud& cloud) {
 }
 
 void TsdfIntegrator::Integrate(Background* background, std::vector<LeafOrigin>* changed_leaves) {
-  IntegrateWorld(
-      [background](LeafOrigin origin) {
-        return LeafPlace{&background->MutableTile(origin), origin};
-      },
-      changed_leaves);
+  const VolumeView view = scratch_->View(kBackgroundOwner, Eigen::Isometry3d::Identity(), true);
+  const auto place_of = [background](LeafOrigin origin) {
+    return LeafPlace{&background->MutableTile(origin), origin};
+  };
+  const std::vector<LeafOrigin>& band = scratch_->CollectLeaves(view);
+  const std::vector<LeafOrigin> in_front = FindSeenThroughLeaves(
+      view.cloud, *background, scratch_->scale, static_cast<double>(scratch_->max_depth_m));
+  std::vector<LeafOrigin> origins;
+  origins.reserve(band.size() + in_front.size());
+  std::set_union(
+      band.begin(), band.end(), in_front.begin(), in_front.end(), std::back_inserter(origins));
+  scratch_->Update(view, origins, place_of, changed_leaves);
 }
 
 void TsdfIntegrator::IntegrateWorld(const std::function<LeafPlace(LeafOrigin)>& place_of,
                                     std::vector<LeafOrigin>* changed_leaves) {
-  scratch_->Update(
-      scratch_->View(kBackgroundOwner, Eigen::Isometry3d::Identity()), place_of, changed_leaves);
+  const VolumeView view = scratch_->View(kBackgroundOwner, Eigen::Isometry3d::Identity(), false);
+  scratch_->Update(view, scratch_->CollectLeaves(view), place_of, changed_leaves);
 }
 
 void TsdfIntegrator::Integrate(std::uint32_t owner,
                                const Eigen::Isometry3d& T_world_object,
                                TsdfGrid* grid,
                                std::vector<LeafOrigin>* changed_leaves) {
+  const VolumeView view = scratch_->View(owner, T_world_object.inverse(), false);
   scratch_->Update(
-      scratch_->View(owner, T_world_object.inverse()),
+      view,
+      scratch_->CollectLeaves(view),
       [grid](LeafOrigin origin) {
         return LeafPlace{grid, origin};
       },

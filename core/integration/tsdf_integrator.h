@@ -36,18 +36,20 @@ class TsdfIntegrator {
   /// which gives at most twice the leaves (1.3 times measured).
   void SetFrame(const SemanticCloud& cloud);
 
-  /// Fuses the cells of the background (owner 0) into `background`. Appends the changed leaves to
-  /// `changed_leaves`, each once, sorted.
+  /// Fuses the cells of the background (owner 0) into `background`, and clears what rays of any
+  /// owner pass through: surface in front of a measured depth disappears after about as many
+  /// measurements as built it. Appends the changed leaves to `changed_leaves`, each once, sorted.
   void Integrate(Background* background, std::vector<LeafOrigin>* changed_leaves);
 
   /// Fuses the cells of the background into the leaves returned by `place_of` for each leaf origin
-  /// of the world. Appends the changed leaves to `changed_leaves`, each once, sorted.
+  /// of the world. Appends the changed leaves to `changed_leaves`,
+  /// each once, sorted.
   void IntegrateWorld(const std::function<LeafPlace(LeafOrigin)>& place_of,
                       std::vector<LeafOrigin>* changed_leaves);
 
-  /// Fuses the cells of one owner into the grid of an object. Appends the changed leaves to
-  /// `changed_leaves`, each once, sorted. Cost: proportional to these cells and the leaves around
-  /// them.
+  /// Fuses the cells of one owner into the grid of an object; clears nothing, since the belief in
+  /// an object decides whether it is there. Appends the changed leaves to `changed_leaves`, each
+  /// once, sorted. Cost: proportional to these cells and the leaves around them.
   void Integrate(std::uint32_t owner,
                  const Eigen::Isometry3d& T_world_object,
                  TsdfGrid* grid,

@@ -35,6 +35,20 @@ inline constexpr int kSurfaceReach = 3;
 /// Number of zero rows above and below the cells of `SurfaceOutput::inverse_depth`.
 inline constexpr int kSurfaceMarginRows = 2 * kSurfaceReach;
 
+/// Standard deviation of a measured depth z: `floor_m + growth_per_m * z^2`.
+struct KernelNoise {
+  float floor_m;
+  float growth_per_m;
+};
+
+/// Depths that differ by at most this number of standard deviations of their noise belong to one
+/// surface.
+inline constexpr float kSigmas = 3.0F;
+
+/// Standard deviations of a difference and of a second difference, in those of one value.
+inline constexpr float kDifferenceSigma = 1.414F;
+inline constexpr float kBendSigma = 2.449F;
+
 /// A depth image and its camera, the input of `TsdfKernels::compute_surface`.
 struct SurfaceInput {
   const std::uint16_t* depth;  ///< Row-major; 0 and 65535 mean no return.
@@ -42,6 +56,8 @@ struct SurfaceInput {
   int height_px;               ///< At least 2.
   float metres_per_unit;
   float max_depth_m;
+  float truncation_m;  ///< Of the map; limits the noise of fused cells.
+  KernelNoise noise;
   /// Intrinsics of the cell grid, at half the resolution of the pixels.
   float fx;
   float fy;
@@ -59,7 +75,16 @@ struct SurfaceOutput {
   /// `inverse_depth`.
   float* support;
   SurfaceCell* cells;  ///< Row-major, without margin.
+  /// Number of cells from each cell to the nearest one at whose side a ray ends nearer or is
+  /// unknown, at most `kMaxClearance`: the radius of the free space around a ray. Row-major.
+  std::uint8_t* clearance;
+  /// 1 if the slope of a cell is known along both axes, or its neighbours are far behind, else 0.
+  /// Row-major.
+  std::uint8_t* has_plane;
 };
+
+/// Largest clearance of a cell, in cells.
+inline constexpr std::uint8_t kMaxClearance = 64;
 
 /// Number of zero columns on each side of the cells of `SurfaceOutput::inverse_depth`: rows are
 /// read in groups of eight.
@@ -67,6 +92,9 @@ inline constexpr int kSurfaceMargin = 8;
 
 /// Returns the row length of `SurfaceOutput::inverse_depth` and `support`.
 constexpr int SurfaceStride(int cells_wide) { return ((cells_wide + 7) & ~7) + 2 * kSurfaceMargin; }
+
+/// Maximum weight of a measurement: one from less than 0.5 m has the weight of one from 0.5 m.
+inline constexpr float kMaxLookWeight = 4.0F;
 
 /// Minimum depth of a projected point.
 inline constexpr float kNearM = 0.05F;
@@ -79,6 +107,7 @@ inline constexpr float kMaxRayBand = 2.0F;
 /// The inputs of `TsdfKernels::update_leaf` that are equal for all leaves of a frame and volume.
 struct LeafKernelFrame {
   const SurfaceCell* cells;
+  const std::uint8_t* clearance;  ///< Of each cell, see `SurfaceOutput`.
   int cells_wide;
   int cells_high;
   float fx;  ///< Intrinsics of the cell grid.
@@ -91,8 +120,10 @@ struct LeafKernelFrame {
   float voxel_size_m;
   float truncation_m;
   float distance_step_m;
-  std::uint32_t owner;  ///< Cells of other owners are ignored.
+  KernelNoise noise;
+  std::uint32_t owner;  ///< Surface of other owners is not fused.
   bool fuse_color;
+  bool clears;  ///< True: rays clear the voxels that they pass through.
 };
 
 /// The inputs and outputs of `TsdfKernels::update_leaf` for one leaf.

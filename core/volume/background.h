@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "core/geometry/geometry.h"
 #include "core/volume/tsdf_grid.h"
 
 namespace steadymap {
@@ -24,6 +25,12 @@ class Background final : public VoxelReader {
   LeafView FindLeaf(LeafOrigin origin) const override;
   bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
+
+  /// Calls `visit` for each leaf of the tiles that intersect a box, metres; in the order of
+  /// `VisitLeaves`. Cost: at most 0.1 us per tile of the box, and at most 10 ns per existing tile.
+  void ForEachLeafNear(const Box& box_world,
+                       const VoxelScale& scale,
+                       const std::function<void(LeafOrigin, const LeafView&)>& visit) const;
 
   /// Returns `kLeafSide`, or up to `kTileSide`.
   int EmptySideAt(LeafOrigin origin) const override;

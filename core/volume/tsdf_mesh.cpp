@@ -78,7 +78,8 @@ void VoxelPatch::Load(const VoxelReader& reader, LeafOrigin origin) {
       const std::size_t offset = OffsetInLeaf(x, y, z);
       const std::size_t at =
           At(x + above_x * kLeafSide, y + above_y * kLeafSide, z + above_z * kLeafSide);
-      known_[at] = IsSet(leaf.observed, offset);
+      known_[at] = IsSet(leaf.observed, offset) &&
+                   (leaf.weight[offset] > kWeightUnit || leaf.distance_m[offset] > 0.0F);
       distance_m_[at] = leaf.distance_m[offset];
       color_[at] = leaf.color == nullptr ? 0 : leaf.color[offset];
     });
@@ -142,40 +143,61 @@ Eigen::Vector3f CornerPlace(int corner) {
           static_cast<float>(corner & 1)};
 }
 
-/// Returns the normalised mean gradient of the four cell edges along each axis.
-Eigen::Vector3f CellNormal(const std::array<float, 8>& distance_m) {
-  Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
-  for (std::size_t edge = 0; edge < kCellEdges.size(); ++edge) {
-    const auto [low, high] = kCellEdges[edge];
-    gradient[static_cast<Eigen::Index>(edge / 4)] +=
-        distance_m[static_cast<std::size_t>(high)] - distance_m[static_cast<std::size_t>(low)];
+/// The corners of a cell.
+struct CellCorners {
+  std::array<bool, 8> known;
+  std::array<float, 8> distance_m;  ///< 0 if not known.
+
+  bool IsEdgeKnown(const std::array<int, 2>& edge) const {
+    return known[static_cast<std::size_t>(edge[0])] && known[static_cast<std::size_t>(edge[1])];
   }
+
+  float At(int corner) const { return distance_m[static_cast<std::size_t>(corner)]; }
+};
+
+/// Returns the normalised gradient: along each axis, the mean of the known cell edges.
+Eigen::Vector3f CellNormal(const CellCorners& corners) {
+  Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
+  Eigen::Vector3f count = Eigen::Vector3f::Zero();
+  for (std::size_t edge = 0; edge < kCellEdges.size(); ++edge) {
+    if (!corners.IsEdgeKnown(kCellEdges[edge])) continue;
+    const auto axis = static_cast<Eigen::Index>(edge / 4);
+    gradient[axis] += corners.At(kCellEdges[edge][1]) - corners.At(kCellEdges[edge][0]);
+    count[axis] += 1.0F;
+  }
+  gradient.array() /= count.array().max(1.0F);
   const float norm = gradient.norm();
   return norm > 0.0F ? Eigen::Vector3f(gradient / norm) : Eigen::Vector3f::UnitZ();
 }
 
-/// Computes the vertex of the cell with lowest corner (`x`, `y`, `z`); false if the surface does
-/// not cross the cell.
+/// Computes the vertex of the cell with lowest corner (`x`, `y`, `z`); false if the surface crosses
+/// no edge of the cell between observed voxels.
 bool MakeCellVertex(
     const VoxelPatch& patch, float max_jump_m, int x, int y, int z, CellVertex* vertex) {
-  std::array<float, 8> distance_m;
+  CellCorners corners;
+  int known = 0;
   int inside = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const int cx = x + ((corner >> 2) & 1);
     const int cy = y + ((corner >> 1) & 1);
     const int cz = z + (corner & 1);
-    if (!patch.known(cx, cy, cz)) return false;
-    distance_m[static_cast<std::size_t>(corner)] = patch.distance_m(cx, cy, cz);
-    if (distance_m[static_cast<std::size_t>(corner)] <= 0.0F) ++inside;
+    const auto index = static_cast<std::size_t>(corner);
+    corners.known[index] = patch.known(cx, cy, cz);
+    corners.distance_m[index] = corners.known[index] ? patch.distance_m(cx, cy, cz) : 0.0F;
+    if (!corners.known[index]) continue;
+    ++known;
+    if (corners.distance_m[index] <= 0.0F) ++inside;
   }
-  if (inside == 0 || inside == 8) return false;
+  if (inside == 0 || inside == known) return false;
 
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   ColorMean color;
   int crossings = 0;
-  for (const auto& [low, high] : kCellEdges) {
-    const float low_m = distance_m[static_cast<std::size_t>(low)];
-    const float high_m = distance_m[static_cast<std::size_t>(high)];
+  for (const std::array<int, 2>& edge : kCellEdges) {
+    if (!corners.IsEdgeKnown(edge)) continue;
+    const auto [low, high] = edge;
+    const float low_m = corners.At(low);
+    const float high_m = corners.At(high);
     if (!IsCrossing(low_m, high_m, max_jump_m)) continue;
     const float share = low_m / (low_m - high_m);
     sum += CornerPlace(low) + share * (CornerPlace(high) - CornerPlace(low));
@@ -188,7 +210,7 @@ bool MakeCellVertex(
     color.Add(color_at(high), share);
   }
   if (crossings == 0) return false;
-  *vertex = {sum / static_cast<float>(crossings), CellNormal(distance_m), color.mean()};
+  *vertex = {sum / static_cast<float>(crossings), CellNormal(corners), color.mean()};
   return true;
 }
 
@@ -196,6 +218,10 @@ bool MakeCellVertex(
 constexpr std::size_t kPartLeaves = 32;
 
 constexpr std::uint32_t kNoVertex = 0xFFFFFFFF;
+
+// Bits of a slab of a leaf's mask: the voxels with y = 0, and those with z = 0.
+constexpr std::uint64_t kLowestRow = 0xFF;
+constexpr std::uint64_t kLowestColumn = 0x0101010101010101;
 
 /// Index of the vertex of each cell of a leaf.
 using CellVertices = std::array<std::uint32_t, kLeafVoxels>;
@@ -225,10 +251,14 @@ class SurfaceNet {
 
   Mesh Extract() {
     leaves_.reserve(reader_.leaf_count());
-    reader_.VisitLeaves([&](LeafOrigin origin, const LeafView&) {
+    reader_.VisitLeaves([&](LeafOrigin origin, const LeafView& leaf) {
       leaves_.push_back(origin);
+      AddMissingLeavesBelow(origin, leaf);
       return !IsCancelled();
     });
+    std::sort(missing_.begin(), missing_.end());
+    missing_.erase(std::unique(missing_.begin(), missing_.end()), missing_.end());
+    leaves_.insert(leaves_.end(), missing_.begin(), missing_.end());
     parts_.resize((leaves_.size() + kPartLeaves - 1) / kPartLeaves);
     ForEachLeafByParts([this](LeafOrigin origin, MeshPart* part) { AddVertices(origin, part); });
     IndexVertices();
@@ -262,6 +292,27 @@ class SurfaceNet {
         }
       }
     });
+  }
+
+  /// Cells whose lowest corners lie in a leaf that does not exist have vertices, too, if they reach
+  /// into an existing one.
+  void AddMissingLeavesBelow(LeafOrigin origin, const LeafView& leaf) {
+    for (int neighbour = 1; neighbour < 8; ++neighbour) {
+      const int below_x = (neighbour >> 2) & 1;
+      const int below_y = (neighbour >> 1) & 1;
+      const int below_z = neighbour & 1;
+      // The voxels of the layers next to the neighbour.
+      const std::uint64_t face = (below_y != 0 ? kLowestRow : ~std::uint64_t{0}) &
+                                 (below_z != 0 ? kLowestColumn : ~std::uint64_t{0});
+      bool is_near = false;
+      for (int x = 0; x < (below_x != 0 ? 1 : kLeafSide); ++x) {
+        is_near = is_near || (leaf.observed[static_cast<std::size_t>(x)] & face) != 0;
+      }
+      const LeafOrigin below = {origin.x - below_x * kLeafSide,
+                                origin.y - below_y * kLeafSide,
+                                origin.z - below_z * kLeafSide};
+      if (is_near && !reader_.FindLeaf(below)) missing_.push_back(below);
+    }
   }
 
   void AddVertices(LeafOrigin origin, MeshPart* part) const {
@@ -381,6 +432,7 @@ class SurfaceNet {
   std::atomic<bool> is_cancelled_ = false;
   float max_jump_m_;
   std::vector<LeafOrigin> leaves_;
+  std::vector<LeafOrigin> missing_;  ///< Below existing leaves. Appended to `leaves_`.
   std::vector<MeshPart> parts_;
   std::uint32_t vertex_count_ = 0;
   std::unordered_map<LeafOrigin, VertexPlace> vertices_;

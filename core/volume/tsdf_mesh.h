@@ -12,10 +12,10 @@ namespace steadymap {
 ///
 /// Surface nets (Gibson 1998, "Constrained Elastic Surface Nets"): one vertex per cell of 2 x 2 x 2
 /// voxels crossed by the surface, at the mean of the crossings, and two triangles per edge between
-/// voxels of opposite sign. Cells with an unobserved voxel have no surface, so the back of a
-/// truncation band gives none. Jumps of the distance give none either (`kMaxSurfaceSlope`). The
-/// mesh has colours if any leaf with a vertex has; vertices without an adjacent coloured voxel are
-/// then mid-grey.
+/// voxels of opposite sign, both measured. Unobserved and extrapolated voxels (`kWeightUnit`) give
+/// no surface, so the back of a truncation band has none. Jumps of the distance give none either
+/// (`kMaxSurfaceSlope`). The mesh has colours if any leaf with a vertex has; vertices without an
+/// adjacent coloured voxel are then mid-grey.
 ///
 /// `box`, if not null, selects the cells whose vertex is in the box. The result depends only on the
 /// voxels. Cost: about 10 us per leaf with surface. Returns an empty mesh after cancellation.

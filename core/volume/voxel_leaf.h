@@ -28,8 +28,8 @@ inline constexpr std::size_t kLeafVoxels = 512;
 inline constexpr int kMaxDistanceSteps = 511;
 
 /// Unit of the fixed-point weights. The weight 1.0 is one measurement from 1 m at normal incidence.
-/// Weights below the unit, such as at the far end of the band behind an oblique surface, are not
-/// fused.
+/// A voxel with the unit itself is extrapolated from the surface in front of it: it allows
+/// interpolation at the surface, but gives none.
 inline constexpr float kWeightUnit = 1.0F / 256.0F;
 
 /// The voxel size and truncation distance of a map, with derived values.

@@ -28,7 +28,7 @@ class AWall(DaemonTest):
     def points_before_the_wall(self, count):
         """Returns seeded points well within the truncation band, and their distances."""
         random = np.random.default_rng(5)
-        distance_m = random.uniform(-0.08, 0.13, count)
+        distance_m = random.uniform(-0.045, 0.13, count)
         y, z = random.uniform(-0.4, 0.4, (2, count))
         return np.column_stack((WALL_M - distance_m, y, z)), distance_m
 
@@ -46,11 +46,10 @@ class AWall(DaemonTest):
         self.assertFalse(samples.distance_m.flags.writeable)
 
     def test_is_unknown_where_nobody_looked(self):
-        behind_m = WALL_M + TRUNCATION_M / 2
-        samples = self.client.sample_distance("wall", [(-1.0, 0.0, 0.0), (behind_m, 0.0, 0.0)])
-        self.assertEqual(
-            samples.state.tolist(), [steadymap.PointState.UNKNOWN, steadymap.PointState.SURFACE]
-        )
+        points = [(-1.0, 0.0, 0.0), (WALL_M + 0.04, 0.0, 0.0), (WALL_M + TRUNCATION_M, 0.0, 0.0)]
+        samples = self.client.sample_distance("wall", points)
+        unknown, surface = steadymap.PointState.UNKNOWN, steadymap.PointState.SURFACE
+        self.assertEqual(samples.state.tolist(), [unknown, surface, unknown])
         self.assertTrue(np.isnan(samples.distance_m[0]) and np.isnan(samples.gradient[0]).all())
         self.assertEqual(samples.weight[0], 0.0)
 

@@ -12,6 +12,8 @@
 namespace steadymap {
 namespace {
 
+constexpr KernelNoise kNoise = {0.001F, 0.0025F};
+
 /// Returns a depth image of slanted patches, edges, holes and noise.
 std::vector<std::uint16_t> RandomDepth(int width_px, int height_px, std::mt19937* random) {
   std::vector<std::uint16_t> depth(static_cast<std::size_t>(width_px) *
@@ -35,6 +37,8 @@ struct Surface {
   std::vector<float> inverse_depth;
   std::vector<float> support;
   std::vector<SurfaceCell> cells;
+  std::vector<std::uint8_t> clearance;
+  std::vector<std::uint8_t> has_plane;
 };
 
 Surface ComputeSurface(const TsdfKernels& kernels, const SurfaceInput& input) {
@@ -45,18 +49,28 @@ Surface ComputeSurface(const TsdfKernels& kernels, const SurfaceInput& input) {
   Surface surface{std::vector<float>(padded),
                   std::vector<float>(padded),
                   std::vector<SurfaceCell>(static_cast<std::size_t>(cells_wide) *
-                                           static_cast<std::size_t>(cells_high))};
-  kernels.compute_surface(
-      input, {surface.inverse_depth.data(), surface.support.data(), surface.cells.data()});
+                                           static_cast<std::size_t>(cells_high)),
+                  std::vector<std::uint8_t>(static_cast<std::size_t>(cells_wide) *
+                                            static_cast<std::size_t>(cells_high)),
+                  std::vector<std::uint8_t>(static_cast<std::size_t>(cells_wide) *
+                                            static_cast<std::size_t>(cells_high))};
+  kernels.compute_surface(input,
+                          {surface.inverse_depth.data(),
+                           surface.support.data(),
+                           surface.cells.data(),
+                           surface.clearance.data(),
+                           surface.has_plane.data()});
   return surface;
 }
 
 SurfaceInput InputFor(const std::vector<std::uint16_t>& depth, int width_px, int height_px) {
-  return {depth.data(), width_px, height_px, 0.001F, 3.0F, 120.0F, 121.0F, 30.0F, 20.0F};
+  return {
+      depth.data(), width_px, height_px, 0.001F, 3.0F, 0.15F, kNoise, 120.0F, 121.0F, 30.0F, 20.0F};
 }
 
 LeafKernelFrame FrameFor(const Surface& surface, int cells_wide, int cells_high) {
   return {surface.cells.data(),
+          surface.clearance.data(),
           cells_wide,
           cells_high,
           120.0F,
@@ -69,7 +83,9 @@ LeafKernelFrame FrameFor(const Surface& surface, int cells_wide, int cells_high)
           0.05F,
           0.15F,
           0.15F / static_cast<float>(kMaxDistanceSteps),
+          kNoise,
           0,
+          true,
           true};
 }
 
@@ -91,6 +107,8 @@ TEST(TsdfKernels, VariantsFindTheSameSurface) {
         std::memcmp(
             baseline.cells.data(), avx2.cells.data(), baseline.cells.size() * sizeof(SurfaceCell)))
         << width_px << " x " << height_px;
+    EXPECT_EQ(baseline.has_plane, avx2.has_plane) << width_px << " x " << height_px;
+    EXPECT_EQ(baseline.clearance, avx2.clearance) << width_px << " x " << height_px;
   }
 }
 

@@ -279,7 +279,7 @@ TEST(Ablation, WithoutTentativeObjectsOneFrameIsEnough) {
 TEST(Ablation, WithoutGatheringALittleSurfaceChangesABeliefSooner) {
   const SceneBody post = Body(kShelfLabel, {1.6, -0.03, -0.5}, {1.66, 0.03, 0.3});
   const auto [with, without] = WithAndWithout("gathering", [&](MapStory* story) {
-    story->Look({FarWall(), post}, 13);
+    story->Look({FarWall(), post}, 8);
     double evidence = 0.0;
     for (const auto& [id, object] : story->map().objects) {
       if (object->class_id != ClassId(kShelfLabel)) continue;

@@ -87,7 +87,7 @@ TEST(Tracking, DropsABoxThatJumpsAndTakesItForAnother) {
   MapStory story = TrackingStory();
   story.Play(LookAtCorner({FarWall(), Goods(0.0)}, 0, 12));
   const ObjectId box = story.Present(kGoodsClass).at(0)->id;
-  story.Play(LookAtCorner({FarWall(), Goods(0.24)}, 12, 8));
+  story.Play(LookAtCorner({FarWall(), Goods(0.3)}, 12, 8));
   const std::vector<ObjectEvent> removed = story.EventsOf(EventType::kRemoved, kGoodsClass);
   ASSERT_EQ(removed.size(), 1U);
   EXPECT_EQ(removed[0].object, box);
