@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/bench/evaluate_command.h"
+#include "client/cli/bench/evaluate_rooms_command.h"
 #include "client/cli/bench/simulate_command.h"
 #include "client/cli/maps/map_commands.h"
 #include "client/cli/query/events_command.h"
@@ -97,6 +98,7 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const QueryCommand query(&app, context);
   const RenderCommand render(&app, context);
   const EvaluateCommand evaluate(&app, context);
+  const EvaluateRoomsCommand evaluate_rooms(&app, context);
 
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

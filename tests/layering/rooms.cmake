@@ -56,6 +56,7 @@ set(client_ROOMS
     "bench/evaluation/truth: bench/simulator bench/simulator/scene bench/simulator/sensor"
     "bench/evaluation/score: bench/evaluation/truth"
     "bench/evaluation/method: bench/evaluation/truth"
+    "bench/evaluation/room: bench/simulator bench/simulator/routes bench/simulator/scene bench/simulator/sensor bench/evaluation/score"
     "bench/evaluation/report: picture bench/evaluation/score bench/evaluation/method"
     "bench/evaluation: dataset bench/simulator bench/evaluation/score bench/evaluation/method bench/evaluation/report"
     "cli/text: transport"
@@ -63,6 +64,6 @@ set(client_ROOMS
     "cli/query: map picture cli/text"
     "cli/upload: upload map dataset cli/text cli/maps"
     "cli/watch: watch map cli/text cli/maps cli/query"
-    "cli/bench: dataset bench/simulator bench/simulator/routes bench/evaluation bench/evaluation/report cli/text cli/upload"
+    "cli/bench: dataset bench/simulator bench/simulator/routes bench/evaluation bench/evaluation/method bench/evaluation/report bench/evaluation/room cli/text cli/upload"
     "cli: transport cli/text cli/maps cli/query cli/upload cli/watch cli/bench")
 set(client_TOP_FILES "")

@@ -10,8 +10,6 @@
 namespace steadymap {
 namespace {
 
-constexpr std::int64_t kPauseNs = 60'000'000'000;
-
 /// Returns the transform from the true pose to the reported pose of a robot that was lost at
 /// `T_world_camera`.
 Eigen::Isometry3d MisleadingStep(const LostStretch& lost, const Eigen::Isometry3d& T_world_camera) {
@@ -31,6 +29,7 @@ Simulation::Simulation(Route route, SimulationOptions options)
   std::int64_t start_ns = options_.start_time.nanoseconds();
   for (std::size_t sequence = 0; sequence < route_.sequences.size(); ++sequence) {
     const Trajectory& trajectory = route_.sequences[sequence].trajectory;
+    if (sequence > 0) start_ns += Nanoseconds(route_.sequences[sequence].pause_s);
     const auto count =
         static_cast<std::size_t>(trajectory.duration_s / trajectory.frame_period_s) + 1;
     for (std::size_t i = 0; i < count; i += options_.stride) {
@@ -38,7 +37,7 @@ Simulation::Simulation(Route route, SimulationOptions options)
       frames_.push_back(
           {sequence, time_s, Timestamp::FromNanoseconds(start_ns + Nanoseconds(time_s))});
     }
-    start_ns += Nanoseconds(trajectory.duration_s) + kPauseNs;
+    start_ns += Nanoseconds(trajectory.duration_s);
   }
 }
 
@@ -67,8 +66,13 @@ Frame Simulation::Render(std::size_t index) {
       view, {options_.include_instances.value_or(route_.has_instances), options_.include_color});
   frame.source = options_.source;
   frame.capture_time = moment.capture_time;
-  frame.T_world_camera = DriftPose(
-      options_.sensor, options_.seed, static_cast<double>(elapsed_ns) * 1e-9, view.T_world_camera);
+  frame.T_world_camera = OffsetPose(options_.sensor,
+                                    options_.seed,
+                                    moment.sequence,
+                                    DriftPose(options_.sensor,
+                                              options_.seed,
+                                              static_cast<double>(elapsed_ns) * 1e-9,
+                                              view.T_world_camera));
   const LostStretch& lost = options_.lost;
   if (index >= lost.first_frame && index - lost.first_frame < lost.frame_count) {
     frame.T_world_camera = MisleadingStep(lost, TruePose(lost.first_frame)) * frame.T_world_camera;

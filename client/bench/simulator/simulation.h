@@ -33,8 +33,7 @@ struct SimulationOptions {
   bool include_color = false;
   std::optional<bool> include_instances = std::nullopt;           ///< Unset: the route's default.
   SensorName source = {"simulator", SensorName::kDefaultSensor};  ///< Of every frame.
-  /// Capture time of the first frame. Each later sequence starts one minute after the end of the
-  /// previous one.
+  /// Capture time of the first frame.
   Timestamp start_time = Timestamp::FromNanoseconds(1'650'000'000'000'000'000);
 };
 

@@ -15,6 +15,7 @@ struct RouteSequence {
   std::string name;  ///< For example `baseline` or `1-5`; valid as a folder name.
   Scene scene;       ///< Ground truth during the sequence.
   Trajectory trajectory;
+  double pause_s = 60.0;  ///< Between the end of the previous sequence and the start of this one.
 };
 
 /// Sequences that one robot drives one after the other, all in one world frame. Objects keep their

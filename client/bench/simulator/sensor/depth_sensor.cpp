@@ -149,9 +149,11 @@ void DepthSensor::AddGaussianNoise() {
   const std::array<float, kNormalCount>& normal = NormalDraws();
   const auto near_m = static_cast<float>(sensor_.depth_noise_at_one_metre_m);
   const auto growth = static_cast<float>(sensor_.depth_noise_growth_m);
+  const auto share = static_cast<float>(sensor_.range_noise_share);
   for (std::size_t u = 0; u < measured_m_.size(); ++u) {
     const float square = measured_m_[u] * measured_m_[u];
-    const float sigma_m = near_m * std::min(square, 1.0F) + growth * std::max(square - 1.0F, 0.0F);
+    const float sigma_m = near_m * std::min(square, 1.0F) + growth * std::max(square - 1.0F, 0.0F) +
+                          share * measured_m_[u];
     measured_m_[u] += sigma_m * normal[hashes_[u] % kNormalCount];
   }
 }

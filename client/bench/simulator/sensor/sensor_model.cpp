@@ -8,6 +8,7 @@ namespace steadymap {
 namespace {
 
 constexpr std::uint64_t kDriftStream = 6;
+constexpr std::uint64_t kOffsetStream = 7;
 constexpr double kShortestPeriodS = 20.0;
 constexpr double kLongestPeriodS = 70.0;
 
@@ -68,6 +69,23 @@ Eigen::Isometry3d DriftPose(const SensorModel& sensor,
   drifted.linear() = turn * T_world_camera.linear();
   drifted.translation() += offset_m;
   return drifted;
+}
+
+Eigen::Isometry3d OffsetPose(const SensorModel& sensor,
+                             std::uint64_t seed,
+                             std::size_t session,
+                             const Eigen::Isometry3d& T_world_camera) {
+  if (session == 0) return T_world_camera;
+  const std::uint64_t key = Combine(Combine(seed, kOffsetStream), session);
+  const double azimuth_rad = UniformBetween(key, 0, 0.0, 2 * M_PI);
+  const double height = UniformBetween(key, 1, -1.0, 1.0);  // Uniform on the sphere.
+  const double width = std::sqrt(1.0 - height * height);
+  const Eigen::Vector3d direction(
+      width * std::cos(azimuth_rad), width * std::sin(azimuth_rad), height);
+  const double side = UniformBetween(key, 2, 0.0, 1.0) < 0.5 ? -1.0 : 1.0;
+  return Eigen::Translation3d(sensor.session_offset_m * direction) *
+         Eigen::AngleAxisd(side * sensor.session_offset_rad, Eigen::Vector3d::UnitZ()) *
+         T_world_camera;
 }
 
 }  // namespace steadymap

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include <Eigen/Geometry>
@@ -30,6 +31,7 @@ struct SensorModel {
 
   double depth_noise_at_one_metre_m = 0.002;  ///< Sigma at 1 m; below 1 m it decreases with z^2.
   double depth_noise_growth_m = 0.0052;       ///< Growth of sigma per m^2 above 1: 2 % at 4 m.
+  double range_noise_share = 0.0;             ///< Sigma grows by this share of the depth, too.
   double disparity_step_px = 1.0 / 32.0;      ///< One step.
   double stereo_baseline_m = 0.05;            ///< Distance of the two imagers.
   double flying_pixel_share = 0.3;            ///< Share of the pixels at an edge.
@@ -40,6 +42,12 @@ struct SensorModel {
 
   double pose_drift_m = 0.015;     ///< Largest offset along any axis.
   double pose_drift_rad = 0.0087;  ///< Largest rotation about any axis.
+
+  /// Error of the localisation that is constant during a sequence, and zero in the first one: the
+  /// length of a shift in a random direction, and a rotation about the world's z axis to either
+  /// side.
+  double session_offset_m = 0.0;
+  double session_offset_rad = 0.0;
 
   /// Returns a model without errors, with the same ranges.
   static SensorModel Ideal();
@@ -55,5 +63,12 @@ Eigen::Isometry3d DriftPose(const SensorModel& sensor,
                             std::uint64_t seed,
                             double time_s,
                             const Eigen::Isometry3d& T_world_camera);
+
+/// Returns the pose reported in sequence `session` for `T_world_camera`, with the offset of that
+/// sequence, which depends only on `seed` and `session`.
+Eigen::Isometry3d OffsetPose(const SensorModel& sensor,
+                             std::uint64_t seed,
+                             std::size_t session,
+                             const Eigen::Isometry3d& T_world_camera);
 
 }  // namespace steadymap

@@ -286,6 +286,20 @@ TEST(DriftPose, IsBoundedSmoothAndOfTheSeed) {
   EXPECT_TRUE(DriftPose(SensorModel::Ideal(), 1, 5, T_true).matrix() == T_true.matrix());
 }
 
+TEST(OffsetPose, IsConstantInASequenceAndZeroInTheFirst) {
+  SensorModel sensor;
+  sensor.session_offset_m = 0.05;
+  sensor.session_offset_rad = 0.02;
+  const Eigen::Isometry3d T_true = LookAt({3, 2, 1}, {0, 0, 0});
+  EXPECT_TRUE(OffsetPose(sensor, 1, 0, T_true).matrix() == T_true.matrix());
+  const Eigen::Isometry3d T_shift = OffsetPose(sensor, 1, 1, T_true) * T_true.inverse();
+  EXPECT_NEAR(T_shift.translation().norm(), 0.05, 1e-12);
+  EXPECT_NEAR(Eigen::AngleAxisd(T_shift.linear()).angle(), 0.02, 1e-12);
+  const Eigen::Isometry3d T_other = LookAt({-1, 2, 1}, {0, 0, 0});
+  EXPECT_TRUE(T_shift.isApprox(OffsetPose(sensor, 1, 1, T_other) * T_other.inverse(), 1e-12));
+  EXPECT_FALSE(T_shift.isApprox(OffsetPose(sensor, 1, 2, T_true) * T_true.inverse(), 1e-6));
+}
+
 TEST(SensorModel, EachSwitchTouchesOnlyItsOwnImage) {
   Scene scene;
   AddFloor(&scene, {30, 30});

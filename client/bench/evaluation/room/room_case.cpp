@@ -1,0 +1,140 @@
+#include "client/bench/evaluation/room/room_case.h"
+
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <span>
+
+#include "client/bench/simulator/scene/counter_random.h"
+
+namespace steadymap {
+namespace {
+
+constexpr double kVariedShare = 1.0 / 3.0;
+
+constexpr double kRadiansPerDegree = M_PI / 180.0;
+
+// The camera of the room sees less far than its corners.
+constexpr double kMaxDepthM = 4.0;
+
+/// Draws the variations of one case.
+class Variation {
+ public:
+  Variation(std::uint64_t key, RoomCase* room_case) : key_(key), case_(room_case) {}
+
+  /// With the probability of a variation, calls `vary(choice)` for one of the `names` and notes it.
+  template <typename Vary>
+  void Maybe(std::span<const char* const> names, const Vary& vary) {
+    const std::uint64_t key = Combine(key_, property_++);
+    if (UniformBetween(key, 0, 0.0, 1.0) >= kVariedShare) return;
+    const auto choice =
+        static_cast<std::size_t>(UniformBetween(key, 1, 0.0, static_cast<double>(names.size())));
+    vary(choice);
+    case_->variations.emplace_back(names[choice]);
+  }
+
+  /// Returns a uniform number of the current property.
+  double Between(double low, double high) const {
+    return UniformBetween(Combine(key_, property_), 2, low, high);
+  }
+
+ private:
+  std::uint64_t key_;
+  std::uint64_t property_ = 0;
+  RoomCase* case_;
+};
+
+void VaryMap(RoomCase* room_case, Variation* variation) {
+  static constexpr const char* kVoxels[] = {"voxel-2cm", "voxel-10cm"};
+  // A voxel of 10 cm is as large as the mug.
+  const bool is_small = room_case->change == RoomChange::kMugRemoved;
+  variation->Maybe(std::span(kVoxels).first(is_small ? 1 : 2), [&](std::size_t choice) {
+    room_case->voxel_size_m = std::array{0.02, 0.1}[choice];
+  });
+  static constexpr const char* kLabels[] = {"instances", "no-labels", "no-labels"};
+  variation->Maybe(kLabels, [&](std::size_t choice) {
+    room_case->labels = choice == 0 ? RoomLabels::kInstances : RoomLabels::kNone;
+  });
+}
+
+void VarySetting(BoxRoomSetting* setting, Variation* variation) {
+  static constexpr const char* kPaths[] = {"pass", "look"};
+  variation->Maybe(kPaths, [&](std::size_t choice) {
+    setting->path = std::array{RoomPath::kPass, RoomPath::kLook}[choice];
+  });
+  static constexpr const char* kRates[] = {"2hz", "15hz", "30hz"};
+  variation->Maybe(kRates, [&](std::size_t choice) {
+    setting->frame_period_s = std::array{1.0 / 2.0, 1.0 / 15.0, 1.0 / 30.0}[choice];
+  });
+  static constexpr const char* kCameras[] = {"low", "high", "down"};
+  const double share = variation->Between(0.0, 1.0);
+  variation->Maybe(kCameras, [&](std::size_t choice) {
+    setting->camera_height_m = std::array{0.3, 0.9, 1.5 + 0.5 * share}[choice];
+    setting->looks_down = choice == 2;
+  });
+  static constexpr const char* kFloors[] = {"floor-1.2m-below", "floor-7m-up", "ramp"};
+  variation->Maybe(kFloors, [&](std::size_t choice) {
+    setting->floor_world_m = std::array{-1.2, 7.0, 0.0}[choice];
+    setting->slope_rad = choice == 2 ? 3.0 * kRadiansPerDegree : 0.0;
+  });
+}
+
+void VarySensor(SensorModel* sensor, Variation* variation) {
+  static constexpr const char* kNoises[] = {"noise-0", "noise-1%", "noise-2%"};
+  variation->Maybe(kNoises, [&](std::size_t choice) {
+    sensor->range_noise_share = std::array{0.0, 0.01, 0.02}[choice];
+  });
+  static constexpr const char* kErrors[] = {
+      "drift-2cm", "drift-5cm", "drift-8cm", "offset-2cm", "offset-5cm", "offset-8cm"};
+  variation->Maybe(kErrors, [&](std::size_t choice) {
+    const double error_m = std::array{0.02, 0.05, 0.08}[choice % 3];
+    const double error_rad = std::array{0.5, 0.5, 1.0}[choice % 3] * kRadiansPerDegree;
+    const bool is_drift = choice < 3;
+    sensor->pose_drift = is_drift;
+    (is_drift ? sensor->pose_drift_m : sensor->session_offset_m) = error_m;
+    (is_drift ? sensor->pose_drift_rad : sensor->session_offset_rad) = error_rad;
+  });
+}
+
+SensorModel DefaultSensor() {
+  SensorModel sensor;
+  sensor.depth_noise_at_one_metre_m = 0.0;
+  sensor.depth_noise_growth_m = 0.0;
+  sensor.range_noise_share = 0.005;
+  return sensor;
+}
+
+}  // namespace
+
+std::string_view NameOf(RoomLabels labels) {
+  static constexpr std::string_view kNames[] = {"classes", "instances", "none"};
+  return kNames[static_cast<std::size_t>(labels)];
+}
+
+std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::uint64_t seed) {
+  std::vector<RoomCase> cases;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t key = Combine(Combine(seed, static_cast<std::uint64_t>(change)), i);
+    RoomCase& room_case = cases.emplace_back();
+    room_case.change = change;
+    room_case.sensor = DefaultSensor();
+    room_case.seed = Combine(key, 1);
+    if (i == 0) continue;
+    Variation variation(Combine(key, 0), &room_case);
+    VaryMap(&room_case, &variation);
+    VarySetting(&room_case.setting, &variation);
+    VarySensor(&room_case.sensor, &variation);
+  }
+  return cases;
+}
+
+MapConfig MapConfigFor(const RoomCase& room_case, UpdatePolicy policy) {
+  MapConfig config;
+  config.policy = policy;
+  config.voxel_size_m = room_case.voxel_size_m;
+  config.truncation_m = DefaultTruncationM(room_case.voxel_size_m);
+  config.max_depth_m = kMaxDepthM;
+  return config;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/bench/simulator/routes/box_room.h"
+#include "client/bench/simulator/sensor/sensor_model.h"
+#include "core/types/map_config.h"
+
+namespace steadymap {
+
+/// What the frames say about the things in them.
+enum class RoomLabels { kClasses, kInstances, kNone };
+
+/// Returns `classes`, `instances` or `none`.
+std::string_view NameOf(RoomLabels labels);
+
+/// One case: a change, the setting in which it happens, and the errors of what is measured.
+struct RoomCase {
+  RoomChange change = RoomChange::kNothing;
+  BoxRoomSetting setting;
+  SensorModel sensor;
+  RoomLabels labels = RoomLabels::kClasses;
+  double voxel_size_m = 0.05;
+  std::uint64_t seed = 1;  ///< Of all noise.
+  /// What differs from the default case, such as `voxel-10cm`, `drift-5cm`; empty for that case.
+  std::vector<std::string> variations;
+};
+
+/// Returns `count` cases of a change: first the default case, then ones in which each property
+/// (voxel, frame rate, path, height of the camera, floor, labels, noise, pose error) has another
+/// value with a probability of a third. Equal arguments give equal cases.
+std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::uint64_t seed);
+
+/// Returns the configuration of the case's map.
+MapConfig MapConfigFor(const RoomCase& room_case, UpdatePolicy policy);
+
+}  // namespace steadymap

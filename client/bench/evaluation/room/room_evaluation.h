@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "client/bench/evaluation/room/room_case.h"
+#include "client/bench/evaluation/room/room_score.h"
+
+namespace steadymap {
+
+/// Options of an evaluation on box rooms.
+struct RoomEvaluationOptions {
+  std::vector<RoomChange> changes = AllRoomChanges();
+  std::size_t cases = 4;  ///< Per change.
+  std::uint64_t seed = 1;
+  UpdatePolicy policy = UpdatePolicy::kPocd;
+  std::function<void()> on_case;  ///< Called after each case; may be empty.
+};
+
+/// The result of one case.
+struct RoomResult {
+  RoomCase room_case;
+  RoomScore score;
+  double cuboid_tolerance_m = 0.0;
+
+  bool is_labelled() const { return room_case.labels != RoomLabels::kNone; }
+
+  bool has_right_cuboids() const { return score.worst_cuboid_m <= cuboid_tolerance_m; }
+};
+
+/// Plays every case into a map of its own and compares events and objects with the truth. Errors:
+/// those of `Mapper::Create`.
+absl::StatusOr<std::vector<RoomResult>> EvaluateRooms(const RoomEvaluationOptions& options);
+
+/// Returns a table of the share of exact cases: in total, by change and by variation. With
+/// `with_faults`, lists the faults of every case, too.
+std::string RoomTable(const std::vector<RoomResult>& results, bool with_faults);
+
+}  // namespace steadymap

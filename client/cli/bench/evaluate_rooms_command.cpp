@@ -1,0 +1,87 @@
+#include "client/cli/bench/evaluate_rooms_command.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+
+#include "client/bench/evaluation/method/method.h"
+#include "client/bench/evaluation/room/room_evaluation.h"
+#include "client/cli/upload/progress_report.h"
+
+namespace steadymap {
+namespace {
+
+constexpr char kFooter[] =
+    "Each case is a room with a wall, a shelf, a table and a few boxes, one of which is changed\n"
+    "between two drives. A case is exact if the map reports just the true events, one for each\n"
+    "change and one creation for each object, and has just the true objects. The first case of\n"
+    "each change has the default setting: 5 cm voxels, 5 Hz, a level camera that goes around the\n"
+    "things at 0.6 m, class labels, range noise of 0.5 %, true poses. In the others, each\n"
+    "property differs with a probability of a third. The last column counts exact cases in which\n"
+    "every cuboid is within 3 cm, half a voxel and the pose error of the truth.\n\n"
+    "Changes:";
+
+std::vector<std::string> ChangeNames() {
+  std::vector<std::string> names;
+  for (const RoomChange change : AllRoomChanges()) names.emplace_back(NameOf(change));
+  return names;
+}
+
+}  // namespace
+
+EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* context)
+    : context_(context) {
+  CLI::App* const command = app->add_subcommand(
+      "evaluate-rooms", "Score events and objects of maps of many small rooms with changes");
+  std::string footer = kFooter;
+  for (const std::string& name : ChangeNames()) footer += "\n  " + name;
+  command->footer(footer);
+  command->add_option("--change", changes_, "Changes to evaluate (default: all)")
+      ->check(CLI::IsMember(ChangeNames()));
+  command->add_option("--cases", cases_, "Number of cases per change")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", seed_, "Seed of the settings and of all noise")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--policy", policy_, "Update policy of the maps")
+      ->check(CLI::IsMember(MethodNames()))
+      ->capture_default_str();
+  command->add_flag("--faults", with_faults_, "List what is wrong in each case");
+  command->callback([this] { context_->action = [this] { return Run(); }; });
+}
+
+absl::Status EvaluateRoomsCommand::Run() const {
+  RoomEvaluationOptions options;
+  if (!changes_.empty()) {
+    std::erase_if(options.changes, [this](RoomChange change) {
+      return std::find(changes_.begin(), changes_.end(), NameOf(change)) == changes_.end();
+    });
+  }
+  const absl::StatusOr<std::vector<Method>> methods = SelectMethods({policy_}, MapConfig());
+  if (!methods.ok()) return methods.status();
+  for (const Method& method : *methods) {
+    if (method.name == policy_) options.policy = method.config.policy;
+  }
+  options.cases = cases_;
+  options.seed = seed_;
+  ProgressReport report(&context_->err,
+                        context_->err_is_terminal,
+                        "evaluated",
+                        options.changes.size() * cases_,
+                        SteadySeconds);
+  std::size_t done = 0;
+  options.on_case = [&report, &done] {
+    ++done;
+    report.Update(done, done);
+  };
+  const absl::StatusOr<std::vector<RoomResult>> results = EvaluateRooms(options);
+  report.End();
+  if (!results.ok()) return results.status();
+  context_->out << RoomTable(*results, with_faults_);
+  return absl::OkStatus();
+}
+
+}  // namespace steadymap

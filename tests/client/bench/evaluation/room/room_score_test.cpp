@@ -1,0 +1,127 @@
+#include "client/bench/evaluation/room/room_score.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "client/bench/evaluation/room/room_case.h"
+
+namespace steadymap {
+namespace {
+
+/// A map and events that agree with the truth of a room.
+struct PerfectMap {
+  explicit PerfectMap(const BoxRoom& room) {
+    std::uint64_t id = 0;
+    for (const RoomObject& truth : room.objects) {
+      auto object = std::make_shared<MapObject>();
+      object->id = ObjectId(++id);
+      object->status = ObjectStatus::kPresent;
+      object->class_id = truth.class_id;
+      object->cuboid = {truth.box_world.center(), truth.box_world.sizes(), 0.0};
+      object->volume = std::make_shared<TsdfGrid>();
+      objects.push_back(object);
+    }
+    for (const RoomEvent& truth : room.events) {
+      ObjectEvent event;
+      event.type = truth.type;
+      event.class_id = truth.class_id;
+      event.center_world = truth.box_world.center();
+      events.push_back(event);
+    }
+  }
+
+  MapSnapshot Snapshot() const {
+    MapSnapshot map;
+    for (const auto& object : objects) map.objects.insert_or_assign(object->id, object);
+    return map;
+  }
+
+  std::vector<std::shared_ptr<MapObject>> objects;
+  std::vector<ObjectEvent> events;
+};
+
+class ScoreRoomTest : public ::testing::Test {
+ protected:
+  RoomScore Score(const RoomTolerance& tolerance = {}) const {
+    return ScoreRoom(room_, map_.events, map_.Snapshot(), tolerance);
+  }
+
+  const BoxRoom room_ = MakeBoxRoom(RoomChange::kMoved30Cm, {});
+  PerfectMap map_{room_};
+};
+
+TEST_F(ScoreRoomTest, IsExactForTheTruth) {
+  EXPECT_TRUE(Score().is_exact());
+  EXPECT_LT(Score().worst_cuboid_m, 1e-9);
+}
+
+TEST_F(ScoreRoomTest, ADuplicateEventIsAFault) {
+  map_.events.push_back(map_.events.back());
+  EXPECT_EQ(Score().event_faults.size(), 1U);
+  EXPECT_FALSE(Score().is_exact());
+}
+
+TEST_F(ScoreRoomTest, ARemovalAndACreationAreNoMove) {
+  ObjectEvent& moved = map_.events.back();
+  ASSERT_EQ(moved.type, EventType::kMoved);
+  moved.type = EventType::kCreated;
+  map_.events.push_back(moved);
+  map_.events.back().type = EventType::kRemoved;
+  EXPECT_EQ(Score().event_faults.size(), 3U);
+}
+
+TEST_F(ScoreRoomTest, AnEventBesideItsPlaceIsMissingAndTooMany) {
+  map_.events.back().center_world.x() += 0.2;
+  EXPECT_EQ(Score().event_faults.size(), 2U);
+}
+
+TEST_F(ScoreRoomTest, PiecesThatJoinSilentlyAndPiecesOfTheWallAreNoFaults) {
+  ObjectEvent piece = map_.events.back();
+  piece.type = EventType::kUpdated;
+  map_.events.push_back(piece);
+  piece.type = EventType::kCreated;
+  piece.class_id = room_.wall_class;
+  map_.events.push_back(piece);
+  EXPECT_TRUE(Score().is_exact());
+  EXPECT_FALSE(Score({.compares_classes = false}).is_exact());
+  map_.events.back().center_world = room_.wall_world.center();
+  EXPECT_TRUE(Score({.compares_classes = false}).is_exact());
+}
+
+TEST_F(ScoreRoomTest, ObjectsMustBeJustTheTrueOnes) {
+  map_.objects.pop_back();
+  EXPECT_EQ(Score().object_faults.size(), 1U);
+  map_ = PerfectMap(room_);
+  map_.objects.push_back(std::make_shared<MapObject>(*map_.objects.back()));
+  map_.objects.back()->id = ObjectId(99);
+  EXPECT_EQ(Score().object_faults.size(), 1U);
+  map_.objects.back()->status = ObjectStatus::kArchived;
+  EXPECT_TRUE(Score().is_exact());
+}
+
+TEST_F(ScoreRoomTest, MeasuresTheWorstFaceOfTheCuboids) {
+  map_.objects.back()->cuboid.size_m.x() += 0.16;
+  EXPECT_NEAR(Score().worst_cuboid_m, 0.08, 1e-9);
+}
+
+TEST_F(ScoreRoomTest, ClassesCountUnlessTheFramesHaveNone) {
+  map_.objects.back()->class_id = ClassId(12);
+  EXPECT_FALSE(Score().is_exact());
+  EXPECT_TRUE(Score({.compares_classes = false}).is_exact());
+}
+
+TEST(ListRoomCases, BeginsWithTheDefaultAndIsTheSameEveryTime) {
+  const std::vector<RoomCase> cases = ListRoomCases(RoomChange::kRemoved, 40, 3);
+  ASSERT_EQ(cases.size(), 40U);
+  EXPECT_TRUE(cases.front().variations.empty());
+  std::size_t varied = 0;
+  for (const RoomCase& room_case : cases) varied += room_case.variations.size();
+  // Eight properties, each with a probability of a third.
+  EXPECT_NEAR(static_cast<double>(varied), 39.0 * 8.0 / 3.0, 30.0);
+  EXPECT_EQ(ListRoomCases(RoomChange::kRemoved, 40, 3).back().variations, cases.back().variations);
+  EXPECT_NE(ListRoomCases(RoomChange::kRemoved, 40, 4)[5].seed, cases[5].seed);
+}
+
+}  // namespace
+}  // namespace steadymap
