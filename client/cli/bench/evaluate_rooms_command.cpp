@@ -15,11 +15,12 @@ namespace {
 constexpr char kFooter[] =
     "Each case is a room with a wall, a shelf, a table and a few boxes, one of which is changed\n"
     "between two drives. A case is exact if the map reports just the true events, one for each\n"
-    "change and one creation for each object, and has just the true objects. The first case of\n"
-    "each change has the default setting: 5 cm voxels, 5 Hz, a level camera that goes around the\n"
-    "things at 0.6 m, class labels, range noise of 0.5 %, true poses. In the others, each\n"
-    "property differs with a probability of a third. The last column counts exact cases in which\n"
-    "every cuboid is within 3 cm, half a voxel and the pose error of the truth.\n\n"
+    "change and one creation for each object, and has just the true objects; of shelf and table,\n"
+    "which a drive may hardly see, none may be double. The first case of each change has the\n"
+    "default setting: 5 cm voxels, 5 Hz, a level camera that goes around the things at 0.6 m,\n"
+    "class labels (of things that touch: instances), range noise of 0.5 %, true poses. In the\n"
+    "others, each property differs with a probability of a third. The last column counts exact\n"
+    "cases in which every cuboid is within 3 cm, half a voxel and the pose error of the truth.\n\n"
     "Changes:";
 
 std::vector<std::string> ChangeNames() {

@@ -44,6 +44,12 @@ class Variation {
   RoomCase* case_;
 };
 
+/// True if two things of one class touch: without instances, they are one thing.
+bool AreTouching(RoomChange change) {
+  return change == RoomChange::kTouchingRemoved || change == RoomChange::kUpperRemoved ||
+         change == RoomChange::kLowerRemoved;
+}
+
 void VaryMap(RoomCase* room_case, Variation* variation) {
   static constexpr const char* kVoxels[] = {"voxel-2cm", "voxel-10cm"};
   // A voxel of 10 cm is as large as the mug.
@@ -51,6 +57,7 @@ void VaryMap(RoomCase* room_case, Variation* variation) {
   variation->Maybe(std::span(kVoxels).first(is_small ? 1 : 2), [&](std::size_t choice) {
     room_case->voxel_size_m = std::array{0.02, 0.1}[choice];
   });
+  if (AreTouching(room_case->change)) return;
   static constexpr const char* kLabels[] = {"instances", "no-labels", "no-labels"};
   variation->Maybe(kLabels, [&](std::size_t choice) {
     room_case->labels = choice == 0 ? RoomLabels::kInstances : RoomLabels::kNone;
@@ -118,6 +125,7 @@ std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::u
     RoomCase& room_case = cases.emplace_back();
     room_case.change = change;
     room_case.sensor = DefaultSensor();
+    if (AreTouching(change)) room_case.labels = RoomLabels::kInstances;
     room_case.seed = Combine(key, 1);
     if (i == 0) continue;
     Variation variation(Combine(key, 0), &room_case);

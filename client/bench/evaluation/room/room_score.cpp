@@ -70,7 +70,7 @@ void ScoreEvents(const BoxRoom& room,
       used[i] = true;
       is_found = true;
     }
-    if (is_found) continue;
+    if (is_found || !truth.is_required) continue;
     faults->push_back(EventText("missing", truth.type, truth.class_id, truth.box_world.center()));
   }
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -116,6 +116,7 @@ void ScoreObjects(const BoxRoom& room,
       return Matches(truth, *object, tolerance);
     });
     if (found == present.end()) {
+      if (!truth.is_required) continue;
       score->object_faults.push_back(absl::StrFormat("missing object of class %d at %s",
                                                      truth.class_id.value(),
                                                      PlaceText(truth.box_world.center())));

@@ -140,9 +140,11 @@ bool IsJudged(const SceneObject& object) {
   return object.semantic_class != SceneClass::kGround && !IsWall(object);
 }
 
-bool IsFurniture(const SceneObject& object) {
+bool IsAtBorder(const SceneObject& object) {
   return object.name == "shelf" || object.name == "table";
 }
+
+bool IsFurniture(const SceneObject& object) { return IsAtBorder(object) || object.name == "rack"; }
 
 ClassId ClassOf(const SceneObject& object) {
   return ClassId(static_cast<std::uint16_t>(object.semantic_class));
@@ -348,7 +350,8 @@ RoomStory TellStory(RoomChange change) {
 void ListEvents(const std::vector<Scene>& scenes, bool is_visible, std::vector<RoomEvent>* events) {
   const auto add = [&](EventType type, const SceneObject& object) {
     if (!IsJudged(object)) return;
-    events->push_back({type, ClassOf(object), BoxOf(object), IsFurniture(object)});
+    events->push_back(
+        {type, ClassOf(object), BoxOf(object), IsFurniture(object), !IsAtBorder(object)});
   };
   for (const SceneObject& object : scenes.front().objects()) add(EventType::kCreated, object);
   for (std::size_t i = 1; is_visible && i < scenes.size(); ++i) {
@@ -401,7 +404,8 @@ BoxRoom MakeBoxRoom(RoomChange change, const BoxRoomSetting& setting) {
       room.wall_world = BoxOf(object);
     }
     if (!IsJudged(object)) continue;
-    room.objects.push_back({ClassOf(object), BoxOf(object), IsFurniture(object)});
+    room.objects.push_back(
+        {ClassOf(object), BoxOf(object), IsFurniture(object), !IsAtBorder(object)});
   }
   room.route.name = NameOf(change);
   room.route.camera = DefaultTorwicCalibration().camera;

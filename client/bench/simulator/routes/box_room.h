@@ -71,13 +71,16 @@ struct RoomEvent {
   ClassId class_id;
   Eigen::AlignedBox3d box_world;  ///< Of the object after the event.
   bool is_furniture = false;      ///< Maybe seen in part only.
+  /// False for furniture at the border of what the camera sees: a map may have it, but only once.
+  bool is_required = true;
 };
 
 /// An object of the scene after the last drive.
 struct RoomObject {
   ClassId class_id;
   Eigen::AlignedBox3d box_world;
-  bool is_furniture = false;
+  bool is_furniture = false;  ///< As for `RoomEvent`.
+  bool is_required = true;
 };
 
 /// A room with a floor, a wall, a shelf, a table, and a few boxes, one of which changes. The truth

@@ -1,5 +1,6 @@
 #include "client/bench/evaluation/room/room_score.h"
 
+#include <algorithm>
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -97,6 +98,22 @@ TEST_F(ScoreRoomTest, ObjectsMustBeJustTheTrueOnes) {
   map_.objects.back()->id = ObjectId(99);
   EXPECT_EQ(Score().object_faults.size(), 1U);
   map_.objects.back()->status = ObjectStatus::kArchived;
+  EXPECT_TRUE(Score().is_exact());
+}
+
+TEST_F(ScoreRoomTest, FurnitureAtTheBorderOfTheViewMayBeMissingButNotDoubled) {
+  const auto is_optional = [](const auto& truth) { return !truth.is_required; };
+  const auto object = std::find_if(room_.objects.begin(), room_.objects.end(), is_optional);
+  const auto event = std::find_if(room_.events.begin(), room_.events.end(), is_optional);
+  ASSERT_NE(object, room_.objects.end());
+  ASSERT_NE(event, room_.events.end());
+  map_.objects.push_back(map_.objects[static_cast<std::size_t>(object - room_.objects.begin())]);
+  map_.objects.back() = std::make_shared<MapObject>(*map_.objects.back());
+  map_.objects.back()->id = ObjectId(99);
+  EXPECT_EQ(Score().object_faults.size(), 1U);
+  map_ = PerfectMap(room_);
+  map_.objects.erase(map_.objects.begin() + (object - room_.objects.begin()));
+  map_.events.erase(map_.events.begin() + (event - room_.events.begin()));
   EXPECT_TRUE(Score().is_exact());
 }
 
