@@ -16,7 +16,9 @@ build_packages=(
   python3 python3-grpcio python3-protobuf python3-numpy python3-zstandard python3-crc32c
   python3-pip python3-setuptools python3-wheel python3-matplotlib
 )
-lint_packages=(clang clang-format clang-tidy shellcheck black pyflakes3 git)
+lint_packages=(
+  clang clang-format clang-tidy shellcheck black pyflakes3 git g++-aarch64-linux-gnu
+)
 
 fail() {
   echo "install_dependencies: $*" >&2

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks form: layers, references, shell scripts and Python all over, clang-format and clang-tidy on
-# what changed.
+# what changed; and, if a source changed, that everything compiles for arm64.
 #
 #   deploy/lint.sh [--all | --since COMMIT]
 #
@@ -150,6 +150,14 @@ if ((${#translation_units[@]})); then
   configure build/lint
   check build/lint '-*,clang-diagnostic-*,google-readability-todo' "${LINT_COMPILE_SECONDS:-120}" \
     < <(printf '%s\n' "${translation_units[@]}")
+fi
+
+if ((${#changed[@]})); then
+  echo "== lint.sh: arm64"
+  # In the folder of the test suite, which builds the same libraries next.
+  cmake --preset ci >/dev/null
+  cmake --build --preset ci --target steadymap_proto steadymap_storage_proto >/dev/null
+  deploy/check_arm64.py build/ci || status=1
 fi
 
 ((status == 0)) || fail "found the faults above"

@@ -50,15 +50,18 @@ STEADYMAP_INLINE Floats Abs(Floats value) {
   return reinterpret_cast<Floats>(reinterpret_cast<Words>(value) & 0x7FFFFFFFU);
 }
 
-/// Correctly rounded on every processor. Not `__builtin_sqrtf`: its error handling prevents
-/// vectorisation of the lanes.
+/// Correctly rounded on every processor. On x86-64 not `__builtin_sqrtf`, whose error handling
+/// prevents vectorisation of the lanes.
 STEADYMAP_INLINE Floats Sqrt(Floats value) {
 #ifdef __AVX2__
   return __builtin_ia32_sqrtps256(value);
-#else
+#elif defined(__SSE__)
   const auto low = __builtin_ia32_sqrtps(__builtin_shufflevector(value, value, 0, 1, 2, 3));
   const auto high = __builtin_ia32_sqrtps(__builtin_shufflevector(value, value, 4, 5, 6, 7));
   return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#else
+  for (int lane = 0; lane < kLanes; ++lane) value[lane] = __builtin_sqrtf(value[lane]);
+  return value;
 #endif
 }
 

@@ -5,9 +5,9 @@
 #include "core/volume/voxel_leaf.h"
 
 /// The two hot loops of integration, on plain pointers: from a depth image to surface cells, and
-/// from surface cells to the voxels of a leaf. Both are compiled for AVX2 and for any x86-64, with
-/// the same operations in the same order and without fused multiply-add. Both variants give the
-/// same bits.
+/// from surface cells to the voxels of a leaf. Both are compiled for any processor and, on x86-64,
+/// for AVX2, with the same operations in the same order and without fused multiply-add. Both
+/// variants give the same bits.
 namespace steadymap {
 
 /// The plane observed in a block of 2 x 2 pixels, camera frame.
@@ -143,11 +143,14 @@ struct TsdfKernels {
   bool (*update_leaf)(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf);
 };
 
-/// Returns the variant for any x86-64.
+/// Returns the variant for any processor.
 const TsdfKernels& BaselineKernels();
 
-/// Returns the variant for processors with AVX2.
+/// Returns the variant for AVX2. Defined on x86-64 only; call `FindAvx2Kernels`.
 const TsdfKernels& Avx2Kernels();
+
+/// Returns the variant for AVX2; null if the processor has no AVX2.
+const TsdfKernels* FindAvx2Kernels();
 
 /// Returns the faster variant supported by the processor.
 const TsdfKernels& SelectKernels();

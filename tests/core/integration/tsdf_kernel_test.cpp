@@ -89,19 +89,16 @@ LeafKernelFrame FrameFor(const Surface& surface, int cells_wide, int cells_high)
           true};
 }
 
-bool Available(const TsdfKernels& kernels) {
-  return std::strcmp(kernels.name, "avx2") != 0 || __builtin_cpu_supports("avx2") != 0;
-}
-
 TEST(TsdfKernels, VariantsFindTheSameSurface) {
-  if (!Available(Avx2Kernels())) GTEST_SKIP() << "this processor has no AVX2";
+  const TsdfKernels* const avx2_kernels = FindAvx2Kernels();
+  if (avx2_kernels == nullptr) GTEST_SKIP() << "this processor has no AVX2";
   std::mt19937 random(1);
   for (const auto& [width_px, height_px] :
        {std::pair{128, 96}, {129, 97}, {2, 2}, {3, 5}, {17, 33}, {62, 40}}) {
     const std::vector<std::uint16_t> depth = RandomDepth(width_px, height_px, &random);
     const SurfaceInput input = InputFor(depth, width_px, height_px);
     const Surface baseline = ComputeSurface(BaselineKernels(), input);
-    const Surface avx2 = ComputeSurface(Avx2Kernels(), input);
+    const Surface avx2 = ComputeSurface(*avx2_kernels, input);
     EXPECT_EQ(
         0,
         std::memcmp(
@@ -113,7 +110,8 @@ TEST(TsdfKernels, VariantsFindTheSameSurface) {
 }
 
 TEST(TsdfKernels, VariantsWriteTheSameVoxels) {
-  if (!Available(Avx2Kernels())) GTEST_SKIP() << "this processor has no AVX2";
+  const TsdfKernels* const avx2_kernels = FindAvx2Kernels();
+  if (avx2_kernels == nullptr) GTEST_SKIP() << "this processor has no AVX2";
   std::mt19937 random(2);
   constexpr int kWidthPx = 128;
   constexpr int kHeightPx = 96;
@@ -139,7 +137,7 @@ TEST(TsdfKernels, VariantsWriteTheSameVoxels) {
             leaf.weight.data(),
             leaf.color.data(),
             leaf.observed.data()};
-        const TsdfKernels& kernels = variant == 0 ? BaselineKernels() : Avx2Kernels();
+        const TsdfKernels& kernels = variant == 0 ? BaselineKernels() : *avx2_kernels;
         changed[variant] = kernels.update_leaf(frame, kernel_leaf);
       }
       ASSERT_EQ(changed[0], changed[1]);
