@@ -10,6 +10,8 @@
 namespace steadymap {
 namespace {
 
+constexpr std::uint64_t kSlowStream = 8;
+
 /// Returns the transform from the true pose to the reported pose of a robot that was lost at
 /// `T_world_camera`.
 Eigen::Isometry3d MisleadingStep(const LostStretch& lost, const Eigen::Isometry3d& T_world_camera) {
@@ -62,17 +64,18 @@ Frame Simulation::Render(std::size_t index) {
   view.T_world_camera = TruePose(index);
   view.time_s = moment.time_s;
   view.noise_key = Combine(options_.seed, static_cast<std::uint64_t>(elapsed_ns));
+  view.slow_noise_key = Combine(Combine(options_.seed, kSlowStream), moment.sequence);
   Frame frame = renderer_->Render(
       view, {options_.include_instances.value_or(route_.has_instances), options_.include_color});
   frame.source = options_.source;
   frame.capture_time = moment.capture_time;
-  frame.T_world_camera = OffsetPose(options_.sensor,
-                                    options_.seed,
-                                    moment.sequence,
-                                    DriftPose(options_.sensor,
-                                              options_.seed,
-                                              static_cast<double>(elapsed_ns) * 1e-9,
-                                              view.T_world_camera));
+  const Eigen::Isometry3d drifted = DriftPose(
+      options_.sensor, options_.seed, static_cast<double>(elapsed_ns) * 1e-9, view.T_world_camera);
+  frame.T_world_camera =
+      OffsetPose(options_.sensor,
+                 options_.seed,
+                 moment.sequence,
+                 WalkPose(options_.sensor, options_.seed, moment.sequence, moment.time_s, drifted));
   const LostStretch& lost = options_.lost;
   if (index >= lost.first_frame && index - lost.first_frame < lost.frame_count) {
     frame.T_world_camera = MisleadingStep(lost, TruePose(lost.first_frame)) * frame.T_world_camera;

@@ -146,7 +146,17 @@ void EvaluateCommand::AddSources(CLI::App* command) {
   command->add_option("--seed", seeds_, "Seeds of all noise; the scores are totals over all seeds")
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag("--ideal", is_ideal_, "Use a sensor without noise, holes or drift");
+  CLI::Option* const ideal = command->add_flag_callback(
+      "--ideal",
+      [this] { sensor_ = SensorModel::Ideal(); },
+      "Use a sensor without noise, holes or drift");
+  command
+      ->add_flag_callback(
+          "--hard",
+          [this] { sensor_ = SensorModel::Hard(); },
+          "Use a sensor with correlated noise, fattened foreground, 7 % wrong labels, drift "
+          "without bound and an offset of 5 cm between sequences")
+      ->excludes(ideal);
   command
       ->add_option(
           "--wrong-labels",
@@ -226,7 +236,7 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
   if (!methods.ok()) return methods.status();
   absl::Status write_status;
   RouteEvaluationOptions options;
-  options.simulation.sensor = is_ideal_ ? SensorModel::Ideal() : SensorModel::Full();
+  options.simulation.sensor = sensor_;
   if (wrong_labels_.has_value()) {
     options.simulation.sensor.label_flips = true;
     options.simulation.sensor.label_flip_share = *wrong_labels_;

@@ -51,7 +51,7 @@ class EvaluateCommand {
   double max_depth_m_ = 0.0;       ///< Of the maps; 0: the default of the route.
   std::string pictures_folder_;
   std::string meshes_folder_;
-  bool is_ideal_ = false;
+  SensorModel sensor_ = SensorModel::Full();
   bool with_ground_ = false;
   bool with_stages_ = false;
   bool as_json_ = false;

@@ -25,7 +25,6 @@ class SimulateCommand {
   std::string directory_;
   std::string route_;
   SimulationOptions simulation_;
-  bool is_ideal_ = false;
 };
 
 }  // namespace steadymap

@@ -103,6 +103,19 @@ void VarySensor(SensorModel* sensor, Variation* variation) {
   });
 }
 
+/// Gives a sensor the depth and labels of `SensorModel::Hard`.
+void VaryKind(SensorModel* sensor, Variation* variation) {
+  static constexpr const char* kKinds[] = {"hard-sensor"};
+  variation->Maybe(kKinds, [&](std::size_t) {
+    const SensorModel hard = SensorModel::Hard();
+    sensor->correlated_noise = hard.correlated_noise;
+    sensor->foreground_fattening = hard.foreground_fattening;
+    sensor->label_blobs_a_frame = hard.label_blobs_a_frame;
+    sensor->label_flip_share = hard.label_flip_share;
+    sensor->unlabelled_share = hard.unlabelled_share;
+  });
+}
+
 SensorModel DefaultSensor() {
   SensorModel sensor;
   sensor.depth_noise_at_one_metre_m = 0.0;
@@ -132,6 +145,7 @@ std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::u
     VaryMap(&room_case, &variation);
     VarySetting(&room_case.setting, &variation);
     VarySensor(&room_case.sensor, &variation);
+    VaryKind(&room_case.sensor, &variation);
   }
   return cases;
 }

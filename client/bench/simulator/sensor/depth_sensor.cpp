@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "client/bench/simulator/scene/counter_random.h"
@@ -69,7 +70,7 @@ const std::array<float, kNormalCount>& NormalDraws() {
 }  // namespace
 
 DepthSensor::DepthSensor(const SensorModel& sensor, const PinholeCamera& camera)
-    : sensor_(sensor), camera_(camera) {
+    : sensor_(sensor), camera_(camera), correlated_(camera.width_px, camera.height_px) {
   const auto width = static_cast<std::size_t>(camera.width_px);
   for (Row* row : {&above_, &row_, &below_}) row->assign(width + 2, 0.0F);
   measured_m_.resize(width);
@@ -83,25 +84,28 @@ DepthSensor::DepthSensor(const SensorModel& sensor, const PinholeCamera& camera)
   }
 }
 
-Image<std::uint16_t> DepthSensor::Measure(const SurfaceImage& surfaces, std::uint64_t noise_key) {
+Image<std::uint16_t> DepthSensor::Measure(const SurfaceImage& surfaces, const NoiseMoment& moment) {
   Image<std::uint16_t> depth(camera_.width_px, camera_.height_px);
-  const std::uint64_t pixel_key = Combine(noise_key, kPixelStream);
+  const std::uint64_t pixel_key = Combine(moment.frame_key, kPixelStream);
   const bool needs_hash = sensor_.flying_pixels || sensor_.depth_noise || sensor_.grazing_dropout;
+  if (sensor_.correlated_noise) correlated_.SetMoment(moment.slow_key, moment.time_s);
   LoadRow(surfaces, 0, &above_);
   LoadRow(surfaces, 0, &row_);
   for (int v = 0; v < camera_.height_px; ++v) {
     LoadRow(surfaces, std::min(v + 1, camera_.height_px - 1), &below_);
     std::copy(row_.begin() + 1, row_.end() - 1, measured_m_.begin());
     if (needs_hash) HashRow(pixel_key, v);
+    if (sensor_.foreground_fattening) FattenForeground(row_);
     if (sensor_.flying_pixels) FloatPixelsAtEdges(above_, row_, below_);
     if (sensor_.depth_noise) AddGaussianNoise();
+    if (sensor_.correlated_noise) AddCorrelatedNoise(v);
     if (sensor_.disparity_steps) RoundToDisparitySteps();
     if (sensor_.grazing_dropout) DropGrazingPixels(surfaces, v);
     StoreRow(v, &depth);
     std::swap(above_, row_);
     std::swap(row_, below_);
   }
-  if (sensor_.holes) PunchHoles(Combine(noise_key, kHoleStream), &depth);
+  if (sensor_.holes) PunchHoles(Combine(moment.frame_key, kHoleStream), &depth);
   return depth;
 }
 
@@ -145,16 +149,42 @@ void DepthSensor::FloatPixelsAtEdges(const Row& above, const Row& row, const Row
   }
 }
 
-void DepthSensor::AddGaussianNoise() {
-  const std::array<float, kNormalCount>& normal = NormalDraws();
+/// Gives pixels near the edge of a nearer surface its depth, as block matching does.
+void DepthSensor::FattenForeground(const Row& row) {
+  const auto threshold_m = static_cast<float>(sensor_.flying_pixel_jump_m);
+  const auto width = static_cast<int>(measured_m_.size());
+  for (int u = 0; u < width; ++u) {
+    const float depth_m = row[static_cast<std::size_t>(u) + 1];
+    float nearest_m = depth_m;
+    const int last = std::min(u + sensor_.fattening_px, width - 1);
+    for (int other = std::max(u - sensor_.fattening_px, 0); other <= last; ++other) {
+      const float other_m = row[static_cast<std::size_t>(other) + 1];
+      if (other_m > 0.0F && other_m < nearest_m - threshold_m) nearest_m = other_m;
+    }
+    measured_m_[static_cast<std::size_t>(u)] = nearest_m;
+  }
+}
+
+float DepthSensor::SigmaAt(float depth_m) const {
   const auto near_m = static_cast<float>(sensor_.depth_noise_at_one_metre_m);
   const auto growth = static_cast<float>(sensor_.depth_noise_growth_m);
   const auto share = static_cast<float>(sensor_.range_noise_share);
+  const float square = depth_m * depth_m;
+  return near_m * std::min(square, 1.0F) + growth * std::max(square - 1.0F, 0.0F) + share * depth_m;
+}
+
+void DepthSensor::AddGaussianNoise() {
+  const std::array<float, kNormalCount>& normal = NormalDraws();
   for (std::size_t u = 0; u < measured_m_.size(); ++u) {
-    const float square = measured_m_[u] * measured_m_[u];
-    const float sigma_m = near_m * std::min(square, 1.0F) + growth * std::max(square - 1.0F, 0.0F) +
-                          share * measured_m_[u];
-    measured_m_[u] += sigma_m * normal[hashes_[u] % kNormalCount];
+    measured_m_[u] += SigmaAt(measured_m_[u]) * normal[hashes_[u] % kNormalCount];
+  }
+}
+
+void DepthSensor::AddCorrelatedNoise(int v) {
+  const auto share = static_cast<float>(sensor_.correlated_noise_share);
+  const std::span<const float> slow = correlated_.Row(v);
+  for (std::size_t u = 0; u < measured_m_.size(); ++u) {
+    measured_m_[u] += share * SigmaAt(measured_m_[u]) * slow[u];
   }
 }
 

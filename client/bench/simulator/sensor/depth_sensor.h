@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "client/bench/simulator/sensor/correlated_noise.h"
 #include "client/bench/simulator/sensor/renderer.h"
 #include "client/bench/simulator/sensor/sensor_model.h"
 #include "core/frame/frame.h"
@@ -10,7 +11,14 @@
 
 namespace steadymap {
 
-/// Adds sensor noise to true depths. The noise of a pixel depends only on the key and the pixel.
+/// What the noise of one frame depends on.
+struct NoiseMoment {
+  std::uint64_t frame_key = 0;  ///< Of noise that differs from frame to frame.
+  std::uint64_t slow_key = 0;   ///< Of noise that changes slowly; the same for all frames,
+  double time_s = 0.0;          ///< at this time.
+};
+
+/// Adds sensor noise to true depths. The noise of a pixel depends only on the moment and the pixel.
 /// Reuses its buffers; not thread-safe.
 class DepthSensor {
  public:
@@ -18,7 +26,7 @@ class DepthSensor {
 
   /// Returns the depth in millimetres, 0 without a return, with every noise that the model enables.
   /// `surfaces` must have the camera's size.
-  Image<std::uint16_t> Measure(const SurfaceImage& surfaces, std::uint64_t noise_key);
+  Image<std::uint16_t> Measure(const SurfaceImage& surfaces, const NoiseMoment& moment);
 
  private:
   using Row = std::vector<float>;
@@ -28,7 +36,10 @@ class DepthSensor {
   void LoadRow(const SurfaceImage& surfaces, int v, Row* row) const;
   void HashRow(std::uint64_t key, int v);
   void FloatPixelsAtEdges(const Row& above, const Row& row, const Row& below);
+  void FattenForeground(const Row& row);
   void AddGaussianNoise();
+  void AddCorrelatedNoise(int v);
+  float SigmaAt(float depth_m) const;
   void RoundToDisparitySteps();
   void DropGrazingPixels(const SurfaceImage& surfaces, int v);
   void StoreRow(int v, Image<std::uint16_t>* depth) const;
@@ -41,6 +52,7 @@ class DepthSensor {
   Row measured_m_;
   Row jump_m_;
   std::vector<std::uint64_t> hashes_;
+  CorrelatedNoise correlated_;
 };
 
 }  // namespace steadymap

@@ -16,17 +16,18 @@ constexpr std::uint64_t kMaxBlobs = 4;
 constexpr double kMinBlobRadiusPx = 8.0;
 constexpr double kMaxBlobRadiusPx = 30.0;
 
-// Returns any class except background.
-std::uint16_t AnyClass(std::uint64_t key) {
+// Returns any class, or 0 with the probability that the model has for it.
+std::uint16_t AnyClass(const SensorModel& sensor, std::uint64_t key) {
+  if (UniformBetween(key, 9, 0.0, 1.0) < sensor.unlabelled_share) return 0;
   return static_cast<std::uint16_t>(1 + Scramble(key) % (kSceneClassCount - 1));
 }
 
-void AddBlob(std::uint64_t key, Image<std::uint16_t>* labels) {
+void AddBlob(const SensorModel& sensor, std::uint64_t key, Image<std::uint16_t>* labels) {
   const double center_u = UniformBetween(key, 1, 0, labels->width_px());
   const double center_v = UniformBetween(key, 2, 0, labels->height_px());
   const double radius_u = UniformBetween(key, 3, kMinBlobRadiusPx, kMaxBlobRadiusPx);
   const double radius_v = UniformBetween(key, 4, kMinBlobRadiusPx, kMaxBlobRadiusPx);
-  const std::uint16_t label = AnyClass(key);
+  const std::uint16_t label = AnyClass(sensor, key);
   const int first_v = std::max(0, static_cast<int>(std::ceil(center_v - radius_v)));
   const int last_v = std::min(labels->height_px() - 1, static_cast<int>(center_v + radius_v));
   for (int v = first_v; v <= last_v; ++v) {
@@ -84,7 +85,7 @@ std::uint16_t ShownClass(const SensorModel& sensor,
   if (!sensor.label_flips || object.instance == 0) return own;
   const std::uint64_t key = Combine(Combine(noise_key, kFlipStream), object.id);
   if (UniformOf(key) >= sensor.label_flip_share) return own;
-  const std::uint16_t other = AnyClass(key);
+  const std::uint16_t other = AnyClass(sensor, key);
   return other != own ? other : static_cast<std::uint16_t>(1 + own % (kSceneClassCount - 1));
 }
 
@@ -95,7 +96,7 @@ void AddLabelNoise(const SensorModel& sensor,
     const double chance = sensor.label_blobs_a_frame / static_cast<double>(kMaxBlobs);
     for (std::uint64_t i = 0; i < kMaxBlobs; ++i) {
       const std::uint64_t key = Combine(Combine(noise_key, kBlobStream), i);
-      if (UniformOf(key) < chance) AddBlob(key, labels);
+      if (UniformOf(key) < chance) AddBlob(sensor, key, labels);
     }
   }
   if (sensor.label_boundary_noise) {

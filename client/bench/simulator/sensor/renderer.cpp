@@ -161,7 +161,8 @@ Frame Renderer::Render(const View& view, const RenderOptions& options) {
   Frame frame;
   frame.camera = state_->camera;
   frame.T_world_camera = view.T_world_camera;
-  frame.depth.units = state_->depth_sensor.Measure(surfaces, view.noise_key);
+  frame.depth.units =
+      state_->depth_sensor.Measure(surfaces, {view.noise_key, view.slow_noise_key, view.time_s});
   frame.depth.sensor = DepthSensorKind::kStereo;
   frame.labels =
       PaintSurfaces(surfaces, ForEachSurface<std::uint16_t>(surfaces, [&](const Surface& surface) {

@@ -39,7 +39,8 @@ struct RenderOptions {
 struct View {
   Eigen::Isometry3d T_world_camera = Eigen::Isometry3d::Identity();  ///< The true pose.
   double time_s = 0.0;  ///< Since the start of the sequence; sets the poses of moving objects.
-  std::uint64_t noise_key = 0;  ///< Determines the noise; use a different key for each frame.
+  std::uint64_t noise_key = 0;       ///< Determines the noise; use a different key for each frame.
+  std::uint64_t slow_noise_key = 0;  ///< Of noise that changes slowly: one key for a sequence.
 };
 
 /// Renders a scene for a depth camera. Equal arguments give equal bits, independent of earlier

@@ -134,8 +134,8 @@ TEST(ListRoomCases, BeginsWithTheDefaultAndIsTheSameEveryTime) {
   EXPECT_TRUE(cases.front().variations.empty());
   std::size_t varied = 0;
   for (const RoomCase& room_case : cases) varied += room_case.variations.size();
-  // Eight properties, each with a probability of a third.
-  EXPECT_NEAR(static_cast<double>(varied), 39.0 * 8.0 / 3.0, 30.0);
+  // Nine properties, each with a probability of a third.
+  EXPECT_NEAR(static_cast<double>(varied), 39.0 * 9.0 / 3.0, 30.0);
   EXPECT_EQ(ListRoomCases(RoomChange::kRemoved, 40, 3).back().variations, cases.back().variations);
   EXPECT_NE(ListRoomCases(RoomChange::kRemoved, 40, 4)[5].seed, cases[5].seed);
 }

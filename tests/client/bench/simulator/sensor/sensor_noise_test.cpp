@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -7,6 +8,7 @@
 
 #include "client/bench/simulator/scene/counter_random.h"
 #include "client/bench/simulator/scene/trajectory.h"
+#include "client/bench/simulator/sensor/correlated_noise.h"
 #include "client/bench/simulator/sensor/label_noise.h"
 #include "client/bench/simulator/sensor/renderer.h"
 
@@ -92,6 +94,76 @@ TEST(DepthNoise, NeighbouringPixelsAndFramesAreIndependent) {
   }
   EXPECT_LT(std::abs(beside / variance), 0.02);
   EXPECT_LT(std::abs(between / variance), 0.02);
+}
+
+/// Returns the mean product of two values of the field, over many keys.
+double CorrelationOf(const std::array<int, 2>& pixel,
+                     double time_s,
+                     const std::array<int, 2>& other_pixel,
+                     double other_time_s) {
+  constexpr int kDraws = 4000;
+  CorrelatedNoise noise(320, 180);
+  double sum = 0.0;
+  for (std::uint64_t key = 0; key < kDraws; ++key) {
+    noise.SetMoment(Scramble(key), time_s);
+    const double value = noise.Row(pixel[1])[static_cast<std::size_t>(pixel[0])];
+    noise.SetMoment(Scramble(key), other_time_s);
+    const double other = noise.Row(other_pixel[1])[static_cast<std::size_t>(other_pixel[0])];
+    sum += value * other;
+  }
+  return sum / kDraws;
+}
+
+TEST(CorrelatedNoise, HasVarianceOneEverywhere) {
+  EXPECT_NEAR(CorrelationOf({0, 0}, 0.0, {0, 0}, 0.0), 1.0, 0.1);
+  EXPECT_NEAR(CorrelationOf({16, 16}, 0.5, {16, 16}, 0.5), 1.0, 0.1);
+  EXPECT_NEAR(CorrelationOf({319, 179}, 3.3, {319, 179}, 3.3), 1.0, 0.1);
+}
+
+TEST(CorrelatedNoise, FadesWithinTwoSpacingsAndTwoPeriods) {
+  EXPECT_GT(CorrelationOf({100, 90}, 0.4, {104, 90}, 0.4), 0.9);
+  EXPECT_GT(CorrelationOf({100, 90}, 0.4, {100, 86}, 0.5), 0.85);
+  EXPECT_NEAR(CorrelationOf({100, 90}, 0.4, {164, 90}, 0.4), 0.0, 0.1);
+  EXPECT_NEAR(CorrelationOf({100, 90}, 0.4, {100, 154}, 0.4), 0.0, 0.1);
+  EXPECT_NEAR(CorrelationOf({100, 90}, 0.4, {100, 90}, 2.4), 0.0, 0.1);
+}
+
+TEST(CorrelatedNoise, ShiftsAWallByItsShareOfSigma) {
+  Scene scene;
+  AddWallAt(&scene, 2.0, {50, 50});
+  SensorModel sensor = Only([](SensorModel* s) { s->correlated_noise = true; });
+  sensor.correlated_noise_share = 0.5;
+  double square_sum = 0.0;
+  constexpr int kDraws = 200;
+  for (std::uint64_t key = 0; key < kDraws; ++key) {
+    View view = WithKey(1);
+    view.slow_noise_key = Scramble(key);
+    const Image<std::uint16_t> depth = RenderFrom(scene, sensor, view).depth.units;
+    const double shift_mm = depth.At(160, 90) - 2000.0;
+    EXPECT_NEAR(depth.At(161, 90), depth.At(160, 90), 2.0);
+    square_sum += shift_mm * shift_mm;
+  }
+  EXPECT_NEAR(std::sqrt(square_sum / kDraws), 0.5 * 17.6, 1.5);
+}
+
+TEST(ForegroundFattening, WidensTheNearerSurfaceByItsWidth) {
+  Scene scene;
+  AddWallAt(&scene, 2.0, {50, 50});
+  AddWallAt(&scene, 1.0, {0.4, 50});
+  const SensorModel sensor = Only([](SensorModel* s) { s->foreground_fattening = true; });
+  const Image<std::uint16_t> ideal =
+      RenderFrom(scene, SensorModel::Ideal(), WithKey(1)).depth.units;
+  const Image<std::uint16_t> fat = RenderFrom(scene, sensor, WithKey(1)).depth.units;
+  for (int v = 0; v < 180; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      bool is_beside = false;
+      for (int other = std::max(u - 2, 0); other <= std::min(u + 2, 319); ++other) {
+        is_beside = is_beside || ideal.At(other, v) == 1000;
+      }
+      ASSERT_EQ(fat.At(u, v), is_beside ? 1000 : 2000) << u << ", " << v;
+    }
+  }
+  EXPECT_GT(ShareOf(fat, 1000), ShareOf(ideal, 1000));
 }
 
 TEST(DisparitySteps, EveryDepthIsAWholeNumberOfSteps) {
@@ -250,6 +322,21 @@ TEST(LabelFlips, OnePercentOfTheObjectsAndNeverTheFloor) {
   EXPECT_NEAR(flip_count / 50'000.0, sensor.label_flip_share, 0.002);
 }
 
+TEST(LabelFlips, TakeClassZeroAsOftenAsTheModelSays) {
+  SensorModel sensor = Only([](SensorModel* s) { s->label_flips = true; });
+  sensor.label_flip_share = 1.0;
+  sensor.unlabelled_share = 0.3;
+  SceneObject box;
+  box.semantic_class = SceneClass::kGoods;
+  box.id = 5;
+  box.instance = 5;
+  int zero_count = 0;
+  for (std::uint64_t key = 0; key < 20'000; ++key) {
+    zero_count += ShownClass(sensor, Scramble(key), box) == 0 ? 1 : 0;
+  }
+  EXPECT_NEAR(zero_count / 20'000.0, 0.3, 0.015);
+}
+
 TEST(LabelFlips, ChangeTheWholeObject) {
   Scene scene;
   SceneObject& box = AddWallAt(&scene, 1.0, {50, 50});
@@ -286,6 +373,46 @@ TEST(DriftPose, IsBoundedSmoothAndOfTheSeed) {
   EXPECT_TRUE(DriftPose(SensorModel::Ideal(), 1, 5, T_true).matrix() == T_true.matrix());
 }
 
+TEST(WalkPose, GrowsWithTheSquareRootOfTime) {
+  SensorModel sensor;
+  sensor.pose_walk_m = 0.01;
+  sensor.pose_walk_rad = 0.002;
+  const Eigen::Isometry3d T_true = LookAt({3, 2, 1}, {0, 0, 0});
+  EXPECT_TRUE(WalkPose(sensor, 1, 0, 0.0, T_true).isApprox(T_true, 1e-12));
+  for (const double time_s : {1.0, 25.0, 100.0}) {
+    double shift_square_sum = 0.0;
+    double turn_square_sum = 0.0;
+    constexpr int kSeeds = 2000;
+    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+      const Eigen::Isometry3d walked = WalkPose(sensor, seed, 1, time_s, T_true);
+      shift_square_sum += (walked.translation() - T_true.translation()).squaredNorm() / 3.0;
+      const double turn_rad =
+          Eigen::AngleAxisd(Eigen::Matrix3d(walked.linear() * T_true.linear().transpose())).angle();
+      turn_square_sum += turn_rad * turn_rad;
+    }
+    const double growth = std::sqrt(time_s);
+    EXPECT_NEAR(std::sqrt(shift_square_sum / kSeeds), 0.01 * growth, 0.0005 * growth);
+    EXPECT_NEAR(std::sqrt(turn_square_sum / kSeeds), 0.002 * growth, 0.00015 * growth);
+  }
+}
+
+TEST(WalkPose, IsContinuousAndOfSeedAndSequence) {
+  SensorModel sensor;
+  sensor.pose_walk_m = 0.01;
+  const Eigen::Isometry3d T_true = LookAt({3, 2, 1}, {0, 0, 0});
+  Eigen::Vector3d last = T_true.translation();
+  for (int i = 1; i < 300; ++i) {
+    const Eigen::Vector3d place = WalkPose(sensor, 1, 0, 0.1 * i, T_true).translation();
+    // At most 0.1 s of steps along each axis.
+    ASSERT_LE((place - last).norm(), 0.01 * 0.1 * 3.0 + 1e-12);
+    last = place;
+  }
+  const Eigen::Isometry3d walked = WalkPose(sensor, 1, 0, 9.0, T_true);
+  EXPECT_FALSE(walked.isApprox(WalkPose(sensor, 2, 0, 9.0, T_true), 1e-6));
+  EXPECT_FALSE(walked.isApprox(WalkPose(sensor, 1, 1, 9.0, T_true), 1e-6));
+  EXPECT_TRUE(WalkPose(SensorModel::Full(), 1, 0, 9.0, T_true).matrix() == T_true.matrix());
+}
+
 TEST(OffsetPose, IsConstantInASequenceAndZeroInTheFirst) {
   SensorModel sensor;
   sensor.session_offset_m = 0.05;
@@ -313,6 +440,7 @@ TEST(SensorModel, EachSwitchTouchesOnlyItsOwnImage) {
   view.T_world_camera = LookAt({0, 0, 0.5}, {2, 0, 0.3});
   const Frame ideal = RenderFrom(scene, SensorModel::Ideal(), view);
   for (const SensorModel& sensor : {Only([](SensorModel* s) { s->depth_noise = true; }),
+                                    Only([](SensorModel* s) { s->correlated_noise = true; }),
                                     Only([](SensorModel* s) { s->disparity_steps = true; }),
                                     Only([](SensorModel* s) { s->flying_pixels = true; }),
                                     Only([](SensorModel* s) { s->grazing_dropout = true; }),
