@@ -21,13 +21,27 @@ struct Outcome {
   std::string err;
 };
 
-Outcome Evaluate(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "evaluate");
+Outcome Steadymap(const std::vector<std::string>& arguments) {
   std::ostringstream out;
   std::ostringstream err;
   CommandContext context{.out = out, .err = err};
   const int exit_code = RunCommandLine(arguments, &context);
   return {exit_code, out.str(), err.str()};
+}
+
+Outcome Evaluate(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "evaluate");
+  return Steadymap(arguments);
+}
+
+/// Returns the table that `evaluate` prints for a few frames of the twin, with further arguments.
+std::string TableOfTwin(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--route", "twin", "--stride", "40", "--policy", "static"});
+  const Outcome outcome = Evaluate(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  // Without the last column, which is a time.
+  const std::size_t start = outcome.out.find("\nstatic ");
+  return outcome.out.substr(start, outcome.out.find('\n', start + 1) - start - 16);
 }
 
 TEST(EvaluateCommand, PrintsATableAndDrawsAPictureAMethod) {
@@ -85,6 +99,47 @@ TEST(EvaluateCommand, ShowsPocdWithoutASwitchAndItsStages) {
   EXPECT_NE(outcome.out.find("\npocd -tentative "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("\nms/frame "), std::string::npos) << outcome.out;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "twin-pocd-moves.png"));
+}
+
+TEST(EvaluateCommand, TheSensorChangesTheScores) {
+  const std::string ideal = TableOfTwin({"--ideal"});
+  EXPECT_NE(ideal, TableOfTwin({}));
+  EXPECT_NE(TableOfTwin({}), TableOfTwin({"--hard"}));
+  EXPECT_EQ(Evaluate({"--route", "twin", "--ideal", "--hard"}).exit_code, 2);
+}
+
+TEST(EvaluateCommand, VoxelAndMaximumDepthOfTheMapsChangeTheScores) {
+  const std::string standard = TableOfTwin({"--ideal"});
+  EXPECT_NE(standard, TableOfTwin({"--ideal", "--map-voxel", "0.1"}));
+  EXPECT_NE(standard, TableOfTwin({"--ideal", "--max-depth", "1.5"}));
+  EXPECT_EQ(standard, TableOfTwin({"--ideal", "--map-voxel", "0.05", "--max-depth", "3"}));
+}
+
+TEST(EvaluateCommand, WritesTheMeshOfEachMapAndTheTrueSurface) {
+  const TemporaryFolder folder;
+  TableOfTwin({"--ideal", "--meshes", folder.path().string()});
+  std::size_t meshes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    EXPECT_EQ(entry.path().extension(), ".ply") << entry.path();
+    EXPECT_GT(entry.file_size(), 1000U) << entry.path();
+    ++meshes;
+  }
+  EXPECT_GE(meshes, 2U);
+}
+
+TEST(EvaluateRoomsCommand, PrintsTheShareOfExactCasesAndTheirFaults) {
+  const Outcome outcome =
+      Steadymap({"evaluate-rooms", "--change", "added", "--cases", "1", "--faults"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(outcome.out.starts_with("added:")) << outcome.out;
+  EXPECT_NE(outcome.out.find("\nadded  "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\nall  "), std::string::npos) << outcome.out;
+}
+
+TEST(EvaluateRoomsCommand, RefusesAnUnknownChangeOrPolicy) {
+  EXPECT_EQ(Steadymap({"evaluate-rooms", "--change", "painted"}).exit_code, 2);
+  EXPECT_EQ(Steadymap({"evaluate-rooms", "--policy", "best"}).exit_code, 2);
+  EXPECT_EQ(Steadymap({"evaluate-rooms", "--cases", "0"}).exit_code, 2);
 }
 
 TEST(EvaluateCommand, HelpListsTheSwitches) {
