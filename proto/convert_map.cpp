@@ -86,6 +86,7 @@ absl::StatusOr<MapConfig> FromProto(const v1::MapConfig& message) {
   const absl::StatusOr<UpdatePolicy> policy = FromProto(message.policy());
   if (!policy.ok()) return policy.status();
   config.policy = *policy;
+  config.parameters.insert(message.parameters().begin(), message.parameters().end());
   if (message.classes_size() > 0) {
     absl::StatusOr<std::vector<SemanticClass>> classes = ReadClasses(message);
     if (!classes.ok()) return classes.status();
@@ -101,6 +102,7 @@ v1::MapConfig ToProto(const MapConfig& config) {
   message.set_truncation_m(config.truncation_m);
   message.set_max_depth_m(config.max_depth_m);
   message.set_policy(ToProto(config.policy));
+  message.mutable_parameters()->insert(config.parameters.begin(), config.parameters.end());
   for (const SemanticClass& row : config.classes) {
     v1::SemanticClass* added = message.add_classes();
     added->set_id(row.id.value());

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "core/policy/configured_parameters.h"
 #include "core/policy/paper_mapper.h"
+#include "core/types/policy_parameters.h"
 
 namespace steadymap {
 namespace {
@@ -77,6 +79,10 @@ ObjectMapperParameters ParametersFor(const MapConfig& config, const Ablation& sw
   parameters.visibility.sure_depth_m = config.max_depth_m;
   parameters.guard.is_on = switches.robot_guard;
   parameters.moving.is_on = switches.moving_memory;
+  parameters.min_stationarity = ParameterValue(config, "min_stationarity");
+  parameters.confirmation.initial_stationarity = ParameterValue(config, "initial_stationarity");
+  ReadStationarity(config, &parameters.judgement.stationarity);
+  parameters.judgement.stationarity.max_evidence = ParameterValue(config, "max_evidence");
   FollowPaperInAssociation(switches, paper, &parameters.clusters);
   FollowPaperInVisibility(switches, paper, config, &parameters.visibility);
   FollowPaperInJudgement(switches, paper, &parameters.judgement);

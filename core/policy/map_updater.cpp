@@ -1,6 +1,7 @@
 #include "core/policy/map_updater.h"
 
 #include "core/integration/tsdf_integrator.h"
+#include "core/policy/configured_parameters.h"
 #include "core/policy/engine_parameters.h"
 #include "core/policy/object_mapper.h"
 #include "core/policy/paper_mapper.h"
@@ -32,13 +33,13 @@ std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const Mapper
     case UpdatePolicy::kStatic:
       return std::make_unique<StaticUpdater>(config);
     case UpdatePolicy::kVoxelChange:
-      return std::make_unique<VoxelChangeMapper>(config, VoxelChangeParameters{});
+      return std::make_unique<VoxelChangeMapper>(config, VoxelChangeParametersOf(config));
     case UpdatePolicy::kSubmapChange:
-      return std::make_unique<SubmapMapper>(config, SubmapChangeParameters{});
+      return std::make_unique<SubmapMapper>(config, SubmapChangeParametersOf(config));
     case UpdatePolicy::kTracking:
-      return std::make_unique<TrackingMapper>(config, TrackingParameters{});
+      return std::make_unique<TrackingMapper>(config, TrackingParametersOf(config));
     case UpdatePolicy::kPocdPaper:
-      return std::make_unique<PaperMapper>(config, PaperParameters{});
+      return std::make_unique<PaperMapper>(config, PaperParametersOf(config));
     case UpdatePolicy::kPocd:
       return std::make_unique<ObjectMapper>(
           config, ParametersFor(config, options.switches), options.stages);

@@ -8,6 +8,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/types/error.h"
+#include "core/types/policy_parameters.h"
 
 namespace steadymap {
 namespace {
@@ -21,6 +22,7 @@ constexpr double kMinMaxDepthM = 0.1;
 constexpr double kMaxMaxDepthM = 100.0;
 constexpr double kMaxMaxDepthVoxels = 4000.0;
 constexpr std::size_t kMaxClassNameLength = 64;
+constexpr std::size_t kMaxParameterNameShown = 64;
 
 // In floating point, 0.15 / 0.05 is slightly below 3. Limits in voxels must not depend on the last
 // bit.
@@ -75,6 +77,23 @@ void CheckClasses(const std::vector<SemanticClass>& classes, Violations* violati
                                    kMaxClassNameLength,
                                    " bytes, got ",
                                    classes[i].name.size()));
+    }
+  }
+}
+
+void CheckParameters(const MapConfig& config, Violations* violations) {
+  for (const auto& [name, value] : config.parameters) {
+    // A name may be as long as a message.
+    const std::string field = "parameters[" + name.substr(0, kMaxParameterNameShown) + "]";
+    const PolicyParameter* parameter = FindParameter(config.policy, name);
+    if (parameter == nullptr) {
+      violations->Add(field,
+                      absl::StrCat(field,
+                                   " is not a parameter of the policy, which has: ",
+                                   ParameterNames(config.policy)));
+    } else if (violations->CheckRange(field.c_str(), value, parameter->min, parameter->max) &&
+               parameter->is_whole && value != std::floor(value)) {
+      violations->Add(field, absl::StrCat(field, " must be a whole number, got ", value));
     }
   }
 }
@@ -159,6 +178,7 @@ absl::Status ValidateMapConfig(const MapConfig& config) {
                                 config.max_depth_m));
   }
   CheckClasses(config.classes, &violations);
+  CheckParameters(config, &violations);
   return violations.ToStatus();
 }
 

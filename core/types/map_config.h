@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,9 @@ struct MapConfig {
   /// The classes that label images may contain, with unique ids, besides 0, which means no label.
   /// Never empty in a valid configuration.
   std::vector<SemanticClass> classes = TorwicClasses();
+
+  /// Values of the policy's parameters that are not the default, by name (`policy_parameters.h`).
+  std::map<std::string, double, std::less<>> parameters{};
 
   /// Returns the largest id plus one, at least 1. Labels of a valid frame are below this value.
   std::size_t label_limit() const;

@@ -41,6 +41,8 @@ TEST(ConvertMapConfig, ComesBack) {
   config.voxel_size_m = 0.02;
   config.truncation_m = 0.08;
   config.max_depth_m = 7.0;
+  config.policy = UpdatePolicy::kPocd;
+  config.parameters = {{"change_noise_m", 0.03}, {"max_evidence", 20.0}};
   config.classes = {{ClassId(0), "floor", ClassMotion::kStatic},
                     {ClassId(9), "cart", ClassMotion::kSemiStatic},
                     {ClassId(65535), "person", ClassMotion::kDynamic}};
@@ -57,6 +59,8 @@ TEST(ConvertMapConfig, WrongFieldsAreNamed) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(field([&](v1::MapConfig* m) { m->set_voxel_size_m(nan); }), "voxel_size_m");
+  EXPECT_EQ(field([&](v1::MapConfig* m) { (*m->mutable_parameters())["speed"] = 1.0; }),
+            "parameters[speed]");
   EXPECT_EQ(field([&](v1::MapConfig* m) { m->set_truncation_m(nan); }), "truncation_m");
   EXPECT_EQ(field([&](v1::MapConfig* m) { m->set_max_depth_m(-nan); }), "max_depth_m");
   EXPECT_EQ(field([](v1::MapConfig* m) { m->set_policy(static_cast<v1::UpdatePolicy>(77)); }),

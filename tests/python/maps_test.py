@@ -32,6 +32,7 @@ class Maps(DaemonTest):
             ],
             display_name="The hall",
             byte_budget=1 << 30,
+            parameters={"change_noise_m": 0.03, "max_evidence": 20.0},
         )
         self.client.create_map("options", options)
         self.assertEqual(self.client.get_map("options").options, options)
@@ -61,6 +62,11 @@ class Maps(DaemonTest):
             self.client.create_map("coarse", steadymap.MapOptions(voxel_size_m=2.0))
         self.assertEqual(raised.exception.reason, "BAD_VALUE")
         self.assertEqual(raised.exception.field, "map.config.voxel_size_m")
+        with self.assertRaises(errors.InvalidArgumentError) as raised:
+            self.client.create_map(
+                "quiet", steadymap.MapOptions(policy="pocd", parameters={"change_noise_m": 0.0})
+            )
+        self.assertEqual(raised.exception.field, "map.config.parameters[change_noise_m]")
 
     def test_with_names_that_are_none_are_refused(self):
         with self.assertRaises(errors.InvalidArgumentError) as raised:

@@ -32,7 +32,7 @@ MapCommands::MapCommands(CLI::App* app, CommandContext* context) : context_(cont
 
 void MapCommands::AddCreate(CLI::App* map) {
   CLI::App* const command = map->add_subcommand("create", "Create an empty map");
-  command->footer(std::string(kMapOptionsHelp) + "\nThe default policy is static.");
+  command->footer(MapOptionsHelp() + "\n\nThe default policy is static.");
   command->add_option("NAME", name_, kNameHelp)->required();
   AddMapOptions(command, &map_options_);
   command

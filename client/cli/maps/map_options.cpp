@@ -5,16 +5,52 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
+#include <absl/strings/str_format.h>
+#include <absl/strings/str_join.h>
+#include <absl/strings/str_split.h>
 
 #include "client/cli/maps/class_table_file.h"
 #include "client/cli/text/enumerator_text.h"
 #include "client/cli/text/number_text.h"
+#include "core/types/absl_text.h"
 #include "core/types/error.h"
+#include "core/types/policy_parameters.h"
 #include "proto/convert_map.h"
 
 namespace steadymap {
 namespace {
+
+/// The scale of a kind of place.
+struct Preset {
+  const char* name;
+  double voxel_size_m;
+  double max_depth_m;
+  // Parameters of the policies `pocd` and `pocd_paper`.
+  double change_noise_m;
+  double max_change_m;
+  double min_stationarity;
+};
+
+// Warehouse and table-top: the values of TorWIC and ToyCar (Qian et al., RSS 2022). Office: between
+// them, as its things are.
+constexpr Preset kPresets[] = {
+    {"warehouse", 0.05, 3.0, 0.2, 4.0, 0.4},
+    {"office", 0.03, 4.0, 0.1, 2.0, 0.4},
+    {"table-top", 0.02, 4.0, 0.03, 0.6, 0.45},
+};
+
+constexpr char kMapOptionsHelp[] =
+    "These options are fixed when a map is created, so that the same frames always give the\n"
+    "same map. --policy static fuses all frames; surface that rays pass through disappears\n"
+    "gradually. pocd keeps objects and detects moved and removed ones; it needs labels or\n"
+    "instances in each frame. The other policies are baselines for comparison. The default\n"
+    "truncation is three voxels. --classes is a text file with one line `ID NAME\n"
+    "[static|semi-static|dynamic|background]` for each class. Pixels of dynamic classes are\n"
+    "never mapped. A name of several words must be followed by one of these words. Without\n"
+    "--classes, the map has the TorWIC classes. --preset sets voxel size, maximum depth and the\n"
+    "parameters of pocd and pocd_paper for a kind of place; other options override it.";
 
 std::string WordOfPolicy(UpdatePolicy policy) {
   return WordOf(v1::UpdatePolicy_descriptor(), ToProto(policy));
@@ -27,6 +63,39 @@ absl::StatusOr<UpdatePolicy> PolicyOf(const std::string& word) {
                       "policy",
                       "the policy must be one of " + WordsOf(v1::UpdatePolicy_descriptor()) +
                           ", got \"" + word + "\"");
+}
+
+absl::Status ApplyPreset(const std::string& name, MapConfig* config) {
+  for (const Preset& preset : kPresets) {
+    if (name != preset.name) continue;
+    config->voxel_size_m = preset.voxel_size_m;
+    config->max_depth_m = preset.max_depth_m;
+    for (const auto& [parameter, value] : {std::pair("change_noise_m", preset.change_noise_m),
+                                           {"max_change_m", preset.max_change_m},
+                                           {"min_stationarity", preset.min_stationarity}}) {
+      const PolicyParameter* known = FindParameter(config->policy, parameter);
+      if (known != nullptr && known->default_value != value) config->parameters[parameter] = value;
+    }
+    return absl::OkStatus();
+  }
+  return InvalidField(
+      reason::kBadValue,
+      "preset",
+      "the preset must be one of " + absl::StrJoin(PresetNames(), ", ") + ", got \"" + name + "\"");
+}
+
+absl::Status ReadParameters(const std::vector<std::string>& texts, MapConfig* config) {
+  for (const std::string& text : texts) {
+    const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('=', 1));
+    double value = 0.0;
+    if (parts.first.empty() || !absl::SimpleAtod(parts.second, &value)) {
+      return InvalidField(reason::kBadValue,
+                          "parameters",
+                          "--set needs NAME=VALUE with a number, got \"" + text + "\"");
+    }
+    config->parameters[parts.first] = value;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status Differs(const v1::Map& present,
@@ -45,18 +114,39 @@ absl::Status Differs(const v1::Map& present,
 
 }  // namespace
 
-const char kMapOptionsHelp[] =
-    "These options are fixed when a map is created, so that the same frames always give the\n"
-    "same map. --policy static fuses all frames; surface that rays pass through disappears\n"
-    "gradually. pocd keeps objects and detects moved and removed ones; it needs labels or\n"
-    "instances in each frame. The other policies are baselines for comparison. The default\n"
-    "truncation is three voxels. --classes is a text file with one line `ID NAME\n"
-    "[static|semi-static|dynamic|background]` for each class. Pixels of dynamic classes are\n"
-    "never mapped. A name of several words must be followed by one of these words. Without\n"
-    "--classes, the map has the TorWIC classes.";
+std::vector<std::string> PresetNames() {
+  std::vector<std::string> names;
+  for (const Preset& preset : kPresets) names.emplace_back(preset.name);
+  return names;
+}
+
+std::string MapOptionsHelp() {
+  std::string help = kMapOptionsHelp;
+  for (const UpdatePolicy policy : {UpdatePolicy::kPocd,
+                                    UpdatePolicy::kPocdPaper,
+                                    UpdatePolicy::kVoxelChange,
+                                    UpdatePolicy::kSubmapChange,
+                                    UpdatePolicy::kTracking}) {
+    absl::StrAppend(&help, "\n\nParameters of ", WordOfPolicy(policy), " (--set NAME=VALUE):");
+    for (const PolicyParameter& parameter : ParametersOf(policy)) {
+      absl::StrAppendFormat(&help,
+                            "\n  %-23s %s; %s, %s to %s",
+                            Absl(parameter.name),
+                            Absl(parameter.description),
+                            absl::StrCat(parameter.default_value),
+                            absl::StrCat(parameter.min),
+                            absl::StrCat(parameter.max));
+    }
+  }
+  return help;
+}
 
 void AddMapOptions(CLI::App* command, MapOptions* options) {
   const MapConfig defaults;
+  command
+      ->add_option(
+          "--preset", options->preset, "Scale of the place: " + absl::StrJoin(PresetNames(), ", "))
+      ->type_name("NAME");
   command->add_option("--policy",
                       options->policy,
                       "Update policy of the map: " + WordsOf(v1::UpdatePolicy_descriptor()));
@@ -73,6 +163,8 @@ void AddMapOptions(CLI::App* command, MapOptions* options) {
       ->default_str(absl::StrCat(defaults.max_depth_m));
   command->add_option("--classes", options->classes_file, "File with the map's class table")
       ->type_name("FILE");
+  command->add_option("--set", options->parameters, "Parameters of the policy, listed below")
+      ->type_name("NAME=VALUE");
 }
 
 absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
@@ -82,6 +174,9 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
     if (!policy.ok()) return policy.status();
     config.policy = *policy;
   }
+  if (options.preset) {
+    if (absl::Status status = ApplyPreset(*options.preset, &config); !status.ok()) return status;
+  }
   if (options.voxel_size_m) config.voxel_size_m = *options.voxel_size_m;
   config.truncation_m =
       options.truncation_m ? *options.truncation_m : DefaultTruncationM(config.voxel_size_m);
@@ -90,6 +185,9 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
     absl::StatusOr<std::vector<SemanticClass>> classes = LoadClassTable(*options.classes_file);
     if (!classes.ok()) return classes.status();
     config.classes = *std::move(classes);
+  }
+  if (absl::Status status = ReadParameters(options.parameters, &config); !status.ok()) {
+    return status;
   }
   // Validated here, because the server treats a zero as "the default".
   if (absl::Status status = ValidateMapConfig(config); !status.ok()) return status;
@@ -107,16 +205,33 @@ absl::Status CheckExistingMap(const MapOptions& options,
   }
 
   struct Length {
-    const std::optional<double>& given_m;
+    bool is_given;
     const char* option;
     double found_m;
+    double wanted_m;
   };
 
-  for (const Length& length : {Length{options.voxel_size_m, "--voxel-size", found->voxel_size_m},
-                               Length{options.truncation_m, "--truncation", found->truncation_m},
-                               Length{options.max_depth_m, "--max-depth", found->max_depth_m}}) {
-    if (!length.given_m || *length.given_m == length.found_m) continue;
-    return Differs(present, length.option, LengthText(length.found_m), LengthText(*length.given_m));
+  const bool has_preset = options.preset.has_value();
+  for (const Length& length : {Length{has_preset || options.voxel_size_m,
+                                      "--voxel-size",
+                                      found->voxel_size_m,
+                                      wanted.voxel_size_m},
+                               Length{has_preset || options.truncation_m,
+                                      "--truncation",
+                                      found->truncation_m,
+                                      wanted.truncation_m},
+                               Length{has_preset || options.max_depth_m,
+                                      "--max-depth",
+                                      found->max_depth_m,
+                                      wanted.max_depth_m}}) {
+    if (!length.is_given || length.wanted_m == length.found_m) continue;
+    return Differs(present, length.option, LengthText(length.found_m), LengthText(length.wanted_m));
+  }
+  for (const auto& [name, value] : wanted.parameters) {
+    const bool is_known = FindParameter(found->policy, name) != nullptr;
+    const double found_value = is_known ? ParameterValue(*found, name) : value;
+    if (found_value == value) continue;
+    return Differs(present, "--set", absl::StrCat(name, "=", found_value), absl::StrCat(value));
   }
   if (options.classes_file && found->classes != wanted.classes) {
     return Differs(present, "--classes", "other classes", "those of " + *options.classes_file);

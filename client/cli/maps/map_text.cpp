@@ -43,6 +43,12 @@ std::string LabelsText(const v1::Map& map) {
   return absl::StrJoin(LabelsOf(map), ", ", absl::PairFormatter("="));
 }
 
+std::string ParametersText(const v1::MapConfig& config) {
+  const std::map<std::string, double> sorted(config.parameters().begin(),
+                                             config.parameters().end());
+  return absl::StrJoin(sorted, ", ", absl::PairFormatter("="));
+}
+
 std::string ConditionWord(const v1::MapState& state) {
   return WordOf(v1::MapCondition_descriptor(), state.condition());
 }
@@ -82,10 +88,13 @@ Json ConfigJson(const v1::MapConfig& config) {
                        {"motion", MotionText(semantic_class.motion())},
                        {"in_background", semantic_class.in_background()}});
   }
+  Json parameters = Json::object();
+  for (const auto& [name, value] : config.parameters()) parameters[name] = value;
   return {{"voxel_size_m", config.voxel_size_m()},
           {"truncation_m", config.truncation_m()},
           {"max_depth_m", config.max_depth_m()},
           {"policy", PolicyText(config.policy())},
+          {"parameters", std::move(parameters)},
           {"classes", std::move(classes)}};
 }
 
@@ -142,6 +151,7 @@ void WriteMapText(const v1::Map& map, std::ostream* out) {
   WriteFact("truncation", LengthText(config.truncation_m()), out);
   WriteFact("max depth", LengthText(config.max_depth_m()), out);
   WriteFact("policy", PolicyText(config.policy()), out);
+  if (config.parameters_size() > 0) WriteFact("parameters", ParametersText(config), out);
   WriteFact("classes", std::to_string(config.classes_size()), out);
   WriteFact("revision", std::to_string(state.revision()), out);
   WriteFact("log",

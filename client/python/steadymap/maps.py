@@ -119,6 +119,8 @@ class MapOptions:
         labels: Labels to organise many maps: at most 64; keys match `[a-z][a-z0-9-]{0,62}`, values
             have at most 256 bytes.
         world_frame: Description of the world frame.
+        parameters: Values of the policy's parameters that differ from their defaults, by name;
+            `steadymap map create --help` lists them.
     """
 
     voxel_size_m: float = 0.0
@@ -130,11 +132,13 @@ class MapOptions:
     byte_budget: int = 0
     labels: Mapping[str, str] = dataclasses.field(default_factory=dict, hash=False)
     world_frame: WorldFrame = WorldFrame()
+    parameters: Mapping[str, float] = dataclasses.field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "policy", UpdatePolicy(self.policy))
         object.__setattr__(self, "classes", tuple(self.classes))
         object.__setattr__(self, "labels", dict(self.labels))
+        object.__setattr__(self, "parameters", dict(self.parameters))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -210,6 +214,7 @@ def map_to_proto(options: MapOptions) -> map_pb2.Map:
     config.truncation_m = options.truncation_m
     config.max_depth_m = options.max_depth_m
     config.policy = map_pb2.UpdatePolicy.Value(f"UPDATE_POLICY_{options.policy.name}")
+    config.parameters.update(options.parameters)
     for row in options.classes:
         set_class(row, config.classes.add())
     return message
@@ -245,6 +250,7 @@ def map_from_proto(message: map_pb2.Map) -> Map:
             max_depth_m=config.max_depth_m,
             policy=_policy_from_proto(config.policy),
             classes=[_class_from_proto(row) for row in config.classes],
+            parameters=config.parameters,
             display_name=message.display_name,
             byte_budget=message.byte_budget,
             labels=message.labels,

@@ -71,6 +71,7 @@ absl::StatusOr<MapConfig> ConfigFromProto(const storage::v1::MapConfig& config) 
   result.voxel_size_m = config.voxel_size_m();
   result.truncation_m = config.truncation_m();
   result.max_depth_m = config.max_depth_m();
+  result.parameters.insert(config.parameters().begin(), config.parameters().end());
   result.classes.clear();
   for (const storage::v1::SemanticClass& row : config.classes()) {
     absl::StatusOr<SemanticClass> read = FromProto(row);
@@ -163,6 +164,8 @@ storage::v1::MapRecord ToProto(const MapRecord& record) {
   config.set_truncation_m(record.config.truncation_m);
   config.set_max_depth_m(record.config.max_depth_m);
   config.set_policy(ToNumber(record.config.policy));
+  config.mutable_parameters()->insert(record.config.parameters.begin(),
+                                      record.config.parameters.end());
   for (const SemanticClass& row : record.config.classes) *config.add_classes() = ToProto(row);
   proto.set_frame_log_age_s(record.frame_log_age.count());
   proto.set_frame_log_bytes(record.frame_log_bytes);

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/types/error.h"
+#include "core/types/policy_parameters.h"
 #include "tests/client/cli/command_line_fixture.h"
 
 namespace steadymap {
@@ -93,6 +94,54 @@ TEST_F(CommandLineTest, MapCreateSendsWhatIsAskedFor) {
   EXPECT_EQ(config.classes(1).motion(), v1::CLASS_MOTION_DYNAMIC);
 }
 
+TEST_F(CommandLineTest, MapCreateSendsParametersAndPresets) {
+  EXPECT_EQ(
+      Run({"map", "create", "toys", "--policy", "pocd_paper", "--preset", "table-top"}).exit_code,
+      0);
+  const v1::MapConfig& toys = maps_.maps.at("tenants/default/maps/toys").config();
+  EXPECT_EQ(toys.voxel_size_m(), 0.02);
+  EXPECT_EQ(toys.truncation_m(), 0.06);
+  EXPECT_EQ(toys.max_depth_m(), 4.0);
+  EXPECT_EQ(toys.parameters().at("change_noise_m"), 0.03);
+  EXPECT_EQ(toys.parameters().at("max_change_m"), 0.6);
+  EXPECT_EQ(toys.parameters().at("min_stationarity"), 0.45);
+  // Other options override a preset, and other policies take its scale alone.
+  EXPECT_EQ(Run({"map",
+                 "create",
+                 "desk",
+                 "--policy",
+                 "pocd",
+                 "--preset",
+                 "office",
+                 "--voxel-size",
+                 "0.01",
+                 "--set",
+                 "change_noise_m=0.05",
+                 "max_evidence=30"})
+                .exit_code,
+            0);
+  const v1::MapConfig& desk = maps_.maps.at("tenants/default/maps/desk").config();
+  EXPECT_EQ(desk.voxel_size_m(), 0.01);
+  EXPECT_EQ(desk.parameters().at("change_noise_m"), 0.05);
+  EXPECT_EQ(desk.parameters().at("max_evidence"), 30.0);
+  EXPECT_EQ(Run({"map", "create", "yard", "--preset", "table-top"}).exit_code, 0);
+  EXPECT_EQ(maps_.maps.at("tenants/default/maps/yard").config().parameters_size(), 0);
+}
+
+TEST_F(CommandLineTest, MapCreateHelpListsTheParametersOfEachPolicy) {
+  const Outcome outcome = Run({"map", "create", "--help"});
+  for (const UpdatePolicy policy : {UpdatePolicy::kPocd,
+                                    UpdatePolicy::kPocdPaper,
+                                    UpdatePolicy::kVoxelChange,
+                                    UpdatePolicy::kSubmapChange,
+                                    UpdatePolicy::kTracking}) {
+    for (const PolicyParameter& parameter : ParametersOf(policy)) {
+      EXPECT_NE(outcome.out.find("\n  " + std::string(parameter.name) + " "), std::string::npos)
+          << parameter.name;
+    }
+  }
+}
+
 TEST_F(CommandLineTest, TheDefaultTruncationIsThreeVoxels) {
   EXPECT_EQ(Run({"map", "create", "coarse", "--voxel-size", "0.2"}).exit_code, 0);
   EXPECT_DOUBLE_EQ(maps_.maps.at("tenants/default/maps/coarse").config().truncation_m(), 0.6);
@@ -107,6 +156,10 @@ TEST_F(CommandLineTest, MapCreateRefusesWhatNoMapCanHave) {
   ExpectFailure({"map", "create", "k", "--truncation", "0"}, 1, "truncation_m");
   ExpectFailure({"map", "create", "k", "--max-depth", "0"}, 1, "max_depth_m");
   ExpectFailure({"map", "create", "k", "--policy", "magic"}, 1, "\"magic\"");
+  ExpectFailure({"map", "create", "k", "--preset", "moon"}, 1, "\"moon\"");
+  ExpectFailure({"map", "create", "k", "--set", "max_evidence=30"}, 1, "which has: none");
+  ExpectFailure({"map", "create", "k", "--policy", "pocd", "--set", "speed"}, 1, "NAME=VALUE");
+  ExpectFailure({"map", "create", "k", "--policy", "pocd", "--set", "max_evidence=1"}, 1, "[2.1");
   ExpectFailure({"map", "create", "k", "--classes", PathOf("missing")}, 1, "missing");
   ExpectFailure({"map", "create", "Kitchen"}, 1, "\"Kitchen\"");
   EXPECT_TRUE(maps_.maps.empty());

@@ -53,6 +53,34 @@ TEST(ValidateMapConfig, DoesNotMeasureTheTruncationByImpossibleVoxels) {
   }
 }
 
+TEST(ValidateMapConfig, TakesOnlyParametersOfThePolicyWithinTheirRange) {
+  MapConfig config;
+  config.policy = UpdatePolicy::kPocdPaper;
+  config.parameters = {{"change_noise_m", 0.03}, {"max_dissimilarity", 1.0}};
+  EXPECT_TRUE(ValidateMapConfig(config).ok());
+  for (const double value : {-0.1, 11.0, std::nan(""), HUGE_VAL}) {
+    config.parameters = {{"change_noise_m", value}};
+    EXPECT_EQ(FieldOf(ValidateMapConfig(config)), "parameters[change_noise_m]") << value;
+  }
+  EXPECT_THAT(MessageOf(ValidateMapConfig(config)), HasSubstr("must lie in [0.001, 10], got inf"));
+  config.parameters = {{"max_jump_m", 0.1}};
+  EXPECT_THAT(MessageOf(ValidateMapConfig(config)),
+              HasSubstr("is not a parameter of the policy, which has: association_distance_m, "));
+  config.policy = UpdatePolicy::kTracking;
+  EXPECT_TRUE(ValidateMapConfig(config).ok());
+  config.parameters = {{"min_samples", 4.5}};
+  EXPECT_THAT(MessageOf(ValidateMapConfig(config)), HasSubstr("must be a whole number, got 4.5"));
+}
+
+TEST(ValidateMapConfig, AnEndlessNameOfAParameterGivesAShortMessage) {
+  MapConfig config;
+  config.parameters = {{std::string(1'000'000, 'x'), 1.0}};
+  const absl::Status status = ValidateMapConfig(config);
+  EXPECT_EQ(ReasonOf(status), reason::kBadValue);
+  EXPECT_LT(status.message().size(), 400U);
+  EXPECT_LT(FieldOf(status).size(), 100U);
+}
+
 TEST(ValidateMapConfig, NeedsClasses) {
   MapConfig config;
   config.classes.clear();

@@ -23,6 +23,7 @@ MapRecord MakeMapRecord(const std::string& tenant, const std::string& map) {
   record.config.voxel_size_m = kScale.voxel_size_m;
   record.config.truncation_m = kScale.truncation_m;
   record.config.max_depth_m = 4.25;
+  record.config.parameters = {{"change_noise_m", 0.125}, {"max_evidence", 20.0}};
   record.config.classes = {{ClassId{3}, "wall", ClassMotion::kStatic},
                            {ClassId{7}, "cart", ClassMotion::kSemiStatic},
                            {ClassId{9}, "person", ClassMotion::kDynamic}};

@@ -1,0 +1,73 @@
+#include "core/policy/configured_parameters.h"
+
+#include <cstdint>
+
+#include "core/types/policy_parameters.h"
+
+namespace steadymap {
+namespace {
+
+std::uint64_t CountOf(const MapConfig& config, std::string_view name) {
+  return static_cast<std::uint64_t>(ParameterValue(config, name));
+}
+
+}  // namespace
+
+void ReadStationarity(const MapConfig& config, StationarityParameters* parameters) {
+  parameters->change_noise_m = ParameterValue(config, "change_noise_m");
+  parameters->max_change_m = ParameterValue(config, "max_change_m");
+  parameters->class_weight = ParameterValue(config, "stationarity_weight");
+  parameters->max_stationarity = ParameterValue(config, "max_stationarity");
+}
+
+VoxelChangeParameters VoxelChangeParametersOf(const MapConfig& config) {
+  VoxelChangeParameters parameters;
+  parameters.frames_per_comparison = CountOf(config, "frames_per_comparison");
+  parameters.visit_gap_s = ParameterValue(config, "visit_gap_s");
+  parameters.max_depth_m = ParameterValue(config, "comparison_depth_m");
+  return parameters;
+}
+
+SubmapChangeParameters SubmapChangeParametersOf(const MapConfig& config) {
+  SubmapChangeParameters parameters;
+  parameters.keeping_views = CountOf(config, "keeping_views");
+  parameters.misses = CountOf(config, "misses");
+  parameters.frames_per_test = CountOf(config, "frames_per_test");
+  parameters.max_conflict_points = ParameterValue(config, "max_conflict_points");
+  parameters.max_conflict_share = ParameterValue(config, "max_conflict_share");
+  parameters.min_match_points = ParameterValue(config, "min_match_points");
+  parameters.min_match_share = ParameterValue(config, "min_match_share");
+  parameters.match_distance_voxels = ParameterValue(config, "match_distance_voxels");
+  parameters.full_weight = ParameterValue(config, "full_weight");
+  parameters.max_depth_m = ParameterValue(config, "comparison_depth_m");
+  return parameters;
+}
+
+TrackingParameters TrackingParametersOf(const MapConfig& config) {
+  TrackingParameters parameters;
+  parameters.max_jump_m = ParameterValue(config, "max_jump_m");
+  parameters.registration.search_distance_m = parameters.max_jump_m;
+  parameters.max_residual_voxels = ParameterValue(config, "max_residual_voxels");
+  parameters.min_samples = CountOf(config, "min_samples");
+  parameters.confirming_views = CountOf(config, "confirming_views");
+  parameters.tentative_age_s = ParameterValue(config, "tentative_age_s");
+  parameters.reported_move_m = ParameterValue(config, "reported_move_m");
+  return parameters;
+}
+
+PaperParameters PaperParametersOf(const MapConfig& config) {
+  PaperParameters parameters;
+  parameters.association_distance_m = ParameterValue(config, "association_distance_m");
+  parameters.max_dissimilarity = ParameterValue(config, "max_dissimilarity");
+  parameters.position_weight = ParameterValue(config, "position_weight");
+  parameters.orientation_weight = ParameterValue(config, "orientation_weight");
+  parameters.class_weight = ParameterValue(config, "class_weight");
+  parameters.cost_cutoff = ParameterValue(config, "cost_cutoff");
+  parameters.min_visible_share = ParameterValue(config, "min_visible_share");
+  parameters.initial_stationarity = ParameterValue(config, "initial_stationarity");
+  parameters.min_stationarity = ParameterValue(config, "min_stationarity");
+  ReadStationarity(config, &parameters.stationarity);
+  return parameters;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,167 @@
+#include "core/types/policy_parameters.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include <absl/strings/str_cat.h>
+
+#include "core/types/absl_text.h"
+
+namespace steadymap {
+namespace {
+
+constexpr PolicyParameter kPocdPaper[] = {
+    {"association_distance_m",
+     0.9,
+     0.01,
+     10.0,
+     false,
+     "largest distance of the centres of an object and its observation (theta_dist)"},
+    {"max_dissimilarity",
+     0.1,
+     0.0,
+     1.0,
+     false,
+     "largest share of outliers of an observation after registration (theta_sim)"},
+    {"position_weight", 1.0, 0.0, 1e6, false, "cost of a metre of displacement (lambda_1)"},
+    {"orientation_weight", 1.0, 0.0, 1e6, false, "cost of a radian of rotation (lambda_2)"},
+    {"class_weight", 1000.0, 0.0, 1e6, false, "cost of another class (lambda_3)"},
+    {"cost_cutoff", 3.6, 0.0, 1e6, false, "largest cost of an association (theta_cutoff)"},
+    {"min_visible_share",
+     0.2,
+     0.0,
+     1.0,
+     false,
+     "share of an object's points in view from which it is expected (theta_vis)"},
+    {"initial_stationarity", 0.67, 0.01, 0.99, false, "E[v] of a new object (v_class)"},
+    {"min_stationarity",
+     0.4,
+     0.0,
+     0.99,
+     false,
+     "E[v] below which an object leaves the map (theta_stat)"},
+    {"max_stationarity", 0.9999, 0.5, 0.999999, false, "largest E[v] (v_max)"},
+    {"change_noise_m",
+     0.2,
+     0.001,
+     10.0,
+     false,
+     "standard deviation of the measured change of an object that stays (tau)"},
+    {"max_change_m", 4.0, 0.01, 100.0, false, "largest measured change (delta_max)"},
+    {"stationarity_weight",
+     3.0,
+     0.0,
+     100.0,
+     false,
+     "weight of the class in agreement with the measurement (k)"},
+};
+
+constexpr PolicyParameter kVoxelChange[] = {
+    {"frames_per_comparison", 5.0, 1.0, 1000.0, true, "frames between two comparisons"},
+    {"visit_gap_s", 30.0, 0.1, 1e6, false, "time without frames that ends a visit"},
+    {"comparison_depth_m", 5.0, 0.1, 100.0, false, "depth up to which space is compared"},
+};
+
+constexpr PolicyParameter kSubmapChange[] = {
+    {"keeping_views", 5.0, 1.0, 1000.0, true, "detections after which a submap is kept"},
+    {"misses", 5.0, 1.0, 1000.0, true, "frames without detection that make a submap inactive"},
+    {"frames_per_test", 5.0, 1.0, 1000.0, true, "frames between two tests of inactive submaps"},
+    {"max_conflict_points", 20.0, 0.0, 1e6, false, "contradicted points of a present submap"},
+    {"max_conflict_share", 0.02, 0.0, 1.0, false, "share of contradicted points likewise"},
+    {"min_match_points", 20.0, 0.0, 1e6, false, "points of two matching submaps that agree"},
+    {"min_match_share", 0.8, 0.0, 1.0, false, "share of points likewise"},
+    {"match_distance_voxels", 1.0, 0.1, 10.0, false, "distance up to which points agree"},
+    {"full_weight", 0.5, 0.001, 100.0, false, "weight from which evidence counts fully"},
+    {"comparison_depth_m", 5.0, 0.1, 100.0, false, "depth up to which submaps are tested"},
+};
+
+constexpr PolicyParameter kTracking[] = {
+    {"max_jump_m", 0.2, 0.001, 10.0, false, "largest motion of an object between two frames"},
+    {"max_residual_voxels",
+     3.0,
+     0.1,
+     100.0,
+     false,
+     "median distance from its surface beyond which an object is lost"},
+    {"min_samples", 12.0, 1.0, 1e6, true, "samples that register an object"},
+    {"confirming_views", 4.0, 1.0, 1000.0, true, "frames that confirm a new object"},
+    {"tentative_age_s",
+     10.0,
+     0.1,
+     1e6,
+     false,
+     "time without frames after which an unconfirmed object is deleted"},
+    {"reported_move_m", 0.1, 0.001, 100.0, false, "distance after which a move is reported"},
+};
+
+constexpr PolicyParameter kPocd[] = {
+    {"initial_stationarity", 0.67, 0.01, 0.99, false, "E[v] of a new object (v_class)"},
+    {"min_stationarity",
+     0.4,
+     0.0,
+     0.99,
+     false,
+     "E[v] below which an object leaves the map (theta_stat)"},
+    {"max_stationarity", 0.9999, 0.5, 0.999999, false, "largest E[v] (v_max)"},
+    {"change_noise_m",
+     0.2,
+     0.001,
+     10.0,
+     false,
+     "standard deviation of the measured change of an object that stays (tau)"},
+    {"max_change_m", 4.0, 0.01, 100.0, false, "largest measured change (delta_max)"},
+    {"stationarity_weight",
+     3.0,
+     0.0,
+     100.0,
+     false,
+     "weight of the class in agreement with the measurement (k)"},
+    {"max_evidence", 15.0, 2.1, 1e9, false, "largest alpha + beta of a belief"},
+};
+
+}  // namespace
+
+std::span<const PolicyParameter> ParametersOf(UpdatePolicy policy) {
+  switch (policy) {
+    case UpdatePolicy::kStatic:
+      return {};
+    case UpdatePolicy::kVoxelChange:
+      return kVoxelChange;
+    case UpdatePolicy::kSubmapChange:
+      return kSubmapChange;
+    case UpdatePolicy::kTracking:
+      return kTracking;
+    case UpdatePolicy::kPocd:
+      return kPocd;
+    case UpdatePolicy::kPocdPaper:
+      return kPocdPaper;
+  }
+  return {};
+}
+
+const PolicyParameter* FindParameter(UpdatePolicy policy, std::string_view name) {
+  const std::span<const PolicyParameter> all = ParametersOf(policy);
+  const auto found = std::find_if(all.begin(), all.end(), [name](const PolicyParameter& parameter) {
+    return parameter.name == name;
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
+double ParameterValue(const MapConfig& config, std::string_view name) {
+  if (const auto set = config.parameters.find(name); set != config.parameters.end()) {
+    return set->second;
+  }
+  const PolicyParameter* parameter = FindParameter(config.policy, name);
+  assert(parameter != nullptr);
+  return parameter->default_value;
+}
+
+std::string ParameterNames(UpdatePolicy policy) {
+  std::string names;
+  for (const PolicyParameter& parameter : ParametersOf(policy)) {
+    absl::StrAppend(&names, names.empty() ? "" : ", ", Absl(parameter.name));
+  }
+  return names.empty() ? "none" : names;
+}
+
+}  // namespace steadymap

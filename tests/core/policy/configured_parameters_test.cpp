@@ -1,0 +1,110 @@
+#include "core/policy/configured_parameters.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "core/policy/engine_parameters.h"
+#include "core/policy/map_updater.h"
+#include "core/types/policy_parameters.h"
+
+namespace steadymap {
+namespace {
+
+constexpr UpdatePolicy kPolicies[] = {UpdatePolicy::kStatic,
+                                      UpdatePolicy::kVoxelChange,
+                                      UpdatePolicy::kSubmapChange,
+                                      UpdatePolicy::kTracking,
+                                      UpdatePolicy::kPocd,
+                                      UpdatePolicy::kPocdPaper};
+
+MapConfig ConfigOf(UpdatePolicy policy) {
+  MapConfig config;
+  config.policy = policy;
+  return config;
+}
+
+TEST(PolicyParameters, HaveUniqueNamesAndDefaultsWithinTheirRange) {
+  for (const UpdatePolicy policy : kPolicies) {
+    std::set<std::string_view> names;
+    for (const PolicyParameter& parameter : ParametersOf(policy)) {
+      EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
+      EXPECT_LE(parameter.min, parameter.default_value) << parameter.name;
+      EXPECT_GE(parameter.max, parameter.default_value) << parameter.name;
+      EXPECT_EQ(ParameterValue(ConfigOf(policy), parameter.name), parameter.default_value);
+      EXPECT_NE(ParameterNames(policy).find(parameter.name), std::string::npos);
+    }
+  }
+  EXPECT_EQ(ParameterNames(UpdatePolicy::kStatic), "none");
+  EXPECT_EQ(FindParameter(UpdatePolicy::kTracking, "cost_cutoff"), nullptr);
+}
+
+// A configuration without parameters must give the parameters that the policies document.
+TEST(ConfiguredParameters, DefaultsAreThoseOfThePolicies) {
+  const PaperParameters paper = PaperParametersOf(ConfigOf(UpdatePolicy::kPocdPaper));
+  EXPECT_EQ(paper.stationarity, PaperParameters().stationarity);
+  EXPECT_EQ(paper.association_distance_m, PaperParameters().association_distance_m);
+  EXPECT_EQ(paper.max_dissimilarity, PaperParameters().max_dissimilarity);
+  EXPECT_EQ(paper.position_weight, PaperParameters().position_weight);
+  EXPECT_EQ(paper.orientation_weight, PaperParameters().orientation_weight);
+  EXPECT_EQ(paper.class_weight, PaperParameters().class_weight);
+  EXPECT_EQ(paper.cost_cutoff, PaperParameters().cost_cutoff);
+  EXPECT_EQ(paper.min_visible_share, PaperParameters().min_visible_share);
+  EXPECT_EQ(paper.initial_stationarity, PaperParameters().initial_stationarity);
+  EXPECT_EQ(paper.min_stationarity, PaperParameters().min_stationarity);
+
+  const TrackingParameters tracking = TrackingParametersOf(ConfigOf(UpdatePolicy::kTracking));
+  EXPECT_EQ(tracking.registration, TrackingParameters().registration);
+  EXPECT_EQ(tracking.max_jump_m, TrackingParameters().max_jump_m);
+  EXPECT_EQ(tracking.max_residual_voxels, TrackingParameters().max_residual_voxels);
+  EXPECT_EQ(tracking.min_samples, TrackingParameters().min_samples);
+  EXPECT_EQ(tracking.confirming_views, TrackingParameters().confirming_views);
+  EXPECT_EQ(tracking.tentative_age_s, TrackingParameters().tentative_age_s);
+  EXPECT_EQ(tracking.reported_move_m, TrackingParameters().reported_move_m);
+
+  const VoxelChangeParameters voxels =
+      VoxelChangeParametersOf(ConfigOf(UpdatePolicy::kVoxelChange));
+  EXPECT_EQ(voxels.frames_per_comparison, VoxelChangeParameters().frames_per_comparison);
+  EXPECT_EQ(voxels.visit_gap_s, VoxelChangeParameters().visit_gap_s);
+  EXPECT_EQ(voxels.max_depth_m, VoxelChangeParameters().max_depth_m);
+
+  const SubmapChangeParameters submaps =
+      SubmapChangeParametersOf(ConfigOf(UpdatePolicy::kSubmapChange));
+  EXPECT_EQ(submaps.keeping_views, SubmapChangeParameters().keeping_views);
+  EXPECT_EQ(submaps.misses, SubmapChangeParameters().misses);
+  EXPECT_EQ(submaps.frames_per_test, SubmapChangeParameters().frames_per_test);
+  EXPECT_EQ(submaps.max_conflict_points, SubmapChangeParameters().max_conflict_points);
+  EXPECT_EQ(submaps.max_conflict_share, SubmapChangeParameters().max_conflict_share);
+  EXPECT_EQ(submaps.min_match_points, SubmapChangeParameters().min_match_points);
+  EXPECT_EQ(submaps.min_match_share, SubmapChangeParameters().min_match_share);
+  EXPECT_EQ(submaps.match_distance_voxels, SubmapChangeParameters().match_distance_voxels);
+  EXPECT_EQ(submaps.full_weight, SubmapChangeParameters().full_weight);
+  EXPECT_EQ(submaps.max_depth_m, SubmapChangeParameters().max_depth_m);
+
+  const ObjectMapperParameters pocd = ParametersFor(ConfigOf(UpdatePolicy::kPocd), {});
+  EXPECT_EQ(pocd.judgement.stationarity, BeliefUpdateParameters().stationarity);
+  EXPECT_EQ(pocd.min_stationarity, ObjectMapperParameters().min_stationarity);
+  EXPECT_EQ(pocd.confirmation.initial_stationarity,
+            ObjectLifecycleParameters().initial_stationarity);
+}
+
+// Otherwise a parameter would be accepted and have no effect.
+TEST(ConfiguredParameters, EachParameterChangesThoseOfItsPolicy) {
+  MapConfig config = ConfigOf(UpdatePolicy::kPocdPaper);
+  config.parameters = {{"change_noise_m", 0.03}, {"max_change_m", 0.6}, {"cost_cutoff", 2.0}};
+  const PaperParameters paper = PaperParametersOf(config);
+  EXPECT_EQ(paper.stationarity.change_noise_m, 0.03);
+  EXPECT_EQ(paper.stationarity.max_change_m, 0.6);
+  EXPECT_EQ(paper.cost_cutoff, 2.0);
+  config.policy = UpdatePolicy::kTracking;
+  config.parameters = {{"max_jump_m", 0.5}, {"min_samples", 30.0}};
+  EXPECT_EQ(TrackingParametersOf(config).registration.search_distance_m, 0.5);
+  EXPECT_EQ(TrackingParametersOf(config).min_samples, 30U);
+  config.policy = UpdatePolicy::kPocd;
+  config.parameters = {{"min_stationarity", 0.45}, {"max_evidence", 30.0}};
+  EXPECT_EQ(ParametersFor(config, {}).min_stationarity, 0.45);
+  EXPECT_EQ(ParametersFor(config, {}).judgement.stationarity.max_evidence, 30.0);
+}
+
+}  // namespace
+}  // namespace steadymap
