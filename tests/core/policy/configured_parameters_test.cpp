@@ -7,9 +7,12 @@
 #include "core/policy/engine_parameters.h"
 #include "core/policy/map_updater.h"
 #include "core/types/policy_parameters.h"
+#include "tests/core/policy/map_story.h"
 
 namespace steadymap {
 namespace {
+
+using ::steadymap::testing::ConfigOf;
 
 constexpr UpdatePolicy kPolicies[] = {UpdatePolicy::kStatic,
                                       UpdatePolicy::kVoxelChange,
@@ -17,12 +20,6 @@ constexpr UpdatePolicy kPolicies[] = {UpdatePolicy::kStatic,
                                       UpdatePolicy::kTracking,
                                       UpdatePolicy::kPocd,
                                       UpdatePolicy::kPocdPaper};
-
-MapConfig ConfigOf(UpdatePolicy policy) {
-  MapConfig config;
-  config.policy = policy;
-  return config;
-}
 
 TEST(PolicyParameters, HaveUniqueNamesAndDefaultsWithinTheirRange) {
   for (const UpdatePolicy policy : kPolicies) {
