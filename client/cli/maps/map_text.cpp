@@ -43,10 +43,13 @@ std::string LabelsText(const v1::Map& map) {
   return absl::StrJoin(LabelsOf(map), ", ", absl::PairFormatter("="));
 }
 
+/// Returns the parameters in the order of their names; messages keep them in none.
+std::map<std::string, double> SortedParameters(const v1::MapConfig& config) {
+  return {config.parameters().begin(), config.parameters().end()};
+}
+
 std::string ParametersText(const v1::MapConfig& config) {
-  const std::map<std::string, double> sorted(config.parameters().begin(),
-                                             config.parameters().end());
-  return absl::StrJoin(sorted, ", ", absl::PairFormatter("="));
+  return absl::StrJoin(SortedParameters(config), ", ", absl::PairFormatter("="));
 }
 
 std::string ConditionWord(const v1::MapState& state) {
@@ -89,7 +92,7 @@ Json ConfigJson(const v1::MapConfig& config) {
                        {"in_background", semantic_class.in_background()}});
   }
   Json parameters = Json::object();
-  for (const auto& [name, value] : config.parameters()) parameters[name] = value;
+  for (const auto& [name, value] : SortedParameters(config)) parameters[name] = value;
   return {{"voxel_size_m", config.voxel_size_m()},
           {"truncation_m", config.truncation_m()},
           {"max_depth_m", config.max_depth_m()},
