@@ -96,6 +96,15 @@ TEST(DepthNoise, NeighbouringPixelsAndFramesAreIndependent) {
   EXPECT_LT(std::abs(between / variance), 0.02);
 }
 
+/// Returns the field at a pixel and time.
+float ValueOf(std::uint64_t key,
+              const std::array<int, 2>& pixel,
+              double time_s,
+              CorrelatedNoise* noise) {
+  noise->SetMoment(key, time_s);
+  return noise->Row(pixel[1])[static_cast<std::size_t>(pixel[0])];
+}
+
 /// Returns the mean product of two values of the field, over many keys.
 double CorrelationOf(const std::array<int, 2>& pixel,
                      double time_s,
@@ -104,12 +113,11 @@ double CorrelationOf(const std::array<int, 2>& pixel,
   constexpr int kDraws = 4000;
   CorrelatedNoise noise(320, 180);
   double sum = 0.0;
-  for (std::uint64_t key = 0; key < kDraws; ++key) {
-    noise.SetMoment(Scramble(key), time_s);
-    const double value = noise.Row(pixel[1])[static_cast<std::size_t>(pixel[0])];
-    noise.SetMoment(Scramble(key), other_time_s);
-    const double other = noise.Row(other_pixel[1])[static_cast<std::size_t>(other_pixel[0])];
-    sum += value * other;
+  for (std::uint64_t i = 0; i < kDraws; ++i) {
+    const std::uint64_t key = Scramble(i);
+    const float product =
+        ValueOf(key, pixel, time_s, &noise) * ValueOf(key, other_pixel, other_time_s, &noise);
+    sum += static_cast<double>(product);
   }
   return sum / kDraws;
 }
