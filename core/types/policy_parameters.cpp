@@ -10,6 +10,35 @@
 namespace steadymap {
 namespace {
 
+// Of the belief, in both variants of POCD.
+constexpr PolicyParameter kInitialStationarity = {
+    "initial_stationarity", 0.67, 0.01, 0.99, false, "E[v] of a new object (v_class)"};
+constexpr PolicyParameter kMinStationarity = {
+    "min_stationarity",
+    0.4,
+    0.0,
+    0.99,
+    false,
+    "E[v] below which an object leaves the map (theta_stat)"};
+constexpr PolicyParameter kMaxStationarity = {
+    "max_stationarity", 0.9999, 0.5, 0.999999, false, "largest E[v] (v_max)"};
+constexpr PolicyParameter kChangeNoise = {
+    "change_noise_m",
+    0.2,
+    0.001,
+    10.0,
+    false,
+    "standard deviation of the measured change of an object that stays (tau)"};
+constexpr PolicyParameter kMaxChange = {
+    "max_change_m", 4.0, 0.01, 100.0, false, "largest measured change (delta_max)"};
+constexpr PolicyParameter kStationarityWeight = {
+    "stationarity_weight",
+    3.0,
+    0.0,
+    100.0,
+    false,
+    "weight of the class in agreement with the measurement (k)"};
+
 constexpr PolicyParameter kPocdPaper[] = {
     {"association_distance_m",
      0.9,
@@ -33,27 +62,12 @@ constexpr PolicyParameter kPocdPaper[] = {
      1.0,
      false,
      "share of an object's points in view from which it is expected (theta_vis)"},
-    {"initial_stationarity", 0.67, 0.01, 0.99, false, "E[v] of a new object (v_class)"},
-    {"min_stationarity",
-     0.4,
-     0.0,
-     0.99,
-     false,
-     "E[v] below which an object leaves the map (theta_stat)"},
-    {"max_stationarity", 0.9999, 0.5, 0.999999, false, "largest E[v] (v_max)"},
-    {"change_noise_m",
-     0.2,
-     0.001,
-     10.0,
-     false,
-     "standard deviation of the measured change of an object that stays (tau)"},
-    {"max_change_m", 4.0, 0.01, 100.0, false, "largest measured change (delta_max)"},
-    {"stationarity_weight",
-     3.0,
-     0.0,
-     100.0,
-     false,
-     "weight of the class in agreement with the measurement (k)"},
+    kInitialStationarity,
+    kMinStationarity,
+    kMaxStationarity,
+    kChangeNoise,
+    kMaxChange,
+    kStationarityWeight,
 };
 
 constexpr PolicyParameter kVoxelChange[] = {
@@ -66,10 +80,30 @@ constexpr PolicyParameter kSubmapChange[] = {
     {"keeping_views", 5.0, 1.0, 1000.0, true, "detections after which a submap is kept"},
     {"misses", 5.0, 1.0, 1000.0, true, "frames without detection that make a submap inactive"},
     {"frames_per_test", 5.0, 1.0, 1000.0, true, "frames between two tests of inactive submaps"},
-    {"max_conflict_points", 20.0, 0.0, 1e6, false, "contradicted points of a present submap"},
-    {"max_conflict_share", 0.02, 0.0, 1.0, false, "share of contradicted points likewise"},
-    {"min_match_points", 20.0, 0.0, 1e6, false, "points of two matching submaps that agree"},
-    {"min_match_share", 0.8, 0.0, 1.0, false, "share of points likewise"},
+    {"max_conflict_points",
+     20.0,
+     0.0,
+     1e6,
+     false,
+     "largest number of contradicted points of a present submap"},
+    {"max_conflict_share",
+     0.02,
+     0.0,
+     1.0,
+     false,
+     "largest share of contradicted points of a present submap"},
+    {"min_match_points",
+     20.0,
+     0.0,
+     1e6,
+     false,
+     "least number of points that agree in two matching submaps"},
+    {"min_match_share",
+     0.8,
+     0.0,
+     1.0,
+     false,
+     "least share of points that agree in two matching submaps"},
     {"match_distance_voxels", 1.0, 0.1, 10.0, false, "distance up to which points agree"},
     {"full_weight", 0.5, 0.001, 100.0, false, "weight from which evidence counts fully"},
     {"comparison_depth_m", 5.0, 0.1, 100.0, false, "depth up to which submaps are tested"},
@@ -83,7 +117,7 @@ constexpr PolicyParameter kTracking[] = {
      100.0,
      false,
      "median distance from its surface beyond which an object is lost"},
-    {"min_samples", 12.0, 1.0, 1e6, true, "samples that register an object"},
+    {"min_samples", 12.0, 1.0, 1e6, true, "least number of samples that register an object"},
     {"confirming_views", 4.0, 1.0, 1000.0, true, "frames that confirm a new object"},
     {"tentative_age_s",
      10.0,
@@ -95,27 +129,12 @@ constexpr PolicyParameter kTracking[] = {
 };
 
 constexpr PolicyParameter kPocd[] = {
-    {"initial_stationarity", 0.67, 0.01, 0.99, false, "E[v] of a new object (v_class)"},
-    {"min_stationarity",
-     0.4,
-     0.0,
-     0.99,
-     false,
-     "E[v] below which an object leaves the map (theta_stat)"},
-    {"max_stationarity", 0.9999, 0.5, 0.999999, false, "largest E[v] (v_max)"},
-    {"change_noise_m",
-     0.2,
-     0.001,
-     10.0,
-     false,
-     "standard deviation of the measured change of an object that stays (tau)"},
-    {"max_change_m", 4.0, 0.01, 100.0, false, "largest measured change (delta_max)"},
-    {"stationarity_weight",
-     3.0,
-     0.0,
-     100.0,
-     false,
-     "weight of the class in agreement with the measurement (k)"},
+    kInitialStationarity,
+    kMinStationarity,
+    kMaxStationarity,
+    kChangeNoise,
+    kMaxChange,
+    kStationarityWeight,
     {"max_evidence", 15.0, 2.1, 1e9, false, "largest alpha + beta of a belief"},
 };
 

@@ -59,7 +59,7 @@ constexpr char kUploadFooter[] =
     "--label-map is a text file with one line `FROM TO` for each class id of the recording\n"
     "that has another id in the map. --T-world-dataset is a text file with the 4x4 matrix that\n"
     "transforms the recording's world frame to the map's. A map that does not exist is created\n"
-    "if --policy is given. The options from --policy to --classes are those of `steadymap map\n"
+    "if --policy is given. The options from --preset to --set are those of `steadymap map\n"
     "create`, whose --help describes them.";
 
 }  // namespace

@@ -7,8 +7,8 @@
 namespace steadymap {
 
 /// Noise that changes slowly over image and time, such as the warp of a depth camera: a field of
-/// values that are standard normal at each pixel and time. Values further apart than
-/// `kSpacingPx` along an axis, or `kPeriodS` in time, are independent.
+/// values that are standard normal at each pixel and time. Values at least two `kSpacingPx` apart
+/// along an axis, or two `kPeriodS` apart in time, are independent.
 class CorrelatedNoise {
  public:
   static constexpr int kSpacingPx = 32;
