@@ -82,6 +82,15 @@ void Mapper::Integrate(MapSequence sequence, const Frame& frame) {
   ++uncommitted_entries_;
 }
 
+void Mapper::EndSession(MapSequence sequence) {
+  assert(sequence == head().Next());
+  PrepareForFrames();
+  map_.BeginFrame(Revision(sequence.value()), map_.now());
+  updater_->EndSession(&map_);
+  map_.EndFrame();
+  ++uncommitted_entries_;
+}
+
 MapCommit Mapper::Commit() {
   uncommitted_entries_ = 0;
   stages_.Enter(MapperStage::kCommit);

@@ -36,6 +36,10 @@ class Mapper {
   /// The frame must have passed `ValidateFrame` (asserted).
   void Integrate(MapSequence sequence, const Frame& frame);
 
+  /// Ends the session of the robots by the entry with sequence number `sequence`, which must follow
+  /// `head()` (asserted).
+  void EndSession(MapSequence sequence);
+
   /// Adds classes to the class table by the entry with sequence number `sequence`, which must
   /// follow `head()` (asserted). The extended table must be valid (asserted).
   void AddClasses(MapSequence sequence, const std::vector<SemanticClass>& classes);

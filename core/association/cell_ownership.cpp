@@ -14,7 +14,10 @@ std::uint32_t OwnerOf(int column,
                       int row,
                       const Eigen::Vector3f& position_world,
                       const SampleGrid& samples,
-                      const Association& association) {
+                      const Association& association,
+                      bool takes_nearest) {
+  std::uint32_t owner = Association::kNone;
+  float nearest_m = kMaxOffPlaneM;
   // A cell between samples has up to four around it.
   constexpr std::array<std::array<int, 2>, 4> kCorners = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
   for (const auto& [right, down] : kCorners) {
@@ -24,16 +27,18 @@ std::uint32_t OwnerOf(int column,
     const SurfaceSample& sample = samples.At(u, v);
     if (!sample.is_valid()) continue;
     const float off_plane_m = (position_world - sample.position_world).dot(sample.normal_world);
-    if (std::abs(off_plane_m) <= kMaxOffPlaneM) return association.owner[samples.Index(u, v)];
+    if (std::abs(off_plane_m) > nearest_m) continue;
+    owner = association.owner[samples.Index(u, v)];
+    if (!takes_nearest) return owner;
+    nearest_m = std::abs(off_plane_m);
   }
-  return Association::kNone;
+  return owner;
 }
 
-}  // namespace
-
-void GiveCellsToOwners(const SampleGrid& samples,
-                       const Association& association,
-                       SemanticCloud* cloud) {
+void GiveCells(const SampleGrid& samples,
+               const Association& association,
+               bool takes_nearest,
+               SemanticCloud* cloud) {
   static_assert(SampleGrid::kStrideCells == 2, "between two samples lies one cell");
   const Eigen::Matrix3f rotation = cloud->T_world_camera().linear().cast<float>();
   const Eigen::Vector3f camera_world = cloud->T_world_camera().translation().cast<float>();
@@ -42,8 +47,12 @@ void GiveCellsToOwners(const SampleGrid& samples,
       SurfaceCell& cell = cloud->MutableAt(column, row);
       if (!(cell.weight > 0.0F)) continue;
       const Eigen::Vector3f ray = cloud->camera().Ray(column, row).cast<float>();
-      const std::uint32_t owner = OwnerOf(
-          column, row, camera_world + rotation * (ray * cell.depth_m), samples, association);
+      const std::uint32_t owner = OwnerOf(column,
+                                          row,
+                                          camera_world + rotation * (ray * cell.depth_m),
+                                          samples,
+                                          association,
+                                          takes_nearest);
       if (owner == Association::kNone) {
         cell.weight = 0.0F;
       } else {
@@ -51,6 +60,20 @@ void GiveCellsToOwners(const SampleGrid& samples,
       }
     }
   }
+}
+
+}  // namespace
+
+void GiveCellsToOwners(const SampleGrid& samples,
+                       const Association& association,
+                       SemanticCloud* cloud) {
+  GiveCells(samples, association, false, cloud);
+}
+
+void GiveCellsToNearestPlanes(const SampleGrid& samples,
+                              const Association& association,
+                              SemanticCloud* cloud) {
+  GiveCells(samples, association, true, cloud);
 }
 
 }  // namespace steadymap

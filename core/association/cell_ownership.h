@@ -12,4 +12,9 @@ void GiveCellsToOwners(const SampleGrid& samples,
                        const Association& association,
                        SemanticCloud* cloud);
 
+/// As `GiveCellsToOwners`, but to the owner of the sample whose plane is nearest.
+void GiveCellsToNearestPlanes(const SampleGrid& samples,
+                              const Association& association,
+                              SemanticCloud* cloud);
+
 }  // namespace steadymap

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/objects/reidentification.h"
-#include "core/registration/registration.h"
+#include "core/objects/shape_match.h"
 #include "core/working/object_split.h"
 
 namespace steadymap {
@@ -13,14 +12,6 @@ namespace {
 
 // Of a move that nearness alone tells.
 constexpr double kConfidenceWithoutShape = 0.5;
-
-/// Where an object would stand if it were the other one, and how well that fits.
-struct ShapeMatch {
-  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  SurfaceOverlap overlap;
-
-  double confidence() const { return overlap.known_share * overlap.fit_share; }
-};
 
 /// Sides, the shorter of the base first: yaw may have changed by a quarter turn.
 Eigen::Vector3d SidesOf(const Cuboid& cuboid) {
@@ -56,39 +47,6 @@ double DistanceOfCenters(const TrackedObject& a, const TrackedObject& b) {
 
 double HeightBetween(const TrackedObject& a, const TrackedObject& b) {
   return std::abs(a.cuboid().center_world.z() - b.cuboid().center_world.z());
-}
-
-UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
-  const Eigen::Matrix3d R_world_object = T_world_object.linear();
-  return {T_world_object.translation(), std::atan2(R_world_object(1, 0), R_world_object(0, 0))};
-}
-
-/// Lays the shape of `before` over `after`, turned by every quarter turn that makes their cuboids
-/// agree, and keeps the best.
-ShapeMatch MatchShapes(const TrackedObject& before,
-                       const TrackedObject& after,
-                       const VoxelScale& scale) {
-  const Cuboid& old_cuboid = before.cuboid();
-  const Cuboid& new_cuboid = after.cuboid();
-  const std::vector<Eigen::Vector3d> points_world = after.SurfaceInWorld();
-  const Eigen::Isometry3d T_cuboid_object =
-      old_cuboid.T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
-  ShapeMatch best;
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    const Eigen::AngleAxisd turn(0.5 * M_PI * quarter, Eigen::Vector3d::UnitZ());
-    const Eigen::Isometry3d T_world_guess = new_cuboid.T_world_cuboid() * turn * T_cuboid_object;
-    const Registration registration =
-        RegisterPoints(points_world, before.volume(), scale, UprightPoseOf(T_world_guess));
-    ShapeMatch match;
-    match.T_world_object = registration.T_correction.inverse() * T_world_guess;
-    match.overlap =
-        CompareSurfaces(after,
-                        before,
-                        match.T_world_object.inverse() * after.state().T_world_object.ToIsometry(),
-                        scale);
-    if (match.confidence() > best.confidence()) best = match;
-  }
-  return best;
 }
 
 /// One search through the objects of a map.

@@ -3,6 +3,7 @@
 #include "core/integration/tsdf_integrator.h"
 #include "core/policy/configured_parameters.h"
 #include "core/policy/engine_parameters.h"
+#include "core/policy/evidence_mapper.h"
 #include "core/policy/object_mapper.h"
 #include "core/policy/paper_mapper.h"
 #include "core/policy/submap_change.h"
@@ -41,6 +42,9 @@ std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const Mapper
     case UpdatePolicy::kPocdPaper:
       return std::make_unique<PaperMapper>(config, PaperParametersOf(config));
     case UpdatePolicy::kPocd:
+      if (options.decides_by_session) {
+        return std::make_unique<EvidenceMapper>(config, EvidenceMapperParameters());
+      }
       return std::make_unique<ObjectMapper>(
           config, ParametersFor(config, options.switches), options.stages);
   }

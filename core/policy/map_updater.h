@@ -20,6 +20,10 @@ class MapUpdater {
   /// Integrates `frame` into `map`, between `BeginFrame` and `EndFrame`. `cloud` is the semantic
   /// cloud of the frame. Sets the owners, and may set the weights, of its cells.
   virtual void Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) = 0;
+
+  /// Ends the session of the robots: decides what is still open, between `BeginFrame` and
+  /// `EndFrame`.
+  virtual void EndSession(WorkingMap* /*map*/) {}
 };
 
 /// Makes the updater of the policy in `config`, which must be valid.

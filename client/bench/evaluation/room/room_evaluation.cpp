@@ -16,6 +16,9 @@ namespace {
 
 constexpr std::size_t kFramesPerCommit = 15;
 
+// A robot that rests for so long has ended its session.
+constexpr double kSessionPauseS = 10.0;
+
 constexpr double kCuboidToleranceM = 0.03;
 constexpr double kEventToleranceM = 0.12;
 
@@ -31,8 +34,18 @@ RoomTolerance ToleranceOf(const RoomCase& room_case) {
           .compares_classes = room_case.labels != RoomLabels::kNone};
 }
 
-absl::StatusOr<RoomResult> EvaluateRoom(const RoomCase& room_case, UpdatePolicy policy) {
-  absl::StatusOr<std::unique_ptr<Mapper>> mapper = Mapper::Create(MapConfigFor(room_case, policy));
+/// True if the robot rests after a frame.
+bool EndsSession(const Simulation& simulation, std::size_t frame) {
+  if (frame + 1 == simulation.frame_count()) return true;
+  const std::size_t next = simulation.SequenceOf(frame + 1);
+  return next != simulation.SequenceOf(frame) &&
+         simulation.route().sequences[next].pause_s >= kSessionPauseS;
+}
+
+absl::StatusOr<RoomResult> EvaluateRoom(const RoomCase& room_case,
+                                        const RoomEvaluationOptions& evaluation) {
+  absl::StatusOr<std::unique_ptr<Mapper>> mapper =
+      Mapper::Create(MapConfigFor(room_case, evaluation.policy), evaluation.mapper);
   if (!mapper.ok()) return mapper.status();
   const BoxRoom room = MakeBoxRoom(room_case.change, room_case.setting);
   SimulationOptions options;
@@ -51,6 +64,7 @@ absl::StatusOr<RoomResult> EvaluateRoom(const RoomCase& room_case, UpdatePolicy 
     Frame frame = simulation.Render(i);
     if (room_case.labels == RoomLabels::kNone) frame.labels = {};
     (*mapper)->Integrate((*mapper)->head().Next(), frame);
+    if (EndsSession(simulation, i)) (*mapper)->EndSession((*mapper)->head().Next());
     if ((*mapper)->uncommitted_entries() >= kFramesPerCommit) commit();
   }
   commit();
@@ -88,7 +102,8 @@ std::string FaultText(const RoomResult& result) {
   for (const std::string& variation : result.room_case.variations) text += " " + variation;
   text += result.score.is_exact() ? ": exact" : ":";
   text += absl::StrFormat(", cuboids within %.0f mm\n", 1e3 * result.score.worst_cuboid_m);
-  for (const auto* faults : {&result.score.event_faults, &result.score.object_faults}) {
+  for (const auto* faults :
+       {&result.score.event_faults, &result.score.object_faults, &result.score.cuboid_faults}) {
     for (const std::string& fault : *faults) text += "  " + fault + "\n";
   }
   return text;
@@ -100,7 +115,7 @@ absl::StatusOr<std::vector<RoomResult>> EvaluateRooms(const RoomEvaluationOption
   std::vector<RoomResult> results;
   for (const RoomChange change : options.changes) {
     for (const RoomCase& room_case : ListRoomCases(change, options.cases, options.seed)) {
-      absl::StatusOr<RoomResult> result = EvaluateRoom(room_case, options.policy);
+      absl::StatusOr<RoomResult> result = EvaluateRoom(room_case, options);
       if (!result.ok()) return result.status();
       results.push_back(*std::move(result));
       if (options.on_case) options.on_case();

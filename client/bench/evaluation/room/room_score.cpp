@@ -123,8 +123,15 @@ void ScoreObjects(const BoxRoom& room,
       continue;
     }
     if (!truth.is_furniture) {
-      score->worst_cuboid_m =
-          std::max(score->worst_cuboid_m, ErrorOf(AlignedBoxOf((*found)->cuboid), truth.box_world));
+      const Eigen::AlignedBox3d box_world = AlignedBoxOf((*found)->cuboid);
+      score->worst_cuboid_m = std::max(score->worst_cuboid_m, ErrorOf(box_world, truth.box_world));
+      if (ErrorOf(box_world, truth.box_world) > tolerance.cuboid_m) {
+        score->cuboid_faults.push_back(
+            absl::StrFormat("cuboid of class %d: lowest corner off by %s m, highest by %s m",
+                            truth.class_id.value(),
+                            PlaceText(box_world.min() - truth.box_world.min()),
+                            PlaceText(box_world.max() - truth.box_world.max())));
+      }
     }
     present.erase(found);
   }

@@ -20,6 +20,7 @@ struct RoomTolerance {
 struct RoomScore {
   std::vector<std::string> event_faults;   ///< Events that are missing or too many.
   std::vector<std::string> object_faults;  ///< Present objects that are missing or too many.
+  std::vector<std::string> cuboid_faults;  ///< Of objects beyond the tolerance.
   double worst_cuboid_m = 0.0;  ///< Largest error of a side or of the centre of a thing's cuboid.
 
   /// True if the map reports just the true events and has just the true objects.

@@ -1,0 +1,136 @@
+#include "core/association/frame_segments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace steadymap {
+namespace {
+
+// Samples at an edge may be invalid, so a link may skip one.
+constexpr int kMaxLinkSamples = 2;
+
+// Of the spacing of samples on a surface: its slope is known as well as its normal.
+constexpr double kSpacingSlack = 1.5;
+
+/// Disjoint sets of samples, each with its lowest index as root.
+class SampleSets {
+ public:
+  explicit SampleSets(std::size_t count) : parents_(count) {
+    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
+  }
+
+  std::size_t RootOf(std::size_t index) {
+    while (parents_[index] != index) {
+      parents_[index] = parents_[parents_[index]];
+      index = parents_[index];
+    }
+    return index;
+  }
+
+  void Join(std::size_t a, std::size_t b) {
+    a = RootOf(a);
+    b = RootOf(b);
+    parents_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::size_t> parents_;
+};
+
+bool HaveOneKey(const SurfaceSample& a, const SurfaceSample& b) {
+  return a.instance == b.instance && (a.instance != 0 || a.label == b.label);
+}
+
+/// Tells whether two samples are on one surface.
+class Continuity {
+ public:
+  Continuity(const SemanticCloud& cloud, double max_sigmas)
+      : noise_(cloud.depth_noise()),
+        max_sigmas_(max_sigmas),
+        spacing_per_m_(static_cast<double>(SampleGrid::kStrideCells) /
+                       std::sqrt(cloud.camera().fx * cloud.camera().fy)) {}
+
+  /// True if each of two samples, `steps` apart in the grid, is on the plane of the other one and
+  /// as close as the spacing of the rays allows.
+  bool Joins(const SurfaceSample& a, const SurfaceSample& b, int steps) const {
+    const Eigen::Vector3d way = (b.position_world - a.position_world).cast<double>();
+    const double depth_m = static_cast<double>(std::max(a.depth_m, b.depth_m));
+    const double noise_m = max_sigmas_ * M_SQRT2 * noise_.SigmaM(depth_m);
+    const double spacing_m = spacing_per_m_ * depth_m;
+    // The area of a sample is the square of the spacing, divided by the cosine of the slope.
+    const double area_m2 = static_cast<double>(std::max(a.area_m2, b.area_m2));
+    if (way.norm() > kSpacingSlack * steps * area_m2 / spacing_m + noise_m) return false;
+    // At an edge between two faces, a neighbour is as far from the plane as from the sample.
+    const double limit_m = noise_m + steps * spacing_m;
+    return std::abs(way.dot(a.normal_world.cast<double>())) < limit_m &&
+           std::abs(way.dot(b.normal_world.cast<double>())) < limit_m;
+  }
+
+ private:
+  DepthNoise noise_;
+  double max_sigmas_;
+  double spacing_per_m_;  ///< Of samples, at a depth of one metre.
+};
+
+FrameSegment MakeSegment(const SampleGrid& samples, std::vector<std::size_t> indices) {
+  FrameSegment segment;
+  std::map<std::uint16_t, std::size_t> labels;
+  for (const std::size_t index : indices) {
+    ++labels[samples[index].label];
+    segment.area_m2 += static_cast<double>(samples[index].area_m2);
+  }
+  segment.label = std::max_element(labels.begin(), labels.end(), [](const auto& a, const auto& b) {
+                    return a.second < b.second;
+                  })->first;
+  segment.instance = samples[indices.front()].instance;
+  segment.samples = std::move(indices);
+  return segment;
+}
+
+}  // namespace
+
+std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
+                                            const SampleGrid& samples,
+                                            const std::vector<std::uint8_t>& is_excluded,
+                                            const ContinuityParameters& parameters) {
+  SampleSets sets(samples.size());
+  const Continuity continuity(cloud, parameters.max_sigmas);
+  const auto is_in = [&](std::size_t index) {
+    return samples[index].is_valid() && is_excluded[index] == 0;
+  };
+  const auto link = [&](int column, int row, int right, int down) {
+    const SurfaceSample& sample = samples.At(column, row);
+    for (int step = 1; step <= kMaxLinkSamples; ++step) {
+      const int u = column + step * right;
+      const int v = row + step * down;
+      if (u >= samples.width() || v >= samples.height()) return;
+      const SurfaceSample& other = samples.At(u, v);
+      if (!is_in(samples.Index(u, v))) continue;
+      if (HaveOneKey(sample, other) && continuity.Joins(sample, other, step)) {
+        sets.Join(samples.Index(column, row), samples.Index(u, v));
+      }
+      return;
+    }
+  };
+  for (int row = 0; row < samples.height(); ++row) {
+    for (int column = 0; column < samples.width(); ++column) {
+      if (!is_in(samples.Index(column, row))) continue;
+      link(column, row, 1, 0);
+      link(column, row, 0, 1);
+    }
+  }
+  std::map<std::size_t, std::vector<std::size_t>> by_root;
+  for (std::size_t index = 0; index < samples.size(); ++index) {
+    if (is_in(index)) by_root[sets.RootOf(index)].push_back(index);
+  }
+  std::vector<FrameSegment> segments;
+  for (auto& [root, indices] : by_root) {
+    if (indices.size() < parameters.min_samples) continue;
+    segments.push_back(MakeSegment(samples, std::move(indices)));
+  }
+  return segments;
+}
+
+}  // namespace steadymap

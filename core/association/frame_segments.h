@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/association/sample_grid.h"
+#include "core/integration/semantic_cloud.h"
+
+namespace steadymap {
+
+/// A connected part of the surface that one frame shows, of one class or of one instance.
+struct FrameSegment {
+  std::vector<std::size_t> samples;  ///< Indices into the sample grid, increasing.
+  std::uint16_t label = 0;           ///< The most frequent class of its samples.
+  std::uint16_t instance = 0;        ///< 0: none.
+  double area_m2 = 0.0;
+};
+
+/// When two neighbouring samples are on one surface.
+struct ContinuityParameters {
+  /// Distance of each sample from the plane of the other one, in standard deviations of the
+  /// difference of two depths.
+  double max_sigmas = 3.0;
+  /// Segments of fewer samples are fragments at depth edges.
+  std::size_t min_samples = 6;
+};
+
+/// Divides the valid samples of a frame, those of `cloud`, into segments, except those with a
+/// nonzero entry in `is_excluded`. Neighbours are of one
+/// segment if they have one instance, or else one class, and no gap in depth is between them.
+/// Returns the segments in the order of their first sample.
+std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
+                                            const SampleGrid& samples,
+                                            const std::vector<std::uint8_t>& is_excluded,
+                                            const ContinuityParameters& parameters);
+
+}  // namespace steadymap

@@ -1,0 +1,143 @@
+#include "core/change/surface_looks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace steadymap {
+namespace {
+
+// Surface at a flatter angle to the ray says little: noise and pose errors move the ray off it.
+constexpr float kMinFacingCosine = 0.25F;
+
+constexpr float kMinDepthM = 0.1F;
+
+enum class LookResult { kPresent, kAbsent };
+
+/// The looks of one frame at one object.
+class ObjectLook {
+ public:
+  ObjectLook(const LookedAtFrame& frame,
+             const LookParameters& parameters,
+             const VoxelScale& scale,
+             const TrackedObject& object)
+      : frame_(frame),
+        parameters_(parameters),
+        slack_m_(0.5 * scale.voxel_size_m),
+        label_(object.state().class_id.value()),
+        T_world_object_(object.state().T_world_object.ToIsometry().cast<float>()),
+        T_camera_world_(frame.cloud.T_world_camera().inverse().cast<float>()),
+        camera_world_(frame.cloud.T_world_camera().translation().cast<float>()) {}
+
+  /// Returns what the frame says about a surface point; none if the point is occluded, out of view
+  /// or not measured.
+  std::optional<LookResult> At(const SurfaceVoxel& point) const {
+    const Eigen::Vector3f point_world = T_world_object_ * point.position_object;
+    const Eigen::Vector3f normal_world = T_world_object_.linear() * point.normal_object;
+    const Eigen::Vector3f to_camera = (camera_world_ - point_world).normalized();
+    if (normal_world.dot(to_camera) < kMinFacingCosine) return std::nullopt;
+    const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
+    if (point_camera.z() < kMinDepthM) return std::nullopt;
+    const std::optional<SamplePlace> place =
+        frame_.samples.FindPlace(frame_.cloud.camera(), point_camera);
+    if (!place) return std::nullopt;
+    const float margin_m = MarginAt(point_camera.z());
+    const SurfaceSample& sample = frame_.samples.At(place->column, place->row);
+    if (sample.is_valid()) {
+      const float off_plane_m = (point_world - sample.position_world).dot(sample.normal_world);
+      if (std::abs(off_plane_m) <= margin_m &&
+          (point_world - sample.position_world).norm() < 3.0F * margin_m) {
+        return HasItsClass(*place) ? LookResult::kPresent : LookResult::kAbsent;
+      }
+    }
+    const float nearest_m = frame_.tiles.NearestAround(place->column, place->row);
+    if (nearest_m > point_camera.z() + margin_m) return LookResult::kAbsent;
+    return std::nullopt;
+  }
+
+ private:
+  float MarginAt(float depth_m) const {
+    const double sigma_m = std::hypot(
+        frame_.cloud.depth_noise().SigmaM(static_cast<double>(depth_m)), parameters_.pose_sigma_m);
+    return static_cast<float>(parameters_.max_sigmas * sigma_m + slack_m_);
+  }
+
+  /// True if a sample around has the object's class; also true without labels.
+  bool HasItsClass(const SamplePlace& place) const {
+    if (!parameters_.labels_decide) return true;
+    for (int v = std::max(place.row - 1, 0);
+         v <= std::min(place.row + 1, frame_.samples.height() - 1);
+         ++v) {
+      for (int u = std::max(place.column - 1, 0);
+           u <= std::min(place.column + 1, frame_.samples.width() - 1);
+           ++u) {
+        const SurfaceSample& sample = frame_.samples.At(u, v);
+        if (sample.is_valid() && sample.label == label_) return true;
+      }
+    }
+    return false;
+  }
+
+  const LookedAtFrame& frame_;
+  const LookParameters& parameters_;
+  double slack_m_;
+  std::uint16_t label_;
+  Eigen::Isometry3f T_world_object_;
+  Eigen::Isometry3f T_camera_world_;
+  Eigen::Vector3f camera_world_;
+};
+
+}  // namespace
+
+bool AddLook(const LookedAtFrame& frame,
+             const LookParameters& parameters,
+             const VoxelScale& scale,
+             Timestamp now,
+             const TrackedObject& object,
+             ObjectEvidence* evidence) {
+  const ObjectLook look(frame, parameters, scale, object);
+  bool has_looked = false;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafEvidence* const known = evidence->FindLeaf(leaf.origin);
+    if (known != nullptr && (now - known->confirmed).seconds() < parameters.min_interval_s)
+      continue;
+    std::array<int, kEvidenceCells> balance{};
+    bool is_leaf_looked_at = false;
+    for (const SurfaceVoxel& point : leaf.points) {
+      const std::optional<LookResult> result = look.At(point);
+      if (!result) continue;
+      balance[point.cell] += *result == LookResult::kPresent ? 1 : -1;
+      is_leaf_looked_at = true;
+    }
+    if (!is_leaf_looked_at) continue;
+    has_looked = true;
+    LeafEvidence& scores = evidence->MutableLeaf(leaf.origin);
+    scores.confirmed = now;
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if (balance[cell] == 0) continue;
+      const int score = scores.score[cell] + (balance[cell] > 0 ? 1 : -1);
+      scores.score[cell] =
+          static_cast<std::int8_t>(std::clamp<int>(score, -kMaxCellScore, kMaxCellScore));
+    }
+  }
+  return has_looked;
+}
+
+LookCount CountLooks(const TrackedObject& object) {
+  LookCount count;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr) continue;
+    std::array<bool, kEvidenceCells> has_surface{};
+    for (const SurfaceVoxel& point : leaf.points) has_surface[point.cell] = true;
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if (!has_surface[cell]) continue;
+      if (evidence->score[cell] > 0) ++count.found;
+      if (evidence->score[cell] < 0) ++count.gone;
+    }
+  }
+  return count;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/association/sample_grid.h"
+#include "core/change/min_depth_grid.h"
+#include "core/integration/semantic_cloud.h"
+#include "core/map/object_evidence.h"
+#include "core/types/timestamp.h"
+#include "core/working/tracked_object.h"
+
+namespace steadymap {
+
+/// One frame, for looks at the surface of objects.
+struct LookedAtFrame {
+  const SemanticCloud& cloud;
+  const SampleGrid& samples;
+  const MinDepthGrid& tiles;
+};
+
+/// When a measured depth agrees with a mapped surface.
+struct LookParameters {
+  double max_sigmas = 3.0;     ///< Of the difference between the measured and the mapped depth.
+  double pose_sigma_m = 0.01;  ///< Standard deviation of the pose of a frame, metres.
+  /// A class may be wrong: a look at another class counts as absence only if the surface does not
+  /// agree either, or if the frame has labels and this is true.
+  bool labels_decide = true;
+  /// Looks of one surface within this time count once, seconds, so that evidence does not depend on
+  /// the frame rate.
+  double min_interval_s = 0.2;
+};
+
+/// The number of evidence cells of an object by the balance of their looks.
+struct LookCount {
+  std::size_t found = 0;  ///< More looks found surface than not.
+  std::size_t gone = 0;   ///< More looks found none, or surface of another class.
+
+  std::size_t looked_at() const { return found + gone; }
+};
+
+/// Adds one look of a frame at each evidence cell of an object that faces the camera and is not
+/// occluded: one up where surface of its class is measured, one down where there is none. Scores
+/// are limited to `kMaxCellScore` on either side. Returns false if no cell was looked at. `now` is
+/// the capture time of the frame.
+bool AddLook(const LookedAtFrame& frame,
+             const LookParameters& parameters,
+             const VoxelScale& scale,
+             Timestamp now,
+             const TrackedObject& object,
+             ObjectEvidence* evidence);
+
+/// Counts the evidence cells of an object's surface by the balance of their looks.
+LookCount CountLooks(const TrackedObject& object);
+
+}  // namespace steadymap

@@ -1,0 +1,518 @@
+#include "core/objects/session_identity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "core/change/belief_update.h"
+#include "core/change/surface_looks.h"
+#include "core/objects/shape_match.h"
+#include "core/registration/anchored_alignment.h"
+#include "core/registration/registration.h"
+#include "core/volume/tsdf_sample.h"
+#include "core/working/object_split.h"
+
+namespace steadymap {
+namespace {
+
+// Points of a thing that take part in the alignment of a session.
+constexpr std::size_t kMaxAnchorPoints = 400;
+
+// Fewest points of a surface in contact.
+constexpr std::size_t kMinContactPoints = 3;
+
+// A motion below this share of a voxel is lost in its interpolation.
+constexpr double kNegligibleMotionVoxels = 0.1;
+
+/// The verdict on a known object.
+enum class Standing { kUnknown, kStands, kGone };
+
+struct KnownObject {
+  TrackedObject* object = nullptr;
+  Standing standing = Standing::kUnknown;
+};
+
+/// An object of the session.
+struct SeenObject {
+  TrackedObject* object = nullptr;
+  bool is_decided = false;
+};
+
+double AreaOf(const TrackedObject& object, const VoxelScale& scale) {
+  return static_cast<double>(object.surface().point_count()) * scale.voxel_size_m *
+         scale.voxel_size_m;
+}
+
+bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {
+  return a.state().class_id == b.state().class_id;
+}
+
+/// Returns the number of surface points of `a` closer than `distance_m` to the surface of `b`.
+std::size_t CountContacts(const TrackedObject& a,
+                          const TrackedObject& b,
+                          double distance_m,
+                          const VoxelScale& scale) {
+  const Eigen::Isometry3d T_b_world = b.state().T_world_object.ToIsometry().inverse();
+  TsdfSampler sampler(b.volume(), scale);
+  std::size_t count = 0;
+  for (const Eigen::Vector3d& point_world : a.SurfaceInWorld()) {
+    double found_m = 0.0;
+    if (sampler.SampleNearest(T_b_world * point_world, &found_m) &&
+        std::abs(found_m) <= distance_m) {
+      ++count;
+    }
+  }
+  return count;
+}
+
+/// Returns the largest displacement that a correction means for a thing.
+double DisplacementOf(const Registration& registration, const TrackedObject& object) {
+  const double radius_m = 0.5 * object.cuboid().size_m.head<2>().norm();
+  return std::hypot(registration.shift_world.norm(), registration.yaw_rad * radius_m);
+}
+
+/// Adds the voxels of an object that `into` does not have.
+void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into) {
+  const VoxelScale& scale = map->scale();
+  const UprightPose& pose = from.state().T_world_object;
+  const Eigen::Vector3d voxels =
+      (pose.position_world - into->state().T_world_object.position_world) / scale.voxel_size_m;
+  const bool is_on_lattice =
+      ShareLattice(from.state(), into->state()) &&
+      (voxels.array() - voxels.array().round()).abs().maxCoeff() < kNegligibleMotionVoxels;
+  ObjectEdit edit = map->Edit(into);
+  if (is_on_lattice) {
+    CopyVoxels(from, scale, &edit);
+  } else {
+    ResampleVoxels(from, pose.ToIsometry(), 1.0, scale, &edit);
+  }
+}
+
+/// The decision on one session.
+class SessionDecision {
+ public:
+  SessionDecision(const MapConfig& config,
+                  const SessionIdentityParameters& parameters,
+                  WorkingMap* map)
+      : config_(config), parameters_(parameters), map_(map) {}
+
+  void Run() {
+    DropFragments();
+    JoinPieces();
+    ListObjects();
+    Align();
+    MatchInPlace();
+    JudgeKnown();
+    FindMoves();
+    AddRest();
+    EndGone();
+    for (TrackedObject* object : map_->AllObjects()) {
+      if (object->state().evidence == ObjectEvidence()) continue;
+      ObjectEdit edit = map_->Edit(object);
+      edit.state().evidence = {};
+    }
+  }
+
+ private:
+  void DropFragments();
+  void JoinPieces();
+  bool IsPieceOf(const TrackedObject& object, const TrackedObject& other) const;
+  void ListObjects();
+  void Align();
+  AnchorMatches MatchesOf(const TrackedObject& seen,
+                          const TrackedObject& known,
+                          const Eigen::Isometry3d& T_correction) const;
+  void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
+  std::optional<Registration> Register(const TrackedObject& seen, const TrackedObject& known) const;
+  void MatchInPlace();
+  void Confirm(SeenObject* seen, KnownObject* known);
+  void JudgeKnown();
+  bool IsVacated(const TrackedObject& known) const;
+  void FindMoves();
+  void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
+  void AddRest();
+  bool IsPartOfStanding(const TrackedObject& seen);
+  void EndGone();
+  void CutGoneParts(TrackedObject* object);
+  void UpdateBeliefOf(double change_m, TrackedObject* object);
+
+  const MapConfig& config_;
+  const SessionIdentityParameters& parameters_;
+  WorkingMap* map_;
+  std::vector<SeenObject> seen_;
+  std::vector<KnownObject> known_;
+};
+
+void SessionDecision::DropFragments() {
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    if (object->state().supporting_frames < parameters_.min_frames ||
+        AreaOf(*object, map_->scale()) < parameters_.min_area_m2) {
+      map_->Delete(object);
+    }
+  }
+}
+
+/// True if the smaller object is a part of the larger one, or a wrong label on it.
+bool SessionDecision::IsPieceOf(const TrackedObject& object, const TrackedObject& other) const {
+  if (!object.BoundsInWorld().intersects(other.BoundsInWorld())) {
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * map_->scale().voxel_size_m);
+    Box reach_world = object.BoundsInWorld();
+    reach_world = Box(reach_world.min() - margin, reach_world.max() + margin);
+    if (!reach_world.intersects(other.BoundsInWorld())) return false;
+  }
+  if (!IsOfOneClass(object, other)) {
+    const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
+                                             object.state().T_world_object.ToIsometry();
+    const SurfaceOverlap overlap = CompareSurfaces(object, other, T_other_object, map_->scale());
+    return overlap.known_share * overlap.fit_share > 0.5;
+  }
+  const double contact_m = parameters_.contact_voxels * map_->scale().voxel_size_m;
+  const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
+                                           object.state().T_world_object.ToIsometry();
+  const SurfaceOverlap overlap = CompareSurfaces(object, other, T_other_object, map_->scale());
+  return overlap.known_share * overlap.fit_share > 0.2 &&
+         CountContacts(object, other, contact_m, map_->scale()) >= kMinContactPoints;
+}
+
+void SessionDecision::JoinPieces() {
+  std::vector<TrackedObject*> objects;
+  for (TrackedObject* object : map_->TentativeObjects()) objects.push_back(object);
+  std::stable_sort(objects.begin(), objects.end(), [](const auto* a, const auto* b) {
+    return a->surface().point_count() > b->surface().point_count();
+  });
+  for (std::size_t i = 1; i < objects.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (objects[j]->is_archived() || !IsPieceOf(*objects[i], *objects[j])) continue;
+      if (IsOfOneClass(*objects[i], *objects[j])) {
+        JoinSessionObjects(objects[i], objects[j], map_);
+      } else {
+        map_->Delete(objects[i]);
+      }
+      break;
+    }
+  }
+}
+
+void SessionDecision::ListObjects() {
+  for (TrackedObject* object : map_->AllObjects()) {
+    if (object->is_deleted()) continue;
+    if (object->state().status == ObjectStatus::kTentative) {
+      seen_.push_back({object});
+    } else {
+      known_.push_back({object});
+    }
+  }
+}
+
+/// Registers an object of the session to a known one; none if they are of different classes or far
+/// apart.
+std::optional<Registration> SessionDecision::Register(const TrackedObject& seen,
+                                                      const TrackedObject& known) const {
+  if (!IsOfOneClass(seen, known)) return std::nullopt;
+  const Eigen::Vector3d margin =
+      Eigen::Vector3d::Constant(RegistrationParameters().search_distance_m);
+  Box reach_world = seen.BoundsInWorld();
+  reach_world = Box(reach_world.min() - margin, reach_world.max() + margin);
+  if (!reach_world.intersects(known.BoundsInWorld())) return std::nullopt;
+  return RegisterPoints(
+      seen.SurfaceInWorld(), known.volume(), map_->scale(), known.state().T_world_object);
+}
+
+AnchorMatches SessionDecision::MatchesOf(const TrackedObject& seen,
+                                         const TrackedObject& known,
+                                         const Eigen::Isometry3d& T_correction) const {
+  const Eigen::Isometry3d T_world_known = known.state().T_world_object.ToIsometry();
+  const Eigen::Isometry3d T_known_world = T_world_known.inverse();
+  TsdfSampler sampler(known.volume(), map_->scale());
+  const std::vector<Eigen::Vector3d> points_world = seen.SurfaceInWorld();
+  const std::size_t stride = points_world.size() / kMaxAnchorPoints + 1;
+  AnchorMatches matches;
+  for (std::size_t i = 0; i < points_world.size(); i += stride) {
+    const Eigen::Vector3d moved_world = T_correction * points_world[i];
+    const DistanceSample sample = sampler.Sample(T_known_world * moved_world);
+    if (!sample.known || std::abs(sample.distance_m) > map_->scale().voxel_size_m) continue;
+    const Eigen::Vector3d normal_world = T_world_known.linear() * sample.gradient;
+    matches.push_back(
+        {points_world[i], moved_world - sample.distance_m * normal_world, normal_world});
+  }
+  return matches;
+}
+
+/// Corrects the offset of the session by the objects that stand where they stood.
+void SessionDecision::Align() {
+  std::vector<AnchorMatches> anchors;
+  std::vector<Eigen::Isometry3d> starts;
+  for (const SeenObject& seen : seen_) {
+    for (const KnownObject& known : known_) {
+      if (known.object->state().status != ObjectStatus::kPresent) continue;
+      const std::optional<Registration> registration = Register(*seen.object, *known.object);
+      if (!registration || registration->dissimilarity > parameters_.max_dissimilarity ||
+          registration->known_share < parameters_.min_shape_known_share) {
+        continue;
+      }
+      anchors.push_back(MatchesOf(*seen.object, *known.object, registration->T_correction));
+      starts.push_back(registration->T_correction);
+    }
+  }
+  if (anchors.empty()) return;
+  const double scale_m = std::max(parameters_.vote_scale_m, 0.5 * map_->scale().voxel_size_m);
+  const Eigen::Isometry3d motion =
+      AlignToAnchors(anchors, starts, scale_m, parameters_.claim_votes);
+  for (const SeenObject& seen : seen_) Move(motion, seen.object);
+}
+
+void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* object) {
+  const Eigen::Vector3d center_world = object->BoundsInWorld().center();
+  const double displacement_m = (motion * center_world - center_world).norm();
+  if (displacement_m < kNegligibleMotionVoxels * map_->scale().voxel_size_m) return;
+  ObjectEdit edit = map_->Edit(object);
+  edit.state().T_world_object = UprightPoseOf(motion * object->state().T_world_object.ToIsometry());
+}
+
+void SessionDecision::MatchInPlace() {
+  for (SeenObject& seen : seen_) {
+    KnownObject* best = nullptr;
+    double most = 0.0;
+    for (KnownObject& known : known_) {
+      const std::optional<Registration> registration = Register(*seen.object, *known.object);
+      const bool is_archived = known.object->is_archived();
+      const double least_known =
+          is_archived ? parameters_.min_shape_known_share : parameters_.min_known_share;
+      if (!registration || registration->dissimilarity > parameters_.max_dissimilarity ||
+          registration->known_share < least_known ||
+          DisplacementOf(*registration, *seen.object) > parameters_.max_displacement_m) {
+        continue;
+      }
+      const double fit = registration->known_share * (1.0 - registration->dissimilarity);
+      // What stands there is more likely than what left.
+      if (best != nullptr && (is_archived > best->object->is_archived() ||
+                              (is_archived == best->object->is_archived() && fit <= most))) {
+        continue;
+      }
+      best = &known;
+      most = fit;
+    }
+    if (best != nullptr) Confirm(&seen, best);
+  }
+}
+
+void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
+  TrackedObject* object = known->object;
+  seen->is_decided = true;
+  known->standing = Standing::kStands;
+  AddVoxels(*seen->object, map_, object);
+  const bool is_back = object->is_archived();
+  {
+    ObjectEdit edit = map_->Edit(object);
+    ObjectState& state = edit.state();
+    if (is_back) {
+      state.status = ObjectStatus::kPresent;
+      state.in_place_since = seen->object->state().first_seen;
+      state.belief = InitialBelief(parameters_.initial_stationarity);
+    }
+    state.last_seen = seen->object->state().last_seen;
+    state.supporting_frames += seen->object->state().supporting_frames;
+  }
+  if (is_back) {
+    map_->RecordEvent(map_->MakeEvent(EventType::kReturned, EventReason::kNewSurface, *object));
+  } else {
+    UpdateBeliefOf(0.0, object);
+  }
+  map_->Delete(seen->object);
+}
+
+void SessionDecision::UpdateBeliefOf(double change_m, TrackedObject* object) {
+  ObjectEdit edit = map_->Edit(object);
+  ObjectState& state = edit.state();
+  state.belief = UpdateStationarity(
+                     state.belief, change_m, PriorOf(config_, state.class_id), parameters_.belief)
+                     .belief;
+}
+
+/// True if an undecided object of the session is where a known one was, so that it cannot be there.
+bool SessionDecision::IsVacated(const TrackedObject& known) const {
+  return std::any_of(seen_.begin(), seen_.end(), [&](const SeenObject& seen) {
+    if (seen.is_decided || !IsOfOneClass(*seen.object, known)) return false;
+    const Cuboid& a = seen.object->cuboid();
+    const Cuboid& b = known.cuboid();
+    const double smaller_m3 = std::min(a.volume_m3(), b.volume_m3());
+    return OverlapM3(a, b) > parameters_.max_overlap_share * smaller_m3;
+  });
+}
+
+void SessionDecision::JudgeKnown() {
+  for (KnownObject& known : known_) {
+    if (known.standing != Standing::kUnknown || known.object->is_archived()) continue;
+    const LookCount looks = CountLooks(*known.object);
+    if (looks.looked_at() < parameters_.min_looked_at_cells) continue;
+    const bool is_gone = static_cast<double>(looks.gone) >=
+                         parameters_.gone_share * static_cast<double>(looks.looked_at());
+    known.standing = is_gone || IsVacated(*known.object) ? Standing::kGone : Standing::kStands;
+  }
+}
+
+/// Joins objects of the session with the gone or archived objects whose shape they have.
+void SessionDecision::FindMoves() {
+  struct Candidate {
+    SeenObject* seen;
+    KnownObject* known;
+    ShapeMatch match;
+    double distance_m;
+  };
+
+  std::vector<Candidate> candidates;
+  for (SeenObject& seen : seen_) {
+    if (seen.is_decided) continue;
+    for (KnownObject& known : known_) {
+      if (!IsOfOneClass(*seen.object, *known.object)) continue;
+      if (known.standing != Standing::kGone && !known.object->is_archived()) continue;
+      if (known.standing == Standing::kStands) continue;
+      const ShapeMatch match = MatchShapes(*known.object, *seen.object, map_->scale());
+      if (match.overlap.known_share < parameters_.min_shape_known_share ||
+          match.overlap.fit_share < parameters_.min_shape_fit_share) {
+        continue;
+      }
+      const double distance_m = DistanceBetween(known.object->cuboid(), seen.object->cuboid());
+      candidates.push_back({&seen, &known, match, distance_m});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    if ((a.distance_m > 0.0) != (b.distance_m > 0.0)) return a.distance_m <= 0.0;
+    return a.match.confidence() > b.match.confidence();
+  });
+  for (const Candidate& candidate : candidates) {
+    if (candidate.seen->is_decided || candidate.known->standing == Standing::kStands) continue;
+    const bool has_rival =
+        std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& rival) {
+          if (&rival == &candidate || rival.seen->is_decided ||
+              rival.known->standing == Standing::kStands) {
+            return false;
+          }
+          if (rival.seen != candidate.seen && rival.known != candidate.known) return false;
+          if (candidate.distance_m <= 0.0 && rival.distance_m > 0.0) return false;
+          return rival.match.confidence() > candidate.match.confidence() - parameters_.rival_margin;
+        });
+    if (has_rival) continue;
+    Join(candidate.known->object, candidate.seen->object, candidate.match);
+    candidate.seen->is_decided = true;
+    candidate.known->standing = Standing::kStands;
+  }
+}
+
+/// Makes one object of both ends of a move. It keeps the identity and the history of the first one.
+void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match) {
+  const Eigen::Vector3d old_center_world = before->cuboid().center_world;
+  const UprightPose T_world_before = before->state().T_world_object;
+  {
+    ObjectEdit edit = map_->Edit(after);
+    ResampleVoxels(*before, match.T_world_object, 1.0, map_->scale(), &edit);
+  }
+  const Belief belief_before = before->state().belief;
+  {
+    ObjectEdit edit = map_->Edit(before);
+    edit.TakeVolume(*after);
+    ObjectState& state = edit.state();
+    state.status = ObjectStatus::kPresent;
+    state.belief = InitialBelief(parameters_.initial_stationarity);
+    state.in_place_since = after->state().first_seen;
+    state.last_seen = after->state().last_seen;
+    state.supporting_frames += after->state().supporting_frames;
+  }
+  ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kShapeMatched, *before);
+  event.before = belief_before;
+  event.old_center_world = old_center_world;
+  event.move = {T_world_before, UprightPoseOf(match.T_world_object)};
+  event.confidence = match.confidence();
+  event.related = after->id();
+  map_->RecordEvent(event);
+  map_->Delete(after);
+}
+
+/// True if an object of the session continues a standing object, which then has its surface.
+bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
+  const double contact_m = parameters_.contact_voxels * map_->scale().voxel_size_m;
+  for (const KnownObject& known : known_) {
+    if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
+    if (DistanceBetween(seen.cuboid(), known.object->cuboid()) > contact_m ||
+        CountContacts(seen, *known.object, contact_m, map_->scale()) < kMinContactPoints) {
+      continue;
+    }
+    AddVoxels(seen, map_, known.object);
+    return true;
+  }
+  return false;
+}
+
+void SessionDecision::AddRest() {
+  for (SeenObject& seen : seen_) {
+    if (seen.is_decided) continue;
+    if (IsPartOfStanding(*seen.object)) {
+      map_->Delete(seen.object);
+      continue;
+    }
+    {
+      ObjectEdit edit = map_->Edit(seen.object);
+      edit.state().status = ObjectStatus::kPresent;
+      edit.state().in_place_since = seen.object->state().first_seen;
+    }
+    map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *seen.object));
+  }
+}
+
+void SessionDecision::EndGone() {
+  for (const KnownObject& known : known_) {
+    if (known.object->is_archived()) continue;
+    if (known.standing == Standing::kStands) CutGoneParts(known.object);
+    if (known.standing != Standing::kGone) continue;
+    const Belief before = known.object->state().belief;
+    UpdateBeliefOf(parameters_.belief.max_change_m, known.object);
+    ObjectEvent event =
+        map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *known.object);
+    event.before = before;
+    map_->RecordEvent(event);
+    ObjectEdit edit = map_->Edit(known.object);
+    edit.state().status = ObjectStatus::kArchived;
+    edit.state().in_place_since = map_->now();
+  }
+}
+
+/// Takes the surface that is gone off an object that stands.
+void SessionDecision::CutGoneParts(TrackedObject* object) {
+  const LookCount looks = CountLooks(*object);
+  if (looks.gone < parameters_.min_part_cells ||
+      static_cast<double>(looks.gone) <
+          parameters_.min_part_share * static_cast<double>(looks.looked_at())) {
+    return;
+  }
+  TrackedObject& part = map_->AddPart(*object);
+  {
+    ObjectEdit edit = map_->Edit(object);
+    ObjectEdit part_edit = map_->Edit(&part);
+    MoveGoneVoxels({-1, -1}, &edit, &part_edit);
+  }
+  map_->Delete(&part);
+}
+
+}  // namespace
+
+void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* map) {
+  AddVoxels(*object, map, into);
+  {
+    ObjectEdit edit = map->Edit(into);
+    ObjectState& state = edit.state();
+    state.first_seen = std::min(state.first_seen, object->state().first_seen);
+    state.last_seen = std::max(state.last_seen, object->state().last_seen);
+    state.supporting_frames = std::max(state.supporting_frames, object->state().supporting_frames);
+  }
+  map->Delete(object);
+}
+
+void DecideSession(const MapConfig& config,
+                   const SessionIdentityParameters& parameters,
+                   WorkingMap* map) {
+  SessionDecision(config, parameters, map).Run();
+}
+
+}  // namespace steadymap

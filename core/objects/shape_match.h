@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/objects/reidentification.h"
+#include "core/working/tracked_object.h"
+
+namespace steadymap {
+
+/// The pose at which the shape of one object agrees best with the surface of another object.
+struct ShapeMatch {
+  Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
+  SurfaceOverlap overlap;
+
+  /// Returns the share of the surface that is known to agree, in [0, 1].
+  double confidence() const { return overlap.known_share * overlap.fit_share; }
+};
+
+/// Returns the pose of an upright object; drops rotations about other axes than z.
+UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object);
+
+/// Places the shape of `before` at the surface of `after`: by their cuboids, turned by each quarter
+/// turn and with any sides in common, since a frame shows a part of the sides only. Registers each
+/// and returns the best.
+ShapeMatch MatchShapes(const TrackedObject& before,
+                       const TrackedObject& after,
+                       const VoxelScale& scale);
+
+}  // namespace steadymap
