@@ -15,6 +15,7 @@ std::uint32_t OwnerOf(int column,
                       const Eigen::Vector3f& position_world,
                       const SampleGrid& samples,
                       const Association& association,
+                      float spacing_per_m,
                       bool takes_nearest) {
   std::uint32_t owner = Association::kNone;
   float nearest_m = kMaxOffPlaneM;
@@ -28,6 +29,12 @@ std::uint32_t OwnerOf(int column,
     if (!sample.is_valid()) continue;
     const float off_plane_m = (position_world - sample.position_world).dot(sample.normal_world);
     if (std::abs(off_plane_m) > nearest_m) continue;
+    if (takes_nearest) {
+      // Behind a silhouette, the plane of the surface in front goes on.
+      const float spacing_m = spacing_per_m * sample.depth_m;
+      const float reach_m = kMaxOffPlaneM + sample.area_m2 / spacing_m;
+      if ((position_world - sample.position_world).squaredNorm() > reach_m * reach_m) continue;
+    }
     owner = association.owner[samples.Index(u, v)];
     if (!takes_nearest) return owner;
     nearest_m = std::abs(off_plane_m);
@@ -42,6 +49,8 @@ void GiveCells(const SampleGrid& samples,
   static_assert(SampleGrid::kStrideCells == 2, "between two samples lies one cell");
   const Eigen::Matrix3f rotation = cloud->T_world_camera().linear().cast<float>();
   const Eigen::Vector3f camera_world = cloud->T_world_camera().translation().cast<float>();
+  const auto spacing_per_m = static_cast<float>(SampleGrid::kStrideCells /
+                                                std::sqrt(cloud->camera().fx * cloud->camera().fy));
   for (int row = 0; row < cloud->cells_high(); ++row) {
     for (int column = 0; column < cloud->cells_wide(); ++column) {
       SurfaceCell& cell = cloud->MutableAt(column, row);
@@ -52,6 +61,7 @@ void GiveCells(const SampleGrid& samples,
                                           camera_world + rotation * (ray * cell.depth_m),
                                           samples,
                                           association,
+                                          spacing_per_m,
                                           takes_nearest);
       if (owner == Association::kNone) {
         cell.weight = 0.0F;

@@ -61,7 +61,7 @@ class Continuity {
     const double spacing_m = spacing_per_m_ * depth_m;
     // The area of a sample is the square of the spacing, divided by the cosine of the slope.
     const double area_m2 = static_cast<double>(std::max(a.area_m2, b.area_m2));
-    if (way.norm() > kSpacingSlack * steps * area_m2 / spacing_m + noise_m) return false;
+    if (way.norm() > kSpacingSlack * steps * area_m2 / spacing_m + noise_m / max_sigmas_) return false;
     // At an edge between two faces, a neighbour is as far from the plane as from the sample.
     const double limit_m = noise_m + steps * spacing_m;
     return std::abs(way.dot(a.normal_world.cast<double>())) < limit_m &&

@@ -99,8 +99,11 @@ class SessionDecision {
       : config_(config), parameters_(parameters), map_(map) {}
 
   void Run() {
+    for (TrackedObject* o : map_->AllObjects())
+      if (o->state().status != ObjectStatus::kTentative) Print("object", *o);
     DropFragments();
     JoinPieces();
+    EndVanished();
     ListObjects();
     Align();
     MatchInPlace();
@@ -129,9 +132,11 @@ class SessionDecision {
   void MatchInPlace();
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
-  bool IsVacated(const TrackedObject& known) const;
+  bool IsVacated(const TrackedObject& known, const LookCount& looks) const;
+  void EndVanished();
   void FindMoves();
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
+  void Create(TrackedObject* object);
   void AddRest();
   bool IsPartOfStanding(const TrackedObject& seen);
   void EndGone();
@@ -147,7 +152,10 @@ class SessionDecision {
 
 void SessionDecision::DropFragments() {
   for (TrackedObject* object : map_->TentativeObjects()) {
-    if (object->state().supporting_frames < parameters_.min_frames ||
+    const LookCount looks = CountLooks(*object);
+    const std::uint64_t frames = object->state().supporting_frames;
+    if (frames < parameters_.min_frames ||
+        (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
         AreaOf(*object, map_->scale()) < parameters_.min_area_m2) {
       map_->Delete(object);
     }
@@ -193,6 +201,29 @@ void SessionDecision::JoinPieces() {
       break;
     }
   }
+}
+
+/// Makes known objects of those that were seen and then found gone in the same session.
+void SessionDecision::EndVanished() {
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    const LookCount looks = CountLooks(*object);
+    if (looks.looked_at() < parameters_.min_looked_at_cells ||
+        static_cast<double>(looks.gone) <
+            parameters_.gone_share * static_cast<double>(looks.looked_at())) {
+      continue;
+    }
+    Create(object);
+  }
+}
+
+/// Adds an object of the session to the map.
+void SessionDecision::Create(TrackedObject* object) {
+  {
+    ObjectEdit edit = map_->Edit(object);
+    edit.state().status = ObjectStatus::kPresent;
+    edit.state().in_place_since = object->state().first_seen;
+  }
+  map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
 }
 
 void SessionDecision::ListObjects() {
@@ -332,9 +363,17 @@ void SessionDecision::UpdateBeliefOf(double change_m, TrackedObject* object) {
 }
 
 /// True if an undecided object of the session is where a known one was, so that it cannot be there.
-bool SessionDecision::IsVacated(const TrackedObject& known) const {
+bool SessionDecision::IsVacated(const TrackedObject& known, const LookCount& looks) const {
+  const bool is_doubted = static_cast<double>(looks.gone) >=
+                          parameters_.doubted_share * static_cast<double>(looks.looked_at());
   return std::any_of(seen_.begin(), seen_.end(), [&](const SeenObject& seen) {
     if (seen.is_decided || !IsOfOneClass(*seen.object, known)) return false;
+    if (!is_doubted) {
+      const std::optional<Registration> registration = Register(*seen.object, known);
+      return registration && registration->dissimilarity <= parameters_.max_dissimilarity &&
+             registration->known_share >= parameters_.min_displaced_known_share &&
+             DisplacementOf(*registration, *seen.object) > parameters_.max_displacement_m;
+    }
     const Cuboid& a = seen.object->cuboid();
     const Cuboid& b = known.cuboid();
     const double smaller_m3 = std::min(a.volume_m3(), b.volume_m3());
@@ -349,7 +388,8 @@ void SessionDecision::JudgeKnown() {
     if (looks.looked_at() < parameters_.min_looked_at_cells) continue;
     const bool is_gone = static_cast<double>(looks.gone) >=
                          parameters_.gone_share * static_cast<double>(looks.looked_at());
-    known.standing = is_gone || IsVacated(*known.object) ? Standing::kGone : Standing::kStands;
+    known.standing =
+        is_gone || IsVacated(*known.object, looks) ? Standing::kGone : Standing::kStands;
   }
 }
 
@@ -379,7 +419,6 @@ void SessionDecision::FindMoves() {
     }
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    if ((a.distance_m > 0.0) != (b.distance_m > 0.0)) return a.distance_m <= 0.0;
     return a.match.confidence() > b.match.confidence();
   });
   for (const Candidate& candidate : candidates) {
@@ -391,6 +430,7 @@ void SessionDecision::FindMoves() {
             return false;
           }
           if (rival.seen != candidate.seen && rival.known != candidate.known) return false;
+          // Of two equal shapes, the one whose place overlaps was pushed.
           if (candidate.distance_m <= 0.0 && rival.distance_m > 0.0) return false;
           return rival.match.confidence() > candidate.match.confidence() - parameters_.rival_margin;
         });
@@ -452,12 +492,7 @@ void SessionDecision::AddRest() {
       map_->Delete(seen.object);
       continue;
     }
-    {
-      ObjectEdit edit = map_->Edit(seen.object);
-      edit.state().status = ObjectStatus::kPresent;
-      edit.state().in_place_since = seen.object->state().first_seen;
-    }
-    map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *seen.object));
+    Create(seen.object);
   }
 }
 

@@ -12,6 +12,8 @@ namespace steadymap {
 struct SessionIdentityParameters {
   /// Fewest frames and smallest surface, square metres, of an object.
   std::uint64_t min_frames = 2;
+  /// Fewest frames of an object that others contradict: fewer have a wrong label.
+  std::uint64_t min_doubted_frames = 5;
   double min_area_m2 = 0.004;
   /// Stationarity of a new object.
   double initial_stationarity = 0.6;
@@ -33,6 +35,11 @@ struct SessionIdentityParameters {
   double rival_margin = 0.1;
   /// Share of the looked-at surface that must be gone of an object that is gone.
   double gone_share = 0.5;
+  /// Share that must be gone of an object in whose place another object is, ...
+  double doubted_share = 0.15;
+  /// ... or share of that object's surface that must be known of the shape, if it was displaced by
+  /// less than can be seen through.
+  double min_displaced_known_share = 0.6;
   /// Fewest looked-at evidence cells that decide.
   std::size_t min_looked_at_cells = 4;
   /// Fewest evidence cells, and smallest share of the looked-at ones, of a part that is gone.

@@ -71,17 +71,20 @@ void EvidenceMapper::LookAtObjects() {
   }
 }
 
+/// Returns how far a sample on a surface may be measured off it, metres.
+double EvidenceMapper::LimitAt(float depth_m) const {
+  const double sigma_m = std::hypot(cloud_->depth_noise().SigmaM(static_cast<double>(depth_m)),
+                                    parameters_.looks.pose_sigma_m);
+  return parameters_.looks.max_sigmas * sigma_m + 0.5 * map_->scale().voxel_size_m;
+}
+
 /// True if a sample is on the surface of a volume, by the distance sampled there and its normal in
 /// the frame of the volume.
 bool EvidenceMapper::IsOnSurface(const SurfaceSample& sample,
                                  const DistanceSample& distance,
                                  const Eigen::Vector3d& normal) const {
   if (!distance.known) return false;
-  const double sigma_m =
-      std::hypot(cloud_->depth_noise().SigmaM(static_cast<double>(sample.depth_m)),
-                 parameters_.looks.pose_sigma_m);
-  const double limit_m = parameters_.looks.max_sigmas * sigma_m + 0.5 * map_->scale().voxel_size_m;
-  return std::abs(distance.distance_m) <= limit_m &&
+  return std::abs(distance.distance_m) <= LimitAt(sample.depth_m) &&
          normal.dot(distance.gradient) >= kMinNormalCosine;
 }
 
@@ -102,7 +105,13 @@ void EvidenceMapper::FindSurfaceOf(std::size_t place) {
       const Eigen::Vector3d point = T_object_world * sample.position_world.cast<double>();
       if (!reach_object.contains(point)) continue;
       const Eigen::Vector3d normal = T_object_world.linear() * sample.normal_world.cast<double>();
-      if (IsOnSurface(sample, sampler.Sample(point), normal)) on_objects_.push_back({index, place});
+      const DistanceSample distance = sampler.Sample(point);
+      // Few points of a thing of two voxels lie between eight observed voxels.
+      double nearest_m = 0.0;
+      const bool is_on_object = distance.known ? IsOnSurface(sample, distance, normal)
+                                               : sampler.SampleNearest(point, &nearest_m) &&
+                                                     std::abs(nearest_m) <= LimitAt(sample.depth_m);
+      if (is_on_object) on_objects_.push_back({index, place});
     }
   }
 }
@@ -234,6 +243,10 @@ void EvidenceMapper::FuseSession() {
     TrackedObject* object = in_view_[place].object;
     if (samples_by_class[place].empty() || object->is_archived()) continue;
     map_->FuseObject(static_cast<std::uint32_t>(place + 1), object, &integrator_);
+    if (object->surface().point_count() == 0) {
+      map_->Delete(object);
+      continue;
+    }
     ObjectEdit edit = map_->Edit(object);
     ++edit.state().supporting_frames;
     edit.state().last_seen = map_->now();

@@ -64,6 +64,7 @@ class EvidenceMapper final : public MapUpdater {
   std::vector<Claim> FindClaims() const;
   void FindSurfaces();
   void FindSurfaceOf(std::size_t place);
+  double LimitAt(float depth_m) const;
   bool IsOnSurface(const SurfaceSample& sample,
                    const DistanceSample& distance,
                    const Eigen::Vector3d& normal) const;
