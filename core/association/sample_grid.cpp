@@ -15,14 +15,17 @@ constexpr float kMaxGapPerMetre = 0.04F;
 // Surface seen flatter than this is no larger than its picture says.
 constexpr float kMinAreaCosine = 0.2F;
 
-/// The commonest class among a cell and its neighbours: a border that is off by a pixel moves
-/// nothing.
+/// The commonest class among a cell and its neighbours at the same depth: a border that is off by a
+/// pixel moves nothing, and a thin thing keeps its class.
 std::uint16_t MajorityLabel(const SemanticCloud& cloud, int column, int row) {
+  const float depth_m = cloud.At(column, row).depth_m;
+  const float max_gap_m = kMaxGapM + kMaxGapPerMetre * depth_m;
   std::array<std::uint16_t, 9> labels;
   std::size_t count = 0;
   for (int v = std::max(row - 2, 0); v <= std::min(row + 2, cloud.cells_high() - 1); v += 2) {
     for (int u = std::max(column - 2, 0); u <= std::min(column + 2, cloud.cells_wide() - 1);
          u += 2) {
+      if (std::abs(cloud.At(u, v).depth_m - depth_m) > max_gap_m) continue;
       labels[count++] = cloud.LabelAt(u, v);
     }
   }
