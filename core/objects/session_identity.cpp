@@ -104,6 +104,7 @@ class SessionDecision {
     DropFragments();
     JoinPieces();
     EndVanished();
+    for (TrackedObject* object : map_->TentativeObjects()) CutGoneCells(object);
     ListObjects();
     Align();
     MatchInPlace();
@@ -141,6 +142,7 @@ class SessionDecision {
   bool IsPartOfStanding(const TrackedObject& seen);
   void EndGone();
   void CutGoneParts(TrackedObject* object);
+  void CutGoneCells(TrackedObject* object);
   void UpdateBeliefOf(double change_m, TrackedObject* object);
 
   const MapConfig& config_;
@@ -521,6 +523,12 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
           parameters_.min_part_share * static_cast<double>(looks.looked_at())) {
     return;
   }
+  CutGoneCells(object);
+}
+
+/// Takes the cells off an object that most looks found gone, or of another class.
+void SessionDecision::CutGoneCells(TrackedObject* object) {
+  if (CountLooks(*object).gone == 0) return;
   TrackedObject& part = map_->AddPart(*object);
   {
     ObjectEdit edit = map_->Edit(object);
