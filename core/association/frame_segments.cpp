@@ -8,8 +8,12 @@
 namespace steadymap {
 namespace {
 
-// Samples at an edge may be invalid, so a link may skip one.
+// The plane of a sample at an edge may be unknown, so a link may skip one whose depth is on the
+// way.
 constexpr int kMaxLinkSamples = 2;
+
+// The depth of a cell is the mean of four pixels.
+constexpr double kCellNoiseShare = 0.5;
 
 // Of the spacing of samples on a surface: its slope is known as well as its normal.
 constexpr double kSpacingSlack = 1.5;
@@ -47,7 +51,8 @@ bool HaveOneKey(const SurfaceSample& a, const SurfaceSample& b) {
 class Continuity {
  public:
   Continuity(const SemanticCloud& cloud, double max_sigmas)
-      : noise_(cloud.depth_noise()),
+      : cloud_(cloud),
+        noise_(cloud.depth_noise()),
         max_sigmas_(max_sigmas),
         spacing_per_m_(static_cast<double>(SampleGrid::kStrideCells) /
                        std::sqrt(cloud.camera().fx * cloud.camera().fy)) {}
@@ -57,18 +62,32 @@ class Continuity {
   bool Joins(const SurfaceSample& a, const SurfaceSample& b, int steps) const {
     const Eigen::Vector3d way = (b.position_world - a.position_world).cast<double>();
     const double depth_m = static_cast<double>(std::max(a.depth_m, b.depth_m));
-    const double noise_m = max_sigmas_ * M_SQRT2 * noise_.SigmaM(depth_m);
+    const double noise_m = max_sigmas_ * M_SQRT2 * kCellNoiseShare * noise_.SigmaM(depth_m);
     const double spacing_m = spacing_per_m_ * depth_m;
     // The area of a sample is the square of the spacing, divided by the cosine of the slope.
     const double area_m2 = static_cast<double>(std::max(a.area_m2, b.area_m2));
-    if (way.norm() > kSpacingSlack * steps * area_m2 / spacing_m + noise_m / max_sigmas_) return false;
+    if (way.norm() > kSpacingSlack * steps * area_m2 / spacing_m + noise_m / max_sigmas_)
+      return false;
     // At an edge between two faces, a neighbour is as far from the plane as from the sample.
     const double limit_m = noise_m + steps * spacing_m;
     return std::abs(way.dot(a.normal_world.cast<double>())) < limit_m &&
            std::abs(way.dot(b.normal_world.cast<double>())) < limit_m;
   }
 
+  /// True if the cell at a sample without a plane is on the line between its two neighbours.
+  bool IsBetween(int column, int row, const SurfaceSample& a, const SurfaceSample& b) const {
+    const SurfaceCell& cell =
+        cloud_.At(column * SampleGrid::kStrideCells, row * SampleGrid::kStrideCells);
+    if (!(cell.depth_m > 0.0F)) return false;
+    const float expected_m = 2.0F / (1.0F / a.depth_m + 1.0F / b.depth_m);
+    // The noise of one depth and of the mean of two.
+    const double sigma_m =
+        std::sqrt(1.5) * kCellNoiseShare * noise_.SigmaM(static_cast<double>(expected_m));
+    return static_cast<double>(std::abs(cell.depth_m - expected_m)) <= max_sigmas_ * sigma_m;
+  }
+
  private:
+  const SemanticCloud& cloud_;
   DepthNoise noise_;
   double max_sigmas_;
   double spacing_per_m_;  ///< Of samples, at a depth of one metre.
@@ -108,7 +127,9 @@ std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
       if (u >= samples.width() || v >= samples.height()) return;
       const SurfaceSample& other = samples.At(u, v);
       if (!is_in(samples.Index(u, v))) continue;
-      if (HaveOneKey(sample, other) && continuity.Joins(sample, other, step)) {
+      if (HaveOneKey(sample, other) &&
+          (step == 1 || continuity.IsBetween(column + right, row + down, sample, other)) &&
+          continuity.Joins(sample, other, step)) {
         sets.Join(samples.Index(column, row), samples.Index(u, v));
       }
       return;
