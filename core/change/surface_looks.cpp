@@ -118,7 +118,7 @@ bool AddLook(const LookedAtFrame& frame,
       if (balance[cell] == 0) continue;
       const int score = scores.score[cell] + (balance[cell] > 0 ? 1 : -1);
       scores.score[cell] =
-          static_cast<std::int8_t>(std::clamp<int>(score, -kMaxCellScore, kMaxCellScore));
+          static_cast<std::int8_t>(std::clamp(score, -parameters.max_score, parameters.max_score));
     }
   }
   return has_looked;

@@ -28,6 +28,8 @@ struct LookParameters {
   /// Looks of one surface within this time count once, seconds, so that evidence does not depend on
   /// the frame rate.
   double min_interval_s = 0.2;
+  /// Largest magnitude of a score: so many looks change it from one side to the other.
+  int max_score = 2;
 };
 
 /// The number of evidence cells of an object by the balance of their looks.
@@ -40,7 +42,7 @@ struct LookCount {
 
 /// Adds one look of a frame at each evidence cell of an object that faces the camera and is not
 /// occluded: one up where surface of its class is measured, one down where there is none. Scores
-/// are limited to `kMaxCellScore` on either side. Returns false if no cell was looked at. `now` is
+/// are limited on either side. Returns false if no cell was looked at. `now` is
 /// the capture time of the frame.
 bool AddLook(const LookedAtFrame& frame,
              const LookParameters& parameters,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
@@ -23,6 +24,9 @@ constexpr std::size_t kMaxAnchorPoints = 400;
 // Fewest points of a surface in contact.
 constexpr std::size_t kMinContactPoints = 3;
 
+// Standard deviation of a normal distribution, in medians of its magnitude.
+constexpr double kSigmasOfMedian = 1.4826;
+
 // A motion below this share of a voxel is lost in its interpolation.
 constexpr double kNegligibleMotionVoxels = 0.1;
 
@@ -40,10 +44,13 @@ struct SeenObject {
   bool is_decided = false;
 };
 
-double AreaOf(const TrackedObject& object, const VoxelScale& scale) {
-  return static_cast<double>(object.surface().point_count()) * scale.voxel_size_m *
-         scale.voxel_size_m;
-}
+/// An object of the session on the surface of a known one.
+struct PlaceMatch {
+  SeenObject* seen = nullptr;
+  KnownObject* known = nullptr;
+  double displacement_m = 0.0;
+  double fit = 0.0;  ///< Share of the surface that agrees.
+};
 
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {
   return a.state().class_id == b.state().class_id;
@@ -122,6 +129,7 @@ class SessionDecision {
  private:
   void DropFragments();
   void JoinPieces();
+  bool IsFragmentOf(const TrackedObject& object, const TrackedObject& other) const;
   bool IsPieceOf(const TrackedObject& object, const TrackedObject& other) const;
   void ListObjects();
   void Align();
@@ -130,6 +138,8 @@ class SessionDecision {
                           const Eigen::Isometry3d& T_correction) const;
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   std::optional<Registration> Register(const TrackedObject& seen, const TrackedObject& known) const;
+  double InPlaceLimit(const std::vector<PlaceMatch>& matches) const;
+  std::vector<PlaceMatch> FindPlaceMatches();
   void MatchInPlace();
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
@@ -158,7 +168,7 @@ void SessionDecision::DropFragments() {
     const std::uint64_t frames = object->state().supporting_frames;
     if (frames < parameters_.min_frames ||
         (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
-        AreaOf(*object, map_->scale()) < parameters_.min_area_m2) {
+        object->SurfaceAreaM2() < parameters_.min_area_m2) {
       map_->Delete(object);
     }
   }
@@ -166,6 +176,7 @@ void SessionDecision::DropFragments() {
 
 /// True if the smaller object is a part of the larger one, or a wrong label on it.
 bool SessionDecision::IsPieceOf(const TrackedObject& object, const TrackedObject& other) const {
+  if (IsFragmentOf(object, other)) return true;
   if (!object.BoundsInWorld().intersects(other.BoundsInWorld())) {
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * map_->scale().voxel_size_m);
     Box reach_world = object.BoundsInWorld();
@@ -304,30 +315,59 @@ void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* objec
   edit.state().T_world_object = UprightPoseOf(motion * object->state().T_world_object.ToIsometry());
 }
 
-void SessionDecision::MatchInPlace() {
+/// Returns the displacement up to which a thing stands where it stood: most things do, so that
+/// their displacements tell the error of the poses.
+double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches) const {
+  std::map<const SeenObject*, double> least_m;
+  for (const PlaceMatch& match : matches) {
+    if (match.known->object->is_archived()) continue;
+    const auto [entry, is_new] = least_m.emplace(match.seen, match.displacement_m);
+    if (!is_new) entry->second = std::min(entry->second, match.displacement_m);
+  }
+  if (least_m.empty()) return parameters_.max_displacement_m;
+  std::vector<double> displacements_m;
+  for (const auto& [seen, displacement_m] : least_m) displacements_m.push_back(displacement_m);
+  const auto middle =
+      displacements_m.begin() + static_cast<std::ptrdiff_t>((displacements_m.size() - 1) / 2);
+  std::nth_element(displacements_m.begin(), middle, displacements_m.end());
+  return std::max(parameters_.max_displacement_m,
+                  parameters_.max_pose_sigmas * kSigmasOfMedian * *middle);
+}
+
+/// Returns the known objects that each object of the session may be, in place or almost.
+std::vector<PlaceMatch> SessionDecision::FindPlaceMatches() {
+  std::vector<PlaceMatch> matches;
   for (SeenObject& seen : seen_) {
-    KnownObject* best = nullptr;
-    double most = 0.0;
     for (KnownObject& known : known_) {
       const std::optional<Registration> registration = Register(*seen.object, *known.object);
-      const bool is_archived = known.object->is_archived();
-      const double least_known =
-          is_archived ? parameters_.min_shape_known_share : parameters_.min_known_share;
+      const double least_known = known.object->is_archived() ? parameters_.min_shape_known_share
+                                                             : parameters_.min_known_share;
       if (!registration || registration->dissimilarity > parameters_.max_dissimilarity ||
-          registration->known_share < least_known ||
-          DisplacementOf(*registration, *seen.object) > parameters_.max_displacement_m) {
+          registration->known_share < least_known) {
         continue;
       }
       const double fit = registration->known_share * (1.0 - registration->dissimilarity);
-      // What stands there is more likely than what left.
-      if (best != nullptr && (is_archived > best->object->is_archived() ||
-                              (is_archived == best->object->is_archived() && fit <= most))) {
-        continue;
-      }
-      best = &known;
-      most = fit;
+      matches.push_back({&seen, &known, DisplacementOf(*registration, *seen.object), fit});
     }
-    if (best != nullptr) Confirm(&seen, best);
+  }
+  // What stands there is more likely than what left.
+  std::stable_sort(matches.begin(), matches.end(), [](const PlaceMatch& a, const PlaceMatch& b) {
+    if (a.known->object->is_archived() != b.known->object->is_archived()) {
+      return b.known->object->is_archived();
+    }
+    return a.fit > b.fit;
+  });
+  return matches;
+}
+
+void SessionDecision::MatchInPlace() {
+  const std::vector<PlaceMatch> matches = FindPlaceMatches();
+  const double limit_m = InPlaceLimit(matches);
+  for (const PlaceMatch& match : matches) {
+    if (match.seen->is_decided) continue;
+    // What was gone is back where it stood, if not to the centimetre.
+    if (match.displacement_m > limit_m && !match.known->object->is_archived()) continue;
+    Confirm(match.seen, match.known);
   }
 }
 
@@ -411,6 +451,10 @@ void SessionDecision::FindMoves() {
       if (!IsOfOneClass(*seen.object, *known.object)) continue;
       if (known.standing != Standing::kGone && !known.object->is_archived()) continue;
       if (known.standing == Standing::kStands) continue;
+      if (seen.object->SurfaceAreaM2() <
+          parameters_.fragment_share * known.object->SurfaceAreaM2()) {
+        continue;
+      }
       const ShapeMatch match = MatchShapes(*known.object, *seen.object, map_->scale());
       if (match.overlap.known_share < parameters_.min_shape_known_share ||
           match.overlap.fit_share < parameters_.min_shape_fit_share) {
@@ -472,13 +516,23 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
   map_->Delete(after);
 }
 
+/// True if an object is so much smaller than one of its class beside it that it is a part of it.
+bool SessionDecision::IsFragmentOf(const TrackedObject& object, const TrackedObject& other) const {
+  if (!IsOfOneClass(object, other)) return false;
+  const Cuboid& cuboid = other.cuboid();
+  return object.SurfaceAreaM2() < parameters_.fragment_share * other.SurfaceAreaM2() &&
+         DistanceBetween(object.cuboid(), cuboid) <
+             parameters_.fragment_reach * cuboid.size_m.maxCoeff();
+}
+
 /// True if an object of the session continues a standing object, which then has its surface.
 bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
   const double contact_m = parameters_.contact_voxels * map_->scale().voxel_size_m;
   for (const KnownObject& known : known_) {
     if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
-    if (DistanceBetween(seen.cuboid(), known.object->cuboid()) > contact_m ||
-        CountContacts(seen, *known.object, contact_m, map_->scale()) < kMinContactPoints) {
+    if (!IsFragmentOf(seen, *known.object) &&
+        (DistanceBetween(seen.cuboid(), known.object->cuboid()) > contact_m ||
+         CountContacts(seen, *known.object, contact_m, map_->scale()) < kMinContactPoints)) {
       continue;
     }
     AddVoxels(seen, map_, known.object);

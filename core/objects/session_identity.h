@@ -25,6 +25,13 @@ struct SessionIdentityParameters {
   double vote_scale_m = 0.02;
   /// An object that is displaced by no more than this stands where it stood, metres.
   double max_displacement_m = 0.03;
+  /// The same in standard deviations of the displacements of all objects, which tell the error of
+  /// the poses.
+  double max_pose_sigmas = 3.0;
+  /// An object with less than this share of the surface of another one of its class, and closer to
+  /// it than this share of its length, is a part of it.
+  double fragment_share = 0.25;
+  double fragment_reach = 0.5;
   /// Share of the surface that may disagree with a known shape, and that must be known of it.
   double max_dissimilarity = 0.2;
   double min_known_share = 0.3;

@@ -15,11 +15,6 @@ namespace {
 // The normals of a sample and of the surface that it is on differ by at most 45 degrees.
 constexpr double kMinNormalCosine = 0.7;
 
-double AreaOf(const TrackedObject& object, const VoxelScale& scale) {
-  return static_cast<double>(object.surface().point_count()) * scale.voxel_size_m *
-         scale.voxel_size_m;
-}
-
 bool IsInSession(const TrackedObject& object) {
   return object.state().status == ObjectStatus::kTentative;
 }
@@ -152,7 +147,7 @@ std::vector<EvidenceMapper::Claim> EvidenceMapper::FindClaims() const {
   for (const auto& [key, area_m2] : areas_m2) {
     const auto& [place, segment] = key;
     const double smaller_m2 =
-        std::min(AreaOf(*in_view_[place].object, map_->scale()), segments_[segment].area_m2);
+        std::min(in_view_[place].object->SurfaceAreaM2(), segments_[segment].area_m2);
     claims.push_back({segment, place, area_m2, area_m2 / smaller_m2});
   }
   std::stable_sort(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) {

@@ -49,6 +49,10 @@ void TrackedObject::UpdateBounds() {
   bounds_object_ = bounds.cast<double>();
 }
 
+double TrackedObject::SurfaceAreaM2() const {
+  return static_cast<double>(surface_.point_count()) * scale_.voxel_size_m * scale_.voxel_size_m;
+}
+
 Box TrackedObject::BoundsInWorld() const {
   if (bounds_object_.isEmpty()) return {};
   const UprightPose& pose = state_.T_world_object;

@@ -45,6 +45,9 @@ class TrackedObject {
   /// Returns the surface points, world frame, metres.
   std::vector<Eigen::Vector3d> SurfaceInWorld() const;
 
+  /// Returns the area of the surface, one voxel's face per surface point, square metres.
+  double SurfaceAreaM2() const;
+
   /// Returns the bounds of the surface, object frame.
   const Box& bounds_object() const { return bounds_object_; }
 
