@@ -36,6 +36,7 @@ enum class Standing { kUnknown, kStands, kGone };
 struct KnownObject {
   TrackedObject* object = nullptr;
   Standing standing = Standing::kUnknown;
+  bool is_taken = false;  ///< By an object of the session.
 };
 
 /// An object of the session.
@@ -72,6 +73,13 @@ std::size_t CountContacts(const TrackedObject& a,
     }
   }
   return count;
+}
+
+/// Returns the share of the looked-at surface that is gone.
+double GoneShareOf(const TrackedObject& object) {
+  const LookCount looks = CountLooks(object);
+  if (looks.looked_at() == 0) return 0.0;
+  return static_cast<double>(looks.gone) / static_cast<double>(looks.looked_at());
 }
 
 /// Returns the largest displacement that a correction means for a thing.
@@ -117,6 +125,7 @@ class SessionDecision {
     MatchInPlace();
     JudgeKnown();
     FindMoves();
+    MatchDoubted();
     AddRest();
     EndGone();
     for (TrackedObject* object : map_->AllObjects()) {
@@ -141,6 +150,10 @@ class SessionDecision {
   double InPlaceLimit(const std::vector<PlaceMatch>& matches) const;
   std::vector<PlaceMatch> FindPlaceMatches();
   void MatchInPlace();
+  double DoubtOf(const TrackedObject& known) const;
+  void MatchDoubted();
+  double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
+  bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
   bool IsVacated(const TrackedObject& known, const LookCount& looks) const;
@@ -160,6 +173,8 @@ class SessionDecision {
   WorkingMap* map_;
   std::vector<SeenObject> seen_;
   std::vector<KnownObject> known_;
+  Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  ///< Onto the map, of the session.
+  std::vector<PlaceMatch> doubted_;  ///< In place, but much of the known object is gone.
 };
 
 void SessionDecision::DropFragments() {
@@ -302,9 +317,8 @@ void SessionDecision::Align() {
   }
   if (anchors.empty()) return;
   const double scale_m = std::max(parameters_.vote_scale_m, 0.5 * map_->scale().voxel_size_m);
-  const Eigen::Isometry3d motion =
-      AlignToAnchors(anchors, starts, scale_m, parameters_.claim_votes);
-  for (const SeenObject& seen : seen_) Move(motion, seen.object);
+  motion_ = AlignToAnchors(anchors, starts, scale_m, parameters_.claim_votes);
+  for (const SeenObject& seen : seen_) Move(motion_, seen.object);
 }
 
 void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* object) {
@@ -315,12 +329,21 @@ void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* objec
   edit.state().T_world_object = UprightPoseOf(motion * object->state().T_world_object.ToIsometry());
 }
 
+bool SessionDecision::IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const {
+  return std::any_of(doubted_.begin(), doubted_.end(), [&](const PlaceMatch& match) {
+    return match.seen == &seen && match.known == &known;
+  });
+}
+
 /// Returns the displacement up to which a thing stands where it stood: most things do, so that
 /// their displacements tell the error of the poses.
 double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches) const {
   std::map<const SeenObject*, double> least_m;
   for (const PlaceMatch& match : matches) {
-    if (match.known->object->is_archived()) continue;
+    if (match.known->object->is_archived() ||
+        IsFragmentOf(*match.seen->object, *match.known->object)) {
+      continue;
+    }
     const auto [entry, is_new] = least_m.emplace(match.seen, match.displacement_m);
     if (!is_new) entry->second = std::min(entry->second, match.displacement_m);
   }
@@ -367,14 +390,45 @@ void SessionDecision::MatchInPlace() {
     if (match.seen->is_decided) continue;
     // What was gone is back where it stood, if not to the centimetre.
     if (match.displacement_m > limit_m && !match.known->object->is_archived()) continue;
-    Confirm(match.seen, match.known);
+    if (DoubtOf(*match.known->object) >= parameters_.doubted_share) {
+      doubted_.push_back(match);
+    } else {
+      Confirm(match.seen, match.known);
+    }
   }
+}
+
+/// Returns the share of the looked-at surface that is gone; 0 if the looks were from wrong poses.
+double SessionDecision::DoubtOf(const TrackedObject& known) const {
+  const Eigen::Vector3d& center_world = known.cuboid().center_world;
+  const double displacement_m = (motion_ * center_world - center_world).norm();
+  return displacement_m > parameters_.max_displacement_m ? 0.0 : GoneShareOf(known);
+}
+
+/// Confirms the doubted matches in place that no move explains better.
+void SessionDecision::MatchDoubted() {
+  for (const PlaceMatch& match : doubted_) {
+    if (!match.seen->is_decided && !match.known->is_taken) Confirm(match.seen, match.known);
+  }
+}
+
+/// Returns how well an object of the session, or a known object, agrees with standing in place
+/// despite what is gone, in [0, 1].
+double SessionDecision::DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const {
+  double best = 0.0;
+  for (const PlaceMatch& match : doubted_) {
+    if (match.seen->is_decided || match.known->is_taken) continue;
+    if (match.seen != &seen && match.known != &known) continue;
+    best = std::max(best, match.fit * (1.0 - DoubtOf(*match.known->object)));
+  }
+  return best;
 }
 
 void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   TrackedObject* object = known->object;
   seen->is_decided = true;
   known->standing = Standing::kStands;
+  known->is_taken = true;
   AddVoxels(*seen->object, map_, object);
   const bool is_back = object->is_archived();
   {
@@ -450,7 +504,7 @@ void SessionDecision::FindMoves() {
     for (KnownObject& known : known_) {
       if (!IsOfOneClass(*seen.object, *known.object)) continue;
       if (known.standing != Standing::kGone && !known.object->is_archived()) continue;
-      if (known.standing == Standing::kStands) continue;
+      if (known.is_taken || IsDoubtedMatch(seen, known)) continue;
       if (seen.object->SurfaceAreaM2() <
           parameters_.fragment_share * known.object->SurfaceAreaM2()) {
         continue;
@@ -468,11 +522,13 @@ void SessionDecision::FindMoves() {
     return a.match.confidence() > b.match.confidence();
   });
   for (const Candidate& candidate : candidates) {
-    if (candidate.seen->is_decided || candidate.known->standing == Standing::kStands) continue;
+    if (candidate.seen->is_decided || candidate.known->is_taken ||
+        DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence()) {
+      continue;
+    }
     const bool has_rival =
         std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& rival) {
-          if (&rival == &candidate || rival.seen->is_decided ||
-              rival.known->standing == Standing::kStands) {
+          if (&rival == &candidate || rival.seen->is_decided || rival.known->is_taken) {
             return false;
           }
           if (rival.seen != candidate.seen && rival.known != candidate.known) return false;
@@ -484,6 +540,7 @@ void SessionDecision::FindMoves() {
     Join(candidate.known->object, candidate.seen->object, candidate.match);
     candidate.seen->is_decided = true;
     candidate.known->standing = Standing::kStands;
+    candidate.known->is_taken = true;
   }
 }
 
