@@ -147,7 +147,7 @@ class SessionDecision {
                           const Eigen::Isometry3d& T_correction) const;
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   std::optional<Registration> Register(const TrackedObject& seen, const TrackedObject& known) const;
-  double InPlaceLimit(const std::vector<PlaceMatch>& matches) const;
+  double InPlaceLimit(const std::vector<PlaceMatch>& matches, const SeenObject& seen) const;
   std::vector<PlaceMatch> FindPlaceMatches();
   void MatchInPlace();
   double DoubtOf(const TrackedObject& known) const;
@@ -335,12 +335,13 @@ bool SessionDecision::IsDoubtedMatch(const SeenObject& seen, const KnownObject& 
   });
 }
 
-/// Returns the displacement up to which a thing stands where it stood: most things do, so that
-/// their displacements tell the error of the poses.
-double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches) const {
+/// Returns the displacement up to which an object of the session stands where it stood: most things
+/// do, so that the displacements of the others tell the error of the poses.
+double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches,
+                                     const SeenObject& seen) const {
   std::map<const SeenObject*, double> least_m;
   for (const PlaceMatch& match : matches) {
-    if (match.known->object->is_archived() ||
+    if (match.seen == &seen || match.known->object->is_archived() ||
         IsFragmentOf(*match.seen->object, *match.known->object)) {
       continue;
     }
@@ -348,11 +349,10 @@ double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches) con
     if (!is_new) entry->second = std::min(entry->second, match.displacement_m);
   }
   if (least_m.empty()) return parameters_.max_displacement_m;
-  std::vector<double> displacements_m;
-  for (const auto& [seen, displacement_m] : least_m) displacements_m.push_back(displacement_m);
-  const auto middle =
-      displacements_m.begin() + static_cast<std::ptrdiff_t>((displacements_m.size() - 1) / 2);
-  std::nth_element(displacements_m.begin(), middle, displacements_m.end());
+  std::vector<double> others_m;
+  for (const auto& [other, displacement_m] : least_m) others_m.push_back(displacement_m);
+  const auto middle = others_m.begin() + static_cast<std::ptrdiff_t>((others_m.size() - 1) / 2);
+  std::nth_element(others_m.begin(), middle, others_m.end());
   return std::max(parameters_.max_displacement_m,
                   parameters_.max_pose_sigmas * kSigmasOfMedian * *middle);
 }
@@ -385,11 +385,13 @@ std::vector<PlaceMatch> SessionDecision::FindPlaceMatches() {
 
 void SessionDecision::MatchInPlace() {
   const std::vector<PlaceMatch> matches = FindPlaceMatches();
-  const double limit_m = InPlaceLimit(matches);
   for (const PlaceMatch& match : matches) {
     if (match.seen->is_decided) continue;
     // What was gone is back where it stood, if not to the centimetre.
-    if (match.displacement_m > limit_m && !match.known->object->is_archived()) continue;
+    if (!match.known->object->is_archived() &&
+        match.displacement_m > InPlaceLimit(matches, *match.seen)) {
+      continue;
+    }
     if (DoubtOf(*match.known->object) >= parameters_.doubted_share) {
       doubted_.push_back(match);
     } else {
