@@ -114,8 +114,6 @@ class SessionDecision {
       : config_(config), parameters_(parameters), map_(map) {}
 
   void Run() {
-    for (TrackedObject* o : map_->AllObjects())
-      if (o->state().status != ObjectStatus::kTentative) Print("object", *o);
     DropFragments();
     JoinPieces();
     EndVanished();

@@ -74,6 +74,11 @@ void MapStory::Look(const Scene& scene, int count, int visit) {
   Play(LookAtScene(scene, static_cast<int>(mapper_->head().value()), count, visit));
 }
 
+void MapStory::EndSession() {
+  mapper_->EndSession(mapper_->head().Next());
+  Commit();
+}
+
 void MapStory::Restart() {
   mapper_ = Mapper::Create(config_, options_).value();
   mapper_->Restore(told_);

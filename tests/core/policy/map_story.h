@@ -47,6 +47,9 @@ class MapStory {
   /// Integrates the next `count` frames of a scene. A new `visit` begins after a pause.
   void Look(const Scene& scene, int count, int visit = 0);
 
+  /// Ends the session of the robots, with a commit.
+  void EndSession();
+
   /// Restarts the mapper from the map rebuilt from the deltas.
   void Restart();
 

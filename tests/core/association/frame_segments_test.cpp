@@ -1,0 +1,93 @@
+// Boxes in front of a wall, seen by a camera at the origin that looks along x.
+
+#include "core/association/frame_segments.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/types/map_config.h"
+#include "tests/support/analytic_scene.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kWallClass;
+using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::SceneBody;
+
+SceneBody DistantWall() { return Body(kWallClass, {2.6, -4.0, -4.0}, {2.8, 4.0, 4.0}); }
+
+SceneBody BoxAt(double front_m, double left_m, double right_m) {
+  return Body(kGoodsClass, {front_m, left_m, -0.3}, {front_m + 0.3, right_m, 0.3});
+}
+
+class FrameSegmentsTest : public ::testing::Test {
+ protected:
+  FrameSegmentsTest() : cloud_(MapConfig()) {}
+
+  void Look(const Frame& frame) {
+    cloud_.Compute(frame);
+    samples_.Compute(cloud_);
+    is_excluded_.assign(samples_.size(), 0);
+  }
+
+  std::vector<FrameSegment> FindOf(std::uint16_t label) const {
+    std::vector<FrameSegment> segments =
+        FindFrameSegments(cloud_, samples_, is_excluded_, ContinuityParameters());
+    std::erase_if(segments, [label](const auto& segment) { return segment.label != label; });
+    return segments;
+  }
+
+  SemanticCloud cloud_;
+  SampleGrid samples_;
+  std::vector<std::uint8_t> is_excluded_;
+};
+
+TEST_F(FrameSegmentsTest, OneThingIsOneSegmentOfItsArea) {
+  Look(RenderScene({DistantWall(), BoxAt(1.5, -0.25, 0.25)}, {}));
+  const std::vector<FrameSegment> boxes = FindOf(kGoodsClass);
+  ASSERT_EQ(boxes.size(), 1U);
+  EXPECT_NEAR(boxes.front().area_m2, 0.5 * 0.6, 0.05);
+  EXPECT_TRUE(std::is_sorted(boxes.front().samples.begin(), boxes.front().samples.end()));
+}
+
+TEST_F(FrameSegmentsTest, ThingsOfOneClassWithAGapAreTwo) {
+  Look(RenderScene({DistantWall(), BoxAt(1.5, -0.5, -0.05), BoxAt(1.5, 0.05, 0.5)}, {}));
+  EXPECT_EQ(FindOf(kGoodsClass).size(), 2U);
+}
+
+TEST_F(FrameSegmentsTest, AThingBehindAnotherOneOfItsClassIsASecondSegment) {
+  Look(RenderScene({DistantWall(), BoxAt(1.2, -0.3, 0.0), BoxAt(1.9, -0.2, 0.5)}, {}));
+  EXPECT_EQ(FindOf(kGoodsClass).size(), 2U);
+}
+
+TEST_F(FrameSegmentsTest, InstancesDivideWhatTouches) {
+  Frame frame = RenderScene({DistantWall(), BoxAt(1.5, -0.4, 0.4)}, {});
+  frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px);
+  for (int v = 0; v < frame.camera.height_px; ++v) {
+    for (int u = 0; u < frame.camera.width_px; ++u) {
+      if (frame.labels.At(u, v) != kGoodsClass) continue;
+      frame.instances.At(u, v) = u < frame.camera.width_px / 2 ? 1 : 2;
+    }
+  }
+  Look(frame);
+  const std::vector<FrameSegment> boxes = FindOf(kGoodsClass);
+  ASSERT_EQ(boxes.size(), 2U);
+  EXPECT_NE(boxes[0].instance, boxes[1].instance);
+}
+
+TEST_F(FrameSegmentsTest, ExcludedSamplesAreInNoSegment) {
+  Look(RenderScene({DistantWall(), BoxAt(1.5, -0.25, 0.25)}, {}));
+  const std::size_t excluded = FindOf(kGoodsClass).front().samples.front();
+  is_excluded_[excluded] = 1;
+  for (const FrameSegment& segment : FindOf(kGoodsClass)) {
+    EXPECT_EQ(std::count(segment.samples.begin(), segment.samples.end(), excluded), 0);
+  }
+}
+
+}  // namespace
+}  // namespace steadymap

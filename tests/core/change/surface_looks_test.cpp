@@ -1,0 +1,100 @@
+// A wall at 2 m that frames find, miss, or do not see.
+
+#include "core/change/surface_looks.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/types/map_config.h"
+#include "tests/support/analytic_map.h"
+#include "tests/support/analytic_scene.h"
+#include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Body;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kScale;
+using ::steadymap::testing::kWallClass;
+using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::StateOf;
+using ::steadymap::testing::StoreVolume;
+using ::steadymap::testing::WallVolume;
+
+class SurfaceLooksTest : public ::testing::Test {
+ protected:
+  SurfaceLooksTest() : wall_(ObjectId(1), Eigen::Vector3d::Zero(), kScale), cloud_(MapConfig()) {
+    StoreVolume(WallVolume(2.0, kScale), &wall_);
+    StateOf(&wall_).class_id = ClassId(kWallClass);
+  }
+
+  /// Looks at a wall that fills the image. Returns true if it was a look at the known wall.
+  bool Look(double depth_m, double time_s, std::uint16_t label = kWallClass) {
+    const Frame frame =
+        RenderScene({Body(label, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0})}, {});
+    cloud_.Compute(frame);
+    samples_.Compute(cloud_);
+    tiles_.Compute(frame.depth);
+    return AddLook({cloud_, samples_, tiles_},
+                   parameters_,
+                   kScale,
+                   Timestamp::FromSeconds(time_s),
+                   wall_,
+                   &StateOf(&wall_).evidence);
+  }
+
+  LookParameters parameters_;
+  TrackedObject wall_;
+  SemanticCloud cloud_;
+  SampleGrid samples_;
+  MinDepthGrid tiles_;
+};
+
+TEST_F(SurfaceLooksTest, SurfaceInItsPlaceIsFound) {
+  ASSERT_TRUE(Look(2.0, 1.0));
+  EXPECT_GT(CountLooks(wall_).found, 50U);
+  EXPECT_EQ(CountLooks(wall_).gone, 0U);
+}
+
+TEST_F(SurfaceLooksTest, SurfaceThatIsSeenThroughIsGone) {
+  ASSERT_TRUE(Look(3.0, 1.0));
+  EXPECT_EQ(CountLooks(wall_).found, 0U);
+  EXPECT_GT(CountLooks(wall_).gone, 50U);
+}
+
+TEST_F(SurfaceLooksTest, OccludedSurfaceIsNotLookedAt) {
+  EXPECT_FALSE(Look(1.0, 1.0));
+  EXPECT_EQ(CountLooks(wall_).looked_at(), 0U);
+}
+
+TEST_F(SurfaceLooksTest, SurfaceOfAnotherClassTookItsPlace) {
+  ASSERT_TRUE(Look(2.0, 1.0, kGoodsClass));
+  EXPECT_EQ(CountLooks(wall_).found, 0U);
+  EXPECT_GT(CountLooks(wall_).gone, 50U);
+}
+
+TEST_F(SurfaceLooksTest, WithoutLabelsTheSurfaceDecides) {
+  parameters_.labels_decide = false;
+  ASSERT_TRUE(Look(2.0, 1.0, kGoodsClass));
+  EXPECT_EQ(CountLooks(wall_).gone, 0U);
+}
+
+TEST_F(SurfaceLooksTest, LooksOfOneMomentCountOnce) {
+  ASSERT_TRUE(Look(2.0, 1.0));
+  const ObjectEvidence once = wall_.state().evidence;
+  EXPECT_FALSE(Look(2.0, 1.0 + 0.5 * parameters_.min_interval_s));
+  EXPECT_EQ(wall_.state().evidence, once);
+}
+
+TEST_F(SurfaceLooksTest, AFewLooksOutweighAnyNumberOfOlderOnes) {
+  for (int i = 0; i < 50; ++i) Look(2.0, i);
+  for (int i = 0; i <= parameters_.max_score; ++i) Look(3.0, 100.0 + i);
+  EXPECT_EQ(CountLooks(wall_).found, 0U);
+  EXPECT_GT(CountLooks(wall_).gone, 50U);
+}
+
+}  // namespace
+}  // namespace steadymap

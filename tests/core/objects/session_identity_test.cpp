@@ -1,0 +1,186 @@
+// Boxes on a row along y: known ones, which frames of the session found or missed, and those that
+// the session saw.
+
+#include "core/objects/session_identity.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/types/map_config.h"
+#include "tests/support/analytic_map.h"
+#include "tests/support/analytic_solid.h"
+#include "tests/support/object_edits.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::Solid;
+using ::steadymap::testing::StoreVolume;
+
+const Eigen::Vector3d kSizeM(0.4, 0.5, 0.6);
+const Eigen::Vector3d kOtherSizeM(0.4, 0.9, 0.3);
+
+class SessionIdentityTest : public ::testing::Test {
+ protected:
+  SessionIdentityTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
+
+  TrackedObject* Put(ObjectStatus status,
+                     const Eigen::Vector3d& place,
+                     const Eigen::Vector3d& size) {
+    TrackedObject& object = map_.AddObject(place);
+    const Eigen::Vector3d low = place - object.state().T_world_object.position_world;
+    ObjectEdit edit = map_.Edit(&object);
+    StoreVolume(MakeVolume({Box(low, low + size)}, map_.scale()), &edit);
+    ObjectState& state = edit.state();
+    state.status = status;
+    state.class_id = ClassId(7);
+    state.belief = InitialBelief(0.6);
+    state.supporting_frames = 20;
+    return &object;
+  }
+
+  /// Adds a known box, all of whose surface has the given balance of looks; 0: was not looked at.
+  TrackedObject* PutKnown(double y_m, int score, const Eigen::Vector3d& size = kSizeM) {
+    TrackedObject* known = Put(ObjectStatus::kPresent, {2.0, y_m, 0.0}, size);
+    if (score == 0) return known;
+    ObjectEdit edit = map_.Edit(known);
+    for (const SurfaceLeaf& leaf : known->surface().leaves()) {
+      edit.state().evidence.MutableLeaf(leaf.origin).score.fill(static_cast<std::int8_t>(score));
+    }
+    return known;
+  }
+
+  TrackedObject* PutSeen(double y_m, const Eigen::Vector3d& size = kSizeM) {
+    return Put(ObjectStatus::kTentative, {2.0, y_m, 0.0}, size);
+  }
+
+  std::vector<ObjectEvent> Decide() {
+    DecideSession(MapConfig(), SessionIdentityParameters(), &map_);
+    map_.EndFrame();
+    for (const auto& [id, object] : map_.objects()) {
+      EXPECT_NE(object.state().status, ObjectStatus::kTentative);
+      EXPECT_EQ(object.state().evidence, ObjectEvidence());
+    }
+    return map_.Commit().delta.events;
+  }
+
+  WorkingMap map_{MapConfig()};
+};
+
+TEST_F(SessionIdentityTest, WhatNoKnownObjectExplainsIsNew) {
+  PutKnown(0.0, 2);
+  const ObjectId seen = PutSeen(2.0, kOtherSizeM)->id();
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kCreated);
+  EXPECT_EQ(events.front().object, seen);
+}
+
+TEST_F(SessionIdentityTest, AnObjectInPlaceIsConfirmedWithoutAnEvent) {
+  const TrackedObject* known = PutKnown(0.0, 2);
+  const double before = known->state().belief.stationarity();
+  PutSeen(0.0);
+  EXPECT_TRUE(Decide().empty());
+  ASSERT_EQ(map_.objects().size(), 1U);
+  EXPECT_EQ(known->state().supporting_frames, 40U);
+  EXPECT_GT(known->state().belief.stationarity(), before);
+}
+
+TEST_F(SessionIdentityTest, AnObjectThatWasNotLookedAtStays) {
+  PutKnown(0.0, 0);
+  EXPECT_TRUE(Decide().empty());
+}
+
+TEST_F(SessionIdentityTest, AnObjectThatLooksMissIsRemovedAndKeptAsHistory) {
+  const TrackedObject* gone = PutKnown(0.0, -2);
+  PutKnown(2.0, 2);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kRemoved);
+  EXPECT_EQ(events.front().object, gone->id());
+  EXPECT_LT(events.front().after.stationarity(), events.front().before.stationarity());
+  EXPECT_TRUE(gone->is_history());
+}
+
+TEST_F(SessionIdentityTest, AShapeThatLeftOnePlaceForAnotherHasMoved) {
+  const TrackedObject* moved = PutKnown(0.0, -2);
+  PutKnown(2.0, -2, kOtherSizeM);
+  PutSeen(5.0);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, moved->id());
+  EXPECT_NEAR((events[0].center_world - *events[0].old_center_world).y(), 5.0, 0.03);
+  EXPECT_EQ(events[1].type, EventType::kRemoved);
+}
+
+TEST_F(SessionIdentityTest, APushOfTenCentimetresIsAMove) {
+  PutKnown(0.0, 2);
+  PutKnown(2.0, 2, kOtherSizeM);
+  PutSeen(0.1);
+  PutSeen(2.0, kOtherSizeM);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kMoved);
+  EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).norm(), 0.1, 0.02);
+}
+
+TEST_F(SessionIdentityTest, ADisplacementThatAllThingsShareIsThatOfTheRobot) {
+  PutKnown(0.0, 2);
+  PutKnown(2.0, 2, kOtherSizeM);
+  PutKnown(4.0, 2, {0.6, 0.6, 0.6});
+  PutSeen(0.07);
+  PutSeen(2.07, kOtherSizeM);
+  PutSeen(4.07, {0.6, 0.6, 0.6});
+  EXPECT_TRUE(Decide().empty());
+  EXPECT_EQ(map_.objects().size(), 3U);
+}
+
+TEST_F(SessionIdentityTest, TwinsAreNotGuessed) {
+  PutKnown(0.0, -2);
+  PutKnown(2.0, -2);
+  PutSeen(5.0);
+  for (const ObjectEvent& event : Decide()) EXPECT_NE(event.type, EventType::kMoved);
+}
+
+TEST_F(SessionIdentityTest, ARemovedObjectBackInItsPlaceReturns) {
+  TrackedObject* removed = PutKnown(0.0, 0);
+  {
+    ObjectEdit edit = map_.Edit(removed);
+    edit.state().status = ObjectStatus::kArchived;
+  }
+  PutSeen(0.0);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kReturned);
+  EXPECT_EQ(events.front().object, removed->id());
+}
+
+TEST_F(SessionIdentityTest, WhatCameAndWentInOneSessionIsToldTwice) {
+  TrackedObject* seen = PutSeen(0.0);
+  {
+    ObjectEdit edit = map_.Edit(seen);
+    for (const SurfaceLeaf& leaf : seen->surface().leaves()) {
+      edit.state().evidence.MutableLeaf(leaf.origin).score.fill(-2);
+    }
+  }
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].type, EventType::kCreated);
+  EXPECT_EQ(events[1].type, EventType::kRemoved);
+}
+
+TEST_F(SessionIdentityTest, ASurfaceOfOneFrameIsNoObject) {
+  TrackedObject* seen = PutSeen(0.0);
+  {
+    ObjectEdit edit = map_.Edit(seen);
+    edit.state().supporting_frames = 1;
+  }
+  EXPECT_TRUE(Decide().empty());
+  EXPECT_TRUE(map_.objects().empty());
+}
+
+}  // namespace
+}  // namespace steadymap

@@ -1,0 +1,83 @@
+// Visits to a scene of goods in front of a wall.
+
+#include "core/policy/evidence_mapper.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/core/policy/map_story.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::ExpectSameMap;
+using ::steadymap::testing::FarWall;
+using ::steadymap::testing::Goods;
+using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::MapStory;
+using ::steadymap::testing::PocdConfig;
+
+constexpr int kFrames = 10;
+
+MapperOptions BySession() {
+  MapperOptions options;
+  options.decides_by_session = true;
+  return options;
+}
+
+class EvidenceMapperTest : public ::testing::Test {
+ protected:
+  /// Looks at a scene for one session.
+  void Visit(const testing::Scene& scene) {
+    story_.Look(scene, kFrames, visit_++);
+    story_.EndSession();
+  }
+
+  MapStory story_{PocdConfig(), BySession()};
+  int visit_ = 0;
+};
+
+TEST_F(EvidenceMapperTest, AnObjectIsAnnouncedOnceAtTheEndOfItsSession) {
+  story_.Look({FarWall(), Goods(0.0)}, kFrames);
+  EXPECT_TRUE(story_.events().empty());
+  story_.EndSession();
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, AnotherVisitToAnUnchangedPlaceTellsNothing) {
+  Visit({FarWall(), Goods(0.0)});
+  const std::size_t told = story_.events().size();
+  Visit({FarWall(), Goods(0.0)});
+  EXPECT_EQ(story_.events().size(), told);
+}
+
+TEST_F(EvidenceMapperTest, WhatIsSeenThroughIsRemoved) {
+  Visit({FarWall(), Goods(0.0)});
+  Visit({FarWall()});
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  EXPECT_TRUE(story_.Present(kGoodsClass).empty());
+}
+
+TEST_F(EvidenceMapperTest, AThingInAnotherPlaceHasMoved) {
+  Visit({FarWall(), Goods(-0.4)});
+  Visit({FarWall(), Goods(0.4)});
+  EXPECT_EQ(story_.EventsOf(EventType::kMoved, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, ARestartInTheMiddleOfASessionChangesNothing) {
+  MapStory restarted(PocdConfig(), BySession());
+  for (MapStory* story : {&story_, &restarted}) {
+    story->Look({FarWall(), Goods(0.0)}, kFrames / 2);
+    if (story == &restarted) story->Restart();
+    story->Look({FarWall(), Goods(0.0)}, kFrames / 2);
+    story->EndSession();
+  }
+  ExpectSameMap(story_.map(), restarted.map());
+  EXPECT_EQ(story_.events(), restarted.events());
+}
+
+}  // namespace
+}  // namespace steadymap
