@@ -27,7 +27,7 @@ struct LookParameters {
   bool labels_decide = true;
   /// Looks of one surface within this time count once, seconds, so that evidence does not depend on
   /// the frame rate.
-  double min_interval_s = 0.2;
+  double min_interval_s = 0.15;
   /// Largest magnitude of a score: so many looks change it from one side to the other.
   int max_score = 2;
 };
