@@ -348,6 +348,7 @@ double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches,
   }
   if (least_m.empty()) return parameters_.max_displacement_m;
   std::vector<double> others_m;
+  others_m.reserve(least_m.size());
   for (const auto& [other, displacement_m] : least_m) others_m.push_back(displacement_m);
   const auto middle = others_m.begin() + static_cast<std::ptrdiff_t>((others_m.size() - 1) / 2);
   std::nth_element(others_m.begin(), middle, others_m.end());

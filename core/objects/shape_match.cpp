@@ -1,6 +1,7 @@
 #include "core/objects/shape_match.h"
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/registration/registration.h"
@@ -18,6 +19,26 @@ std::vector<double> ShiftsOf(double old_side_m, double new_side_m) {
   return {0.0, half_m, -half_m};
 }
 
+/// Returns the poses of a cuboid that give it sides or middles in common with another one, turned
+/// by each quarter turn.
+std::vector<Eigen::Isometry3d> FindStarts(const Cuboid& old_cuboid, const Cuboid& new_cuboid) {
+  std::vector<Eigen::Isometry3d> starts;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const Eigen::AngleAxisd turn(0.5 * M_PI * quarter, Eigen::Vector3d::UnitZ());
+    Eigen::Vector3d size_m = old_cuboid.size_m;
+    if (quarter % 2 == 1) std::swap(size_m.x(), size_m.y());
+    for (const double x_m : ShiftsOf(size_m.x(), new_cuboid.size_m.x())) {
+      for (const double y_m : ShiftsOf(size_m.y(), new_cuboid.size_m.y())) {
+        for (const double z_m : ShiftsOf(size_m.z(), new_cuboid.size_m.z())) {
+          starts.emplace_back(new_cuboid.T_world_cuboid() * Eigen::Translation3d(x_m, y_m, z_m) *
+                              turn);
+        }
+      }
+    }
+  }
+  return starts;
+}
+
 }  // namespace
 
 UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
@@ -28,37 +49,20 @@ UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
                        const VoxelScale& scale) {
-  const Cuboid& old_cuboid = before.cuboid();
-  const Cuboid& new_cuboid = after.cuboid();
   const std::vector<Eigen::Vector3d> points_world = after.SurfaceInWorld();
+  const Eigen::Isometry3d T_world_after = after.state().T_world_object.ToIsometry();
   const Eigen::Isometry3d T_cuboid_object =
-      old_cuboid.T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
+      before.cuboid().T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
   ShapeMatch best;
-  const auto try_start = [&](const Eigen::Isometry3d& T_world_guess) {
+  for (const Eigen::Isometry3d& start : FindStarts(before.cuboid(), after.cuboid())) {
+    const Eigen::Isometry3d T_world_guess = start * T_cuboid_object;
     const Registration registration =
         RegisterPoints(points_world, before.volume(), scale, UprightPoseOf(T_world_guess));
     ShapeMatch match;
     match.T_world_object = registration.T_correction.inverse() * T_world_guess;
     match.overlap =
-        CompareSurfaces(after,
-                        before,
-                        match.T_world_object.inverse() * after.state().T_world_object.ToIsometry(),
-                        scale);
+        CompareSurfaces(after, before, match.T_world_object.inverse() * T_world_after, scale);
     if (match.confidence() > best.confidence()) best = match;
-  };
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    const Eigen::AngleAxisd turn(0.5 * M_PI * quarter, Eigen::Vector3d::UnitZ());
-    const bool is_across = quarter % 2 == 1;
-    const double old_x_m = is_across ? old_cuboid.size_m.y() : old_cuboid.size_m.x();
-    const double old_y_m = is_across ? old_cuboid.size_m.x() : old_cuboid.size_m.y();
-    for (const double x_m : ShiftsOf(old_x_m, new_cuboid.size_m.x())) {
-      for (const double y_m : ShiftsOf(old_y_m, new_cuboid.size_m.y())) {
-        for (const double z_m : ShiftsOf(old_cuboid.size_m.z(), new_cuboid.size_m.z())) {
-          try_start(new_cuboid.T_world_cuboid() * Eigen::Translation3d(x_m, y_m, z_m) * turn *
-                    T_cuboid_object);
-        }
-      }
-    }
   }
   return best;
 }

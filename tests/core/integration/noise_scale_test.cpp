@@ -35,7 +35,9 @@ TEST(NoiseScaleTest, MeasuresGaussianNoise) {
   }
 }
 
-TEST(NoiseScaleTest, APlaneHasNone) { EXPECT_LT(MeasureNoiseScale(NoisyWall(0.0), kTestedNoise), 0.02); }
+TEST(NoiseScaleTest, APlaneHasNone) {
+  EXPECT_LT(MeasureNoiseScale(NoisyWall(0.0), kTestedNoise), 0.02);
+}
 
 TEST(NoiseScaleTest, IsZeroWithoutDepths) {
   DepthImage depth = NoisyWall(0.0);
