@@ -19,6 +19,20 @@ std::vector<double> ShiftsOf(double old_side_m, double new_side_m) {
   return {0.0, half_m, -half_m};
 }
 
+/// Returns the shifts along all axes that give two boxes of these sizes sides or middles in common.
+std::vector<Eigen::Translation3d> ShiftsBetween(const Eigen::Vector3d& old_size_m,
+                                                const Eigen::Vector3d& new_size_m) {
+  std::vector<Eigen::Translation3d> shifts;
+  for (const double x_m : ShiftsOf(old_size_m.x(), new_size_m.x())) {
+    for (const double y_m : ShiftsOf(old_size_m.y(), new_size_m.y())) {
+      for (const double z_m : ShiftsOf(old_size_m.z(), new_size_m.z())) {
+        shifts.emplace_back(x_m, y_m, z_m);
+      }
+    }
+  }
+  return shifts;
+}
+
 /// Returns the poses of a cuboid that give it sides or middles in common with another one, turned
 /// by each quarter turn.
 std::vector<Eigen::Isometry3d> FindStarts(const Cuboid& old_cuboid, const Cuboid& new_cuboid) {
@@ -27,13 +41,8 @@ std::vector<Eigen::Isometry3d> FindStarts(const Cuboid& old_cuboid, const Cuboid
     const Eigen::AngleAxisd turn(0.5 * M_PI * quarter, Eigen::Vector3d::UnitZ());
     Eigen::Vector3d size_m = old_cuboid.size_m;
     if (quarter % 2 == 1) std::swap(size_m.x(), size_m.y());
-    for (const double x_m : ShiftsOf(size_m.x(), new_cuboid.size_m.x())) {
-      for (const double y_m : ShiftsOf(size_m.y(), new_cuboid.size_m.y())) {
-        for (const double z_m : ShiftsOf(size_m.z(), new_cuboid.size_m.z())) {
-          starts.emplace_back(new_cuboid.T_world_cuboid() * Eigen::Translation3d(x_m, y_m, z_m) *
-                              turn);
-        }
-      }
+    for (const Eigen::Translation3d& shift : ShiftsBetween(size_m, new_cuboid.size_m)) {
+      starts.emplace_back(new_cuboid.T_world_cuboid() * shift * turn);
     }
   }
   return starts;
