@@ -1,0 +1,347 @@
+#include "core/objects/surface_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <unordered_map>
+
+#include "core/volume/voxel_index.h"
+
+namespace steadymap {
+namespace {
+
+// A plane is estimated again when it has grown by this factor.
+constexpr double kPlaneGrowth = 1.5;
+
+// Smallest part of a plane that is grown, points: less has no reliable normal.
+constexpr std::size_t kMinSeedPoints = 8;
+
+std::uint64_t KeyOf(const Eigen::Vector3i& index) {
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
+  const auto part = [](int value) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(value)) & kMask;
+  };
+  return part(index.x()) << 42 | part(index.y()) << 21 | part(index.z());
+}
+
+// A cell with its neighbours.
+constexpr int kNeighbourCells = 27;
+
+/// Points in cubes of a grid, for the search of neighbours.
+class PointGrid {
+ public:
+  PointGrid(std::span<const OrientedPoint> points, double reach_m)
+      : points_(points), reach_m_(reach_m) {
+    cells_.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      cells_[KeyOf(CellOf(points[i].position_world))].push_back(i);
+    }
+  }
+
+  /// Calls `visit` with the index of each point within the reach of a point.
+  template <typename Visit>
+  void ForEachNeighbour(std::size_t index, Visit visit) const {
+    const Eigen::Vector3d& position = points_[index].position_world;
+    const Eigen::Vector3i cell = CellOf(position);
+    for (int i = 0; i < kNeighbourCells; ++i) {
+      const Eigen::Vector3i step(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
+      const auto found = cells_.find(KeyOf(cell + step));
+      if (found == cells_.end()) continue;
+      for (const std::size_t other : found->second) {
+        if ((points_[other].position_world - position).norm() <= reach_m_) visit(other);
+      }
+    }
+  }
+
+ private:
+  Eigen::Vector3i CellOf(const Eigen::Vector3d& position) const {
+    return (position / reach_m_).array().floor().cast<int>();
+  }
+
+  std::span<const OrientedPoint> points_;
+  double reach_m_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
+};
+
+/// The plane through a growing set of points.
+class GrowingPlane {
+ public:
+  explicit GrowingPlane(const OrientedPoint& seed) { Add(seed), Estimate(); }
+
+  void Add(const OrientedPoint& point) {
+    position_sum_ += point.position_world;
+    normal_sum_ += point.normal_world;
+    ++count_;
+    if (static_cast<double>(count_) > kPlaneGrowth * static_cast<double>(estimated_count_)) {
+      Estimate();
+    }
+  }
+
+  double DistanceOf(const OrientedPoint& point) const {
+    return std::abs(normal_.dot(point.position_world - center_));
+  }
+
+  double CosineOf(const OrientedPoint& point) const { return normal_.dot(point.normal_world); }
+
+ private:
+  void Estimate() {
+    center_ = position_sum_ / static_cast<double>(count_);
+    normal_ = normal_sum_.normalized();
+    estimated_count_ = count_;
+  }
+
+  Eigen::Vector3d position_sum_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_sum_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_ = Eigen::Vector3d::UnitZ();
+  std::size_t count_ = 0;
+  std::size_t estimated_count_ = 0;
+};
+
+/// Returns the points of the plane around a seed, and marks them in `is_visited`.
+std::vector<std::size_t> GrowPlane(std::span<const OrientedPoint> points,
+                                   const PointGrid& grid,
+                                   std::size_t seed,
+                                   const PlaneParameters& parameters,
+                                   std::vector<char>* is_visited) {
+  GrowingPlane plane(points[seed]);
+  std::vector<std::size_t> region = {seed};
+  (*is_visited)[seed] = 1;
+  for (std::size_t next = 0; next < region.size(); ++next) {
+    grid.ForEachNeighbour(region[next], [&](std::size_t other) {
+      if ((*is_visited)[other] != 0 || plane.CosineOf(points[other]) < parameters.min_cosine ||
+          plane.DistanceOf(points[other]) > parameters.max_distance_m) {
+        return;
+      }
+      (*is_visited)[other] = 1;
+      plane.Add(points[other]);
+      region.push_back(other);
+    });
+  }
+  return region;
+}
+
+/// The voxels of an object, each with the number of its part.
+class VoxelParts {
+ public:
+  VoxelParts(const TrackedObject& object, const VoxelScale& scale) : scale_(scale) {
+    object.volume().ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+      ForEachBit(leaf.observed, [&](std::size_t offset) {
+        part_of_.emplace(KeyOf(VoxelIndexAt(origin, offset)), kNone);
+      });
+    });
+  }
+
+  void AddSeed(const Eigen::Vector3d& position_object, std::size_t part) {
+    Reach((position_object / scale_.voxel_size_m).array().round().cast<int>(), part);
+  }
+
+  /// Gives every voxel the part of the seed that reaches it first.
+  void Spread() {
+    static const std::array<Eigen::Vector3i, 6> kSteps = {Eigen::Vector3i(1, 0, 0),
+                                                          Eigen::Vector3i(-1, 0, 0),
+                                                          Eigen::Vector3i(0, 1, 0),
+                                                          Eigen::Vector3i(0, -1, 0),
+                                                          Eigen::Vector3i(0, 0, 1),
+                                                          Eigen::Vector3i(0, 0, -1)};
+    for (std::size_t next = 0; next < reached_.size(); ++next) {
+      const auto [voxel, part] = reached_[next];
+      for (const Eigen::Vector3i& step : kSteps) Reach(voxel + step, part);
+    }
+  }
+
+  /// Returns the part of a voxel; 0 if no seed reaches it.
+  std::size_t PartAt(LeafOrigin origin, std::size_t offset) const {
+    const auto found = part_of_.find(KeyOf(VoxelIndexAt(origin, offset)));
+    return found == part_of_.end() || found->second == kNone ? 0 : found->second;
+  }
+
+ private:
+  static constexpr std::size_t kNone = ~std::size_t{0};
+
+  void Reach(const Eigen::Vector3i& voxel, std::size_t part) {
+    const auto found = part_of_.find(KeyOf(voxel));
+    if (found == part_of_.end() || found->second != kNone) return;
+    found->second = part;
+    reached_.emplace_back(voxel, part);
+  }
+
+  VoxelScale scale_;
+  std::unordered_map<std::uint64_t, std::size_t> part_of_;
+  std::vector<std::pair<Eigen::Vector3i, std::size_t>> reached_;
+};
+
+void CopyVoxel(const LeafVoxels& from, std::size_t offset, LeafVoxels* into) {
+  into->distance_m[offset] = from.distance_m[offset];
+  into->weight[offset] = from.weight[offset];
+  into->color[offset] = from.color[offset];
+  into->has_color = from.has_color;
+  SetBit(offset, &into->observed);
+}
+
+/// Resets the scores of evidence cells without surface, which another object has now.
+void DropScoresWithoutSurface(TrackedObject* object, WorkingMap* map) {
+  std::map<LeafOrigin, std::uint64_t> occupied;
+  for (const SurfaceLeaf& leaf : object->surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      occupied[leaf.origin] |= std::uint64_t{1} << point.cell;
+    }
+  }
+  ObjectEdit edit = map->Edit(object);
+  for (LeafEvidence& leaf : edit.state().evidence.leaves) {
+    const auto found = occupied.find(leaf.origin);
+    const std::uint64_t cells = found == occupied.end() ? 0 : found->second;
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if ((cells >> cell & 1) == 0) leaf.score[cell] = 0;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object) {
+  const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
+  std::vector<OrientedPoint> points;
+  points.reserve(object.surface().point_count());
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      points.push_back({T_world_object * point.position_object.cast<double>(),
+                        T_world_object.linear() * point.normal_object.cast<double>()});
+    }
+  }
+  return points;
+}
+
+std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const OrientedPoint> points,
+                                                         const std::vector<char>& is_excluded,
+                                                         double reach_m) {
+  const PointGrid grid(points, reach_m);
+  std::vector<char> is_visited = is_excluded;
+  std::vector<std::vector<std::size_t>> parts;
+  for (std::size_t seed = 0; seed < points.size(); ++seed) {
+    if (is_visited[seed] != 0) continue;
+    is_visited[seed] = 1;
+    std::vector<std::size_t>& part = parts.emplace_back(1, seed);
+    for (std::size_t next = 0; next < part.size(); ++next) {
+      grid.ForEachNeighbour(part[next], [&](std::size_t other) {
+        if (is_visited[other] != 0) return;
+        is_visited[other] = 1;
+        part.push_back(other);
+      });
+    }
+    std::sort(part.begin(), part.end());
+  }
+  std::stable_sort(
+      parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return parts;
+}
+
+std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,
+                                     std::span<const std::pair<std::size_t, std::size_t>> seeds,
+                                     double reach_m) {
+  const PointGrid grid(points, reach_m);
+  std::vector<std::size_t> part_of(points.size(), 0);
+  std::vector<char> is_reached(points.size(), 0);
+  std::vector<std::size_t> reached;
+  for (const auto& [point, part] : seeds) {
+    part_of[point] = part;
+    is_reached[point] = 1;
+    reached.push_back(point);
+  }
+  for (std::size_t next = 0; next < reached.size(); ++next) {
+    const std::size_t from = reached[next];
+    grid.ForEachNeighbour(from, [&](std::size_t other) {
+      if (is_reached[other] != 0) return;
+      part_of[other] = part_of[from];
+      is_reached[other] = 1;
+      reached.push_back(other);
+    });
+  }
+  return part_of;
+}
+
+std::vector<char> FindLargePlanes(
+    std::span<const OrientedPoint> points,
+    double point_area_m2,
+    double reach_m,
+    const PlaneParameters& parameters,
+    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>* planes) {
+  const PointGrid grid(points, reach_m);
+  std::vector<char> is_visited(points.size(), 0);
+  std::vector<char> is_on_plane(points.size(), 0);
+  for (std::size_t seed = 0; seed < points.size(); ++seed) {
+    if (is_visited[seed] != 0) continue;
+    const std::vector<std::size_t> region = GrowPlane(points, grid, seed, parameters, &is_visited);
+    if (region.size() < kMinSeedPoints) {
+      // A noisy normal grows nothing; the point may be part of a plane that another seed grows.
+      for (const std::size_t index : region) is_visited[index] = index == seed ? 1 : 0;
+      continue;
+    }
+    if (static_cast<double>(region.size()) * point_area_m2 < parameters.min_area_m2) continue;
+    Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d position_sum = Eigen::Vector3d::Zero();
+    for (const std::size_t index : region) {
+      is_on_plane[index] = 1;
+      normal_sum += points[index].normal_world;
+      position_sum += points[index].position_world;
+    }
+    planes->emplace_back(normal_sum.normalized(),
+                         position_sum / static_cast<double>(region.size()));
+  }
+  return is_on_plane;
+}
+
+std::vector<TrackedObject*> DivideVoxels(TrackedObject* object,
+                                         std::span<const std::size_t> part_of,
+                                         std::size_t part_count,
+                                         WorkingMap* map) {
+  VoxelParts voxel_parts(*object, map->scale());
+  std::size_t index = 0;
+  std::vector<LeafOrigin> origins;
+  for (const SurfaceLeaf& leaf : object->surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      voxel_parts.AddSeed(point.position_object.cast<double>(), part_of[index++]);
+    }
+  }
+  voxel_parts.Spread();
+  object->volume().ForEachLeaf(
+      [&](LeafOrigin origin, const LeafView&) { origins.push_back(origin); });
+  std::vector<TrackedObject*> objects;
+  for (std::size_t part = 1; part <= part_count; ++part) {
+    TrackedObject& added = map->AddPart(*object);
+    objects.push_back(&added);
+    ObjectEdit edit = map->Edit(&added);
+    LeafVoxels whole;
+    for (const LeafOrigin& origin : origins) {
+      object->volume().LoadLeaf(origin, &whole);
+      LeafVoxels voxels{};
+      ForEachBit(whole.observed, [&](std::size_t offset) {
+        if (voxel_parts.PartAt(origin, offset) == part) CopyVoxel(whole, offset, &voxels);
+      });
+      if (voxels.observed == LeafMask{}) continue;
+      edit.StoreLeaf(origin, voxels);
+      const LeafEvidence* evidence = object->state().evidence.FindLeaf(origin);
+      if (evidence != nullptr) edit.state().evidence.MutableLeaf(origin) = *evidence;
+    }
+  }
+  {
+    ObjectEdit edit = map->Edit(object);
+    LeafVoxels whole;
+    for (const LeafOrigin& origin : origins) {
+      object->volume().LoadLeaf(origin, &whole);
+      LeafVoxels voxels{};
+      ForEachBit(whole.observed, [&](std::size_t offset) {
+        if (voxel_parts.PartAt(origin, offset) == 0) CopyVoxel(whole, offset, &voxels);
+      });
+      if (voxels.observed != whole.observed) edit.StoreLeaf(origin, voxels);
+    }
+  }
+  DropScoresWithoutSurface(object, map);
+  for (TrackedObject* part : objects) DropScoresWithoutSurface(part, map);
+  return objects;
+}
+
+}  // namespace steadymap
