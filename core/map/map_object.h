@@ -45,6 +45,16 @@ struct ClassVote {
   friend bool operator==(const ClassVote&, const ClassVote&) = default;
 };
 
+/// In how many frames an object of a session and an older one of it, which may be two parts of one
+/// object, were connected, and in how many they were apart.
+struct PartVotes {
+  ObjectId other;  ///< The older one.
+  std::uint32_t connected = 0;
+  std::uint32_t apart = 0;
+
+  friend bool operator==(const PartVotes&, const PartVotes&) = default;
+};
+
 /// The state of an object at one revision, except its volume. The grid frame of the volume is the
 /// object frame.
 struct ObjectState {
@@ -64,6 +74,7 @@ struct ObjectState {
   Timestamp last_seen;                     ///< Capture time of the last frame that supports it.
   std::uint64_t supporting_frames = 0;     ///< Number of frames that support it.
   std::uint64_t contradicted_updates = 0;  ///< Number of belief updates with evidence against it.
+  std::vector<PartVotes> parts;  ///< By increasing id, without duplicates; of status `kTentative`.
 
   friend bool operator==(const ObjectState&, const ObjectState&) = default;
 };

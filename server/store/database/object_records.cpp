@@ -125,6 +125,12 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   proto.set_last_seen_ns(state.last_seen.nanoseconds());
   proto.set_views(state.supporting_frames);
   proto.set_absences(state.contradicted_updates);
+  for (const PartVotes& votes : state.parts) {
+    storage::v1::PartVotes& added = *proto.add_parts();
+    added.set_other(votes.other.value());
+    added.set_connected(votes.connected);
+    added.set_apart(votes.apart);
+  }
   return proto;
 }
 
@@ -156,6 +162,10 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   state.last_seen = Timestamp::FromNanoseconds(proto.last_seen_ns());
   state.supporting_frames = proto.views();
   state.contradicted_updates = proto.absences();
+  state.parts.reserve(static_cast<std::size_t>(proto.parts_size()));
+  for (const storage::v1::PartVotes& votes : proto.parts()) {
+    state.parts.push_back({ObjectId(votes.other()), votes.connected(), votes.apart()});
+  }
   return state;
 }
 

@@ -129,6 +129,7 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
     leaf.confirmed = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   }
   state.evidence.leaves.back().score = {};
+  state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3}};
   state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
   state.in_place_since = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   state.last_seen = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));

@@ -1,0 +1,113 @@
+#include "core/objects/part_votes.h"
+
+#include <algorithm>
+#include <set>
+
+namespace steadymap {
+namespace {
+
+PartElection::Pair PairOf(ObjectId a, ObjectId b) { return {std::min(a, b), std::max(a, b)}; }
+
+std::vector<PartVotes>::const_iterator FindVotes(const std::vector<PartVotes>& parts,
+                                                 ObjectId other) {
+  return std::lower_bound(
+      parts.begin(), parts.end(), other, [](const PartVotes& votes, ObjectId id) {
+        return votes.other < id;
+      });
+}
+
+/// Share of the frames that show both that must show them connected: parts of one object are hidden
+/// by others or seen at flat angles often, but two objects are rarely seen as one.
+constexpr double kMinConnectedShare = 0.2;
+
+double ConnectedShareOf(const PartVotes& votes) {
+  return static_cast<double>(votes.connected) / static_cast<double>(votes.connected + votes.apart);
+}
+
+/// True if the bounds of two objects are closer than two voxels, so that they may be connected.
+bool AreNear(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale) {
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * scale.voxel_size_m);
+  const Box reach_world = a.BoundsInWorld();
+  return Box(reach_world.min() - margin, reach_world.max() + margin).intersects(b.BoundsInWorld());
+}
+
+/// Adds to the votes on an object and an older one.
+void AddVotes(const PartVotes& added, TrackedObject* object, WorkingMap* map) {
+  ObjectEdit edit = map->Edit(object);
+  std::vector<PartVotes>& parts = edit.state().parts;
+  auto votes = parts.begin() + (FindVotes(parts, added.other) - parts.cbegin());
+  if (votes == parts.end() || votes->other != added.other) {
+    votes = parts.insert(votes, {added.other});
+  }
+  votes->connected += added.connected;
+  votes->apart += added.apart;
+}
+
+}  // namespace
+
+void VoteOnParts(bool is_connected, TrackedObject* a, TrackedObject* b, WorkingMap* map) {
+  if (a->id() < b->id()) std::swap(a, b);
+  if (!is_connected && !AreNear(*a, *b, map->scale())) {
+    const std::vector<PartVotes>& parts = a->state().parts;
+    const auto votes = FindVotes(parts, b->id());
+    if (votes == parts.end() || votes->other != b->id()) return;
+  }
+  AddVotes({b->id(), is_connected ? 1U : 0U, is_connected ? 0U : 1U}, a, map);
+}
+
+void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* map) {
+  {
+    ObjectEdit edit = map->Edit(part);
+    edit.state().parts = whole.state().parts;
+  }
+  for (const TrackedObject* object : map->TentativeObjects()) {
+    const auto votes = FindVotes(object->state().parts, whole.id());
+    if (votes == object->state().parts.end() || votes->other != whole.id()) continue;
+    AddVotes({object->id(), votes->connected, votes->apart}, part, map);
+  }
+  const auto frames = static_cast<std::uint32_t>(whole.state().supporting_frames);
+  AddVotes({whole.id(), frames, 0}, part, map);
+}
+
+PartElection::PartElection(const std::vector<TrackedObject*>& objects) {
+  std::set<ObjectId> ids;
+  for (const TrackedObject* object : objects) ids.insert(object->id());
+  for (const TrackedObject* object : objects) {
+    for (const PartVotes& votes : object->state().parts) {
+      if (!ids.contains(votes.other)) continue;
+      votes_.emplace(PairOf(object->id(), votes.other), votes);
+    }
+  }
+}
+
+PartElection::Pair PartElection::FindPair() const {
+  Pair best;
+  double most = kMinConnectedShare;
+  for (const auto& [pair, votes] : votes_) {
+    const double share = ConnectedShareOf(votes);
+    if (share <= most) continue;
+    most = share;
+    best = pair;
+  }
+  return best;
+}
+
+void PartElection::Join(ObjectId part, ObjectId whole) {
+  std::map<Pair, PartVotes> joined;
+  for (const auto& [pair, votes] : votes_) {
+    const ObjectId first = pair.first == part ? whole : pair.first;
+    const ObjectId second = pair.second == part ? whole : pair.second;
+    if (first == second) continue;
+    PartVotes& sum = joined[PairOf(first, second)];
+    sum.connected += votes.connected;
+    sum.apart += votes.apart;
+  }
+  votes_ = std::move(joined);
+}
+
+bool PartElection::AreApart(ObjectId a, ObjectId b) const {
+  const auto votes = votes_.find(PairOf(a, b));
+  return votes != votes_.end() && ConnectedShareOf(votes->second) <= kMinConnectedShare;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "core/map/map_object.h"
+#include "core/working/tracked_object.h"
+#include "core/working/working_map.h"
+
+/// Objects of a session start as small as frames show them apart. Each frame that shows two of them
+/// votes on whether they are parts of one object, so that a single wrong segmentation decides
+/// nothing. The newer one of a pair has the votes.
+namespace steadymap {
+
+/// Counts a frame that shows two objects of a session connected, or apart. Frames in which a pair
+/// is apart count only if the objects are near, or were connected in an earlier frame.
+void VoteOnParts(bool is_connected, TrackedObject* a, TrackedObject* b, WorkingMap* map);
+
+/// Gives the votes of `whole` to a new object that was a part of it until now. All frames that
+/// support `whole` have shown both as one.
+void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* map);
+
+/// The votes on all pairs of objects of a session; the older one comes first in a key.
+class PartElection {
+ public:
+  using Pair = std::pair<ObjectId, ObjectId>;
+
+  PartElection() = default;
+
+  explicit PartElection(const std::vector<TrackedObject*>& objects);
+
+  /// Returns the pair with the largest majority for being one object; ids of zero if there is none.
+  Pair FindPair() const;
+
+  /// Adds the votes on `part` to those on `whole`, of which it is a part now.
+  void Join(ObjectId part, ObjectId whole);
+
+  /// True if most frames show the two objects apart.
+  bool AreApart(ObjectId a, ObjectId b) const;
+
+ private:
+  std::map<Pair, PartVotes> votes_;
+};
+
+}  // namespace steadymap

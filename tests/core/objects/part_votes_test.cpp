@@ -1,0 +1,106 @@
+#include "core/objects/part_votes.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/types/map_config.h"
+#include "tests/support/analytic_map.h"
+#include "tests/support/analytic_solid.h"
+#include "tests/support/object_edits.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::StoreVolume;
+
+const Eigen::Vector3d kPartSizeM(0.4, 0.4, 0.4);
+
+class PartVotesTest : public ::testing::Test {
+ protected:
+  PartVotesTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
+
+  /// Adds a box of the session with its lowest corner at `x_m`.
+  TrackedObject* Put(double x_m) {
+    const Eigen::Vector3d place(x_m, 0.0, 0.0);
+    TrackedObject& object = map_.AddObject(place);
+    const Eigen::Vector3d low = place - object.state().T_world_object.position_world;
+    ObjectEdit edit = map_.Edit(&object);
+    StoreVolume(MakeVolume({Box(low, low + kPartSizeM)}, map_.scale()), &edit);
+    return &object;
+  }
+
+  PartElection Elect() { return PartElection(map_.TentativeObjects()); }
+
+  WorkingMap map_{MapConfig()};
+};
+
+TEST_F(PartVotesTest, ObjectsThatMostFramesConnectAreOne) {
+  TrackedObject* a = Put(0.0);
+  TrackedObject* b = Put(0.5);
+  for (int i = 0; i < 8; ++i) VoteOnParts(true, b, a, &map_);
+  for (int i = 0; i < 4; ++i) VoteOnParts(false, a, b, &map_);
+  EXPECT_EQ(Elect().FindPair(), (PartElection::Pair{a->id(), b->id()}));
+  EXPECT_FALSE(Elect().AreApart(a->id(), b->id()));
+}
+
+TEST_F(PartVotesTest, OneFrameThatConnectsTwoObjectsDecidesNothing) {
+  TrackedObject* a = Put(0.0);
+  TrackedObject* b = Put(0.5);
+  VoteOnParts(true, a, b, &map_);
+  for (int i = 0; i < 20; ++i) VoteOnParts(false, a, b, &map_);
+  EXPECT_EQ(Elect().FindPair(), PartElection::Pair());
+  EXPECT_TRUE(Elect().AreApart(a->id(), b->id()));
+}
+
+TEST_F(PartVotesTest, ObjectsThatAreFarAwayNeedNoVotes) {
+  TrackedObject* a = Put(0.0);
+  TrackedObject* b = Put(2.0);
+  VoteOnParts(false, a, b, &map_);
+  EXPECT_TRUE(b->state().parts.empty());
+  EXPECT_FALSE(Elect().AreApart(a->id(), b->id()));
+}
+
+TEST_F(PartVotesTest, APartInheritsTheVotesOfTheWhole) {
+  TrackedObject* older = Put(0.0);
+  TrackedObject* whole = Put(0.5);
+  TrackedObject* newer = Put(1.0);
+  VoteOnParts(true, whole, older, &map_);
+  VoteOnParts(true, newer, whole, &map_);
+  VoteOnParts(true, newer, whole, &map_);
+  {
+    ObjectEdit edit = map_.Edit(whole);
+    edit.state().supporting_frames = 5;
+  }
+  TrackedObject* part = Put(0.6);
+  InheritVotes(*whole, part, &map_);
+  const std::vector<PartVotes> expected = {
+      {older->id(), 1, 0}, {whole->id(), 5, 0}, {newer->id(), 2, 0}};
+  EXPECT_EQ(part->state().parts, expected);
+}
+
+TEST_F(PartVotesTest, VotesOnAJoinedPartCountForTheWhole) {
+  TrackedObject* a = Put(0.0);
+  TrackedObject* b = Put(0.5);
+  TrackedObject* c = Put(1.0);
+  VoteOnParts(true, a, b, &map_);
+  VoteOnParts(true, a, c, &map_);
+  for (int i = 0; i < 3; ++i) VoteOnParts(true, b, c, &map_);
+  for (int i = 0; i < 40; ++i) VoteOnParts(false, a, c, &map_);
+  PartElection election = Elect();
+  election.Join(b->id(), a->id());
+  EXPECT_TRUE(election.AreApart(a->id(), c->id()));
+  EXPECT_EQ(election.FindPair(), PartElection::Pair());
+}
+
+TEST_F(PartVotesTest, VotesOnADeletedObjectAreIgnored) {
+  TrackedObject* a = Put(0.0);
+  TrackedObject* b = Put(0.5);
+  VoteOnParts(true, a, b, &map_);
+  map_.Delete(a);
+  EXPECT_EQ(Elect().FindPair(), PartElection::Pair());
+}
+
+}  // namespace
+}  // namespace steadymap
