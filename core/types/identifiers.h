@@ -37,6 +37,9 @@ inline constexpr ObjectId kBackgroundId{0};
 /// The id of a semantic class, a key of the map's class table.
 using ClassId = StrongInteger<struct ClassIdTag, std::uint16_t>;
 
+/// The class of surface without label, and of objects that were found without labels.
+inline constexpr ClassId kNoClass{0};
+
 /// The number of a map state: the map sequence of its newest entry. 0 is the empty map.
 using Revision = StrongInteger<struct RevisionTag, std::uint64_t>;
 

@@ -1,0 +1,72 @@
+#include "core/objects/outline.h"
+
+#include <algorithm>
+
+#include "core/volume/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+// Outlines are judged in cubes of this size, metres, or of a voxel if that is larger: smaller ones
+// follow the noise.
+constexpr double kMinGrainM = 0.04;
+
+// A surface goes on in a direction if there is more of it so many cubes away. The space beside its
+// outline is looked at one cube further.
+constexpr double kNextGrains = 2.0;
+constexpr double kBesideGrains = 3.0;
+
+}  // namespace
+
+OutlineTest::OutlineTest(const WorkingMap& map, std::span<const Eigen::Vector3d> structure_world)
+    : map_(map), grain_m_(std::max(kMinGrainM, map.scale().voxel_size_m)) {
+  for (const Eigen::Vector3d& point : structure_world) structure_.insert(CellOf(point));
+}
+
+OutlineTest::Cell OutlineTest::CellOf(const Eigen::Vector3d& point_world) const {
+  const Eigen::Vector3i cell = (point_world / grain_m_).array().round().cast<int>();
+  return {cell.x(), cell.y(), cell.z()};
+}
+
+/// True if `cells` contains a cell or one of its 26 neighbours.
+bool OutlineTest::HasNeighbour(const std::set<Cell>& cells, const Cell& cell) {
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (cells.contains({cell[0] + x, cell[1] + y, cell[2] + z})) return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// True if the background has surface around a point.
+bool OutlineTest::IsOnStructure(const Eigen::Vector3d& point_world) const {
+  if (HasNeighbour(structure_, CellOf(point_world))) return true;
+  double distance_m = 0.0;
+  return TsdfSampler(map_.background(), map_.scale()).SampleNearest(point_world, &distance_m);
+}
+
+double OutlineTest::SeenShareOf(std::span<const OrientedPoint> surface) const {
+  std::set<Cell> cells;
+  for (const OrientedPoint& point : surface) cells.insert(CellOf(point.position_world));
+  std::size_t seen = 0;
+  std::size_t outline = 0;
+  for (const OrientedPoint& point : surface) {
+    const Eigen::Vector3d along = point.normal_world.unitOrthogonal();
+    const Eigen::Vector3d across = point.normal_world.cross(along);
+    for (const Eigen::Vector3d& direction : {along, across}) {
+      for (const double sign : {-1.0, 1.0}) {
+        const Eigen::Vector3d step = sign * grain_m_ * direction;
+        if (HasNeighbour(cells, CellOf(point.position_world + kNextGrains * step))) continue;
+        // Where it stands on or against something, it ends in any case.
+        if (IsOnStructure(point.position_world + step)) continue;
+        ++outline;
+        if (map_.free_space().IsFree(point.position_world + kBesideGrains * step)) ++seen;
+      }
+    }
+  }
+  return outline == 0 ? 1.0 : static_cast<double>(seen) / static_cast<double>(outline);
+}
+
+}  // namespace steadymap

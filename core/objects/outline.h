@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <set>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "core/objects/surface_parts.h"
+#include "core/working/working_map.h"
+
+namespace steadymap {
+
+/// Tells whether the whole side of an object that faces the cameras was seen: then its outline
+/// adjoins free space, except where it meets the background. Where it is unknown, the object may go
+/// on behind another one or beyond the range of the camera.
+class OutlineTest {
+ public:
+  /// `structure_world` are points of floors and walls that are not in the background yet, metres.
+  /// The map must outlive the test.
+  OutlineTest(const WorkingMap& map, std::span<const Eigen::Vector3d> structure_world);
+
+  /// Returns the share of the outline of a surface beside which the space is free, in [0, 1]; 1 for
+  /// a surface without outline.
+  double SeenShareOf(std::span<const OrientedPoint> surface) const;
+
+ private:
+  using Cell = std::array<int, 3>;
+
+  Cell CellOf(const Eigen::Vector3d& point_world) const;
+  static bool HasNeighbour(const std::set<Cell>& cells, const Cell& cell);
+  bool IsOnStructure(const Eigen::Vector3d& point_world) const;
+
+  const WorkingMap& map_;
+  double grain_m_;
+  std::set<Cell> structure_;
+};
+
+}  // namespace steadymap

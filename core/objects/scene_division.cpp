@@ -1,0 +1,278 @@
+#include "core/objects/scene_division.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "core/objects/outline.h"
+#include "core/volume/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+// A surface whose normal is closer to the vertical than this faces up.
+constexpr double kMinUpCosine = 0.85;
+
+// Share of the points of a flat part whose normals agree.
+constexpr double kMinFlatShare = 0.9;
+
+// Where the continuation of a surface is looked for in its plane, voxels along two directions.
+constexpr std::pair<double, double> kContinuationVoxels[] = {{2.0, 0.0},
+                                                             {-2.0, 0.0},
+                                                             {0.0, 2.0},
+                                                             {0.0, -2.0},
+                                                             {4.0, 0.0},
+                                                             {-4.0, 0.0},
+                                                             {0.0, 4.0},
+                                                             {0.0, -4.0},
+                                                             {6.0, 0.0},
+                                                             {-6.0, 0.0},
+                                                             {0.0, 6.0},
+                                                             {0.0, -6.0}};
+
+// A part that is farther from another one in the plan is not above it, voxels.
+constexpr double kBesideVoxels = 3.0;
+
+// Neighbours on a plane, voxels: the diagonal of a voxel.
+constexpr double kPlaneReachVoxels = 1.75;
+
+/// The division of one scene.
+class SceneDivision {
+ public:
+  SceneDivision(const SceneDivisionParameters& parameters,
+                double contact_voxels,
+                const TrackedObject& scene,
+                const WorkingMap& map)
+      : parameters_(parameters),
+        voxel_m_(map.scale().voxel_size_m),
+        points_(OrientedSurfaceOf(scene)) {
+    FindStructure(map);
+    FindParts(contact_voxels);
+    DropContinuations(map);
+    JoinFloatingParts();
+    DropSlenderParts();
+    DropIncompleteParts(map);
+  }
+
+  /// Returns the part of each surface point, in the order of `OrientedSurfaceOf`; 0: background.
+  std::vector<std::size_t> PartOfPoints() const {
+    std::vector<std::size_t> part_of(points_.size(), 0);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      for (const std::size_t point : parts_[i]) part_of[point] = i + 1;
+    }
+    return part_of;
+  }
+
+  std::size_t part_count() const { return parts_.size(); }
+
+ private:
+  /// Marks the points on large planes and on known background.
+  void FindStructure(const WorkingMap& map) {
+    is_structure_ = FindLargePlanes(points_,
+                                    voxel_m_ * voxel_m_,
+                                    kPlaneReachVoxels * voxel_m_,
+                                    {parameters_.min_plane_area_m2,
+                                     parameters_.max_plane_distance_voxels * voxel_m_,
+                                     parameters_.min_plane_cosine},
+                                    &planes_);
+    TsdfSampler sampler(map.background(), map.scale());
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const DistanceSample sample = sampler.Sample(points_[i].position_world);
+      if (sample.known && std::abs(sample.distance_m) <= voxel_m_ &&
+          sample.gradient.dot(points_[i].normal_world) > parameters_.min_plane_cosine) {
+        is_structure_[i] = 1;
+      }
+    }
+  }
+
+  void FindParts(double contact_voxels) {
+    parts_ = FindConnectedParts(points_, is_structure_, contact_voxels * voxel_m_);
+    const double min_points = parameters_.min_area_m2 / (voxel_m_ * voxel_m_);
+    std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
+      return static_cast<double>(part.size()) < min_points;
+    });
+  }
+
+  /// True if the background continues a surface at a point: in its tangent plane, a few voxels
+  /// away, it has surface that faces alike.
+  bool ContinuesAt(const OrientedPoint& point, TsdfSampler* background) const {
+    const Eigen::Vector3d along = point.normal_world.unitOrthogonal();
+    const Eigen::Vector3d across = point.normal_world.cross(along);
+    for (const auto& [steps_along, steps_across] : kContinuationVoxels) {
+      const Eigen::Vector3d beside =
+          point.position_world + voxel_m_ * (steps_along * along + steps_across * across);
+      const DistanceSample sample = background->Sample(beside);
+      if (sample.known && std::abs(sample.distance_m) <= voxel_m_ &&
+          sample.gradient.dot(point.normal_world) > parameters_.min_plane_cosine) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Drops flat parts that continue the background or a large plane: the border of a floor.
+  void DropContinuations(const WorkingMap& map) {
+    TsdfSampler background(map.background(), map.scale());
+    std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
+      Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
+      for (const std::size_t i : part) normal_sum += points_[i].normal_world;
+      const Eigen::Vector3d normal = normal_sum.normalized();
+      const auto flat = std::count_if(part.begin(), part.end(), [&](std::size_t i) {
+        return points_[i].normal_world.dot(normal) > kMinUpCosine;
+      });
+      if (static_cast<double>(flat) < kMinFlatShare * static_cast<double>(part.size())) {
+        return false;
+      }
+      const bool is_on_plane = std::any_of(planes_.begin(), planes_.end(), [&](const auto& plane) {
+        return plane.first.dot(normal) > kMinUpCosine &&
+               std::abs(normal.dot(points_[part[part.size() / 2]].position_world - plane.second)) <=
+                   2.0 * voxel_m_;
+      });
+      return is_on_plane || std::any_of(part.begin(), part.end(), [&](std::size_t i) {
+               return ContinuesAt(points_[i], &background);
+             });
+    });
+  }
+
+  /// Drops parts of which most of the outline was not seen.
+  void DropIncompleteParts(const WorkingMap& map) {
+    std::vector<Eigen::Vector3d> structure;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (is_structure_[i] != 0) structure.push_back(points_[i].position_world);
+    }
+    const OutlineTest test(map, structure);
+    std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
+      std::vector<OrientedPoint> surface;
+      surface.reserve(part.size());
+      for (const std::size_t i : part) surface.push_back(points_[i]);
+      return test.SeenShareOf(surface) < parameters_.min_outline_share;
+    });
+  }
+
+  /// Drops parts that the voxels are too coarse for.
+  void DropSlenderParts() {
+    std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
+      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+      for (const std::size_t i : part) mean += points_[i].position_world;
+      mean /= static_cast<double>(part.size());
+      Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+      for (const std::size_t i : part) {
+        const Eigen::Vector3d offset = points_[i].position_world - mean;
+        scatter += offset * offset.transpose();
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+          Eigen::Matrix3d(scatter / static_cast<double>(part.size())));
+      // Points evenly spread over a length have its twelfth part as variance.
+      const double width_m = std::sqrt(12.0 * std::max(axes.eigenvalues()[1], 0.0));
+      return width_m < parameters_.min_width_voxels * voxel_m_;
+    });
+  }
+
+  double LowestOf(const std::vector<std::size_t>& part) const {
+    double lowest_m = std::numeric_limits<double>::max();
+    for (const std::size_t i : part) lowest_m = std::min(lowest_m, points_[i].position_world.z());
+    return lowest_m;
+  }
+
+  /// True if a part ends above the floor around it, and above all surface of the background.
+  bool Floats(const std::vector<std::size_t>& part) const {
+    Eigen::AlignedBox2d base;
+    for (const std::size_t i : part) base.extend(points_[i].position_world.head<2>());
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(parameters_.float_reach_m);
+    base = Eigen::AlignedBox2d(base.min() - reach, base.max() + reach);
+    const double lowest_m = LowestOf(part);
+    double floor_m = std::numeric_limits<double>::lowest();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const OrientedPoint& point = points_[i];
+      if (is_structure_[i] == 0 || point.normal_world.z() < kMinUpCosine ||
+          !base.contains(point.position_world.head<2>()) ||
+          point.position_world.z() > lowest_m + voxel_m_) {
+        continue;
+      }
+      floor_m = std::max(floor_m, point.position_world.z());
+    }
+    return lowest_m - floor_m > parameters_.max_float_voxels * voxel_m_;
+  }
+
+  /// Returns the least distance of a point of `a` from one of `b` that is beside or below it,
+  /// within a few voxels; the largest number if there is none.
+  double DistanceAbove(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) const {
+    double nearest_m = std::numeric_limits<double>::max();
+    for (const std::size_t i : a) {
+      for (const std::size_t j : b) {
+        const Eigen::Vector3d offset = points_[i].position_world - points_[j].position_world;
+        if (offset.head<2>().norm() > kBesideVoxels * voxel_m_) continue;
+        nearest_m = std::min(nearest_m, offset.norm());
+      }
+    }
+    return nearest_m;
+  }
+
+  void JoinFloatingParts() {
+    for (std::size_t i = parts_.size(); i-- > 0;) {
+      if (parts_.size() < 2 || !Floats(parts_[i])) continue;
+      std::size_t nearest = i;
+      double nearest_m = parameters_.float_reach_m;
+      for (std::size_t j = 0; j < parts_.size(); ++j) {
+        if (j == i) continue;
+        const double distance_m = DistanceAbove(parts_[i], parts_[j]);
+        if (distance_m >= nearest_m) continue;
+        nearest_m = distance_m;
+        nearest = j;
+      }
+      if (nearest == i) continue;
+      parts_[nearest].insert(parts_[nearest].end(), parts_[i].begin(), parts_[i].end());
+      parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+
+  const SceneDivisionParameters& parameters_;
+  double voxel_m_;
+  std::vector<OrientedPoint> points_;
+  std::vector<char> is_structure_;
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> planes_;  ///< Normal, a point.
+  std::vector<std::vector<std::size_t>> parts_;
+};
+
+/// Adds the voxels of an object that the background has not observed to the background.
+void GiveToBackground(const TrackedObject& object, WorkingMap* map) {
+  const Eigen::Vector3d offset_voxels =
+      object.state().T_world_object.position_world / map->scale().voxel_size_m;
+  const Eigen::Vector3i shift = offset_voxels.array().round().cast<int>();
+  object.volume().ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    const LeafOrigin target{origin.x + shift.x(), origin.y + shift.y(), origin.z + shift.z()};
+    LeafVoxels voxels;
+    CopyLeaf(map->background().FindLeaf(target), &voxels);
+    bool has_changed = false;
+    ForEachBit(leaf.observed, [&](std::size_t offset) {
+      if (IsSet(voxels.observed, offset)) return;
+      voxels.distance_m[offset] = leaf.distance_m[offset];
+      voxels.weight[offset] = leaf.weight[offset];
+      if (leaf.color != nullptr) {
+        voxels.color[offset] = leaf.color[offset];
+        voxels.has_color = true;
+      }
+      SetBit(offset, &voxels.observed);
+      has_changed = true;
+    });
+    if (has_changed) map->StoreBackgroundLeaf(target, voxels);
+  });
+}
+
+}  // namespace
+
+void DivideScene(const SceneDivisionParameters& parameters,
+                 double contact_voxels,
+                 TrackedObject* scene,
+                 WorkingMap* map) {
+  const SceneDivision division(parameters, contact_voxels, *scene, *map);
+  DivideVoxels(scene, division.PartOfPoints(), division.part_count(), map);
+  GiveToBackground(*scene, map);
+  map->Delete(scene);
+}
+
+}  // namespace steadymap

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "core/objects/surface_parts.h"
+#include "core/working/tracked_object.h"
+#include "core/working/working_map.h"
+
+namespace steadymap {
+
+/// The constants of `DivideScene`.
+struct SceneDivisionParameters {
+  /// Floors and walls: large planes. The distance is in voxels.
+  double min_plane_area_m2 = 1.5;
+  double max_plane_distance_voxels = 1.0;
+  double min_plane_cosine = 0.85;
+  /// Smallest surface of an object, square metres.
+  double min_area_m2 = 0.02;
+  /// Narrower parts, such as the legs of a table, do not become objects of their own, voxels.
+  double min_width_voxels = 3.0;
+  /// Share of the outline of an object that must have been seen.
+  double min_outline_share = 0.5;
+  /// Nothing floats: a part whose lowest point is higher above the floor than this, voxels, belongs
+  /// to the nearest other part within the reach, metres.
+  double max_float_voxels = 3.0;
+  double float_reach_m = 0.5;
+};
+
+/// Divides surface that was fused without labels into objects: connected surface apart from large
+/// planes. What is on a large plane, on known background or too small goes to the background, and
+/// `scene` is deleted. The new objects are tentative and have the state of `scene`. Points of one
+/// object are at most `contact_voxels` apart.
+void DivideScene(const SceneDivisionParameters& parameters,
+                 double contact_voxels,
+                 TrackedObject* scene,
+                 WorkingMap* map);
+
+}  // namespace steadymap

@@ -1,0 +1,126 @@
+// A floor, a wall and boxes, fused as one scene without labels; the space above the floor is free.
+
+#include "core/objects/scene_division.h"
+
+#include <functional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/types/map_config.h"
+#include "tests/support/analytic_map.h"
+#include "tests/support/analytic_solid.h"
+#include "tests/support/object_edits.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::DistanceFrom;
+using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::Solid;
+using ::steadymap::testing::StoreVolume;
+
+constexpr double kContactVoxels = 1.5;
+
+Box FloorSlab() { return {Eigen::Vector3d(-2.0, -2.0, -0.4), Eigen::Vector3d(2.0, 2.0, 0.0)}; }
+
+Box WallSlab() { return {Eigen::Vector3d(1.6, -2.0, -0.4), Eigen::Vector3d(2.0, 2.0, 2.0)}; }
+
+Box StandingBox(double x_m, double y_m, double side_m = 0.4) {
+  return {Eigen::Vector3d(x_m, y_m, -0.2), Eigen::Vector3d(x_m + side_m, y_m + side_m, side_m)};
+}
+
+class SceneDivisionTest : public ::testing::Test {
+ protected:
+  SceneDivisionTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
+
+  std::vector<TrackedObject*> Divide(const Solid& bodies) {
+    return DivideSeen(bodies, [](const Eigen::Vector3d& point) { return point.z() > -0.12; });
+  }
+
+  /// Fuses what `is_observed` of a scene, looks through all the space around it, divides it and
+  /// returns the objects.
+  std::vector<TrackedObject*> DivideSeen(
+      const Solid& bodies, const std::function<bool(const Eigen::Vector3d&)>& is_observed) {
+    TrackedObject& scene = map_.AddObject(Eigen::Vector3d::Zero());
+    const Eigen::Vector3d origin = scene.state().T_world_object.position_world;
+    {
+      ObjectEdit edit = map_.Edit(&scene);
+      StoreVolume(
+          MakeVolume(
+              [&](const Eigen::Vector3d& point) { return DistanceFrom(bodies, point + origin); },
+              Box(Eigen::Vector3d(-2.2, -2.2, -0.15) - origin,
+                  Eigen::Vector3d(1.75, 2.2, 2.2) - origin),
+              map_.scale(),
+              [&](const Eigen::Vector3d& point) { return is_observed(point + origin); }),
+          &edit);
+    }
+    if (sees_around_) MarkFree(bodies);
+    DivideScene(SceneDivisionParameters(), kContactVoxels, &scene, &map_);
+    EXPECT_TRUE(scene.is_deleted());
+    return map_.TentativeObjects();
+  }
+
+  /// Marks the space at least a voxel from every surface.
+  void MarkFree(const Solid& bodies) {
+    const double step_m = 2.0 * map_.scale().voxel_size_m;
+    for (double x = -1.95; x < 1.6; x += step_m) {
+      for (double y = -1.95; y < 2.0; y += step_m) {
+        for (double z = 0.05; z < 2.0; z += step_m) {
+          const Eigen::Vector3d point(x, y, z);
+          if (DistanceFrom(bodies, point) > map_.scale().voxel_size_m) map_.MarkFree(point, point);
+        }
+      }
+    }
+  }
+
+  bool sees_around_ = true;
+  WorkingMap map_{MapConfig()};
+};
+
+TEST_F(SceneDivisionTest, ABoxOnTheFloorIsAnObject) {
+  const std::vector<TrackedObject*> objects = Divide({FloorSlab(), StandingBox(0.0, 0.0)});
+  ASSERT_EQ(objects.size(), 1U);
+  const Box bounds = objects.front()->BoundsInWorld();
+  EXPECT_TRUE(bounds.min().isApprox(Eigen::Vector3d(0.0, 0.0, 0.0), 0.1) ||
+              bounds.min().norm() < 0.1);
+  EXPECT_LT((bounds.max() - Eigen::Vector3d::Constant(0.4)).norm(), 0.1);
+}
+
+TEST_F(SceneDivisionTest, FloorAndWallBecomeBackground) {
+  EXPECT_TRUE(Divide({FloorSlab(), WallSlab()}).empty());
+  EXPECT_GT(map_.background().CountObservedVoxels(), 1000U);
+}
+
+TEST_F(SceneDivisionTest, BoxesApartAreTwoObjects) {
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.6)}).size(), 2U);
+}
+
+TEST_F(SceneDivisionTest, ABoxAgainstAWallIsAnObject) {
+  EXPECT_EQ(Divide({FloorSlab(), WallSlab(), StandingBox(1.25, 0.0)}).size(), 1U);
+}
+
+TEST_F(SceneDivisionTest, AThingNarrowerThanAFewVoxelsIsBackground) {
+  EXPECT_TRUE(
+      Divide({FloorSlab(), Box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.05, 0.05, 0.8))})
+          .empty());
+}
+
+TEST_F(SceneDivisionTest, APieceInUnknownSpaceIsNoObject) {
+  sees_around_ = false;
+  const Box piece(Eigen::Vector3d(0.0, 0.0, 0.8), Eigen::Vector3d(0.4, 0.4, 1.2));
+  EXPECT_TRUE(DivideSeen({piece}, [](const Eigen::Vector3d& point) {
+                return point.x() < 0.1;  // One side.
+              }).empty());
+}
+
+TEST_F(SceneDivisionTest, ABoardAboveAnotherOneIsAPartOfTheSameObject) {
+  EXPECT_EQ(Divide({FloorSlab(),
+                    Box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.5, 0.8, 0.15)),
+                    Box(Eigen::Vector3d(0.0, 0.0, 0.4), Eigen::Vector3d(0.5, 0.8, 0.55))})
+                .size(),
+            1U);
+}
+
+}  // namespace
+}  // namespace steadymap
