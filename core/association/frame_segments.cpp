@@ -15,8 +15,9 @@ constexpr int kMaxLinkSamples = 2;
 // The depth of a cell is the mean of four pixels.
 constexpr double kCellNoiseShare = 0.5;
 
-// Of the spacing of samples on a surface: its slope is known as well as its normal.
-constexpr double kSpacingSlack = 1.5;
+// Of the spacing of samples on a surface that faces the camera. On surface that is seen at a flat
+// angle, samples are so far apart that a gap between two objects can lie between them.
+constexpr double kSpacingSlack = 2.0;
 
 /// Disjoint sets of samples, each with its lowest index as root.
 class SampleSets {
@@ -64,10 +65,7 @@ class Continuity {
     const double depth_m = static_cast<double>(std::max(a.depth_m, b.depth_m));
     const double noise_m = max_sigmas_ * M_SQRT2 * kCellNoiseShare * noise_.SigmaM(depth_m);
     const double spacing_m = spacing_per_m_ * depth_m;
-    // The area of a sample is the square of the spacing, divided by the cosine of the slope.
-    const double area_m2 = static_cast<double>(std::max(a.area_m2, b.area_m2));
-    if (way.norm() > kSpacingSlack * steps * area_m2 / spacing_m + noise_m / max_sigmas_)
-      return false;
+    if (way.norm() > kSpacingSlack * steps * spacing_m + noise_m / max_sigmas_) return false;
     // At an edge between two faces, a neighbour is as far from the plane as from the sample.
     const double limit_m = noise_m + steps * spacing_m;
     return std::abs(way.dot(a.normal_world.cast<double>())) < limit_m &&

@@ -9,6 +9,7 @@
 
 #include "core/change/belief_update.h"
 #include "core/change/surface_looks.h"
+#include "core/objects/session_parts.h"
 #include "core/objects/shape_match.h"
 #include "core/registration/anchored_alignment.h"
 #include "core/registration/registration.h"
@@ -20,9 +21,6 @@ namespace {
 
 // Points of a thing that take part in the alignment of a session.
 constexpr std::size_t kMaxAnchorPoints = 400;
-
-// Fewest points of a surface in contact.
-constexpr std::size_t kMinContactPoints = 3;
 
 // Standard deviation of a normal distribution, in medians of its magnitude.
 constexpr double kSigmasOfMedian = 1.4826;
@@ -53,28 +51,6 @@ struct PlaceMatch {
   double fit = 0.0;  ///< Share of the surface that agrees.
 };
 
-bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {
-  return a.state().class_id == b.state().class_id;
-}
-
-/// Returns the number of surface points of `a` closer than `distance_m` to the surface of `b`.
-std::size_t CountContacts(const TrackedObject& a,
-                          const TrackedObject& b,
-                          double distance_m,
-                          const VoxelScale& scale) {
-  const Eigen::Isometry3d T_b_world = b.state().T_world_object.ToIsometry().inverse();
-  TsdfSampler sampler(b.volume(), scale);
-  std::size_t count = 0;
-  for (const Eigen::Vector3d& point_world : a.SurfaceInWorld()) {
-    double found_m = 0.0;
-    if (sampler.SampleNearest(T_b_world * point_world, &found_m) &&
-        std::abs(found_m) <= distance_m) {
-      ++count;
-    }
-  }
-  return count;
-}
-
 /// Returns the share of the looked-at surface that is gone.
 double GoneShareOf(const TrackedObject& object) {
   const LookCount looks = CountLooks(object);
@@ -88,23 +64,6 @@ double DisplacementOf(const Registration& registration, const TrackedObject& obj
   return std::hypot(registration.shift_world.norm(), registration.yaw_rad * radius_m);
 }
 
-/// Adds the voxels of an object that `into` does not have.
-void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into) {
-  const VoxelScale& scale = map->scale();
-  const UprightPose& pose = from.state().T_world_object;
-  const Eigen::Vector3d voxels =
-      (pose.position_world - into->state().T_world_object.position_world) / scale.voxel_size_m;
-  const bool is_on_lattice =
-      ShareLattice(from.state(), into->state()) &&
-      (voxels.array() - voxels.array().round()).abs().maxCoeff() < kNegligibleMotionVoxels;
-  ObjectEdit edit = map->Edit(into);
-  if (is_on_lattice) {
-    CopyVoxels(from, scale, &edit);
-  } else {
-    ResampleVoxels(from, pose.ToIsometry(), 1.0, scale, &edit);
-  }
-}
-
 /// The decision on one session.
 class SessionDecision {
  public:
@@ -114,8 +73,7 @@ class SessionDecision {
       : config_(config), parameters_(parameters), map_(map) {}
 
   void Run() {
-    DropFragments();
-    JoinPieces();
+    CompleteSessionObjects(parameters_.parts, map_);
     EndVanished();
     for (TrackedObject* object : map_->TentativeObjects()) CutGoneCells(object);
     ListObjects();
@@ -127,17 +85,14 @@ class SessionDecision {
     AddRest();
     EndGone();
     for (TrackedObject* object : map_->AllObjects()) {
-      if (object->state().evidence == ObjectEvidence()) continue;
+      if (object->state().evidence == ObjectEvidence() && object->state().parts.empty()) continue;
       ObjectEdit edit = map_->Edit(object);
       edit.state().evidence = {};
+      edit.state().parts.clear();
     }
   }
 
  private:
-  void DropFragments();
-  void JoinPieces();
-  bool IsFragmentOf(const TrackedObject& object, const TrackedObject& other) const;
-  bool IsPieceOf(const TrackedObject& object, const TrackedObject& other) const;
   void ListObjects();
   void Align();
   AnchorMatches MatchesOf(const TrackedObject& seen,
@@ -174,60 +129,6 @@ class SessionDecision {
   Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  ///< Onto the map, of the session.
   std::vector<PlaceMatch> doubted_;  ///< In place, but much of the known object is gone.
 };
-
-void SessionDecision::DropFragments() {
-  for (TrackedObject* object : map_->TentativeObjects()) {
-    const LookCount looks = CountLooks(*object);
-    const std::uint64_t frames = object->state().supporting_frames;
-    if (frames < parameters_.min_frames ||
-        (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
-        object->SurfaceAreaM2() < parameters_.min_area_m2) {
-      map_->Delete(object);
-    }
-  }
-}
-
-/// True if the smaller object is a part of the larger one, or a wrong label on it.
-bool SessionDecision::IsPieceOf(const TrackedObject& object, const TrackedObject& other) const {
-  if (IsFragmentOf(object, other)) return true;
-  if (!object.BoundsInWorld().intersects(other.BoundsInWorld())) {
-    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * map_->scale().voxel_size_m);
-    Box reach_world = object.BoundsInWorld();
-    reach_world = Box(reach_world.min() - margin, reach_world.max() + margin);
-    if (!reach_world.intersects(other.BoundsInWorld())) return false;
-  }
-  if (!IsOfOneClass(object, other)) {
-    const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
-                                             object.state().T_world_object.ToIsometry();
-    const SurfaceOverlap overlap = CompareSurfaces(object, other, T_other_object, map_->scale());
-    return overlap.known_share * overlap.fit_share > 0.5;
-  }
-  const double contact_m = parameters_.contact_voxels * map_->scale().voxel_size_m;
-  const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
-                                           object.state().T_world_object.ToIsometry();
-  const SurfaceOverlap overlap = CompareSurfaces(object, other, T_other_object, map_->scale());
-  return overlap.known_share * overlap.fit_share > 0.2 &&
-         CountContacts(object, other, contact_m, map_->scale()) >= kMinContactPoints;
-}
-
-void SessionDecision::JoinPieces() {
-  std::vector<TrackedObject*> objects;
-  for (TrackedObject* object : map_->TentativeObjects()) objects.push_back(object);
-  std::stable_sort(objects.begin(), objects.end(), [](const auto* a, const auto* b) {
-    return a->surface().point_count() > b->surface().point_count();
-  });
-  for (std::size_t i = 1; i < objects.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (objects[j]->is_archived() || !IsPieceOf(*objects[i], *objects[j])) continue;
-      if (IsOfOneClass(*objects[i], *objects[j])) {
-        JoinSessionObjects(objects[i], objects[j], map_);
-      } else {
-        map_->Delete(objects[i]);
-      }
-      break;
-    }
-  }
-}
 
 /// Makes known objects of those that were seen and then found gone in the same session.
 void SessionDecision::EndVanished() {
@@ -340,7 +241,7 @@ double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches,
   std::map<const SeenObject*, double> least_m;
   for (const PlaceMatch& match : matches) {
     if (match.seen == &seen || match.known->object->is_archived() ||
-        IsFragmentOf(*match.seen->object, *match.known->object)) {
+        IsFragmentOf(*match.seen->object, *match.known->object, parameters_.parts)) {
       continue;
     }
     const auto [entry, is_new] = least_m.emplace(match.seen, match.displacement_m);
@@ -507,7 +408,7 @@ void SessionDecision::FindMoves() {
       if (known.standing != Standing::kGone && !known.object->is_archived()) continue;
       if (known.is_taken || IsDoubtedMatch(seen, known)) continue;
       if (seen.object->SurfaceAreaM2() <
-          parameters_.fragment_share * known.object->SurfaceAreaM2()) {
+          parameters_.min_moved_area_share * known.object->SurfaceAreaM2()) {
         continue;
       }
       const ShapeMatch match = MatchShapes(*known.object, *seen.object, map_->scale());
@@ -574,23 +475,13 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
   map_->Delete(after);
 }
 
-/// True if an object is so much smaller than one of its class beside it that it is a part of it.
-bool SessionDecision::IsFragmentOf(const TrackedObject& object, const TrackedObject& other) const {
-  if (!IsOfOneClass(object, other)) return false;
-  const Cuboid& cuboid = other.cuboid();
-  return object.SurfaceAreaM2() < parameters_.fragment_share * other.SurfaceAreaM2() &&
-         DistanceBetween(object.cuboid(), cuboid) <
-             parameters_.fragment_reach * cuboid.size_m.maxCoeff();
-}
-
 /// True if an object of the session continues a standing object, which then has its surface.
 bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
-  const double contact_m = parameters_.contact_voxels * map_->scale().voxel_size_m;
+  const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
   for (const KnownObject& known : known_) {
     if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
-    if (!IsFragmentOf(seen, *known.object) &&
-        (DistanceBetween(seen.cuboid(), known.object->cuboid()) > contact_m ||
-         CountContacts(seen, *known.object, contact_m, map_->scale()) < kMinContactPoints)) {
+    if (!IsFragmentOf(seen, *known.object, parameters_.parts) &&
+        !AreInContact(seen, *known.object, contact_m, map_->scale())) {
       continue;
     }
     AddVoxels(seen, map_, known.object);
@@ -651,18 +542,6 @@ void SessionDecision::CutGoneCells(TrackedObject* object) {
 }
 
 }  // namespace
-
-void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* map) {
-  AddVoxels(*object, map, into);
-  {
-    ObjectEdit edit = map->Edit(into);
-    ObjectState& state = edit.state();
-    state.first_seen = std::min(state.first_seen, object->state().first_seen);
-    state.last_seen = std::max(state.last_seen, object->state().last_seen);
-    state.supporting_frames = std::max(state.supporting_frames, object->state().supporting_frames);
-  }
-  map->Delete(object);
-}
 
 void DecideSession(const MapConfig& config,
                    const SessionIdentityParameters& parameters,

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/map/stationarity.h"
+#include "core/objects/session_parts.h"
 #include "core/types/map_config.h"
 #include "core/working/working_map.h"
 
@@ -10,15 +11,9 @@ namespace steadymap {
 
 /// The constants of `DecideSession`.
 struct SessionIdentityParameters {
-  /// Fewest frames and smallest surface, square metres, of an object.
-  std::uint64_t min_frames = 2;
-  /// Fewest frames of an object that others contradict: fewer have a wrong label.
-  std::uint64_t min_doubted_frames = 5;
-  double min_area_m2 = 0.004;
+  SessionPartParameters parts;
   /// Stationarity of a new object.
   double initial_stationarity = 0.6;
-  /// Surfaces that are closer, voxels, are in contact.
-  double contact_voxels = 1.5;
   /// Of the pose claimed by the robot, in the alignment of a session; each known object has one.
   double claim_votes = 1.5;
   /// Displacement at which a known object has lost half of its vote, metres, at least half a voxel.
@@ -28,16 +23,14 @@ struct SessionIdentityParameters {
   /// The same in standard deviations of the displacements of all objects, which tell the error of
   /// the poses.
   double max_pose_sigmas = 3.0;
-  /// An object with less than this share of the surface of another one of its class, and closer to
-  /// it than this share of its length, is a part of it.
-  double fragment_share = 0.25;
-  double fragment_reach = 0.5;
   /// Share of the surface that may disagree with a known shape, and that must be known of it.
   double max_dissimilarity = 0.2;
   double min_known_share = 0.3;
   /// The same to know a moved or returned object by its shape.
   double min_shape_known_share = 0.5;
   double min_shape_fit_share = 0.85;
+  /// Smallest surface of a moved object, as a share of the surface that was known of it.
+  double min_moved_area_share = 0.25;
   /// A shape is that of one object if it agrees with no other one better than this less.
   double rival_margin = 0.1;
   /// Share of the looked-at surface that must be gone of an object that is gone.
@@ -56,9 +49,6 @@ struct SessionIdentityParameters {
   double max_overlap_share = 0.3;
   StationarityParameters belief;
 };
-
-/// Adds the surface of one object of the session to another one and deletes it.
-void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* map);
 
 /// Decides what the objects of a session (status `kTentative`) are: known objects in place, known
 /// objects at a new place, removed objects that are back, or new ones; and which known objects are

@@ -7,13 +7,15 @@
 #include "core/association/class_votes.h"
 #include "core/change/free_space_carving.h"
 #include "core/volume/tsdf_sample.h"
-#include "core/working/object_split.h"
 
 namespace steadymap {
 namespace {
 
 // The normals of a sample and of the surface that it is on differ by at most 45 degrees.
 constexpr double kMinNormalCosine = 0.7;
+
+// Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
+constexpr double kMinFacingCosine = 0.4;
 
 bool IsInSession(const TrackedObject& object) {
   return object.state().status == ObjectStatus::kTentative;
@@ -38,11 +40,24 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
                                *cloud,
                                samples_,
                                config_.max_depth_m);
+  has_labels_ = !frame.labels.empty() || !frame.instances.empty();
   LookAtObjects();
   FindSurfaces();
-  segments_ = FindFrameSegments(*cloud, samples_, is_mislabelled_, parameters_.continuity);
-  AssignSegments();
-  FuseSession();
+  segments_ = has_labels_
+                  ? FindFrameSegments(*cloud, samples_, is_excluded_, parameters_.continuity)
+                  : FindScene();
+  SegmentAssignment assignment(config_,
+                               parameters_.assignment,
+                               parameters_.identity,
+                               {*cloud, samples_, segments_, on_objects_, is_excluded_},
+                               &in_view_,
+                               map);
+  if (has_labels_) {
+    assignment.AssignSegments();
+  } else {
+    assignment.AssignScene();
+  }
+  FuseSession(assignment);
   CarveFreeSpace(samples_, cloud->T_world_camera().translation(), map);
 }
 
@@ -51,10 +66,12 @@ void EvidenceMapper::EndSession(WorkingMap* map) {
 }
 
 void EvidenceMapper::LookAtObjects() {
+  LookParameters looks = parameters_.looks;
+  looks.labels_decide = looks.labels_decide && has_labels_;
   for (const ObjectInView& view : in_view_) {
     ObjectEvidence evidence = view.object->state().evidence;
     if (!AddLook({*cloud_, samples_, tiles_},
-                 parameters_.looks,
+                 looks,
                  map_->scale(),
                  map_->now(),
                  *view.object,
@@ -118,121 +135,53 @@ void EvidenceMapper::FindSurfaces() {
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
     if (IsInSession(*in_view_[place].object)) FindSurfaceOf(place);
   }
-  is_mislabelled_.assign(samples_.size(), 0);
+  is_excluded_.assign(samples_.size(), 0);
+  const Eigen::Vector3d camera_world = cloud_->T_world_camera().translation();
   TsdfSampler sampler(map_->background(), map_->scale());
   for (std::size_t index = 0; index < samples_.size(); ++index) {
     const SurfaceSample& sample = samples_[index];
-    if (!sample.is_valid() || config_.IsInBackground(ClassId(sample.label))) continue;
+    if (!sample.is_valid() || (has_labels_ && config_.IsInBackground(ClassId(sample.label)))) {
+      continue;
+    }
     const bool is_on_background = IsOnSurface(sample,
                                               sampler.Sample(sample.position_world.cast<double>()),
                                               sample.normal_world.cast<double>());
-    is_mislabelled_[index] = is_on_background ? 1 : 0;
+    const Eigen::Vector3d to_camera =
+        (camera_world - sample.position_world.cast<double>()).normalized();
+    const bool is_flat = to_camera.dot(sample.normal_world.cast<double>()) < kMinFacingCosine;
+    is_excluded_[index] = is_on_background || (has_labels_ && is_flat) ? 1 : 0;
   }
   for (const SampleOnObject& found : on_objects_) {
     const SurfaceSample& sample = samples_[found.sample];
-    is_mislabelled_[found.sample] =
-        config_.IsInBackground(ClassId(sample.label)) && sample.instance == 0 ? 1 : 0;
-  }
-}
-
-/// Returns what segments and objects of the session have in common, the largest first.
-std::vector<EvidenceMapper::Claim> EvidenceMapper::FindClaims() const {
-  std::map<std::pair<std::size_t, std::size_t>, double> areas_m2;  // By place and segment.
-  for (const SampleOnObject& found : on_objects_) {
-    const std::size_t segment = segment_of_[found.sample];
-    if (segment == 0) continue;
-    areas_m2[{found.place, segment - 1}] += static_cast<double>(samples_[found.sample].area_m2);
-  }
-  std::vector<Claim> claims;
-  for (const auto& [key, area_m2] : areas_m2) {
-    const auto& [place, segment] = key;
-    const double smaller_m2 =
-        std::min(in_view_[place].object->SurfaceAreaM2(), segments_[segment].area_m2);
-    claims.push_back({segment, place, area_m2, area_m2 / smaller_m2});
-  }
-  std::stable_sort(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) {
-    return a.area_m2 > b.area_m2;
-  });
-  return claims;
-}
-
-/// True if a segment shows the object of a claim.
-bool EvidenceMapper::IsOfObject(const Claim& claim) const {
-  const FrameSegment& segment = segments_[claim.segment];
-  if (in_view_[claim.place].object->state().class_id.value() == segment.label) {
-    return claim.share >= parameters_.min_common_share;
-  }
-  return claim.area_m2 >= parameters_.min_mislabelled_share * segment.area_m2;
-}
-
-void EvidenceMapper::AssignSegments() {
-  association_.owner.assign(samples_.size(), Association::kNone);
-  segment_of_.assign(samples_.size(), 0);
-  owner_of_.assign(segments_.size(), 0);
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const bool is_background =
-        segments_[i].instance == 0 && config_.IsInBackground(ClassId(segments_[i].label));
-    for (const std::size_t index : segments_[i].samples) {
-      if (is_background) {
-        association_.owner[index] = kBackgroundOwner;
-      } else {
-        segment_of_[index] = i + 1;
-      }
-    }
-  }
-  std::map<std::size_t, std::uint16_t> instance_of;  // Of the place of an object.
-  for (const Claim& claim : FindClaims()) {
-    const std::uint16_t instance = segments_[claim.segment].instance;
-    if (in_view_[claim.place].object->is_archived() || !IsOfObject(claim)) continue;
-    const auto [known, is_new] = instance_of.emplace(claim.place, instance);
-    if (!is_new && instance != 0 && known->second != instance) continue;
-    std::size_t& owner = owner_of_[claim.segment];
-    if (owner == 0) {
-      owner = claim.place + 1;
-    } else if (in_view_[owner - 1].object->state().class_id ==
-               in_view_[claim.place].object->state().class_id) {
-      JoinTentative(claim.place, owner - 1);
-    }
-  }
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
-    if (segment_of_[segments_[i].samples.front()] == 0) continue;
-    if (owner_of_[i] == 0) AddSegmentAsObject(i);
-    if (owner_of_[i] == 0) continue;
-    for (const std::size_t index : segments_[i].samples) {
-      association_.owner[index] = static_cast<std::uint32_t>(owner_of_[i]);
+    if (has_labels_ && config_.IsInBackground(ClassId(sample.label)) && sample.instance == 0) {
+      is_excluded_[found.sample] = 1;
     }
   }
 }
 
-/// Makes one object of two that a segment shows to be connected.
-void EvidenceMapper::JoinTentative(std::size_t place, std::size_t into) {
-  JoinSessionObjects(in_view_[place].object, in_view_[into].object, map_);
-  std::replace(owner_of_.begin(), owner_of_.end(), place + 1, into + 1);
-}
-
-void EvidenceMapper::AddSegmentAsObject(std::size_t index) {
-  const FrameSegment& segment = segments_[index];
-  if (segment.area_m2 < parameters_.min_new_area_m2) return;
-  Eigen::Vector3d mean_world = Eigen::Vector3d::Zero();
-  for (const std::size_t sample : segment.samples) {
-    mean_world += samples_[sample].position_world.cast<double>();
+/// Returns the surface of a frame without labels that is not on the background as one segment.
+std::vector<FrameSegment> EvidenceMapper::FindScene() const {
+  FrameSegment scene;
+  for (std::size_t index = 0; index < samples_.size(); ++index) {
+    if (!samples_[index].is_valid() || is_excluded_[index] != 0) continue;
+    scene.samples.push_back(index);
+    scene.area_m2 += static_cast<double>(samples_[index].area_m2);
   }
-  TrackedObject& object = map_->AddObject(mean_world / static_cast<double>(segment.samples.size()));
-  ObjectEdit edit = map_->Edit(&object);
-  edit.state().class_id = ClassId(segment.label);
-  edit.state().belief = InitialBelief(parameters_.identity.initial_stationarity);
-  in_view_.push_back({&object, 0, samples_.width(), 0, samples_.height()});
-  owner_of_[index] = in_view_.size();
+  if (scene.samples.empty()) return {};
+  return {scene};
 }
 
-void EvidenceMapper::FuseSession() {
-  GiveCellsToNearestPlanes(samples_, association_, cloud_);
+void EvidenceMapper::FuseSession(const SegmentAssignment& assignment) {
+  const Association& association = assignment.association();
+  GiveCellsToNearestPlanes(samples_, association, cloud_);
   integrator_.SetFrame(*cloud_);
   map_->FuseBackground(&integrator_);
   std::vector<std::map<ClassId, std::size_t>> samples_by_class(in_view_.size());
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
-    if (owner_of_[i] == 0) continue;
-    samples_by_class[owner_of_[i] - 1][ClassId(segments_[i].label)] += segments_[i].samples.size();
+  for (std::size_t index = 0; index < samples_.size(); ++index) {
+    const std::uint32_t owner = association.owner[index];
+    const std::size_t segment = assignment.segment_of()[index];
+    if (!Association::IsObject(owner) || segment == 0) continue;
+    ++samples_by_class[owner - 1][ClassId(segments_[segment - 1].label)];
   }
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
     TrackedObject* object = in_view_[place].object;

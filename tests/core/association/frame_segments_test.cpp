@@ -60,6 +60,21 @@ TEST_F(FrameSegmentsTest, ThingsOfOneClassWithAGapAreTwo) {
   EXPECT_EQ(FindOf(kGoodsClass).size(), 2U);
 }
 
+TEST_F(FrameSegmentsTest, BoxesInLineThatAreSeenAtAFlatAngleAreNotConnected) {
+  // The front sides of both boxes are in one plane, along which the camera looks almost.
+  const SceneBody near = Body(kGoodsClass, {1.0, 0.3, -0.3}, {1.5, 0.6, 0.3});
+  const SceneBody far = Body(kGoodsClass, {1.6, 0.3, -0.3}, {2.1, 0.6, 0.3});
+  Look(RenderScene({DistantWall(), near, far}, {}));
+  for (const FrameSegment& segment : FindOf(kGoodsClass)) {
+    bool has_near = false;
+    bool has_far = false;
+    for (const std::size_t index : segment.samples) {
+      (samples_[index].position_world.x() < 1.55F ? has_near : has_far) = true;
+    }
+    EXPECT_FALSE(has_near && has_far);
+  }
+}
+
 TEST_F(FrameSegmentsTest, AThingBehindAnotherOneOfItsClassIsASecondSegment) {
   Look(RenderScene({DistantWall(), BoxAt(1.2, -0.3, 0.0), BoxAt(1.9, -0.2, 0.5)}, {}));
   EXPECT_EQ(FindOf(kGoodsClass).size(), 2U);

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/objects/part_votes.h"
 #include "core/types/map_config.h"
 #include "tests/support/analytic_map.h"
 #include "tests/support/analytic_solid.h"
@@ -170,6 +171,23 @@ TEST_F(SessionIdentityTest, WhatCameAndWentInOneSessionIsToldTwice) {
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].type, EventType::kCreated);
   EXPECT_EQ(events[1].type, EventType::kRemoved);
+}
+
+TEST_F(SessionIdentityTest, PartsThatFramesConnectAreOneObject) {
+  TrackedObject* one = PutSeen(0.0);
+  TrackedObject* other = PutSeen(0.7);
+  VoteOnParts(/*is_connected=*/true, one, other, &map_);
+  EXPECT_EQ(Decide().size(), 1U);
+  EXPECT_EQ(map_.objects().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, ObjectsThatFramesShowApartAreTwoEvenInContact) {
+  TrackedObject* one = PutSeen(0.0);
+  TrackedObject* other = PutSeen(0.5);
+  VoteOnParts(/*is_connected=*/true, one, other, &map_);
+  for (int i = 0; i < 10; ++i) VoteOnParts(/*is_connected=*/false, one, other, &map_);
+  EXPECT_EQ(Decide().size(), 2U);
+  EXPECT_EQ(map_.objects().size(), 2U);
 }
 
 TEST_F(SessionIdentityTest, ASurfaceOfOneFrameIsNoObject) {

@@ -34,6 +34,15 @@ class EvidenceMapperTest : public ::testing::Test {
     story_.EndSession();
   }
 
+  void VisitWithoutLabels(const testing::Scene& scene) {
+    std::vector<Frame> frames =
+        testing::LookAtScene(scene, visit_ * (kFrames + 1), kFrames, visit_);
+    for (Frame& frame : frames) frame.labels = {};
+    story_.Play(frames);
+    story_.EndSession();
+    ++visit_;
+  }
+
   MapStory story_{PocdConfig(), BySession()};
   int visit_ = 0;
 };
@@ -65,6 +74,31 @@ TEST_F(EvidenceMapperTest, AThingInAnotherPlaceHasMoved) {
   Visit({FarWall(), Goods(0.4)});
   EXPECT_EQ(story_.EventsOf(EventType::kMoved, kGoodsClass).size(), 1U);
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, NeighboursOfOneClassAreTwoAndOneMayLeave) {
+  Visit({FarWall(), Goods(-0.35), Goods(0.35)});
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 2U);
+  Visit({FarWall(), Goods(-0.35)});
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, WithoutLabelsAThingComesAndGoes) {
+  VisitWithoutLabels({FarWall(), Goods(0.0)});
+  ASSERT_EQ(story_.EventsOf(EventType::kCreated, kNoClass.value()).size(), 1U);
+  EXPECT_EQ(story_.Present(kNoClass.value()).size(), 1U);
+  VisitWithoutLabels({FarWall(), Goods(0.0)});
+  EXPECT_EQ(story_.events().size(), 1U);
+  VisitWithoutLabels({FarWall()});
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kNoClass.value()).size(), 1U);
+  EXPECT_TRUE(story_.Present(kNoClass.value()).empty());
+}
+
+TEST_F(EvidenceMapperTest, AFrameWithoutLabelsDoesNotDoubtALabelledThing) {
+  Visit({FarWall(), Goods(0.0)});
+  VisitWithoutLabels({FarWall(), Goods(0.0)});
+  EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
 }
 
 TEST_F(EvidenceMapperTest, ARestartInTheMiddleOfASessionChangesNothing) {

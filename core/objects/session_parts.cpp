@@ -1,0 +1,205 @@
+#include "core/objects/session_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "core/change/surface_looks.h"
+#include "core/objects/part_votes.h"
+#include "core/objects/reidentification.h"
+#include "core/volume/tsdf_sample.h"
+#include "core/working/object_split.h"
+
+namespace steadymap {
+namespace {
+
+// Fewest points of a surface in contact.
+constexpr std::size_t kMinContactPoints = 3;
+
+// Voxels of two objects that are closer than this, voxels, are the same.
+constexpr double kSameLatticeVoxels = 0.1;
+
+// Bounds closer than this, voxels, may be of surfaces in contact.
+constexpr double kNearVoxels = 2.0;
+
+// Share of a surface that must agree with that of an object of another class, which then has the
+// right label, and with that of a part of the same object.
+constexpr double kMinRelabelledShare = 0.5;
+constexpr double kMinSharedPartShare = 0.2;
+
+/// Returns the number of surface points of `a` closer than `distance_m` to the surface of `b`.
+std::size_t CountContacts(const TrackedObject& a,
+                          const TrackedObject& b,
+                          double distance_m,
+                          const VoxelScale& scale) {
+  const Eigen::Isometry3d T_b_world = b.state().T_world_object.ToIsometry().inverse();
+  TsdfSampler sampler(b.volume(), scale);
+  std::size_t count = 0;
+  for (const Eigen::Vector3d& point_world : a.SurfaceInWorld()) {
+    double found_m = 0.0;
+    if (sampler.SampleNearest(T_b_world * point_world, &found_m) &&
+        std::abs(found_m) <= distance_m) {
+      ++count;
+    }
+  }
+  return count;
+}
+
+/// The completion of the objects of one session.
+class PartCompletion {
+ public:
+  PartCompletion(const SessionPartParameters& parameters, WorkingMap* map)
+      : parameters_(parameters), map_(map) {}
+
+  void Run() {
+    DivideScenes();
+    election_ = PartElection(map_->TentativeObjects());
+    JoinParts();
+    DropFragments();
+    JoinPieces();
+  }
+
+ private:
+  void DivideScenes();
+  void JoinParts();
+  void DropFragments();
+  void JoinPieces();
+  bool IsPieceOf(const TrackedObject& object, const TrackedObject& other) const;
+
+  const SessionPartParameters& parameters_;
+  WorkingMap* map_;
+  PartElection election_;
+};
+
+/// Makes objects of surface that frames without labels have shown.
+void PartCompletion::DivideScenes() {
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    if (object->state().class_id == kNoClass)
+      DivideScene(parameters_.scene, parameters_.contact_voxels, object, map_);
+  }
+}
+
+/// Makes one object of those that most frames show connected.
+void PartCompletion::JoinParts() {
+  std::map<ObjectId, TrackedObject*> objects;
+  for (TrackedObject* object : map_->TentativeObjects()) objects.emplace(object->id(), object);
+  while (true) {
+    const auto [whole, part] = election_.FindPair();
+    if (part == ObjectId()) return;
+    JoinSessionObjects(objects.at(part), objects.at(whole), map_);
+    election_.Join(part, whole);
+  }
+}
+
+/// Deletes what is too small, or was seen too rarely.
+void PartCompletion::DropFragments() {
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    const LookCount looks = CountLooks(*object);
+    const std::uint64_t frames = object->state().supporting_frames;
+    if (frames < parameters_.min_frames ||
+        (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
+        object->SurfaceAreaM2() < parameters_.min_area_m2) {
+      map_->Delete(object);
+    }
+  }
+}
+
+/// True if the smaller object is a part of the larger one, or a wrong label on it.
+bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject& other) const {
+  if (election_.AreApart(object.id(), other.id())) return false;
+  if (IsFragmentOf(object, other, parameters_)) return true;
+  const double voxel_m = map_->scale().voxel_size_m;
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kNearVoxels * voxel_m);
+  const Box bounds_world = object.BoundsInWorld();
+  if (!Box(bounds_world.min() - margin, bounds_world.max() + margin)
+           .intersects(other.BoundsInWorld())) {
+    return false;
+  }
+  const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
+                                           object.state().T_world_object.ToIsometry();
+  const SurfaceOverlap overlap = CompareSurfaces(object, other, T_other_object, map_->scale());
+  const double shared = overlap.known_share * overlap.fit_share;
+  if (!IsOfOneClass(object, other)) return shared > kMinRelabelledShare;
+  return shared > kMinSharedPartShare &&
+         CountContacts(object, other, parameters_.contact_voxels * voxel_m, map_->scale()) >=
+             kMinContactPoints;
+}
+
+void PartCompletion::JoinPieces() {
+  std::vector<TrackedObject*> objects;
+  for (TrackedObject* object : map_->TentativeObjects()) objects.push_back(object);
+  std::stable_sort(objects.begin(), objects.end(), [](const auto* a, const auto* b) {
+    return a->surface().point_count() > b->surface().point_count();
+  });
+  for (std::size_t i = 1; i < objects.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (objects[j]->is_archived() || !IsPieceOf(*objects[i], *objects[j])) continue;
+      if (IsOfOneClass(*objects[i], *objects[j])) {
+        JoinSessionObjects(objects[i], objects[j], map_);
+        election_.Join(objects[i]->id(), objects[j]->id());
+      } else {
+        map_->Delete(objects[i]);
+      }
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+void CompleteSessionObjects(const SessionPartParameters& parameters, WorkingMap* map) {
+  PartCompletion(parameters, map).Run();
+}
+
+bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {
+  return a.state().class_id == b.state().class_id;
+}
+
+bool AreInContact(const TrackedObject& a,
+                  const TrackedObject& b,
+                  double distance_m,
+                  const VoxelScale& scale) {
+  return DistanceBetween(a.cuboid(), b.cuboid()) <= distance_m &&
+         CountContacts(a, b, distance_m, scale) >= kMinContactPoints;
+}
+
+bool IsFragmentOf(const TrackedObject& object,
+                  const TrackedObject& other,
+                  const SessionPartParameters& parameters) {
+  if (!IsOfOneClass(object, other)) return false;
+  const Cuboid& cuboid = other.cuboid();
+  return object.cuboid().volume_m3() < parameters.fragment_share * cuboid.volume_m3() &&
+         DistanceBetween(object.cuboid(), cuboid) <
+             parameters.fragment_reach * cuboid.size_m.maxCoeff();
+}
+
+void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into) {
+  const VoxelScale& scale = map->scale();
+  const UprightPose& pose = from.state().T_world_object;
+  const Eigen::Vector3d voxels =
+      (pose.position_world - into->state().T_world_object.position_world) / scale.voxel_size_m;
+  const bool is_on_lattice =
+      ShareLattice(from.state(), into->state()) &&
+      (voxels.array() - voxels.array().round()).abs().maxCoeff() < kSameLatticeVoxels;
+  ObjectEdit edit = map->Edit(into);
+  if (is_on_lattice) {
+    CopyVoxels(from, scale, &edit);
+  } else {
+    ResampleVoxels(from, pose.ToIsometry(), 1.0, scale, &edit);
+  }
+}
+
+void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* map) {
+  AddVoxels(*object, map, into);
+  {
+    ObjectEdit edit = map->Edit(into);
+    ObjectState& state = edit.state();
+    state.first_seen = std::min(state.first_seen, object->state().first_seen);
+    state.last_seen = std::max(state.last_seen, object->state().last_seen);
+    state.supporting_frames = std::max(state.supporting_frames, object->state().supporting_frames);
+  }
+  map->Delete(object);
+}
+
+}  // namespace steadymap

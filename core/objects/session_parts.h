@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/objects/scene_division.h"
+#include "core/working/tracked_object.h"
+#include "core/working/working_map.h"
+
+namespace steadymap {
+
+/// The constants of `CompleteSessionObjects`.
+struct SessionPartParameters {
+  /// Fewest frames and smallest surface, square metres, of an object.
+  std::uint64_t min_frames = 2;
+  double min_area_m2 = 0.004;
+  /// Fewest frames of an object that others contradict: fewer have a wrong label.
+  std::uint64_t min_doubted_frames = 5;
+  /// Surfaces that are closer, voxels, are in contact.
+  double contact_voxels = 1.5;
+  /// An object with less than this share of the volume of the cuboid of another one of its class,
+  /// and closer to it than this share of its length, is a part of it.
+  double fragment_share = 0.05;
+  double fragment_reach = 0.5;
+  SceneDivisionParameters scene;
+};
+
+/// Makes whole objects of what a session has fused (status `kTentative`): divides surface without
+/// labels, joins parts that most frames show connected, deletes fragments and wrong labels.
+void CompleteSessionObjects(const SessionPartParameters& parameters, WorkingMap* map);
+
+/// Adds the surface of one object of the session to another one and deletes it.
+void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* map);
+
+/// Adds the voxels of an object that `into` does not have.
+void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into);
+
+bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);
+
+/// True if an object is so much smaller than one of its class beside it that it is a part of it.
+bool IsFragmentOf(const TrackedObject& object,
+                  const TrackedObject& other,
+                  const SessionPartParameters& parameters);
+
+/// True if several points of the surface of `a` are within `distance_m` of the surface of `b`.
+bool AreInContact(const TrackedObject& a,
+                  const TrackedObject& b,
+                  double distance_m,
+                  const VoxelScale& scale);
+
+}  // namespace steadymap

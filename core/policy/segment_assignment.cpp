@@ -1,0 +1,305 @@
+#include "core/policy/segment_assignment.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "core/objects/part_votes.h"
+#include "core/objects/surface_parts.h"
+
+namespace steadymap {
+namespace {
+
+// Mean width of a segment that can start an object.
+constexpr double kMinWidthSamples = 2.5;
+
+// A surface point of an object is in the segment of the sample that it projects to, if it is not
+// farther away, voxels.
+constexpr double kMaxSeedVoxels = 2.0;
+
+// Largest gap between two objects that could be parts of one object, metres, and the fewest rows
+// and columns of samples that show it.
+constexpr float kMaxGapM = 0.3F;
+constexpr std::size_t kMinGapLines = 3;
+
+/// True if a segment is so narrow in the image that its shape cannot be told from noise.
+bool IsUnresolved(const FrameSegment& segment, const SampleGrid& samples) {
+  const auto columns = static_cast<std::size_t>(samples.width());
+  Eigen::AlignedBox2d bounds;
+  for (const std::size_t index : segment.samples) {
+    const std::size_t row = index / columns;
+    bounds.extend(Eigen::Vector2d(static_cast<double>(index % columns), static_cast<double>(row)));
+  }
+  const double length = (bounds.sizes() + Eigen::Vector2d::Ones()).norm();
+  return static_cast<double>(segment.samples.size()) < kMinWidthSamples * length;
+}
+
+}  // namespace
+
+/// Returns what segments and objects of the session have in common, the largest first.
+std::vector<SegmentAssignment::Claim> SegmentAssignment::FindClaims() const {
+  std::map<std::pair<std::size_t, std::size_t>, double> areas_m2;  // By place and segment.
+  for (const SampleOnObject& found : frame_.on_objects) {
+    const std::size_t segment = segment_of_[found.sample];
+    if (segment == 0) continue;
+    areas_m2[{found.place, segment - 1}] +=
+        static_cast<double>(frame_.samples[found.sample].area_m2);
+  }
+  std::vector<Claim> claims;
+  for (const auto& [key, area_m2] : areas_m2) {
+    const auto& [place, segment] = key;
+    const double smaller_m2 =
+        std::min((*in_view_)[place].object->SurfaceAreaM2(), frame_.segments[segment].area_m2);
+    claims.push_back({segment, place, area_m2, area_m2 / smaller_m2});
+  }
+  std::stable_sort(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) {
+    return a.area_m2 > b.area_m2;
+  });
+  return claims;
+}
+
+/// True if a segment shows the object of a claim.
+bool SegmentAssignment::IsOfObject(const Claim& claim) const {
+  const FrameSegment& segment = frame_.segments[claim.segment];
+  if ((*in_view_)[claim.place].object->state().class_id.value() == segment.label) {
+    return claim.share >= parameters_.min_common_share;
+  }
+  return claim.area_m2 >= parameters_.min_mislabelled_share * segment.area_m2;
+}
+
+void SegmentAssignment::AssignScene() {
+  association_.owner.assign(frame_.samples.size(), Association::kNone);
+  segment_of_.assign(frame_.samples.size(), 0);
+  for (std::size_t index = 0; index < frame_.samples.size(); ++index) {
+    if (frame_.samples[index].is_valid()) association_.owner[index] = kBackgroundOwner;
+  }
+  owner_of_.assign(frame_.segments.size(), 0);
+  segment_on_.assign(in_view_->size(), 0);
+  if (frame_.segments.empty()) return;
+  for (std::size_t place = 0; place < in_view_->size(); ++place) {
+    const ObjectState& state = (*in_view_)[place].object->state();
+    if (state.status == ObjectStatus::kTentative && state.class_id == kNoClass) {
+      owner_of_.front() = place + 1;
+    }
+  }
+  if (owner_of_.front() == 0) AddSegmentAsObject(0);
+  for (const std::size_t index : frame_.segments.front().samples) {
+    segment_of_[index] = 1;
+    association_.owner[index] =
+        owner_of_.front() == 0 ? Association::kNone : static_cast<std::uint32_t>(owner_of_.front());
+  }
+}
+
+void SegmentAssignment::AssignSegments() {
+  SeparateBackground();
+  claims_ = FindClaims();
+  ChooseObjects();
+  for (std::size_t i = 0; i < frame_.segments.size(); ++i) {
+    if (segment_of_[frame_.segments[i].samples.front()] == 0) continue;
+    if (owner_of_[i] == 0 && contested_[i] != 0) SeparateContested(i);
+    if (owner_of_[i] == 0) AddSegmentAsObject(i);
+  }
+  Vote();
+  SetOwners();
+}
+
+void SegmentAssignment::SeparateBackground() {
+  association_.owner.assign(frame_.samples.size(), Association::kNone);
+  segment_of_.assign(frame_.samples.size(), 0);
+  for (std::size_t i = 0; i < frame_.segments.size(); ++i) {
+    const bool is_background = frame_.segments[i].instance == 0 &&
+                               config_.IsInBackground(ClassId(frame_.segments[i].label));
+    for (const std::size_t index : frame_.segments[i].samples) {
+      if (is_background) {
+        association_.owner[index] = kBackgroundOwner;
+      } else {
+        segment_of_[index] = i + 1;
+      }
+    }
+  }
+}
+
+/// Gives each segment to the object with which it has most surface in common, one segment to an
+/// object.
+void SegmentAssignment::ChooseObjects() {
+  owner_of_.assign(frame_.segments.size(), 0);
+  contested_.assign(frame_.segments.size(), 0);
+  segment_on_.assign(in_view_->size(), 0);
+  for (const Claim& claim : claims_) {
+    if ((*in_view_)[claim.place].object->is_archived() || !IsOfObject(claim)) continue;
+    if (owner_of_[claim.segment] != 0) continue;
+    if (segment_on_[claim.place] == 0) {
+      owner_of_[claim.segment] = claim.place + 1;
+      segment_on_[claim.place] = claim.segment + 1;
+    } else if (contested_[claim.segment] == 0) {
+      contested_[claim.segment] = claim.place + 1;
+    }
+  }
+}
+
+/// Divides an object that two segments show apart: the surface nearer to the samples of the segment
+/// `index` becomes a new object.
+void SegmentAssignment::SeparateContested(std::size_t index) {
+  const std::size_t place = contested_[index] - 1;
+  TrackedObject* whole = (*in_view_)[place].object;
+  if (frame_.segments[index].area_m2 < parameters_.min_new_area_m2) {
+    owner_of_[index] = contested_[index];
+    return;
+  }
+  const std::vector<OrientedPoint> points = OrientedSurfaceOf(*whole);
+  const std::vector<std::size_t> part_of = SpreadParts(
+      points, FindSeeds(index), identity_.parts.contact_voxels * map_->scale().voxel_size_m);
+  if (std::find(part_of.begin(), part_of.end(), std::size_t{1}) == part_of.end()) return;
+  TrackedObject* part = DivideVoxels(whole, part_of, 1, map_).front();
+  InheritVotes(*whole, part, map_);
+  AddInView(part, index);
+}
+
+/// Returns the surface points of an object that two segments show apart, with their part: 1 where
+/// the segment `index` is, 0 where the other one is.
+std::vector<std::pair<std::size_t, std::size_t>> SegmentAssignment::FindSeeds(
+    std::size_t index) const {
+  const std::size_t place = contested_[index] - 1;
+  const std::vector<OrientedPoint> points = OrientedSurfaceOf(*(*in_view_)[place].object);
+  const Eigen::Isometry3d T_camera_world = frame_.cloud.T_world_camera().inverse();
+  std::vector<std::pair<std::size_t, std::size_t>> seeds;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d point_camera = T_camera_world * points[i].position_world;
+    if (point_camera.z() <= 0.0) continue;
+    const std::optional<SamplePlace> at =
+        frame_.samples.FindPlace(frame_.cloud.camera(), point_camera.cast<float>());
+    if (!at) continue;
+    const std::size_t sample_index = frame_.samples.Index(at->column, at->row);
+    const SurfaceSample& sample = frame_.samples[sample_index];
+    const std::size_t segment = segment_of_[sample_index];
+    if (!sample.is_valid() || segment == 0) continue;
+    const double distance_m =
+        (sample.position_world.cast<double>() - points[i].position_world).norm();
+    if (distance_m > kMaxSeedVoxels * map_->scale().voxel_size_m) continue;
+    if (segment == index + 1) seeds.emplace_back(i, 1);
+    if (segment == segment_on_[place]) seeds.emplace_back(i, 0);
+  }
+  return seeds;
+}
+
+void SegmentAssignment::AddInView(TrackedObject* object, std::size_t segment) {
+  in_view_->push_back({object, 0, frame_.samples.width(), 0, frame_.samples.height()});
+  owner_of_[segment] = in_view_->size();
+  segment_on_.push_back(segment + 1);
+}
+
+/// Votes on the objects that the frame shows connected, or apart.
+void SegmentAssignment::Vote() {
+  for (const Claim& claim : claims_) {
+    const std::size_t owner = owner_of_[claim.segment];
+    if (owner == 0 || owner == claim.place + 1 || segment_on_[claim.place] != 0) continue;
+    TrackedObject* object = (*in_view_)[owner - 1].object;
+    TrackedObject* other = (*in_view_)[claim.place].object;
+    if (object->is_archived() || other->is_archived() || !IsOfObject(claim) ||
+        object->state().class_id != other->state().class_id) {
+      continue;
+    }
+    VoteOnParts(/*is_connected=*/true, object, other, map_);
+  }
+  for (const auto& [pair, lines] : CountGaps()) {
+    if (lines < kMinGapLines) continue;
+    VoteOnParts(
+        /*is_connected=*/false,
+        (*in_view_)[pair.first].object,
+        (*in_view_)[pair.second].object,
+        map_);
+  }
+}
+
+/// Returns for pairs of objects with a segment the number of rows and columns of the image in which
+/// the frame looks through a gap between them, or shows their border.
+SegmentAssignment::PairCounts SegmentAssignment::CountGaps() const {
+  PairCounts gaps;
+  const auto width = static_cast<std::size_t>(frame_.samples.width());
+  const auto height = static_cast<std::size_t>(frame_.samples.height());
+  for (std::size_t row = 0; row < height; ++row) CountGapsOn({row * width, 1, width}, &gaps);
+  for (std::size_t column = 0; column < width; ++column) {
+    CountGapsOn({column, width, height}, &gaps);
+  }
+  return gaps;
+}
+
+/// Counts the gaps on one row or column of samples.
+void SegmentAssignment::CountGapsOn(const SampleLine& line, PairCounts* gaps) const {
+  std::size_t last = 0;        // The last sample of an object.
+  std::size_t last_owner = 0;  // 0: none yet.
+  float nearest_m = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < line.count; ++i) {
+    const std::size_t index = line.first + i * line.step;
+    const SurfaceSample& sample = frame_.samples[index];
+    const std::size_t owner = segment_of_[index] == 0 ? 0 : owner_of_[segment_of_[index] - 1];
+    if (owner == 0) {
+      nearest_m = std::min(nearest_m, sample.is_valid() ? sample.depth_m : 0.0F);
+      continue;
+    }
+    if (last_owner != 0 && owner != last_owner && IsGap(frame_.samples[last], sample, nearest_m)) {
+      ++(*gaps)[{std::min(owner, last_owner) - 1, std::max(owner, last_owner) - 1}];
+    }
+    last = index;
+    last_owner = owner;
+    nearest_m = std::numeric_limits<float>::max();
+  }
+}
+
+/// True if two samples of different objects are near, and everything between them is farther away.
+bool SegmentAssignment::IsGap(const SurfaceSample& a,
+                              const SurfaceSample& b,
+                              float nearest_between_m) const {
+  if ((a.position_world - b.position_world).norm() > kMaxGapM) return false;
+  return nearest_between_m > std::max(a.depth_m, b.depth_m);
+}
+
+/// Gives the samples of each segment to its object, except those on the surface of another object
+/// that it is connected with.
+void SegmentAssignment::SetOwners() {
+  for (std::size_t i = 0; i < frame_.segments.size(); ++i) {
+    if (owner_of_[i] == 0) continue;
+    for (const std::size_t index : frame_.segments[i].samples) {
+      if (segment_of_[index] == 0) continue;
+      association_.owner[index] = static_cast<std::uint32_t>(owner_of_[i]);
+    }
+  }
+  std::vector<char> is_on_owner(frame_.samples.size(), 0);
+  for (const SampleOnObject& found : frame_.on_objects) {
+    if (association_.owner[found.sample] == found.place + 1) is_on_owner[found.sample] = 1;
+  }
+  for (const SampleOnObject& found : frame_.on_objects) {
+    if ((*in_view_)[found.place].object->is_archived()) continue;
+    if (is_on_owner[found.sample] == 0) GiveToConnected(found);
+  }
+}
+
+/// Gives a sample to the object whose surface it is on, if the sample is in no segment, or if its
+/// segment connects the object with another one.
+void SegmentAssignment::GiveToConnected(const SampleOnObject& found) {
+  const ClassId class_id = (*in_view_)[found.place].object->state().class_id;
+  const std::uint32_t owner = association_.owner[found.sample];
+  const bool is_unassigned = frame_.is_excluded[found.sample] != 0 &&
+                             class_id.value() == frame_.samples[found.sample].label;
+  const bool is_connected = Association::IsObject(owner) && segment_on_[found.place] == 0 &&
+                            (*in_view_)[owner - 1].object->state().class_id == class_id;
+  if (!is_unassigned && !is_connected) return;
+  association_.owner[found.sample] = static_cast<std::uint32_t>(found.place + 1);
+}
+
+void SegmentAssignment::AddSegmentAsObject(std::size_t index) {
+  const FrameSegment& segment = frame_.segments[index];
+  if (segment.area_m2 < parameters_.min_new_area_m2 || IsUnresolved(segment, frame_.samples))
+    return;
+  Eigen::Vector3d mean_world = Eigen::Vector3d::Zero();
+  for (const std::size_t sample : segment.samples) {
+    mean_world += frame_.samples[sample].position_world.cast<double>();
+  }
+  TrackedObject& object = map_->AddObject(mean_world / static_cast<double>(segment.samples.size()));
+  ObjectEdit edit = map_->Edit(&object);
+  edit.state().class_id = ClassId(segment.label);
+  edit.state().belief = InitialBelief(identity_.initial_stationarity);
+  AddInView(&object, index);
+}
+
+}  // namespace steadymap

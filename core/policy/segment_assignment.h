@@ -1,0 +1,127 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "core/association/association.h"
+#include "core/association/frame_segments.h"
+#include "core/association/sample_grid.h"
+#include "core/integration/semantic_cloud.h"
+#include "core/objects/session_identity.h"
+#include "core/types/map_config.h"
+#include "core/working/working_map.h"
+
+namespace steadymap {
+
+/// A sample on the surface of an object in view.
+struct SampleOnObject {
+  std::size_t sample = 0;
+  std::size_t place = 0;  ///< Of the object in the list of objects in view.
+};
+
+/// One frame, for the assignment of its segments.
+struct SegmentedFrame {
+  const SemanticCloud& cloud;
+  const SampleGrid& samples;
+  const std::vector<FrameSegment>& segments;
+  const std::vector<SampleOnObject>& on_objects;  ///< Of the session.
+  /// By sample, nonzero: in no segment, since its label contradicts the map or its surface is at a
+  /// flat angle to the ray.
+  const std::vector<std::uint8_t>& is_excluded;
+};
+
+/// The constants of `SegmentAssignment`.
+struct SegmentAssignmentParameters {
+  /// A segment and an object of the session share surface if this share of the smaller one does.
+  double min_common_share = 0.2;
+  /// A segment of another class is of an object if this share of its samples is on its surface.
+  double min_mislabelled_share = 0.6;
+  /// Segments with less surface do not start an object, square metres.
+  double min_new_area_m2 = 0.002;
+};
+
+/// Gives the segments of one frame to objects of the session: each to one object, and one segment
+/// to an object. If two segments show an object apart, it is divided; votes of all frames decide at
+/// the end of the session whether the parts are one object (`core/objects/part_votes.h`).
+class SegmentAssignment {
+ public:
+  /// New objects are appended to `in_view`. All arguments must outlive the assignment.
+  SegmentAssignment(const MapConfig& config,
+                    const SegmentAssignmentParameters& parameters,
+                    const SessionIdentityParameters& identity,
+                    const SegmentedFrame& frame,
+                    std::vector<ObjectInView>* in_view,
+                    WorkingMap* map)
+      : config_(config),
+        parameters_(parameters),
+        identity_(identity),
+        frame_(frame),
+        in_view_(in_view),
+        map_(map) {}
+
+  /// Assigns the segments of a frame with labels or instances.
+  void AssignSegments();
+
+  /// Assigns the only segment, if there is one, of a frame without labels: the scene, which
+  /// `DivideScene` divides at the end of the session. All other samples belong to the background.
+  void AssignScene();
+
+  /// Returns the owner of each sample: of an object, its place in `in_view` plus one.
+  const Association& association() const { return association_; }
+
+  /// Returns the segment of each sample plus one; 0: none, or of the background.
+  const std::vector<std::size_t>& segment_of() const { return segment_of_; }
+
+ private:
+  /// The surface that a segment and an object in view have in common.
+  struct Claim {
+    std::size_t segment = 0;
+    std::size_t place = 0;  ///< In `in_view_`.
+    double area_m2 = 0.0;
+    double share = 0.0;  ///< Of the smaller one of both.
+  };
+
+  /// Counts of pairs of objects, by place in `in_view_`, the lower one first.
+  using PairCounts = std::map<std::pair<std::size_t, std::size_t>, std::size_t>;
+
+  /// A row or column of the grid of samples.
+  struct SampleLine {
+    std::size_t first = 0;
+    std::size_t step = 1;
+    std::size_t count = 0;
+  };
+
+  void SeparateBackground();
+  std::vector<Claim> FindClaims() const;
+  bool IsOfObject(const Claim& claim) const;
+  void ChooseObjects();
+  void SeparateContested(std::size_t index);
+  std::vector<std::pair<std::size_t, std::size_t>> FindSeeds(std::size_t index) const;
+  void AddSegmentAsObject(std::size_t index);
+  void AddInView(TrackedObject* object, std::size_t segment);
+  void Vote();
+  PairCounts CountGaps() const;
+  void CountGapsOn(const SampleLine& line, PairCounts* gaps) const;
+  bool IsGap(const SurfaceSample& a, const SurfaceSample& b, float nearest_between_m) const;
+  void SetOwners();
+  void GiveToConnected(const SampleOnObject& found);
+
+  const MapConfig& config_;
+  const SegmentAssignmentParameters& parameters_;
+  const SessionIdentityParameters& identity_;
+  SegmentedFrame frame_;
+  std::vector<ObjectInView>* in_view_;
+  WorkingMap* map_;
+
+  Association association_;
+  std::vector<std::size_t> segment_of_;  ///< By sample, plus one; 0: none.
+  std::vector<Claim> claims_;            ///< The largest first.
+  std::vector<std::size_t> owner_of_;    ///< By segment, the place in `in_view_` plus one; 0: none.
+  /// By segment without owner: the place plus one of an object that another segment owns.
+  std::vector<std::size_t> contested_;
+  std::vector<std::size_t> segment_on_;  ///< By place in `in_view_`: its segment plus one; 0: none.
+};
+
+}  // namespace steadymap
