@@ -118,6 +118,7 @@ absl::StatusOr<Evaluation> EvaluateRecording(const RecordingEvaluationOptions& o
     const absl::Status status =
         player.Play(options.sequences[i], i + 1 == options.sequences.size());
     if (!status.ok()) return status;
+    for (MethodRun& run : runs) run.EndSequence();
   }
   const std::vector<MethodOutcome> outcomes =
       FinishAll(SampleSpacingFor(options.voxel_size_m), &runs);

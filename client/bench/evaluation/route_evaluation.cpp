@@ -28,7 +28,12 @@ absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptio
     const Frame frame = simulation->Render(i);
     capture_times->push_back(frame.capture_time);
     const bool is_last_sequence = simulation->SequenceOf(i) == last_sequence;
-    for (MethodRun& run : runs) run.Integrate(frame, is_last_sequence);
+    const bool ends_sequence = i + 1 == simulation->frame_count() ||
+                               simulation->SequenceOf(i + 1) != simulation->SequenceOf(i);
+    for (MethodRun& run : runs) {
+      run.Integrate(frame, is_last_sequence);
+      if (ends_sequence) run.EndSequence();
+    }
     if (options.on_frame) options.on_frame();
   }
   std::vector<MethodOutcome> outcomes;

@@ -123,6 +123,9 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
                    "Largest depth that the maps use (default: 4 m for table scenes, otherwise 3)")
       ->type_name("METRES")
       ->check(CLI::Range(0.1, 100.0));
+  command->add_flag("--by-session",
+                    by_session_,
+                    "Decide with policy pocd at the end of a sequence, without switches");
   command->add_flag("--ground", with_ground_, "Score the ground too");
   command->add_flag("--stages", with_stages_, "Show the time per stage of a frame");
   command
@@ -191,6 +194,17 @@ void EvaluateCommand::AddSources(CLI::App* command) {
       ->type_name("FILE");
 }
 
+/// Returns the methods to compare, for maps with the configuration of a scene.
+absl::StatusOr<std::vector<Method>> EvaluateCommand::MethodsFor(const MapConfig& config) const {
+  absl::StatusOr<std::vector<Method>> methods =
+      SelectMethods(policies_, ConfigOfMaps(config), switched_off_);
+  if (!methods.ok()) return methods.status();
+  for (Method& method : *methods) {
+    method.decides_by_session = by_session_ && method.config.policy == UpdatePolicy::kPocd;
+  }
+  return methods;
+}
+
 absl::Status EvaluateCommand::Run() const {
   if (routes_.empty() && sequences_.empty()) {
     return absl::InvalidArgumentError("expected a --route, or a --format and its --sequence");
@@ -231,8 +245,7 @@ absl::StatusOr<std::vector<Evaluation>> EvaluateCommand::EvaluateAll() const {
 absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string& name) const {
   absl::StatusOr<Route> route = MakeRoute(name);
   if (!route.ok()) return route.status();
-  absl::StatusOr<std::vector<Method>> methods =
-      SelectMethods(policies_, ConfigOfMaps(MapConfigFor(name)), switched_off_);
+  absl::StatusOr<std::vector<Method>> methods = MethodsFor(MapConfigFor(name));
   if (!methods.ok()) return methods.status();
   absl::Status write_status;
   RouteEvaluationOptions options;
@@ -273,8 +286,7 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateNamedRoute(const std::string
 }
 
 absl::StatusOr<Evaluation> EvaluateCommand::EvaluateSequences() const {
-  absl::StatusOr<std::vector<Method>> methods =
-      SelectMethods(policies_, ConfigOfMaps(MapConfig()), switched_off_);
+  absl::StatusOr<std::vector<Method>> methods = MethodsFor(MapConfig());
   if (!methods.ok()) return methods.status();
   absl::Status write_status;
   RecordingEvaluationOptions options;

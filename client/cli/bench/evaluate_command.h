@@ -8,6 +8,7 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
+#include "client/bench/evaluation/method/method.h"
 #include "client/bench/evaluation/report/evaluation.h"
 #include "client/cli/text/command_context.h"
 #include "client/dataset/dataset.h"
@@ -26,6 +27,8 @@ class EvaluateCommand {
   absl::StatusOr<std::vector<Evaluation>> EvaluateAll() const;
   absl::StatusOr<Evaluation> EvaluateNamedRoute(const std::string& name) const;
   absl::StatusOr<Evaluation> EvaluateSequences() const;
+
+  absl::StatusOr<std::vector<Method>> MethodsFor(const MapConfig& config) const;
 
   /// Returns the configuration of the maps: `defaults` with the given options.
   MapConfig ConfigOfMaps(MapConfig defaults) const;
@@ -52,6 +55,7 @@ class EvaluateCommand {
   std::string pictures_folder_;
   std::string meshes_folder_;
   SensorModel sensor_ = SensorModel::Full();
+  bool by_session_ = false;
   bool with_ground_ = false;
   bool with_stages_ = false;
   bool as_json_ = false;

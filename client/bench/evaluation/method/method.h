@@ -16,6 +16,8 @@ struct Method {
   MapConfig config;
   Ablation switches;                ///< Of the policy `pocd`.
   bool last_sequence_only = false;  ///< Integrates the last sequence only.
+  /// With policy `pocd`: decides at the end of each sequence, see `MapperOptions`.
+  bool decides_by_session = false;
 };
 
 /// Returns the names of all methods, the two reference methods first.

@@ -47,7 +47,10 @@ double BytesPerObject(const MapSnapshot& map) {
 absl::StatusOr<MethodRun> MethodRun::Start(const Method& method) {
   auto clock = std::make_unique<StageClock>();
   absl::StatusOr<std::unique_ptr<Mapper>> mapper =
-      Mapper::Create(method.config, {.switches = method.switches, .stages = clock.get()});
+      Mapper::Create(method.config,
+                     {.switches = method.switches,
+                      .decides_by_session = method.decides_by_session,
+                      .stages = clock.get()});
   if (!mapper.ok()) return mapper.status();
   return MethodRun(method, std::move(clock), *std::move(mapper));
 }
@@ -56,6 +59,7 @@ MethodRun::MethodRun(const Method& method,
                      std::unique_ptr<StageClock> clock,
                      std::unique_ptr<Mapper> mapper)
     : last_sequence_only_(method.last_sequence_only),
+      decides_by_session_(method.decides_by_session),
       clock_(std::move(clock)),
       mapper_(std::move(mapper)) {}
 
@@ -67,6 +71,10 @@ void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
       std::chrono::steady_clock::now() - start;
   frame_ms_.push_back(elapsed.count());
   if (mapper_->uncommitted_entries() >= kFramesACommit) Commit();
+}
+
+void MethodRun::EndSequence() {
+  if (decides_by_session_) mapper_->EndSession(mapper_->head().Next());
 }
 
 void MethodRun::Commit() {

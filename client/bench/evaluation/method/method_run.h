@@ -45,6 +45,9 @@ class MethodRun {
   /// Integrates a valid frame, unless the method skips its sequence.
   void Integrate(const Frame& frame, bool is_last_sequence);
 
+  /// Ends a sequence, as which a method that decides by session takes a session.
+  void EndSequence();
+
   /// Samples the final map's surface every `spacing_m`. Call once.
   MethodOutcome Finish(double spacing_m);
 
@@ -56,6 +59,7 @@ class MethodRun {
   void Commit();
 
   bool last_sequence_only_ = false;
+  bool decides_by_session_ = false;
   std::unique_ptr<StageClock> clock_;  ///< Observes the mapper.
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> snapshot_;
