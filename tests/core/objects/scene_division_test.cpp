@@ -63,13 +63,15 @@ class SceneDivisionTest : public ::testing::Test {
 
   /// Marks the space at least a voxel from every surface.
   void MarkFree(const Solid& bodies) {
+    constexpr int kColumns = 40;
+    constexpr int kLevels = 20;
     const double step_m = 2.0 * map_.scale().voxel_size_m;
-    for (double x = -1.95; x < 1.6; x += step_m) {
-      for (double y = -1.95; y < 2.0; y += step_m) {
-        for (double z = 0.05; z < 2.0; z += step_m) {
-          const Eigen::Vector3d point(x, y, z);
-          if (DistanceFrom(bodies, point) > map_.scale().voxel_size_m) map_.MarkFree(point, point);
-        }
+    for (int i = 0; i < kColumns * kColumns * kLevels; ++i) {
+      const Eigen::Vector3i cell(i % kColumns, i / kColumns % kColumns, i / (kColumns * kColumns));
+      const Eigen::Vector3d point =
+          step_m * cell.cast<double>() + Eigen::Vector3d(-1.95, -1.95, 0.05);
+      if (point.x() < 1.6 && DistanceFrom(bodies, point) > map_.scale().voxel_size_m) {
+        map_.MarkFree(point, point);
       }
     }
   }
