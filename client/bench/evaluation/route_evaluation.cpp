@@ -6,6 +6,7 @@
 
 #include "client/bench/evaluation/method/method_run.h"
 #include "client/bench/evaluation/score/belief_score.h"
+#include "client/bench/evaluation/score/event_faults.h"
 #include "client/bench/evaluation/score/route_reference.h"
 
 namespace steadymap {
@@ -110,6 +111,7 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
       MethodScore& row = evaluation.rows[i];
       row.map += scorer.Score(outcome.surface);
       row.events += ScoreEvents(event_truth, outcome.events);
+      row.event_faults = ListEventFaults(event_truth, outcome.events);
       row.cost = outcome.cost;
       if (HasBeliefs(options.methods[i])) {
         AddBeliefs(*outcome.map, scorer, SampleSpacingFor(options.voxel_size_m), &beliefs[i]);

@@ -128,6 +128,7 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
                     "Decide with policy pocd at the end of a sequence, without switches");
   command->add_flag("--ground", with_ground_, "Score the ground too");
   command->add_flag("--stages", with_stages_, "Show the time per stage of a frame");
+  command->add_flag("--faults", with_faults_, "List what is wrong in the events of a route");
   command
       ->add_option(
           "--pictures", pictures_folder_, "Draw the scored voxels of each map into this folder")
@@ -226,6 +227,7 @@ absl::StatusOr<std::vector<Evaluation>> EvaluateCommand::EvaluateAll() const {
     if (!as_json_) {
       context_->out << (evaluations.empty() ? "" : "\n") << ScoreTable(*evaluation);
       if (with_stages_) context_->out << StageTable(*evaluation);
+      if (with_faults_) context_->out << EventFaultText(*evaluation);
       context_->out << std::flush;
     }
     evaluations.push_back(*std::move(evaluation));

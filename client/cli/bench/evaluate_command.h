@@ -58,6 +58,7 @@ class EvaluateCommand {
   bool by_session_ = false;
   bool with_ground_ = false;
   bool with_stages_ = false;
+  bool with_faults_ = false;
   bool as_json_ = false;
 };
 

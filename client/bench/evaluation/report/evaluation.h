@@ -16,9 +16,10 @@ namespace steadymap {
 /// Scores of one method on one route.
 struct MethodScore {
   std::string name;
-  bool last_sequence_only = false;  ///< It observes no changes, so it has no event scores.
-  MapScore map;                     ///< Counts of all seeds together.
-  EventScore events;                ///< Counts of all seeds together.
+  bool last_sequence_only = false;        ///< It observes no changes, so it has no event scores.
+  MapScore map;                           ///< Counts of all seeds together.
+  EventScore events;                      ///< Counts of all seeds together.
+  std::vector<std::string> event_faults;  ///< Of the last seed, see `event_faults.h`.
   /// Brier score of the map's beliefs (`belief_score.h`); NaN if it has none.
   double brier = std::numeric_limits<double>::quiet_NaN();
   MapCost cost;  ///< Of the last seed.

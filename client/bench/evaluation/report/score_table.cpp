@@ -133,4 +133,14 @@ std::string ScoreTable(const Evaluation& evaluation) {
   return text;
 }
 
+std::string EventFaultText(const Evaluation& evaluation) {
+  std::string text;
+  for (const MethodScore& row : evaluation.rows) {
+    if (row.last_sequence_only) continue;
+    absl::StrAppend(&text, row.name, ", faults in the events: ", row.event_faults.size(), "\n");
+    for (const std::string& fault : row.event_faults) absl::StrAppend(&text, "  ", fault, "\n");
+  }
+  return text;
+}
+
 }  // namespace steadymap

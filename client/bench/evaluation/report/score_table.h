@@ -11,4 +11,8 @@ namespace steadymap {
 /// undefined value.
 std::string ScoreTable(const Evaluation& evaluation);
 
+/// Returns the faults in the events of each method, a line each; none for methods that observe no
+/// changes.
+std::string EventFaultText(const Evaluation& evaluation);
+
 }  // namespace steadymap

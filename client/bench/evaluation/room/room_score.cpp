@@ -5,6 +5,7 @@
 
 #include <absl/strings/str_format.h>
 
+#include "client/bench/evaluation/truth/place_text.h"
 #include "core/types/absl_text.h"
 
 namespace steadymap {
@@ -16,10 +17,6 @@ constexpr double kFurnitureMarginM = 0.5;
 
 // Of a piece of the wall.
 constexpr double kWallMarginM = 0.15;
-
-std::string PlaceText(const Eigen::Vector3d& point_world) {
-  return absl::StrFormat("(%.2f, %.2f, %.2f)", point_world.x(), point_world.y(), point_world.z());
-}
 
 std::string EventText(std::string_view fault,
                       EventType type,

@@ -59,6 +59,13 @@ TEST(ScoreTable, ShowsEveryMethodAndWhatOthersReported) {
   EXPECT_TRUE(lines[12].starts_with("static ")) << "fresh has no events: " << lines[12];
 }
 
+TEST(EventFaultText, ListsTheFaultsOfMethodsThatObserveChanges) {
+  Evaluation evaluation = Example();
+  evaluation.rows[0].event_faults = {"missing: departure"};
+  evaluation.rows[1].event_faults = {"no fault of a map of one sequence"};
+  EXPECT_EQ(EventFaultText(evaluation), "static, faults in the events: 1\n  missing: departure\n");
+}
+
 TEST(ScoreTable, LinesOfOneBlockAreAsLong) {
   const std::vector<std::string> lines = LinesOf(ScoreTable(Example()));
   for (const std::size_t line : {2U, 4U}) EXPECT_EQ(lines[3].size(), lines[line].size());

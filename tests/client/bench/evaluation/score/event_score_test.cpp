@@ -1,8 +1,12 @@
 #include "client/bench/evaluation/score/event_score.h"
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "client/bench/evaluation/score/event_faults.h"
 
 namespace steadymap {
 namespace {
@@ -157,6 +161,26 @@ TEST(ScoreEvents, FirstSightsAndTheFirstSequenceAreNeitherRightNorWrong) {
   EXPECT_EQ(score.lenient.created.right.whole, 0U);
   const EventScore again = ScoreEvents(truth, {Event(EventType::kCreated, 30.0, 12)});
   EXPECT_EQ(again.lenient.created.precision(), 0.0);
+}
+
+TEST(ListEventFaults, PerfectEventsHaveNone) {
+  EXPECT_TRUE(ListEventFaults(Truth(), PerfectEvents()).empty());
+}
+
+TEST(ListEventFaults, TellsWhatIsMissingFalseOrTooOften) {
+  const std::vector<std::string> faults = ListEventFaults(Truth(),
+                                                          {Event(EventType::kCreated, 4.1, 12),
+                                                           Event(EventType::kCreated, 3.9, 13),
+                                                           Event(EventType::kRemoved, 8.1, 14),
+                                                           Event(EventType::kCreated, 11.9, 15),
+                                                           Event(EventType::kRemoved, 30.0, 16)});
+  EXPECT_EQ(faults,
+            (std::vector<std::string>{
+                "missing: departure of gone, class 7, at (0.00, 0.00, 1.00), sequence 1",
+                "told twice: arrival of new, class 7, at (4.00, 0.00, 1.00), sequence 1",
+                "not told as moved: departure of moved, class 7, at (8.00, 0.00, 1.00), sequence 1",
+                "not told as moved: arrival of moved, class 7, at (12.00, 0.00, 1.00), sequence 1",
+                "false: departure told by removed, class 7, at (30.00, 0.00, 0.90), frame 16"}));
 }
 
 TEST(ScoreEvents, CountsOfSeveralRunsAddUp) {
