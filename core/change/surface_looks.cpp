@@ -11,6 +11,9 @@ namespace {
 // Surface at a flatter angle to the ray says little: noise and pose errors move the ray off it.
 constexpr float kMinFacingCosine = 0.25F;
 
+// A measured surface at a larger angle to the mapped one is another surface.
+constexpr float kMinNormalCosine = 0.7F;
+
 constexpr float kMinDepthM = 0.1F;
 
 enum class LookResult { kPresent, kAbsent };
@@ -25,6 +28,9 @@ class ObjectLook {
       : frame_(frame),
         parameters_(parameters),
         slack_m_(0.5 * scale.voxel_size_m),
+        spacing_per_m_(
+            static_cast<float>(SampleGrid::kStrideCells /
+                               std::sqrt(frame.cloud.camera().fx * frame.cloud.camera().fy))),
         label_(object.state().class_id.value()),
         T_world_object_(object.state().T_world_object.ToIsometry().cast<float>()),
         T_camera_world_(frame.cloud.T_world_camera().inverse().cast<float>()),
@@ -36,7 +42,8 @@ class ObjectLook {
     const Eigen::Vector3f point_world = T_world_object_ * point.position_object;
     const Eigen::Vector3f normal_world = T_world_object_.linear() * point.normal_object;
     const Eigen::Vector3f to_camera = (camera_world_ - point_world).normalized();
-    if (normal_world.dot(to_camera) < kMinFacingCosine) return std::nullopt;
+    const float facing = normal_world.dot(to_camera);
+    if (facing < kMinFacingCosine) return std::nullopt;
     const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
     if (point_camera.z() < kMinDepthM) return std::nullopt;
     const std::optional<SamplePlace> place =
@@ -47,7 +54,9 @@ class ObjectLook {
     if (sample.is_valid()) {
       const float off_plane_m = (point_world - sample.position_world).dot(sample.normal_world);
       if (std::abs(off_plane_m) <= margin_m &&
-          (point_world - sample.position_world).norm() < 3.0F * margin_m) {
+          sample.normal_world.dot(normal_world) >= kMinNormalCosine &&
+          (point_world - sample.position_world).norm() <
+              margin_m + spacing_per_m_ * point_camera.z() / facing) {
         return HasItsClass(*place) ? LookResult::kPresent : LookResult::kAbsent;
       }
     }
@@ -82,6 +91,7 @@ class ObjectLook {
   const LookedAtFrame& frame_;
   const LookParameters& parameters_;
   double slack_m_;
+  float spacing_per_m_;  ///< Of samples, at a depth of one metre.
   std::uint16_t label_;
   Eigen::Isometry3f T_world_object_;
   Eigen::Isometry3f T_camera_world_;

@@ -1,35 +1,28 @@
 #include "core/objects/session_identity.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "core/change/belief_update.h"
 #include "core/change/surface_looks.h"
+#include "core/objects/session_alignment.h"
 #include "core/objects/session_parts.h"
 #include "core/objects/shape_match.h"
-#include "core/registration/anchored_alignment.h"
+#include "core/objects/standing.h"
+#include "core/objects/surface_relations.h"
 #include "core/registration/registration.h"
-#include "core/volume/tsdf_sample.h"
 #include "core/working/object_split.h"
 
 namespace steadymap {
 namespace {
-
-// Points of a thing that take part in the alignment of a session.
-constexpr std::size_t kMaxAnchorPoints = 400;
 
 // Standard deviation of a normal distribution, in medians of its magnitude.
 constexpr double kSigmasOfMedian = 1.4826;
 
 // A motion below this share of a voxel is lost in its interpolation.
 constexpr double kNegligibleMotionVoxels = 0.1;
-
-/// The verdict on a known object.
-enum class Standing { kUnknown, kStands, kGone };
 
 struct KnownObject {
   TrackedObject* object = nullptr;
@@ -51,19 +44,6 @@ struct PlaceMatch {
   double fit = 0.0;  ///< Share of the surface that agrees.
 };
 
-/// Returns the share of the looked-at surface that is gone.
-double GoneShareOf(const TrackedObject& object) {
-  const LookCount looks = CountLooks(object);
-  if (looks.looked_at() == 0) return 0.0;
-  return static_cast<double>(looks.gone) / static_cast<double>(looks.looked_at());
-}
-
-/// Returns the largest displacement that a correction means for a thing.
-double DisplacementOf(const Registration& registration, const TrackedObject& object) {
-  const double radius_m = 0.5 * object.cuboid().size_m.head<2>().norm();
-  return std::hypot(registration.shift_world.norm(), registration.yaw_rad * radius_m);
-}
-
 /// The decision on one session.
 class SessionDecision {
  public:
@@ -75,7 +55,7 @@ class SessionDecision {
   void Run() {
     CompleteSessionObjects(parameters_.parts, map_);
     EndVanished();
-    for (TrackedObject* object : map_->TentativeObjects()) CutGoneCells(object);
+    for (TrackedObject* object : map_->TentativeObjects()) CutGoneCells(object, map_);
     ListObjects();
     Align();
     MatchInPlace();
@@ -95,11 +75,7 @@ class SessionDecision {
  private:
   void ListObjects();
   void Align();
-  AnchorMatches MatchesOf(const TrackedObject& seen,
-                          const TrackedObject& known,
-                          const Eigen::Isometry3d& T_correction) const;
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
-  std::optional<Registration> Register(const TrackedObject& seen, const TrackedObject& known) const;
   double InPlaceLimit(const std::vector<PlaceMatch>& matches, const SeenObject& seen) const;
   std::vector<PlaceMatch> FindPlaceMatches();
   void MatchInPlace();
@@ -107,10 +83,11 @@ class SessionDecision {
   void MatchDoubted();
   double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
   bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
+  bool IsPushed(const SeenObject& seen, const KnownObject& known, const ShapeMatch& match) const;
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
-  bool IsVacated(const TrackedObject& known, const LookCount& looks) const;
   void EndVanished();
+  bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
   void FindMoves();
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
   void Create(TrackedObject* object);
@@ -118,7 +95,6 @@ class SessionDecision {
   bool IsPartOfStanding(const TrackedObject& seen);
   void EndGone();
   void CutGoneParts(TrackedObject* object);
-  void CutGoneCells(TrackedObject* object);
   void UpdateBeliefOf(double change_m, TrackedObject* object);
 
   const MapConfig& config_;
@@ -164,59 +140,15 @@ void SessionDecision::ListObjects() {
   }
 }
 
-/// Registers an object of the session to a known one; none if they are of different classes or far
-/// apart.
-std::optional<Registration> SessionDecision::Register(const TrackedObject& seen,
-                                                      const TrackedObject& known) const {
-  if (!IsOfOneClass(seen, known)) return std::nullopt;
-  const Eigen::Vector3d margin =
-      Eigen::Vector3d::Constant(RegistrationParameters().search_distance_m);
-  Box reach_world = seen.BoundsInWorld();
-  reach_world = Box(reach_world.min() - margin, reach_world.max() + margin);
-  if (!reach_world.intersects(known.BoundsInWorld())) return std::nullopt;
-  return RegisterPoints(
-      seen.SurfaceInWorld(), known.volume(), map_->scale(), known.state().T_world_object);
-}
-
-AnchorMatches SessionDecision::MatchesOf(const TrackedObject& seen,
-                                         const TrackedObject& known,
-                                         const Eigen::Isometry3d& T_correction) const {
-  const Eigen::Isometry3d T_world_known = known.state().T_world_object.ToIsometry();
-  const Eigen::Isometry3d T_known_world = T_world_known.inverse();
-  TsdfSampler sampler(known.volume(), map_->scale());
-  const std::vector<Eigen::Vector3d> points_world = seen.SurfaceInWorld();
-  const std::size_t stride = points_world.size() / kMaxAnchorPoints + 1;
-  AnchorMatches matches;
-  for (std::size_t i = 0; i < points_world.size(); i += stride) {
-    const Eigen::Vector3d moved_world = T_correction * points_world[i];
-    const DistanceSample sample = sampler.Sample(T_known_world * moved_world);
-    if (!sample.known || std::abs(sample.distance_m) > map_->scale().voxel_size_m) continue;
-    const Eigen::Vector3d normal_world = T_world_known.linear() * sample.gradient;
-    matches.push_back(
-        {points_world[i], moved_world - sample.distance_m * normal_world, normal_world});
-  }
-  return matches;
-}
-
 /// Corrects the offset of the session by the objects that stand where they stood.
 void SessionDecision::Align() {
-  std::vector<AnchorMatches> anchors;
-  std::vector<Eigen::Isometry3d> starts;
-  for (const SeenObject& seen : seen_) {
-    for (const KnownObject& known : known_) {
-      if (known.object->state().status != ObjectStatus::kPresent) continue;
-      const std::optional<Registration> registration = Register(*seen.object, *known.object);
-      if (!registration || registration->dissimilarity > parameters_.max_dissimilarity ||
-          registration->known_share < parameters_.min_shape_known_share) {
-        continue;
-      }
-      anchors.push_back(MatchesOf(*seen.object, *known.object, registration->T_correction));
-      starts.push_back(registration->T_correction);
-    }
+  std::vector<const TrackedObject*> seen_objects;
+  for (const SeenObject& seen : seen_) seen_objects.push_back(seen.object);
+  std::vector<const TrackedObject*> known_objects;
+  for (const KnownObject& known : known_) {
+    if (!known.object->is_archived()) known_objects.push_back(known.object);
   }
-  if (anchors.empty()) return;
-  const double scale_m = std::max(parameters_.vote_scale_m, 0.5 * map_->scale().voxel_size_m);
-  motion_ = AlignToAnchors(anchors, starts, scale_m, parameters_.claim_votes);
+  motion_ = AlignSession(seen_objects, known_objects, parameters_, map_->scale());
   for (const SeenObject& seen : seen_) Move(motion_, seen.object);
 }
 
@@ -262,7 +194,8 @@ std::vector<PlaceMatch> SessionDecision::FindPlaceMatches() {
   std::vector<PlaceMatch> matches;
   for (SeenObject& seen : seen_) {
     for (KnownObject& known : known_) {
-      const std::optional<Registration> registration = Register(*seen.object, *known.object);
+      const std::optional<Registration> registration =
+          RegisterToKnown(*seen.object, *known.object, map_->scale());
       const double least_known = known.object->is_archived() ? parameters_.min_shape_known_share
                                                              : parameters_.min_known_share;
       if (!registration || registration->dissimilarity > parameters_.max_dissimilarity ||
@@ -292,7 +225,12 @@ void SessionDecision::MatchInPlace() {
         match.displacement_m > InPlaceLimit(matches, *match.seen)) {
       continue;
     }
-    if (DoubtOf(*match.known->object) >= parameters_.doubted_share) {
+    const double doubt = DoubtOf(*match.known->object);
+    const bool is_displaced = match.displacement_m > parameters_.max_displacement_m;
+    if (doubt >= (is_displaced ? parameters_.gone_share : 1.0 - parameters_.doubted_share)) {
+      continue;
+    }
+    if (doubt >= (is_displaced ? parameters_.doubted_share : parameters_.gone_share)) {
       doubted_.push_back(match);
     } else {
       Confirm(match.seen, match.known);
@@ -360,35 +298,41 @@ void SessionDecision::UpdateBeliefOf(double change_m, TrackedObject* object) {
                      .belief;
 }
 
-/// True if an undecided object of the session is where a known one was, so that it cannot be there.
-bool SessionDecision::IsVacated(const TrackedObject& known, const LookCount& looks) const {
-  const bool is_doubted = static_cast<double>(looks.gone) >=
-                          parameters_.doubted_share * static_cast<double>(looks.looked_at());
-  return std::any_of(seen_.begin(), seen_.end(), [&](const SeenObject& seen) {
-    if (seen.is_decided || !IsOfOneClass(*seen.object, known)) return false;
-    if (!is_doubted) {
-      const std::optional<Registration> registration = Register(*seen.object, known);
-      return registration && registration->dissimilarity <= parameters_.max_dissimilarity &&
-             registration->known_share >= parameters_.min_displaced_known_share &&
-             DisplacementOf(*registration, *seen.object) > parameters_.max_displacement_m;
-    }
-    const Cuboid& a = seen.object->cuboid();
-    const Cuboid& b = known.cuboid();
-    const double smaller_m3 = std::min(a.volume_m3(), b.volume_m3());
-    return OverlapM3(a, b) > parameters_.max_overlap_share * smaller_m3;
-  });
-}
-
 void SessionDecision::JudgeKnown() {
   for (KnownObject& known : known_) {
     if (known.standing != Standing::kUnknown || known.object->is_archived()) continue;
-    const LookCount looks = CountLooks(*known.object);
-    if (looks.looked_at() < parameters_.min_looked_at_cells) continue;
-    const bool is_gone = static_cast<double>(looks.gone) >=
-                         parameters_.gone_share * static_cast<double>(looks.looked_at());
-    known.standing =
-        is_gone || IsVacated(*known.object, looks) ? Standing::kGone : Standing::kStands;
+    std::vector<const TrackedObject*> others;
+    for (const SeenObject& seen : seen_) {
+      if (!seen.is_decided && IsOfOneClass(*seen.object, *known.object)) {
+        others.push_back(seen.object);
+      }
+    }
+    known.standing = JudgeStanding(*known.object, others, parameters_, map_->scale());
   }
+}
+
+/// True if an object of the session that may be a known one in place rather is that one at a new
+/// place: all surface that was known is there.
+bool SessionDecision::IsPushed(const SeenObject& seen,
+                               const KnownObject& known,
+                               const ShapeMatch& match) const {
+  const Eigen::Isometry3d T_object_world =
+      known.object->state().T_world_object.ToIsometry().inverse();
+  const Eigen::Vector3d center_world = known.object->cuboid().center_world;
+  const Eigen::Vector3d moved_world = match.T_world_object * (T_object_world * center_world);
+  if ((moved_world - center_world).norm() <= parameters_.max_displacement_m) return false;
+  const Eigen::Isometry3d T_seen_world = seen.object->state().T_world_object.ToIsometry().inverse();
+  const SurfaceOverlap overlap = CompareSurfaces(
+      *known.object, *seen.object, T_seen_world * match.T_world_object, map_->scale());
+  return overlap.known_share * overlap.fit_share >= 1.0 - parameters_.max_dissimilarity;
+}
+
+/// True if a known object is not where it was, or if it was pushed to where an object of the
+/// session hides its place.
+bool SessionDecision::MayHaveMoved(const SeenObject& seen, const KnownObject& known) const {
+  if (known.object->is_archived() || known.standing == Standing::kGone) return true;
+  return known.standing == Standing::kUnverified &&
+         DistanceBetween(known.object->cuboid(), seen.object->cuboid()) <= 0.0;
 }
 
 /// Joins objects of the session with the gone or archived objects whose shape they have.
@@ -405,8 +349,7 @@ void SessionDecision::FindMoves() {
     if (seen.is_decided) continue;
     for (KnownObject& known : known_) {
       if (!IsOfOneClass(*seen.object, *known.object)) continue;
-      if (known.standing != Standing::kGone && !known.object->is_archived()) continue;
-      if (known.is_taken || IsDoubtedMatch(seen, known)) continue;
+      if (known.is_taken || !MayHaveMoved(seen, known)) continue;
       if (seen.object->SurfaceAreaM2() <
           parameters_.min_moved_area_share * known.object->SurfaceAreaM2()) {
         continue;
@@ -415,6 +358,13 @@ void SessionDecision::FindMoves() {
       if (match.overlap.known_share < parameters_.min_shape_known_share ||
           match.overlap.fit_share < parameters_.min_shape_fit_share) {
         continue;
+      }
+      if (IsDoubtedMatch(seen, known)) {
+        if (!IsPushed(seen, known, match)) continue;
+        std::erase_if(doubted_, [&](const PlaceMatch& doubted) {
+          return doubted.seen == &seen && doubted.known == &known &&
+                 doubted.fit * (1.0 - DoubtOf(*known.object)) < match.confidence();
+        });
       }
       const double distance_m = DistanceBetween(known.object->cuboid(), seen.object->cuboid());
       candidates.push_back({&seen, &known, match, distance_m});
@@ -484,6 +434,8 @@ bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
         !AreInContact(seen, *known.object, contact_m, map_->scale())) {
       continue;
     }
+    // What hides a surface that was seen was not there then.
+    if (HiddenShare(*known.object, seen, map_->scale()) >= parameters_.max_overlap_share) continue;
     AddVoxels(seen, map_, known.object);
     return true;
   }
@@ -526,19 +478,7 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
           parameters_.min_part_share * static_cast<double>(looks.looked_at())) {
     return;
   }
-  CutGoneCells(object);
-}
-
-/// Takes the cells off an object that most looks found gone, or of another class.
-void SessionDecision::CutGoneCells(TrackedObject* object) {
-  if (CountLooks(*object).gone == 0) return;
-  TrackedObject& part = map_->AddPart(*object);
-  {
-    ObjectEdit edit = map_->Edit(object);
-    ObjectEdit part_edit = map_->Edit(&part);
-    MoveGoneVoxels({-1, -1}, &edit, &part_edit);
-  }
-  map_->Delete(&part);
+  CutGoneCells(object, map_);
 }
 
 }  // namespace

@@ -152,6 +152,17 @@ void CompleteSessionObjects(const SessionPartParameters& parameters, WorkingMap*
   PartCompletion(parameters, map).Run();
 }
 
+void CutGoneCells(TrackedObject* object, WorkingMap* map) {
+  if (CountLooks(*object).gone == 0) return;
+  TrackedObject& part = map->AddPart(*object);
+  {
+    ObjectEdit edit = map->Edit(object);
+    ObjectEdit part_edit = map->Edit(&part);
+    MoveGoneVoxels({-1, -1}, &edit, &part_edit);
+  }
+  map->Delete(&part);
+}
+
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {
   return a.state().class_id == b.state().class_id;
 }
@@ -168,10 +179,9 @@ bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters) {
   if (!IsOfOneClass(object, other)) return false;
-  const Cuboid& cuboid = other.cuboid();
-  return object.cuboid().volume_m3() < parameters.fragment_share * cuboid.volume_m3() &&
-         DistanceBetween(object.cuboid(), cuboid) <
-             parameters.fragment_reach * cuboid.size_m.maxCoeff();
+  return object.SurfaceAreaM2() < parameters.fragment_share * other.SurfaceAreaM2() &&
+         DistanceBetween(object.cuboid(), other.cuboid()) <
+             parameters.fragment_reach * other.cuboid().size_m.maxCoeff();
 }
 
 void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into) {

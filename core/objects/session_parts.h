@@ -17,9 +17,9 @@ struct SessionPartParameters {
   std::uint64_t min_doubted_frames = 5;
   /// Surfaces that are closer, voxels, are in contact.
   double contact_voxels = 1.5;
-  /// An object with less than this share of the volume of the cuboid of another one of its class,
-  /// and closer to it than this share of its length, is a part of it.
-  double fragment_share = 0.05;
+  /// An object with less than this share of the surface of another one of its class, and closer to
+  /// it than this share of its length, is a part of it.
+  double fragment_share = 0.1;
   double fragment_reach = 0.5;
   SceneDivisionParameters scene;
 };
@@ -33,6 +33,9 @@ void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* 
 
 /// Adds the voxels of an object that `into` does not have.
 void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into);
+
+/// Deletes the surface of an object in cells that most looks found gone, or of another class.
+void CutGoneCells(TrackedObject* object, WorkingMap* map);
 
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);
 

@@ -33,8 +33,11 @@ class SurfaceLooksTest : public ::testing::Test {
 
   /// Looks at a wall that fills the image. Returns true if it was a look at the known wall.
   bool Look(double depth_m, double time_s, std::uint16_t label = kWallClass) {
-    const Frame frame =
-        RenderScene({Body(label, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0})}, {});
+    return Look(RenderScene({Body(label, {depth_m, -4.0, -4.0}, {depth_m + 0.3, 4.0, 4.0})}, {}),
+                time_s);
+  }
+
+  bool Look(const Frame& frame, double time_s) {
     cloud_.Compute(frame);
     samples_.Compute(cloud_);
     tiles_.Compute(frame.depth);
@@ -57,6 +60,16 @@ TEST_F(SurfaceLooksTest, SurfaceInItsPlaceIsFound) {
   ASSERT_TRUE(Look(2.0, 1.0));
   EXPECT_GT(CountLooks(wall_).found, 50U);
   EXPECT_EQ(CountLooks(wall_).gone, 0U);
+}
+
+TEST_F(SurfaceLooksTest, ASurfaceAtARightAngleIsAnotherOne) {
+  // The side of a long box crosses the plane of the wall; on the left, the view is closed before.
+  const Frame frame = RenderScene({Body(kWallClass, {1.2, -4.0, -4.0}, {4.0, -0.2, 4.0}),
+                                   Body(kWallClass, {1.0, 0.2, -4.0}, {1.1, 4.0, 4.0}),
+                                   Body(kWallClass, {2.3, -4.0, -4.0}, {2.4, 4.0, 4.0})},
+                                  {.eye_world = {0.0, 0.1, 0.0}, .target_world = {2.0, -0.2, 0.0}});
+  Look(frame, 1.0);
+  EXPECT_EQ(CountLooks(wall_).found, 0U);
 }
 
 TEST_F(SurfaceLooksTest, SurfaceThatIsSeenThroughIsGone) {

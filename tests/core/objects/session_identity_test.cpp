@@ -23,6 +23,11 @@ using ::steadymap::testing::StoreVolume;
 const Eigen::Vector3d kSizeM(0.4, 0.5, 0.6);
 const Eigen::Vector3d kOtherSizeM(0.4, 0.9, 0.3);
 
+const Box kEverywhere(Eigen::Vector3d::Constant(-10.0), Eigen::Vector3d::Constant(10.0));
+
+// Of a box at y = 0.
+const Box kFirstPart(Eigen::Vector3d(-10.0, -10.0, -10.0), Eigen::Vector3d(10.0, 0.2, 10.0));
+
 class SessionIdentityTest : public ::testing::Test {
  protected:
   SessionIdentityTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
@@ -51,6 +56,19 @@ class SessionIdentityTest : public ::testing::Test {
       edit.state().evidence.MutableLeaf(leaf.origin).score.fill(static_cast<std::int8_t>(score));
     }
     return known;
+  }
+
+  /// Sets the balance of the looks at the surface of a known box within bounds.
+  void SetScores(const Box& bounds_world, std::int8_t score, TrackedObject* known) {
+    ObjectEdit edit = map_.Edit(known);
+    const Eigen::Vector3d origin_world = known->state().T_world_object.position_world;
+    for (const SurfaceLeaf& leaf : known->surface().leaves()) {
+      LeafEvidence& evidence = edit.state().evidence.MutableLeaf(leaf.origin);
+      for (const SurfaceVoxel& point : leaf.points) {
+        if (!bounds_world.contains(origin_world + point.position_object.cast<double>())) continue;
+        evidence.score[point.cell] = score;
+      }
+    }
   }
 
   TrackedObject* PutSeen(double y_m, const Eigen::Vector3d& size = kSizeM) {
@@ -126,6 +144,58 @@ TEST_F(SessionIdentityTest, APushOfTenCentimetresIsAMove) {
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events.front().type, EventType::kMoved);
   EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).norm(), 0.1, 0.02);
+}
+
+TEST_F(SessionIdentityTest, AThingThatSlidAlongItsPlaneHasMoved) {
+  // What is found of it is the surface of the same thing at its new place.
+  TrackedObject* known = PutKnown(0.0, 2);
+  SetScores(kFirstPart, -2, known);
+  PutKnown(2.0, 2, kOtherSizeM);
+  PutSeen(0.2);
+  PutSeen(2.0, kOtherSizeM);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kMoved);
+  EXPECT_EQ(events.front().object, known->id());
+  EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).y(), 0.2, 0.03);
+}
+
+TEST_F(SessionIdentityTest, APartThatIsGoneIsNoMove) {
+  TrackedObject* known = PutKnown(0.0, 2);
+  SetScores(kFirstPart, -2, known);
+  Put(ObjectStatus::kTentative, {2.0, 0.2, 0.0}, {0.4, 0.3, 0.6});
+  EXPECT_TRUE(Decide().empty());
+  ASSERT_EQ(map_.objects().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, AThingInFrontOfAHiddenOneIsNew) {
+  TrackedObject* hidden = PutKnown(0.0, 0, {0.1, 0.5, 0.6});
+  // All that was seen of it is the side that is hidden now; the ends of both are in one plane.
+  SetScores(kEverywhere, 2, hidden);
+  const TrackedObject* seen = Put(ObjectStatus::kTentative, {1.5, 0.0, 0.0}, {0.45, 0.5, 0.6});
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kCreated);
+  EXPECT_EQ(events.front().object, seen->id());
+  EXPECT_EQ(map_.objects().size(), 2U);
+}
+
+TEST_F(SessionIdentityTest, AThingPushedInFrontOfItsOldPlaceHasMoved) {
+  // What was found of it is where the sides of both are in one plane.
+  TrackedObject* known = PutKnown(0.0, 0);
+  SetScores(Box(Eigen::Vector3d(2.02, -1.0, -1.0), Eigen::Vector3d(2.1, 1.0, 1.0)), 2, known);
+  Put(ObjectStatus::kTentative, {1.7, 0.0, 0.0}, kSizeM);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kMoved);
+  EXPECT_EQ(events.front().object, known->id());
+  EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).x(), -0.3, 0.03);
+}
+
+TEST_F(SessionIdentityTest, TheFrontOfAThingIsNoFragmentOfItsNeighbour) {
+  PutSeen(0.0);
+  PutSeen(0.8, {0.03, 0.5, 0.6});
+  EXPECT_EQ(Decide().size(), 2U);
 }
 
 TEST_F(SessionIdentityTest, ADisplacementThatAllThingsShareIsThatOfTheRobot) {

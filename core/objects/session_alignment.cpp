@@ -1,0 +1,78 @@
+#include "core/objects/session_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/objects/session_parts.h"
+#include "core/registration/anchored_alignment.h"
+#include "core/volume/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+// Points of a thing that take part in the alignment of a session.
+constexpr std::size_t kMaxAnchorPoints = 400;
+
+AnchorMatches MatchesOf(const TrackedObject& seen,
+                        const TrackedObject& known,
+                        const Eigen::Isometry3d& T_correction,
+                        const VoxelScale& scale) {
+  const Eigen::Isometry3d T_world_known = known.state().T_world_object.ToIsometry();
+  const Eigen::Isometry3d T_known_world = T_world_known.inverse();
+  TsdfSampler sampler(known.volume(), scale);
+  const std::vector<Eigen::Vector3d> points_world = seen.SurfaceInWorld();
+  const std::size_t stride = points_world.size() / kMaxAnchorPoints + 1;
+  AnchorMatches matches;
+  for (std::size_t i = 0; i < points_world.size(); i += stride) {
+    const Eigen::Vector3d moved_world = T_correction * points_world[i];
+    const DistanceSample sample = sampler.Sample(T_known_world * moved_world);
+    if (!sample.known || std::abs(sample.distance_m) > scale.voxel_size_m) continue;
+    const Eigen::Vector3d normal_world = T_world_known.linear() * sample.gradient;
+    matches.push_back(
+        {points_world[i], moved_world - sample.distance_m * normal_world, normal_world});
+  }
+  return matches;
+}
+
+}  // namespace
+
+std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
+                                            const TrackedObject& known,
+                                            const VoxelScale& scale) {
+  if (!IsOfOneClass(seen, known)) return std::nullopt;
+  const Eigen::Vector3d margin =
+      Eigen::Vector3d::Constant(RegistrationParameters().search_distance_m);
+  Box reach_world = seen.BoundsInWorld();
+  reach_world = Box(reach_world.min() - margin, reach_world.max() + margin);
+  if (!reach_world.intersects(known.BoundsInWorld())) return std::nullopt;
+  return RegisterPoints(seen.SurfaceInWorld(), known.volume(), scale, known.state().T_world_object);
+}
+
+double DisplacementOf(const Registration& registration, const TrackedObject& object) {
+  const double radius_m = 0.5 * object.cuboid().size_m.head<2>().norm();
+  return std::hypot(registration.shift_world.head<2>().norm(), registration.yaw_rad * radius_m);
+}
+
+Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,
+                               const std::vector<const TrackedObject*>& known,
+                               const SessionIdentityParameters& parameters,
+                               const VoxelScale& scale) {
+  std::vector<AnchorMatches> anchors;
+  std::vector<Eigen::Isometry3d> starts;
+  for (const TrackedObject* object : seen) {
+    for (const TrackedObject* other : known) {
+      const std::optional<Registration> registration = RegisterToKnown(*object, *other, scale);
+      if (!registration || registration->dissimilarity > parameters.max_dissimilarity ||
+          registration->known_share < parameters.min_shape_known_share) {
+        continue;
+      }
+      anchors.push_back(MatchesOf(*object, *other, registration->T_correction, scale));
+      starts.push_back(registration->T_correction);
+    }
+  }
+  if (anchors.empty()) return Eigen::Isometry3d::Identity();
+  const double vote_scale_m = std::max(parameters.vote_scale_m, 0.5 * scale.voxel_size_m);
+  return AlignToAnchors(anchors, starts, vote_scale_m, parameters.claim_votes);
+}
+
+}  // namespace steadymap

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/objects/session_parameters.h"
+#include "core/registration/registration.h"
+#include "core/working/tracked_object.h"
+
+/// Where the robot of a session was, by the objects that stand where they stood.
+namespace steadymap {
+
+/// Registers an object of a session to a known one; none if they are of different classes or far
+/// apart.
+std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
+                                            const TrackedObject& known,
+                                            const VoxelScale& scale);
+
+/// Returns the largest displacement that a correction means for an object, along the ground: what
+/// stands there does not rise or sink. Metres.
+double DisplacementOf(const Registration& registration, const TrackedObject& object);
+
+/// Returns the motion of the objects of a session onto the known objects in place, world frame; the
+/// identity if there are none.
+Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,
+                               const std::vector<const TrackedObject*>& known,
+                               const SessionIdentityParameters& parameters,
+                               const VoxelScale& scale);
+
+}  // namespace steadymap

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/map/stationarity.h"
+#include "core/objects/session_parts.h"
+
+namespace steadymap {
+
+/// The constants of `DecideSession`.
+struct SessionIdentityParameters {
+  SessionPartParameters parts;
+  /// Stationarity of a new object.
+  double initial_stationarity = 0.6;
+  /// Of the pose claimed by the robot, in the alignment of a session; each known object has one.
+  double claim_votes = 1.5;
+  /// Displacement at which a known object has lost half of its vote, metres, at least half a voxel.
+  double vote_scale_m = 0.02;
+  /// An object that is displaced by no more than this stands where it stood, metres.
+  double max_displacement_m = 0.03;
+  /// The same in standard deviations of the displacements of all objects, which tell the error of
+  /// the poses.
+  double max_pose_sigmas = 3.0;
+  /// Share of the surface that may disagree with a known shape, and that must be known of it.
+  double max_dissimilarity = 0.2;
+  double min_known_share = 0.3;
+  /// The same to know a moved or returned object by its shape.
+  double min_shape_known_share = 0.5;
+  double min_shape_fit_share = 0.85;
+  /// Smallest surface of a moved object, as a share of the surface that was known of it.
+  double min_moved_area_share = 0.25;
+  /// A shape is that of one object if it agrees with no other one better than this less.
+  double rival_margin = 0.1;
+  /// Share of the looked-at surface that must be gone of an object that is gone.
+  double gone_share = 0.5;
+  /// Share that must be gone of an object in whose place another object is, ...
+  double doubted_share = 0.15;
+  /// ... or share of that object's surface that must be known of the shape, if it was displaced by
+  /// less than can be seen through.
+  double min_displaced_known_share = 0.6;
+  /// Fewest looked-at evidence cells that decide.
+  std::size_t min_looked_at_cells = 4;
+  /// Fewest evidence cells, and smallest share of the looked-at ones, of a part that is gone.
+  std::size_t min_part_cells = 25;
+  double min_part_share = 0.1;
+  /// Share of the smaller of two cuboids in which only one of both can be.
+  double max_overlap_share = 0.3;
+  StationarityParameters belief;
+};
+
+}  // namespace steadymap

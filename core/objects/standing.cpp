@@ -1,0 +1,75 @@
+#include "core/objects/standing.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "core/change/surface_looks.h"
+#include "core/objects/session_alignment.h"
+#include "core/objects/surface_relations.h"
+
+namespace steadymap {
+namespace {
+
+/// True if another object is where the known one was, so that it cannot be there.
+bool Replaces(const TrackedObject& other,
+              const TrackedObject& known,
+              bool is_doubted,
+              const SessionIdentityParameters& parameters,
+              const VoxelScale& scale) {
+  if (is_doubted) {
+    const double smaller_m3 = std::min(other.cuboid().volume_m3(), known.cuboid().volume_m3());
+    return OverlapM3(other.cuboid(), known.cuboid()) > parameters.max_overlap_share * smaller_m3;
+  }
+  const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
+  return registration && registration->dissimilarity <= parameters.max_dissimilarity &&
+         registration->known_share >= parameters.min_displaced_known_share &&
+         DisplacementOf(*registration, other) > parameters.max_displacement_m;
+}
+
+/// True if another object is in front of what was seen of the known one, so that it was not there
+/// then.
+bool Hides(const TrackedObject& other,
+           const TrackedObject& known,
+           const SessionIdentityParameters& parameters,
+           const VoxelScale& scale) {
+  return DistanceBetween(other.cuboid(), known.cuboid()) <= 0.0 &&
+         HiddenShare(known, other, scale) >= parameters.max_overlap_share;
+}
+
+}  // namespace
+
+double GoneShareOf(const TrackedObject& object) {
+  const LookCount looks = CountLooks(object);
+  if (looks.looked_at() == 0) return 0.0;
+  return static_cast<double>(looks.gone) / static_cast<double>(looks.looked_at());
+}
+
+Standing JudgeStanding(const TrackedObject& known,
+                       const std::vector<const TrackedObject*>& others,
+                       const SessionIdentityParameters& parameters,
+                       const VoxelScale& scale) {
+  const LookCount looks = CountLooks(known);
+  if (looks.looked_at() < parameters.min_looked_at_cells) return Standing::kUnknown;
+  const bool is_doubted = GoneShareOf(known) >= parameters.doubted_share;
+  const std::size_t verified = looks.looked_at() - CountExplainedCells(known, others, scale);
+  if (is_doubted &&
+      static_cast<double>(looks.gone) >= parameters.gone_share * static_cast<double>(verified)) {
+    return Standing::kGone;
+  }
+  const auto any_other = [&](const auto& is_so) {
+    return std::any_of(others.begin(), others.end(), is_so);
+  };
+  if (any_other([&](const TrackedObject* other) {
+        return Replaces(*other, known, is_doubted, parameters, scale);
+      })) {
+    return Standing::kGone;
+  }
+  const bool is_verified = verified >= parameters.min_looked_at_cells;
+  return !is_verified && any_other([&](const TrackedObject* other) {
+    return Hides(*other, known, parameters, scale);
+  })
+             ? Standing::kUnverified
+             : Standing::kStands;
+}
+
+}  // namespace steadymap

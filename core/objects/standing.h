@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "core/objects/session_parameters.h"
+#include "core/working/tracked_object.h"
+
+/// Whether a known object still stands in its place, by the looks of a session.
+namespace steadymap {
+
+/// The verdict on a known object.
+enum class Standing {
+  kUnknown,  ///< It was hardly looked at.
+  kStands,
+  kUnverified,  ///< What was found of it is the surface of an object that hides the rest.
+  kGone,
+};
+
+/// Returns the share of the looked-at surface that is gone; 0 without looks.
+double GoneShareOf(const TrackedObject& object);
+
+/// Judges a known object. `others` are the objects of the session that may be of its class but not
+/// it in its place: surface that was found counts only if it is not theirs, such as that of one
+/// that was pushed along its own plane.
+Standing JudgeStanding(const TrackedObject& known,
+                       const std::vector<const TrackedObject*>& others,
+                       const SessionIdentityParameters& parameters,
+                       const VoxelScale& scale);
+
+}  // namespace steadymap

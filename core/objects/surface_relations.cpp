@@ -1,0 +1,109 @@
+#include "core/objects/surface_relations.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/volume/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+// A look finds surface up to this far beyond its edge, voxels: samples are apart.
+constexpr double kEdgeVoxels = 1.5;
+
+/// The surface of another object in the frame of an object.
+class OtherSurface {
+ public:
+  OtherSurface(const TrackedObject& object, const TrackedObject& other, const VoxelScale& scale)
+      : T_other_object_(other.state().T_world_object.ToIsometry().inverse() *
+                        object.state().T_world_object.ToIsometry()),
+        sampler_(other.volume(), scale),
+        voxel_size_m_(scale.voxel_size_m) {}
+
+  /// True if a point is within a voxel of the surface.
+  bool Has(const Eigen::Vector3d& position_object) {
+    double distance_m = 0.0;
+    return sampler_.SampleNearest(T_other_object_ * position_object, &distance_m) &&
+           std::abs(distance_m) <= voxel_size_m_;
+  }
+
+  /// True if a point is near the surface, also beyond its edge.
+  bool HasNear(const Eigen::Vector3d& position_object) {
+    if (Has(position_object)) return true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = kEdgeVoxels * voxel_size_m_ * Eigen::Vector3d::Unit(axis);
+      if (Has(position_object + step) || Has(position_object - step)) return true;
+    }
+    return false;
+  }
+
+ private:
+  Eigen::Isometry3d T_other_object_;
+  TsdfSampler sampler_;
+  double voxel_size_m_;
+};
+
+bool IsWithinReach(const TrackedObject& object,
+                   const TrackedObject& other,
+                   const VoxelScale& scale) {
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(scale.truncation_m);
+  const Box bounds_world = object.BoundsInWorld();
+  return Box(bounds_world.min() - margin, bounds_world.max() + margin)
+      .intersects(other.BoundsInWorld());
+}
+
+}  // namespace
+
+std::size_t CountExplainedCells(const TrackedObject& object,
+                                const std::vector<const TrackedObject*>& others,
+                                const VoxelScale& scale) {
+  std::vector<OtherSurface> surfaces;
+  for (const TrackedObject* other : others) {
+    if (IsWithinReach(object, *other, scale)) surfaces.emplace_back(object, *other, scale);
+  }
+  if (surfaces.empty()) return 0;
+  std::size_t count = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
+    if (evidence == nullptr) continue;
+    std::array<bool, kEvidenceCells> is_explained{};
+    for (const SurfaceVoxel& point : leaf.points) {
+      if (evidence->score[point.cell] <= 0 || is_explained[point.cell]) continue;
+      const Eigen::Vector3d position = point.position_object.cast<double>();
+      is_explained[point.cell] =
+          std::any_of(surfaces.begin(), surfaces.end(), [&](OtherSurface& surface) {
+            return surface.HasNear(position);
+          });
+    }
+    count += static_cast<std::size_t>(std::count(is_explained.begin(), is_explained.end(), true));
+  }
+  return count;
+}
+
+double HiddenShare(const TrackedObject& object,
+                   const TrackedObject& other,
+                   const VoxelScale& scale) {
+  OtherSurface surface(object, other, scale);
+  // From beyond what one surface measures, to the far side of the other object.
+  const auto first_step = static_cast<int>(std::ceil(scale.truncation_m / scale.voxel_size_m));
+  const auto last_step =
+      static_cast<int>(std::ceil(other.cuboid().size_m.norm() / scale.voxel_size_m));
+  std::size_t hidden = 0;
+  std::size_t all = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      ++all;
+      const Eigen::Vector3d position = point.position_object.cast<double>();
+      const Eigen::Vector3d step = scale.voxel_size_m * point.normal_object.cast<double>();
+      for (int i = first_step; i <= last_step; ++i) {
+        if (!surface.Has(position + i * step)) continue;
+        ++hidden;
+        break;
+      }
+    }
+  }
+  return all == 0 ? 0.0 : static_cast<double>(hidden) / static_cast<double>(all);
+}
+
+}  // namespace steadymap

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/working/tracked_object.h"
+
+/// How the surfaces of two objects tell whether both can be there.
+namespace steadymap {
+
+/// Returns the number of evidence cells of `object` whose surface was found (`CountLooks`) where
+/// the surface of one of `others` is, so that the looks do not tell which of both they found.
+std::size_t CountExplainedCells(const TrackedObject& object,
+                                const std::vector<const TrackedObject*>& others,
+                                const VoxelScale& scale);
+
+/// Returns the share of the surface of `object` that has `other` in front of it, along its normals.
+double HiddenShare(const TrackedObject& object,
+                   const TrackedObject& other,
+                   const VoxelScale& scale);
+
+}  // namespace steadymap
