@@ -110,12 +110,12 @@ FrameSegment MakeSegment(const SampleGrid& samples, std::vector<std::size_t> ind
 
 std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
                                             const SampleGrid& samples,
-                                            const std::vector<std::uint8_t>& is_excluded,
+                                            const std::vector<SampleUse>& uses,
                                             const ContinuityParameters& parameters) {
   SampleSets sets(samples.size());
   const Continuity continuity(cloud, parameters.max_sigmas);
   const auto is_in = [&](std::size_t index) {
-    return samples[index].is_valid() && is_excluded[index] == 0;
+    return samples[index].is_valid() && uses[index] == SampleUse::kSegment;
   };
   const auto link = [&](int column, int row, int right, int down) {
     const SurfaceSample& sample = samples.At(column, row);

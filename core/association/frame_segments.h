@@ -17,6 +17,14 @@ struct FrameSegment {
   double area_m2 = 0.0;
 };
 
+/// What a sample can be used for.
+enum class SampleUse : std::uint8_t {
+  kSegment,
+  /// It is surface, but seen at such a flat angle that it does not tell what is connected.
+  kSurface,
+  kNone,  ///< Its label contradicts the map.
+};
+
 /// When two neighbouring samples are on one surface.
 struct ContinuityParameters {
   /// Distance of each sample from the plane of the other one, in standard deviations of the
@@ -26,13 +34,12 @@ struct ContinuityParameters {
   std::size_t min_samples = 6;
 };
 
-/// Divides the valid samples of a frame, those of `cloud`, into segments, except those with a
-/// nonzero entry in `is_excluded`. Neighbours are of one
-/// segment if they have one instance, or else one class, and no gap in depth is between them.
-/// Returns the segments in the order of their first sample.
+/// Divides the valid samples of a frame, those of `cloud`, whose use is `kSegment`, into segments.
+/// Neighbours are of one segment if they have one instance, or else one class, and no gap in depth
+/// is between them. Returns the segments in the order of their first sample.
 std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
                                             const SampleGrid& samples,
-                                            const std::vector<std::uint8_t>& is_excluded,
+                                            const std::vector<SampleUse>& uses,
                                             const ContinuityParameters& parameters);
 
 }  // namespace steadymap

@@ -8,6 +8,7 @@
 #include "core/change/surface_looks.h"
 #include "core/objects/part_votes.h"
 #include "core/objects/reidentification.h"
+#include "core/objects/unsegmented_surface.h"
 #include "core/volume/tsdf_sample.h"
 #include "core/working/object_split.h"
 
@@ -58,6 +59,7 @@ class PartCompletion {
     JoinParts();
     DropFragments();
     JoinPieces();
+    AddUnsegmentedSurface(parameters_.contact_voxels, map_);
   }
 
  private:
@@ -95,6 +97,7 @@ void PartCompletion::JoinParts() {
 /// Deletes what is too small, or was seen too rarely.
 void PartCompletion::DropFragments() {
   for (TrackedObject* object : map_->TentativeObjects()) {
+    if (IsUnsegmented(*object)) continue;
     const LookCount looks = CountLooks(*object);
     const std::uint64_t frames = object->state().supporting_frames;
     if (frames < parameters_.min_frames ||
@@ -128,7 +131,9 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
 
 void PartCompletion::JoinPieces() {
   std::vector<TrackedObject*> objects;
-  for (TrackedObject* object : map_->TentativeObjects()) objects.push_back(object);
+  for (TrackedObject* object : map_->TentativeObjects()) {
+    if (!IsUnsegmented(*object)) objects.push_back(object);
+  }
   std::stable_sort(objects.begin(), objects.end(), [](const auto* a, const auto* b) {
     return a->surface().point_count() > b->surface().point_count();
   });

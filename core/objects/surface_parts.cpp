@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <map>
 #include <numeric>
+#include <queue>
 #include <unordered_map>
 
 #include "core/volume/voxel_index.h"
@@ -242,22 +245,28 @@ std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const Oriente
 std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,
                                      std::span<const std::pair<std::size_t, std::size_t>> seeds,
                                      double reach_m) {
+  // Dijkstra's algorithm, from all seeds at once.
   const PointGrid grid(points, reach_m);
   std::vector<std::size_t> part_of(points.size(), 0);
-  std::vector<char> is_reached(points.size(), 0);
-  std::vector<std::size_t> reached;
+  std::vector<double> way_m(points.size(), std::numeric_limits<double>::infinity());
+  using Reached = std::pair<double, std::size_t>;  // The way and the point.
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> reached;
   for (const auto& [point, part] : seeds) {
     part_of[point] = part;
-    is_reached[point] = 1;
-    reached.push_back(point);
+    way_m[point] = 0.0;
+    reached.emplace(0.0, point);
   }
-  for (std::size_t next = 0; next < reached.size(); ++next) {
-    const std::size_t from = reached[next];
-    grid.ForEachNeighbour(from, [&](std::size_t other) {
-      if (is_reached[other] != 0) return;
+  while (!reached.empty()) {
+    const auto [from_m, from] = reached.top();
+    reached.pop();
+    if (from_m > way_m[from]) continue;
+    grid.ForEachNeighbour(from, [&, from_m = from_m, from = from](std::size_t other) {
+      const double to_m =
+          from_m + (points[other].position_world - points[from].position_world).norm();
+      if (to_m >= way_m[other]) return;
+      way_m[other] = to_m;
       part_of[other] = part_of[from];
-      is_reached[other] = 1;
-      reached.push_back(other);
+      reached.emplace(to_m, other);
     });
   }
   return part_of;

@@ -29,8 +29,8 @@ std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const Oriente
                                                          double reach_m);
 
 /// Extends parts along a surface: `seeds` are points with their part, and every other point gets
-/// the part of the seed from which the fewest steps of at most `reach_m` lead to it; 0 if there is
-/// none.
+/// the part of the seed from which the shortest way in steps of at most `reach_m` leads to it; 0 if
+/// there is none.
 std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,
                                      std::span<const std::pair<std::size_t, std::size_t>> seeds,
                                      double reach_m);

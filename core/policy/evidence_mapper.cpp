@@ -6,6 +6,7 @@
 #include "core/association/cell_ownership.h"
 #include "core/association/class_votes.h"
 #include "core/change/free_space_carving.h"
+#include "core/objects/unsegmented_surface.h"
 #include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
@@ -43,13 +44,12 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   has_labels_ = !frame.labels.empty() || !frame.instances.empty();
   LookAtObjects();
   FindSurfaces();
-  segments_ = has_labels_
-                  ? FindFrameSegments(*cloud, samples_, is_excluded_, parameters_.continuity)
-                  : FindScene();
+  segments_ = has_labels_ ? FindFrameSegments(*cloud, samples_, uses_, parameters_.continuity)
+                          : FindScene();
   SegmentAssignment assignment(config_,
                                parameters_.assignment,
                                parameters_.identity,
-                               {*cloud, samples_, segments_, on_objects_, is_excluded_},
+                               {*cloud, samples_, segments_, on_objects_, uses_},
                                &in_view_,
                                map);
   if (has_labels_) {
@@ -133,9 +133,10 @@ void EvidenceMapper::FindSurfaceOf(std::size_t place) {
 void EvidenceMapper::FindSurfaces() {
   on_objects_.clear();
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
-    if (IsInSession(*in_view_[place].object)) FindSurfaceOf(place);
+    const TrackedObject& object = *in_view_[place].object;
+    if (IsInSession(object) && !IsUnsegmented(object)) FindSurfaceOf(place);
   }
-  is_excluded_.assign(samples_.size(), 0);
+  uses_.assign(samples_.size(), SampleUse::kSegment);
   const Eigen::Vector3d camera_world = cloud_->T_world_camera().translation();
   TsdfSampler sampler(map_->background(), map_->scale());
   for (std::size_t index = 0; index < samples_.size(); ++index) {
@@ -149,12 +150,16 @@ void EvidenceMapper::FindSurfaces() {
     const Eigen::Vector3d to_camera =
         (camera_world - sample.position_world.cast<double>()).normalized();
     const bool is_flat = to_camera.dot(sample.normal_world.cast<double>()) < kMinFacingCosine;
-    is_excluded_[index] = is_on_background || (has_labels_ && is_flat) ? 1 : 0;
+    if (is_on_background) {
+      uses_[index] = SampleUse::kNone;
+    } else if (has_labels_ && is_flat) {
+      uses_[index] = SampleUse::kSurface;
+    }
   }
   for (const SampleOnObject& found : on_objects_) {
     const SurfaceSample& sample = samples_[found.sample];
     if (has_labels_ && config_.IsInBackground(ClassId(sample.label)) && sample.instance == 0) {
-      is_excluded_[found.sample] = 1;
+      uses_[found.sample] = SampleUse::kNone;
     }
   }
 }
@@ -163,7 +168,7 @@ void EvidenceMapper::FindSurfaces() {
 std::vector<FrameSegment> EvidenceMapper::FindScene() const {
   FrameSegment scene;
   for (std::size_t index = 0; index < samples_.size(); ++index) {
-    if (!samples_[index].is_valid() || is_excluded_[index] != 0) continue;
+    if (!samples_[index].is_valid() || uses_[index] != SampleUse::kSegment) continue;
     scene.samples.push_back(index);
     scene.area_m2 += static_cast<double>(samples_[index].area_m2);
   }
@@ -177,23 +182,27 @@ void EvidenceMapper::FuseSession(const SegmentAssignment& assignment) {
   integrator_.SetFrame(*cloud_);
   map_->FuseBackground(&integrator_);
   std::vector<std::map<ClassId, std::size_t>> samples_by_class(in_view_.size());
+  std::vector<char> is_seen(in_view_.size(), 0);
   for (std::size_t index = 0; index < samples_.size(); ++index) {
     const std::uint32_t owner = association.owner[index];
     const std::size_t segment = assignment.segment_of()[index];
-    if (!Association::IsObject(owner) || segment == 0) continue;
-    ++samples_by_class[owner - 1][ClassId(segments_[segment - 1].label)];
+    if (!Association::IsObject(owner)) continue;
+    is_seen[owner - 1] = 1;
+    if (segment != 0) ++samples_by_class[owner - 1][ClassId(segments_[segment - 1].label)];
   }
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
     TrackedObject* object = in_view_[place].object;
-    if (samples_by_class[place].empty() || object->is_archived()) continue;
+    if (is_seen[place] == 0 || object->is_archived()) continue;
+    if (samples_by_class[place].empty() && !IsUnsegmented(*object)) continue;
     map_->FuseObject(static_cast<std::uint32_t>(place + 1), object, &integrator_);
     if (object->surface().point_count() == 0) {
       map_->Delete(object);
       continue;
     }
     ObjectEdit edit = map_->Edit(object);
-    ++edit.state().supporting_frames;
     edit.state().last_seen = map_->now();
+    if (samples_by_class[place].empty()) continue;
+    ++edit.state().supporting_frames;
     AddVotes(samples_by_class[place], &edit.state());
   }
 }

@@ -64,8 +64,7 @@ class EvidenceMapper final : public MapUpdater {
   MinDepthGrid tiles_;
   std::vector<ObjectInView> in_view_;
   std::vector<SampleOnObject> on_objects_;  ///< Of the session.
-  /// By sample: its label contradicts the map, or its surface is at a flat angle to the ray.
-  std::vector<std::uint8_t> is_excluded_;
+  std::vector<SampleUse> uses_;             ///< By sample.
   std::vector<FrameSegment> segments_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "core/objects/part_votes.h"
 #include "core/objects/surface_parts.h"
+#include "core/objects/unsegmented_surface.h"
 
 namespace steadymap {
 namespace {
@@ -92,6 +93,10 @@ void SegmentAssignment::AssignScene() {
 
 void SegmentAssignment::AssignSegments() {
   SeparateBackground();
+  for (std::size_t place = 0; place < in_view_->size(); ++place) {
+    const TrackedObject& object = *(*in_view_)[place].object;
+    if (IsUnsegmented(object)) unsegmented_.emplace(object.state().class_id, place);
+  }
   claims_ = FindClaims();
   ChooseObjects();
   for (std::size_t i = 0; i < frame_.segments.size(); ++i) {
@@ -101,6 +106,7 @@ void SegmentAssignment::AssignSegments() {
   }
   Vote();
   SetOwners();
+  SetAside();
 }
 
 void SegmentAssignment::SeparateBackground() {
@@ -279,12 +285,40 @@ void SegmentAssignment::SetOwners() {
 void SegmentAssignment::GiveToConnected(const SampleOnObject& found) {
   const ClassId class_id = (*in_view_)[found.place].object->state().class_id;
   const std::uint32_t owner = association_.owner[found.sample];
-  const bool is_unassigned = frame_.is_excluded[found.sample] != 0 &&
+  const bool is_unassigned = frame_.uses[found.sample] != SampleUse::kSegment &&
                              class_id.value() == frame_.samples[found.sample].label;
   const bool is_connected = Association::IsObject(owner) && segment_on_[found.place] == 0 &&
                             (*in_view_)[owner - 1].object->state().class_id == class_id;
   if (!is_unassigned && !is_connected) return;
   association_.owner[found.sample] = static_cast<std::uint32_t>(found.place + 1);
+}
+
+/// Gives the surface that belongs to no object to the unsegmented surface of its class.
+void SegmentAssignment::SetAside() {
+  for (std::size_t index = 0; index < frame_.samples.size(); ++index) {
+    const SurfaceSample& sample = frame_.samples[index];
+    const ClassId class_id(sample.label);
+    if (!sample.is_valid() || association_.owner[index] != Association::kNone ||
+        frame_.uses[index] == SampleUse::kNone || class_id == kNoClass ||
+        (sample.instance == 0 && config_.IsInBackground(class_id))) {
+      continue;
+    }
+    segment_of_[index] = 0;
+    association_.owner[index] =
+        static_cast<std::uint32_t>(PlaceOfUnsegmented(class_id, sample) + 1);
+  }
+}
+
+/// Returns the place of the unsegmented surface of a class; adds it if there is none in view.
+std::size_t SegmentAssignment::PlaceOfUnsegmented(ClassId class_id, const SurfaceSample& sample) {
+  const auto [entry, is_new] = unsegmented_.emplace(class_id, in_view_->size());
+  if (is_new) {
+    TrackedObject& object = map_->AddObject(sample.position_world.cast<double>());
+    ObjectEdit edit = map_->Edit(&object);
+    edit.state().class_id = class_id;
+    in_view_->push_back({&object, 0, frame_.samples.width(), 0, frame_.samples.height()});
+  }
+  return entry->second;
 }
 
 void SegmentAssignment::AddSegmentAsObject(std::size_t index) {

@@ -27,9 +27,7 @@ struct SegmentedFrame {
   const SampleGrid& samples;
   const std::vector<FrameSegment>& segments;
   const std::vector<SampleOnObject>& on_objects;  ///< Of the session.
-  /// By sample, nonzero: in no segment, since its label contradicts the map or its surface is at a
-  /// flat angle to the ray.
-  const std::vector<std::uint8_t>& is_excluded;
+  const std::vector<SampleUse>& uses;             ///< By sample.
 };
 
 /// The constants of `SegmentAssignment`.
@@ -44,7 +42,8 @@ struct SegmentAssignmentParameters {
 
 /// Gives the segments of one frame to objects of the session: each to one object, and one segment
 /// to an object. If two segments show an object apart, it is divided; votes of all frames decide at
-/// the end of the session whether the parts are one object (`core/objects/part_votes.h`).
+/// the end of the session whether the parts are one object (`core/objects/part_votes.h`). Surface
+/// of no segment waits for the end of the session (`core/objects/unsegmented_surface.h`).
 class SegmentAssignment {
  public:
   /// New objects are appended to `in_view`. All arguments must outlive the assignment.
@@ -107,6 +106,8 @@ class SegmentAssignment {
   bool IsGap(const SurfaceSample& a, const SurfaceSample& b, float nearest_between_m) const;
   void SetOwners();
   void GiveToConnected(const SampleOnObject& found);
+  void SetAside();
+  std::size_t PlaceOfUnsegmented(ClassId class_id, const SurfaceSample& sample);
 
   const MapConfig& config_;
   const SegmentAssignmentParameters& parameters_;
@@ -121,6 +122,7 @@ class SegmentAssignment {
   std::vector<std::size_t> owner_of_;    ///< By segment, the place in `in_view_` plus one; 0: none.
   /// By segment without owner: the place plus one of an object that another segment owns.
   std::vector<std::size_t> contested_;
+  std::map<ClassId, std::size_t> unsegmented_;  ///< Places in `in_view_`.
   std::vector<std::size_t> segment_on_;  ///< By place in `in_view_`: its segment plus one; 0: none.
 };
 

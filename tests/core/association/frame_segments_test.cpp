@@ -32,19 +32,19 @@ class FrameSegmentsTest : public ::testing::Test {
   void Look(const Frame& frame) {
     cloud_.Compute(frame);
     samples_.Compute(cloud_);
-    is_excluded_.assign(samples_.size(), 0);
+    uses_.assign(samples_.size(), SampleUse::kSegment);
   }
 
   std::vector<FrameSegment> FindOf(std::uint16_t label) const {
     std::vector<FrameSegment> segments =
-        FindFrameSegments(cloud_, samples_, is_excluded_, ContinuityParameters());
+        FindFrameSegments(cloud_, samples_, uses_, ContinuityParameters());
     std::erase_if(segments, [label](const auto& segment) { return segment.label != label; });
     return segments;
   }
 
   SemanticCloud cloud_;
   SampleGrid samples_;
-  std::vector<std::uint8_t> is_excluded_;
+  std::vector<SampleUse> uses_;
 };
 
 TEST_F(FrameSegmentsTest, OneThingIsOneSegmentOfItsArea) {
@@ -98,7 +98,7 @@ TEST_F(FrameSegmentsTest, InstancesDivideWhatTouches) {
 TEST_F(FrameSegmentsTest, ExcludedSamplesAreInNoSegment) {
   Look(RenderScene({DistantWall(), BoxAt(1.5, -0.25, 0.25)}, {}));
   const std::size_t excluded = FindOf(kGoodsClass).front().samples.front();
-  is_excluded_[excluded] = 1;
+  uses_[excluded] = SampleUse::kNone;
   for (const FrameSegment& segment : FindOf(kGoodsClass)) {
     EXPECT_EQ(std::count(segment.samples.begin(), segment.samples.end(), excluded), 0);
   }

@@ -11,6 +11,7 @@
 namespace steadymap {
 namespace {
 
+using ::steadymap::testing::Body;
 using ::steadymap::testing::ExpectSameMap;
 using ::steadymap::testing::FarWall;
 using ::steadymap::testing::Goods;
@@ -82,6 +83,23 @@ TEST_F(EvidenceMapperTest, NeighboursOfOneClassAreTwoAndOneMayLeave) {
   Visit({FarWall(), Goods(-0.35)});
   EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, ASideAtAFlatAngleBelongsToItsThing) {
+  Visit({FarWall(), Body(kGoodsClass, {1.2, 0.55, -0.3}, {2.2, 1.0, 0.3})});
+  const auto things = story_.Present(kGoodsClass);
+  ASSERT_EQ(things.size(), 1U);
+  EXPECT_GT(things.front()->cuboid.size_m.x(), 0.8);
+}
+
+TEST_F(EvidenceMapperTest, FlatAnglesDoNotConnectNeighbours) {
+  // In one line, so that the tops of both are one surface for a camera that looks along them.
+  Visit({FarWall(),
+         Body(kGoodsClass, {1.0, 0.1, -0.6}, {1.4, 0.6, -0.2}),
+         Body(kGoodsClass, {1.5, 0.1, -0.6}, {1.9, 0.6, -0.2})});
+  for (const auto& thing : story_.Present(kGoodsClass)) {
+    EXPECT_LT(thing->cuboid.size_m.x(), 0.6);
+  }
 }
 
 TEST_F(EvidenceMapperTest, WithoutLabelsAThingComesAndGoes) {

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/working/working_map.h"
+
+/// Surface of a session that no frame shows connected with an object: seen only at flat angles, or
+/// in segments that are too narrow. It waits as an object of its class with no supporting frame, so
+/// that it connects nothing; at the end of the session it goes to the objects that it continues.
+namespace steadymap {
+
+/// True if an object is unsegmented surface of a session.
+bool IsUnsegmented(const TrackedObject& object);
+
+/// Adds the unsegmented surface of a session to the objects of its class. Each part goes to the
+/// object from which the shortest way along the surface, in steps of at most `contact_voxels`,
+/// leads to it. What is connected with none is deleted.
+void AddUnsegmentedSurface(double contact_voxels, WorkingMap* map);
+
+}  // namespace steadymap
