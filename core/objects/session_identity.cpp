@@ -196,14 +196,16 @@ std::vector<PlaceMatch> SessionDecision::FindPlaceMatches() {
     for (KnownObject& known : known_) {
       const std::optional<Registration> registration =
           RegisterToKnown(*seen.object, *known.object, map_->scale());
-      const double least_known = known.object->is_archived() ? parameters_.min_shape_known_share
-                                                             : parameters_.min_known_share;
-      if (!registration || registration->dissimilarity > parameters_.max_dissimilarity ||
-          registration->known_share < least_known) {
-        continue;
-      }
+      if (!registration || registration->dissimilarity > parameters_.max_dissimilarity) continue;
+      const double displacement_m = DisplacementOf(*registration, *seen.object);
+      // Less of its shape need be known of what is just where it stood.
+      const bool is_back = known.object->is_archived();
+      const double least_known = is_back && displacement_m > parameters_.max_displacement_m
+                                     ? parameters_.min_shape_known_share
+                                     : parameters_.min_known_share;
+      if (registration->known_share < least_known) continue;
       const double fit = registration->known_share * (1.0 - registration->dissimilarity);
-      matches.push_back({&seen, &known, DisplacementOf(*registration, *seen.object), fit});
+      matches.push_back({&seen, &known, displacement_m, fit});
     }
   }
   // What stands there is more likely than what left.

@@ -229,6 +229,19 @@ TEST_F(SessionIdentityTest, ARemovedObjectBackInItsPlaceReturns) {
   EXPECT_EQ(events.front().object, removed->id());
 }
 
+TEST_F(SessionIdentityTest, ARemovedObjectOfWhichMoreIsSeenReturnsToItsPlace) {
+  TrackedObject* removed = PutKnown(0.0, 0, {0.4, 1.0, 0.6});
+  {
+    ObjectEdit edit = map_.Edit(removed);
+    edit.state().status = ObjectStatus::kArchived;
+  }
+  PutSeen(0.0, {0.4, 2.4, 0.6});
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kReturned);
+  EXPECT_EQ(events.front().object, removed->id());
+}
+
 TEST_F(SessionIdentityTest, WhatCameAndWentInOneSessionIsToldTwice) {
   TrackedObject* seen = PutSeen(0.0);
   {
