@@ -44,6 +44,14 @@ struct PlaceMatch {
   double fit = 0.0;  ///< Share of the surface that agrees.
 };
 
+/// An object of the session that has the shape of a known one.
+struct MoveCandidate {
+  SeenObject* seen = nullptr;
+  KnownObject* known = nullptr;
+  ShapeMatch match;
+  double distance_m = 0.0;  ///< Between both places.
+};
+
 /// The decision on one session.
 class SessionDecision {
  public:
@@ -88,6 +96,9 @@ class SessionDecision {
   void JudgeKnown();
   void EndVanished();
   bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
+  std::vector<MoveCandidate> ListMoves();
+  void DropPushed(const std::vector<MoveCandidate>& candidates);
+  bool HasRival(const MoveCandidate& candidate, const std::vector<MoveCandidate>& candidates) const;
   void FindMoves();
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
   void Create(TrackedObject* object);
@@ -337,36 +348,23 @@ bool SessionDecision::MayHaveMoved(const SeenObject& seen, const KnownObject& kn
          DistanceBetween(known.object->cuboid(), seen.object->cuboid()) <= 0.0;
 }
 
-/// Joins objects of the session with the gone or archived objects whose shape they have.
-void SessionDecision::FindMoves() {
-  struct Candidate {
-    SeenObject* seen;
-    KnownObject* known;
-    ShapeMatch match;
-    double distance_m;
-  };
-
-  std::vector<Candidate> candidates;
+/// Returns the known objects that each undecided object of the session may be, at a new place.
+std::vector<MoveCandidate> SessionDecision::ListMoves() {
+  std::vector<MoveCandidate> candidates;
   for (SeenObject& seen : seen_) {
     if (seen.is_decided) continue;
     for (KnownObject& known : known_) {
-      if (!IsOfOneClass(*seen.object, *known.object)) continue;
-      if (known.is_taken || !MayHaveMoved(seen, known)) continue;
-      if (seen.object->SurfaceAreaM2() <
-          parameters_.min_moved_area_share * known.object->SurfaceAreaM2()) {
+      if (known.is_taken || !IsOfOneClass(*seen.object, *known.object) ||
+          !MayHaveMoved(seen, known) ||
+          seen.object->SurfaceAreaM2() <
+              parameters_.min_moved_area_share * known.object->SurfaceAreaM2()) {
         continue;
       }
       const ShapeMatch match = MatchShapes(*known.object, *seen.object, map_->scale());
       if (match.overlap.known_share < parameters_.min_shape_known_share ||
-          match.overlap.fit_share < parameters_.min_shape_fit_share) {
+          match.overlap.fit_share < parameters_.min_shape_fit_share ||
+          (IsDoubtedMatch(seen, known) && !IsPushed(seen, known, match))) {
         continue;
-      }
-      if (IsDoubtedMatch(seen, known)) {
-        if (!IsPushed(seen, known, match)) continue;
-        std::erase_if(doubted_, [&](const PlaceMatch& doubted) {
-          return doubted.seen == &seen && doubted.known == &known &&
-                 doubted.fit * (1.0 - DoubtOf(*known.object)) < match.confidence();
-        });
       }
       const double distance_m = DistanceBetween(known.object->cuboid(), seen.object->cuboid());
       candidates.push_back({&seen, &known, match, distance_m});
@@ -375,22 +373,41 @@ void SessionDecision::FindMoves() {
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return a.match.confidence() > b.match.confidence();
   });
-  for (const Candidate& candidate : candidates) {
+  return candidates;
+}
+
+/// Gives up matches in place that a push explains better, also if several objects may be pushed.
+void SessionDecision::DropPushed(const std::vector<MoveCandidate>& candidates) {
+  std::erase_if(doubted_, [&](const PlaceMatch& doubted) {
+    return std::any_of(candidates.begin(), candidates.end(), [&](const MoveCandidate& candidate) {
+      return doubted.seen == candidate.seen && doubted.known == candidate.known &&
+             doubted.fit * (1.0 - DoubtOf(*doubted.known->object)) < candidate.match.confidence();
+    });
+  });
+}
+
+/// True if another move of one of both objects is as likely.
+bool SessionDecision::HasRival(const MoveCandidate& candidate,
+                               const std::vector<MoveCandidate>& candidates) const {
+  return std::any_of(candidates.begin(), candidates.end(), [&](const MoveCandidate& rival) {
+    if (&rival == &candidate || rival.seen->is_decided || rival.known->is_taken) return false;
+    if (rival.seen != candidate.seen && rival.known != candidate.known) return false;
+    // Of two equal shapes, the one whose place overlaps was pushed.
+    if (candidate.distance_m <= 0.0 && rival.distance_m > 0.0) return false;
+    return rival.match.confidence() > candidate.match.confidence() - parameters_.rival_margin;
+  });
+}
+
+/// Joins objects of the session with the gone or archived objects whose shape they have.
+void SessionDecision::FindMoves() {
+  const std::vector<MoveCandidate> candidates = ListMoves();
+  DropPushed(candidates);
+  for (const MoveCandidate& candidate : candidates) {
     if (candidate.seen->is_decided || candidate.known->is_taken ||
-        DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence()) {
+        DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence() ||
+        HasRival(candidate, candidates)) {
       continue;
     }
-    const bool has_rival =
-        std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& rival) {
-          if (&rival == &candidate || rival.seen->is_decided || rival.known->is_taken) {
-            return false;
-          }
-          if (rival.seen != candidate.seen && rival.known != candidate.known) return false;
-          // Of two equal shapes, the one whose place overlaps was pushed.
-          if (candidate.distance_m <= 0.0 && rival.distance_m > 0.0) return false;
-          return rival.match.confidence() > candidate.match.confidence() - parameters_.rival_margin;
-        });
-    if (has_rival) continue;
     Join(candidate.known->object, candidate.seen->object, candidate.match);
     candidate.seen->is_decided = true;
     candidate.known->standing = Standing::kStands;
