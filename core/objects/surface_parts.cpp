@@ -72,7 +72,7 @@ class PointGrid {
 /// The plane through a growing set of points.
 class GrowingPlane {
  public:
-  explicit GrowingPlane(const OrientedPoint& seed) { Add(seed), Estimate(); }
+  explicit GrowingPlane(const OrientedPoint& seed) { Add(seed); }
 
   void Add(const OrientedPoint& point) {
     position_sum_ += point.position_world;

@@ -121,10 +121,13 @@ TEST_F(EvidenceMapperTest, AFrameWithoutLabelsDoesNotDoubtALabelledThing) {
 
 TEST_F(EvidenceMapperTest, ARestartInTheMiddleOfASessionChangesNothing) {
   MapStory restarted(PocdConfig(), BySession());
+  // The side of the second thing is at a flat angle and waits for the end of the session.
+  const testing::Scene scene = {
+      FarWall(), Goods(0.0), Body(kGoodsClass, {1.2, 0.55, -0.3}, {2.2, 1.0, 0.3})};
   for (MapStory* story : {&story_, &restarted}) {
-    story->Look({FarWall(), Goods(0.0)}, kFrames / 2);
+    story->Look(scene, kFrames / 2);
     if (story == &restarted) story->Restart();
-    story->Look({FarWall(), Goods(0.0)}, kFrames / 2);
+    story->Look(scene, kFrames / 2);
     story->EndSession();
   }
   ExpectSameMap(story_.map(), restarted.map());
