@@ -22,8 +22,7 @@ class CellOwners {
       : samples_(samples),
         association_(association),
         choice_(choice),
-        spacing_per_m_(static_cast<float>(SampleGrid::kStrideCells /
-                                          std::sqrt(cell_camera.fx * cell_camera.fy))) {}
+        spacing_per_m_(static_cast<float>(SampleGrid::SpacingPerM(cell_camera))) {}
 
   std::uint32_t OwnerOf(int column, int row, const Eigen::Vector3f& position_world) const {
     // A cell between samples has up to four around it.

@@ -55,8 +55,7 @@ class Continuity {
       : cloud_(cloud),
         noise_(cloud.depth_noise()),
         max_sigmas_(max_sigmas),
-        spacing_per_m_(static_cast<double>(SampleGrid::kStrideCells) /
-                       std::sqrt(cloud.camera().fx * cloud.camera().fy)) {}
+        spacing_per_m_(SampleGrid::SpacingPerM(cloud.camera())) {}
 
   /// True if each of two samples, `steps` apart in the grid, is on the plane of the other one and
   /// as close as the spacing of the rays allows.

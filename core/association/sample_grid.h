@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -35,6 +36,12 @@ class SampleGrid {
  public:
   /// Cells from one sample to the next.
   static constexpr int kStrideCells = 2;
+
+  /// Returns the distance of neighbouring samples on surface at a depth of one metre that faces the
+  /// camera, metres. `cell_camera` is that of the semantic cloud.
+  static double SpacingPerM(const PinholeCamera& cell_camera) {
+    return kStrideCells / std::sqrt(cell_camera.fx * cell_camera.fy);
+  }
 
   /// Takes the samples of a frame.
   void Compute(const SemanticCloud& cloud);

@@ -11,9 +11,6 @@ namespace {
 // Surface at a flatter angle to the ray says little: noise and pose errors move the ray off it.
 constexpr float kMinFacingCosine = 0.25F;
 
-// A measured surface at a larger angle to the mapped one is another surface.
-constexpr float kMinNormalCosine = 0.7F;
-
 constexpr float kMinDepthM = 0.1F;
 
 enum class LookResult { kPresent, kAbsent };
@@ -28,9 +25,7 @@ class ObjectLook {
       : frame_(frame),
         parameters_(parameters),
         slack_m_(0.5 * scale.voxel_size_m),
-        spacing_per_m_(
-            static_cast<float>(SampleGrid::kStrideCells /
-                               std::sqrt(frame.cloud.camera().fx * frame.cloud.camera().fy))),
+        spacing_per_m_(static_cast<float>(SampleGrid::SpacingPerM(frame.cloud.camera()))),
         label_(object.state().class_id.value()),
         T_world_object_(object.state().T_world_object.ToIsometry().cast<float>()),
         T_camera_world_(frame.cloud.T_world_camera().inverse().cast<float>()),
@@ -54,7 +49,8 @@ class ObjectLook {
     if (sample.is_valid()) {
       const float off_plane_m = (point_world - sample.position_world).dot(sample.normal_world);
       if (std::abs(off_plane_m) <= margin_m &&
-          sample.normal_world.dot(normal_world) >= kMinNormalCosine &&
+          static_cast<double>(sample.normal_world.dot(normal_world)) >=
+              parameters_.min_normal_cosine &&
           (point_world - sample.position_world).norm() <
               margin_m + spacing_per_m_ * point_camera.z() / facing) {
         return HasItsClass(*place) ? LookResult::kPresent : LookResult::kAbsent;

@@ -22,6 +22,8 @@ struct LookedAtFrame {
 struct LookParameters {
   double max_sigmas = 3.0;     ///< Of the difference between the measured and the mapped depth.
   double pose_sigma_m = 0.01;  ///< Standard deviation of the pose of a frame, metres.
+  /// Between the normals of a measured and a mapped surface: at a larger angle, they are two.
+  double min_normal_cosine = 0.7;
   /// A class may be wrong: a look at another class counts as absence only if the surface does not
   /// agree either, or if the frame has labels and this is true.
   bool labels_decide = true;

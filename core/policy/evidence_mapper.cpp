@@ -12,9 +12,6 @@
 namespace steadymap {
 namespace {
 
-// The normals of a sample and of the surface that it is on differ by at most 45 degrees.
-constexpr double kMinNormalCosine = 0.7;
-
 // Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
 constexpr double kMinFacingCosine = 0.4;
 
@@ -97,7 +94,7 @@ bool EvidenceMapper::IsOnSurface(const SurfaceSample& sample,
                                  const Eigen::Vector3d& normal) const {
   if (!distance.known) return false;
   return std::abs(distance.distance_m) <= LimitAt(sample.depth_m) &&
-         normal.dot(distance.gradient) >= kMinNormalCosine;
+         normal.dot(distance.gradient) >= parameters_.looks.min_normal_cosine;
 }
 
 /// Finds the samples on the surface of one object.
