@@ -19,6 +19,13 @@ namespace steadymap {
 /// An axis-aligned box in the frame given by the variable's name, metres. Empty if any `min > max`.
 using Box = Eigen::AlignedBox3d;
 
+/// Returns a box enlarged by `margin_m` on all sides; an empty one stays empty.
+inline Box Grow(const Box& box, double margin_m) {
+  if (box.isEmpty()) return box;
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(margin_m);
+  return {box.min() - margin, box.max() + margin};
+}
+
 /// A pinhole camera without distortion.
 ///
 /// A point `(x, y, z)` of the camera frame projects to the pixel

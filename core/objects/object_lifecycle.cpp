@@ -103,9 +103,7 @@ void ObjectLifecycle::Enter(EventType type,
 /// The objects that may share surface with one, or come as near.
 std::vector<TrackedObject*> ObjectLifecycle::ObjectsAround(const TrackedObject& object,
                                                            double distance_m) {
-  const Box bounds_world = object.BoundsInWorld();
-  const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(distance_m);
-  return map_->ObjectsNear(Box(bounds_world.min() - margin_m, bounds_world.max() + margin_m));
+  return map_->ObjectsNear(Grow(object.BoundsInWorld(), distance_m));
 }
 
 bool ObjectLifecycle::Stays(const TrackedObject& object) const {

@@ -26,9 +26,7 @@ double ConnectedShareOf(const PartVotes& votes) {
 
 /// True if the bounds of two objects are closer than two voxels, so that they may be connected.
 bool AreNear(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale) {
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * scale.voxel_size_m);
-  const Box reach_world = a.BoundsInWorld();
-  return Box(reach_world.min() - margin, reach_world.max() + margin).intersects(b.BoundsInWorld());
+  return Grow(a.BoundsInWorld(), 2.0 * scale.voxel_size_m).intersects(b.BoundsInWorld());
 }
 
 /// Adds to the votes on an object and an older one.

@@ -34,9 +34,7 @@ bool IsArchivedNear(const TrackedObject& known,
   if (bounds_known.isEmpty()) return false;
   bounds_known.translate(shift_m);
   // Two looks at the front of a wall are two thin boxes that need not meet.
-  const Eigen::Vector3d tolerance_m = Eigen::Vector3d::Constant(kFitVoxels * scale.voxel_size_m);
-  bounds_known = Box(bounds_known.min() - tolerance_m, bounds_known.max() + tolerance_m);
-  return bounds_known.intersects(known.bounds_object());
+  return Grow(bounds_known, kFitVoxels * scale.voxel_size_m).intersects(known.bounds_object());
 }
 
 /// Whether `known` was found gone long before `object` was seen first.

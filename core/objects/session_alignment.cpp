@@ -40,10 +40,7 @@ std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
                                             const TrackedObject& known,
                                             const VoxelScale& scale) {
   if (!IsOfOneClass(seen, known)) return std::nullopt;
-  const Eigen::Vector3d margin =
-      Eigen::Vector3d::Constant(RegistrationParameters().search_distance_m);
-  Box reach_world = seen.BoundsInWorld();
-  reach_world = Box(reach_world.min() - margin, reach_world.max() + margin);
+  const Box reach_world = Grow(seen.BoundsInWorld(), RegistrationParameters().search_distance_m);
   if (!reach_world.intersects(known.BoundsInWorld())) return std::nullopt;
   return RegisterPoints(seen.SurfaceInWorld(), known.volume(), scale, known.state().T_world_object);
 }

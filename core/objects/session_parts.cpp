@@ -113,10 +113,7 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   if (election_.AreApart(object.id(), other.id())) return false;
   if (IsFragmentOf(object, other, parameters_)) return true;
   const double voxel_m = map_->scale().voxel_size_m;
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kNearVoxels * voxel_m);
-  const Box bounds_world = object.BoundsInWorld();
-  if (!Box(bounds_world.min() - margin, bounds_world.max() + margin)
-           .intersects(other.BoundsInWorld())) {
+  if (!Grow(object.BoundsInWorld(), kNearVoxels * voxel_m).intersects(other.BoundsInWorld())) {
     return false;
   }
   const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *

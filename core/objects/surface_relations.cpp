@@ -9,6 +9,9 @@
 namespace steadymap {
 namespace {
 
+// Points whose view is tested; they determine a share to two percent.
+constexpr std::size_t kMaxTestedPoints = 1000;
+
 // A look finds surface up to this far beyond its edge, voxels: samples are apart.
 constexpr double kEdgeVoxels = 1.5;
 
@@ -44,23 +47,17 @@ class OtherSurface {
   double voxel_size_m_;
 };
 
-bool IsWithinReach(const TrackedObject& object,
-                   const TrackedObject& other,
-                   const VoxelScale& scale) {
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(scale.truncation_m);
-  const Box bounds_world = object.BoundsInWorld();
-  return Box(bounds_world.min() - margin, bounds_world.max() + margin)
-      .intersects(other.BoundsInWorld());
-}
-
 }  // namespace
 
 std::size_t CountExplainedCells(const TrackedObject& object,
                                 const std::vector<const TrackedObject*>& others,
                                 const VoxelScale& scale) {
+  const Box reach_world = Grow(object.BoundsInWorld(), scale.truncation_m);
   std::vector<OtherSurface> surfaces;
   for (const TrackedObject* other : others) {
-    if (IsWithinReach(object, *other, scale)) surfaces.emplace_back(object, *other, scale);
+    if (reach_world.intersects(other->BoundsInWorld())) {
+      surfaces.emplace_back(object, *other, scale);
+    }
   }
   if (surfaces.empty()) return 0;
   std::size_t count = 0;
@@ -89,21 +86,26 @@ double HiddenShare(const TrackedObject& object,
   const auto first_step = static_cast<int>(std::ceil(scale.truncation_m / scale.voxel_size_m));
   const auto last_step =
       static_cast<int>(std::ceil(other.cuboid().size_m.norm() / scale.voxel_size_m));
+  const auto is_hidden = [&](const SurfaceVoxel& point) {
+    const Eigen::Vector3d position = point.position_object.cast<double>();
+    const Eigen::Vector3d step = scale.voxel_size_m * point.normal_object.cast<double>();
+    for (int i = first_step; i <= last_step; ++i) {
+      if (surface.Has(position + i * step)) return true;
+    }
+    return false;
+  };
+  const std::size_t stride = object.surface().point_count() / kMaxTestedPoints + 1;
+  std::size_t index = 0;
   std::size_t hidden = 0;
-  std::size_t all = 0;
+  std::size_t tested = 0;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
-      ++all;
-      const Eigen::Vector3d position = point.position_object.cast<double>();
-      const Eigen::Vector3d step = scale.voxel_size_m * point.normal_object.cast<double>();
-      for (int i = first_step; i <= last_step; ++i) {
-        if (!surface.Has(position + i * step)) continue;
-        ++hidden;
-        break;
-      }
+      if (index++ % stride != 0) continue;
+      ++tested;
+      if (is_hidden(point)) ++hidden;
     }
   }
-  return all == 0 ? 0.0 : static_cast<double>(hidden) / static_cast<double>(all);
+  return tested == 0 ? 0.0 : static_cast<double>(hidden) / static_cast<double>(tested);
 }
 
 }  // namespace steadymap

@@ -10,12 +10,6 @@
 namespace steadymap {
 namespace {
 
-Box ReachOf(const TrackedObject& surface, double reach_m) {
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(reach_m);
-  const Box bounds_world = surface.BoundsInWorld();
-  return {bounds_world.min() - margin, bounds_world.max() + margin};
-}
-
 /// Adds the parts of unsegmented surface to the objects that they continue.
 void AddToObjects(TrackedObject* surface,
                   const std::vector<TrackedObject*>& objects,
@@ -23,7 +17,7 @@ void AddToObjects(TrackedObject* surface,
                   WorkingMap* map) {
   std::vector<OrientedPoint> points = OrientedSurfaceOf(*surface);
   const std::size_t own_count = points.size();
-  const Box reach_world = ReachOf(*surface, reach_m);
+  const Box reach_world = Grow(surface->BoundsInWorld(), reach_m);
   std::vector<std::pair<std::size_t, std::size_t>> seeds;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     for (const OrientedPoint& point : OrientedSurfaceOf(*objects[i])) {
@@ -54,7 +48,7 @@ void AddUnsegmentedSurface(double contact_voxels, WorkingMap* map) {
     std::vector<TrackedObject*> objects;
     for (TrackedObject* object : map->TentativeObjects()) {
       if (!IsUnsegmented(*object) && IsOfOneClass(*object, *surface) &&
-          object->BoundsInWorld().intersects(ReachOf(*surface, reach_m))) {
+          object->BoundsInWorld().intersects(Grow(surface->BoundsInWorld(), reach_m))) {
         objects.push_back(object);
       }
     }

@@ -102,9 +102,7 @@ void EvidenceMapper::FindSurfaceOf(std::size_t place) {
   const ObjectInView& view = in_view_[place];
   const TrackedObject& object = *view.object;
   const Eigen::Isometry3d T_object_world = object.state().T_world_object.ToIsometry().inverse();
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(map_->scale().truncation_m);
-  const Box reach_object(object.bounds_object().min() - margin,
-                         object.bounds_object().max() + margin);
+  const Box reach_object = Grow(object.bounds_object(), map_->scale().truncation_m);
   TsdfSampler sampler(object.volume(), map_->scale());
   for (int row = view.first_row; row < view.end_row; ++row) {
     for (int column = view.first_column; column < view.end_column; ++column) {

@@ -12,13 +12,6 @@
 namespace steadymap {
 namespace {
 
-/// A box with so much more on all sides; an empty one stays empty.
-Box Grow(const Box& box, double by_m) {
-  if (box.isEmpty()) return box;
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(by_m);
-  return {box.min() - margin, box.max() + margin};
-}
-
 /// Around an object and as far beyond as its volume says anything, world frame.
 Box ReachOf(const TrackedObject& object, double truncation_m) {
   return Grow(object.BoundsInWorld(), truncation_m);

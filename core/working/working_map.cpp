@@ -75,8 +75,7 @@ void WorkingMap::EndFrame() {
 
 std::vector<ObjectId> WorkingMap::IdsNear(const Box& box_world) const {
   if (box_world.isEmpty()) return {};
-  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kTouchM);
-  return places_.Find({box_world.min() - margin, box_world.max() + margin});
+  return places_.Find(Grow(box_world, kTouchM));
 }
 
 std::vector<TrackedObject*> WorkingMap::ObjectsNear(const Box& box_world) {
