@@ -19,9 +19,9 @@ enum class Standing {
 /// Returns the share of the looked-at surface that is gone; 0 without looks.
 double GoneShareOf(const TrackedObject& object);
 
-/// Judges a known object. `others` are the objects of the session that may be of its class but not
-/// it in its place: surface that was found counts only if it is not theirs, such as that of one
-/// that was pushed along its own plane.
+/// Judges a known object. `others` are the objects of the session of its class that are not yet
+/// assigned. Surface that was found counts only if it is not theirs: of an object that was pushed
+/// along its own plane, the looks find a part in the old place.
 Standing JudgeStanding(const TrackedObject& known,
                        const std::vector<const TrackedObject*>& others,
                        const SessionIdentityParameters& parameters,
