@@ -61,7 +61,8 @@ void StoreCanonical(const DistanceSample& sample,
                     const VoxelScale& scale,
                     std::size_t offset,
                     LeafVoxels* voxels) {
-  const double steps = std::round(sample.distance_m / static_cast<double>(scale.distance_step_m()));
+  // An integer, since the canonical zero has no sign.
+  const long steps = std::lround(sample.distance_m / static_cast<double>(scale.distance_step_m()));
   voxels->distance_m[offset] = static_cast<float>(steps) * scale.distance_step_m();
   const double units =
       std::round(std::min(sample.weight, max_weight) / static_cast<double>(kWeightUnit));

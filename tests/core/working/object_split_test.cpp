@@ -269,5 +269,23 @@ TEST(MoveGoneVoxels, LeavesAPublishedVolumeAlone) {
   EXPECT_EQ(VoxelsOf(*published->volume), before);
 }
 
+// A sign would be lost in the stored encoding.
+TEST(ResampleVoxels, GivesAZeroWithoutSign) {
+  const TrackedObject wall = Wall(ObjectId(1), Eigen::Vector3d::Zero());
+  TrackedObject moved(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
+  {
+    ObjectEdit edit = ObjectEdit::OfUnregistered(&moved);
+    ResampleVoxels(
+        wall, Eigen::Isometry3d(Eigen::Translation3d(-1e-5, 0.0, 0.0)), 1.0, kScale, &edit);
+  }
+  std::size_t zeros = 0;
+  for (const auto& [place, voxel] : VoxelsOf(moved.volume())) {
+    if (voxel.first != 0.0F) continue;
+    ++zeros;
+    EXPECT_FALSE(std::signbit(voxel.first));
+  }
+  EXPECT_GT(zeros, 10U);
+}
+
 }  // namespace
 }  // namespace steadymap
