@@ -3,26 +3,18 @@
 #include <cassert>
 
 namespace steadymap {
-namespace {
-
-/// Only the policy `pocd` has switches.
-bool DropsDynamicClasses(const MapConfig& config, const Ablation& switches) {
-  return config.policy != UpdatePolicy::kPocd || switches.dynamic_mask;
-}
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<Mapper>> Mapper::Create(const MapConfig& config,
-                                                       const MapperOptions& options) {
+                                                       StageObserver* stages) {
   if (absl::Status status = ValidateMapConfig(config); !status.ok()) return status;
-  return std::unique_ptr<Mapper>(new Mapper(config, options));
+  return std::unique_ptr<Mapper>(new Mapper(config, stages));
 }
 
-Mapper::Mapper(const MapConfig& config, const MapperOptions& options)
+Mapper::Mapper(const MapConfig& config, StageObserver* stages)
     : created_classes_(config.classes),
       config_(config),
-      options_(options),
-      stages_(options.stages),
+      observer_(stages),
+      stages_(stages),
       map_(config) {
   UseClasses();
 }
@@ -42,9 +34,8 @@ void Mapper::ReleaseFrameMemory() {
 
 void Mapper::PrepareForFrames() {
   if (updater_ != nullptr) return;
-  cloud_ =
-      std::make_unique<SemanticCloud>(config_, DropsDynamicClasses(config_, options_.switches));
-  updater_ = MakeMapUpdater(config_, options_);
+  cloud_ = std::make_unique<SemanticCloud>(config_);
+  updater_ = MakeMapUpdater(config_, observer_);
 }
 
 void Mapper::Restore(const MapSnapshot& snapshot) {
@@ -71,9 +62,11 @@ void Mapper::Integrate(MapSequence sequence, const Frame& frame) {
   assert(sequence == head().Next());
   assert(ValidateFrame(frame, KnownLabels(config_.classes)).ok());
   PrepareForFrames();
+  const Revision revision(sequence.value());
+  if (updater_->IsSessionOver(frame, map_)) DecideSession(revision, frame.source);
   stages_.Enter(MapperStage::kCloud);
   cloud_->Compute(frame);
-  map_.BeginFrame(Revision(sequence.value()), frame.capture_time);
+  map_.BeginFrame(revision, frame.capture_time);
   stages_.Enter(MapperStage::kPolicy);
   updater_->Process(frame, cloud_.get(), &map_);
   stages_.Enter(MapperStage::kFrameEnd);
@@ -82,13 +75,20 @@ void Mapper::Integrate(MapSequence sequence, const Frame& frame) {
   ++uncommitted_entries_;
 }
 
-void Mapper::EndSession(MapSequence sequence) {
+void Mapper::EndSession(MapSequence sequence, const SensorName& sensor) {
   assert(sequence == head().Next());
   PrepareForFrames();
-  map_.BeginFrame(Revision(sequence.value()), map_.now());
-  updater_->EndSession(&map_);
-  map_.EndFrame();
+  DecideSession(Revision(sequence.value()), sensor);
   ++uncommitted_entries_;
+}
+
+/// Ends the session of a robot, at the time of the last frame.
+void Mapper::DecideSession(Revision revision, const SensorName& sensor) {
+  stages_.Enter(MapperStage::kSessionEnd);
+  map_.BeginFrame(revision, map_.now());
+  updater_->EndSession(sensor, &map_);
+  map_.EndFrame();
+  stages_.Leave();
 }
 
 MapCommit Mapper::Commit() {

@@ -10,7 +10,6 @@
 #include "core/integration/semantic_cloud.h"
 #include "core/map/map_snapshot.h"
 #include "core/policy/map_updater.h"
-#include "core/policy/mapper_options.h"
 #include "core/policy/stage_observer.h"
 #include "core/types/identifiers.h"
 #include "core/types/map_config.h"
@@ -24,21 +23,23 @@ namespace steadymap {
 /// One thread at a time. Published snapshots are never modified.
 class Mapper {
  public:
-  /// Creates a mapper with an empty map. Errors: those of `ValidateMapConfig`.
+  /// Creates a mapper with an empty map. `stages` outlives it; null: no observer. Errors: those of
+  /// `ValidateMapConfig`.
   static absl::StatusOr<std::unique_ptr<Mapper>> Create(const MapConfig& config,
-                                                        const MapperOptions& options = {});
+                                                        StageObserver* stages = nullptr);
 
   /// Continues from a stored map instead of the empty one. Call before the first `Integrate`.
   /// `snapshot.scale` must be the configuration's (asserted).
   void Restore(const MapSnapshot& snapshot);
 
   /// Integrates the frame with sequence number `sequence`, which must follow `head()` (asserted).
-  /// The frame must have passed `ValidateFrame` (asserted).
+  /// First ends the session of its robot if the frame is of a new one. The frame must have passed
+  /// `ValidateFrame` (asserted).
   void Integrate(MapSequence sequence, const Frame& frame);
 
-  /// Ends the session of the robots by the entry with sequence number `sequence`, which must follow
-  /// `head()` (asserted).
-  void EndSession(MapSequence sequence);
+  /// Ends the session of a robot by the entry with sequence number `sequence`, which must follow
+  /// `head()` (asserted). No effect on policies without sessions.
+  void EndSession(MapSequence sequence, const SensorName& sensor);
 
   /// Adds classes to the class table by the entry with sequence number `sequence`, which must
   /// follow `head()` (asserted). The extended table must be valid (asserted).
@@ -64,14 +65,15 @@ class Mapper {
   MapCommit Commit();
 
  private:
-  Mapper(const MapConfig& config, const MapperOptions& options);
+  Mapper(const MapConfig& config, StageObserver* stages);
 
   void UseClasses();
   void PrepareForFrames();
+  void DecideSession(Revision revision, const SensorName& sensor);
 
   const std::vector<SemanticClass> created_classes_;  ///< Of the configuration.
   MapConfig config_;                                  ///< Including added classes.
-  const MapperOptions options_;
+  StageObserver* const observer_;
   StageTimer stages_;
   std::unique_ptr<SemanticCloud> cloud_;  ///< Of the current frame; null after `Rest`.
   std::unique_ptr<MapUpdater> updater_;   ///< Null after `Rest`.

@@ -228,13 +228,11 @@ absl::StatusOr<ObjectState> FromProto(const v1::Object& message) {
   object.votes = *std::move(votes);
   absl::Status status = ReadParts(message, &object);
   if (!status.ok()) return status;
-  status = CheckNotNegative({{"present_cells", message.present_cells()},
-                             {"absent_cells", message.absent_cells()},
-                             {"absent_streak_cells", message.absent_streak_cells()}});
+  status = CheckNotNegative(
+      {{"present_cells", message.present_cells()}, {"absent_cells", message.absent_cells()}});
   if (!status.ok()) return status;
   object.evidence.present_cells = message.present_cells();
   object.evidence.absent_cells = message.absent_cells();
-  object.evidence.absent_streak_cells = message.absent_streak_cells();
   object.supporting_frames = message.views();
   object.contradicted_updates = message.absences();
   object.revision = Revision(message.revision());
@@ -262,7 +260,6 @@ v1::Object ToProto(const MapObject& object) {
   message.set_absences(object.contradicted_updates);
   message.set_present_cells(object.evidence.present_cells);
   message.set_absent_cells(object.evidence.absent_cells);
-  message.set_absent_streak_cells(object.evidence.absent_streak_cells);
   message.set_revision(object.revision.value());
   if (object.volume != nullptr) message.set_leaves(object.volume->leaf_count());
   return message;

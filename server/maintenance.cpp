@@ -16,8 +16,13 @@ constexpr std::chrono::seconds kLowDiskInterval{5};
 
 }  // namespace
 
-Maintenance::Maintenance(const Dependencies& dependencies, const RetentionOptions& options)
-    : dependencies_(dependencies), options_(options), thread_([this] { Run(); }) {}
+Maintenance::Maintenance(const Dependencies& dependencies,
+                         const RetentionOptions& options,
+                         const SessionOptions& sessions)
+    : dependencies_(dependencies),
+      options_(options),
+      sessions_(sessions),
+      thread_([this] { Run(); }) {}
 
 Maintenance::~Maintenance() {
   {
@@ -36,12 +41,19 @@ void Maintenance::Run() {
     dependencies_.watches->EndStalled();
     dependencies_.watches->DropHeld(absl::Now());
     dependencies_.streams->EndStalled(LimitedStream::Clock::now());
+    EndSilentSessions();
     const Heartbeat::Clock::time_point now = Heartbeat::Clock::now();
     const bool disk_is_low = now >= low_disk_due && !dependencies_.store->CheckDisk().ok();
     if (now < due && !disk_is_low) continue;
     if (disk_is_low) low_disk_due = now + kLowDiskInterval;
     TrimAll(disk_is_low);
     if (now >= due) due = Heartbeat::Clock::now() + options_.trim_interval;
+  }
+}
+
+void Maintenance::EndSilentSessions() {
+  for (const std::shared_ptr<MapRuntime>& map : dependencies_.maps->All()) {
+    map->EndSilentSessions(sessions_.max_silence);
   }
 }
 

@@ -16,8 +16,8 @@
 namespace steadymap {
 
 /// Periodic work on all maps, done by one thread: removes integrated frames that exceed the
-/// retention from the logs (immediately if the disk is low), deletes idle upload sessions, and ends
-/// watches, exports and section streams that have stalled.
+/// retention from the logs (immediately if the disk is low), deletes idle upload sessions, ends the
+/// sessions of silent robots, and ends watches, exports and section streams that have stalled.
 class Maintenance {
  public:
   /// The parts of the server that the maintenance uses. All of them must outlive it.
@@ -30,7 +30,9 @@ class Maintenance {
   };
 
   /// Starts the thread.
-  Maintenance(const Dependencies& dependencies, const RetentionOptions& options);
+  Maintenance(const Dependencies& dependencies,
+              const RetentionOptions& options,
+              const SessionOptions& sessions);
 
   /// Stops and joins the thread.
   ~Maintenance();
@@ -42,11 +44,13 @@ class Maintenance {
 
  private:
   void Run() ABSL_LOCKS_EXCLUDED(mutex_);
+  void EndSilentSessions();
   void TrimAll(bool disk_is_low);
   bool AwaitStop() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const Dependencies dependencies_;
   const RetentionOptions options_;
+  const SessionOptions sessions_;
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   Heartbeat heartbeat_;

@@ -189,7 +189,8 @@ absl::Status Server::Parts::Start() {
   if (absl::Status status = maps_.Load(); !status.ok()) return status;
   maintenance_.emplace(
       Maintenance::Dependencies{&maps_, &registry_, &watch_hub_, &streams_, store_.get()},
-      config_.retention);
+      config_.retention,
+      config_.sessions);
   if (absl::Status status = Listen(); !status.ok()) return status;
   health_service_ = grpc_server_->GetHealthCheckService();
   UpdateHealth();

@@ -106,7 +106,7 @@ bool AddLook(const LookedAtFrame& frame,
   bool has_looked = false;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     const LeafEvidence* const known = evidence->FindLeaf(leaf.origin);
-    if (known != nullptr && (now - known->confirmed).seconds() < parameters.min_interval_s)
+    if (known != nullptr && (now - known->last_look).seconds() < parameters.min_interval_s)
       continue;
     std::array<int, kEvidenceCells> balance{};
     bool is_leaf_looked_at = false;
@@ -119,7 +119,7 @@ bool AddLook(const LookedAtFrame& frame,
     if (!is_leaf_looked_at) continue;
     has_looked = true;
     LeafEvidence& scores = evidence->MutableLeaf(leaf.origin);
-    scores.confirmed = now;
+    scores.last_look = now;
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if (balance[cell] == 0) continue;
       const int score = scores.score[cell] + (balance[cell] > 0 ? 1 : -1);

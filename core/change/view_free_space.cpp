@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "core/change/visibility.h"
-
 namespace steadymap {
 namespace {
 
 // A surface of unknown slant is met at 11 degrees at the flattest: a fifth.
 constexpr float kFlattestSlant = 5.0F;
+
+constexpr float kMinJudgedDepthM = 0.3F;
 
 }  // namespace
 

@@ -7,6 +7,10 @@
 
 namespace steadymap {
 
+/// Returns how far behind a surface at `depth_m` the measured depth must be for the surface to be
+/// gone, metres: more than noise and pose error, less than a shift of a decimetre.
+inline float SeenThroughMargin(float depth_m) { return 0.05F + 0.007F * depth_m * depth_m; }
+
 /// The space that one frame looks through, whatever the classes of what it sees: up to the nearest
 /// raw depth around, and no further than a limit.
 class ViewFreeSpace {

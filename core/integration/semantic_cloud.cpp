@@ -8,11 +8,10 @@
 
 namespace steadymap {
 
-SemanticCloud::SemanticCloud(const MapConfig& config, bool drops_dynamic)
+SemanticCloud::SemanticCloud(const MapConfig& config)
     : max_depth_m_(static_cast<float>(config.max_depth_m)),
       truncation_m_(static_cast<float>(config.truncation_m)),
       is_dynamic_(config.label_limit(), 0) {
-  if (!drops_dynamic) return;
   for (const SemanticClass& row : config.classes) {
     if (row.motion != ClassMotion::kDynamic) continue;
     is_dynamic_[row.id.value()] = 1;

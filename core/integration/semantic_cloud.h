@@ -25,9 +25,9 @@ inline KernelNoise ForKernel(const DepthNoise& noise) {
 /// Reuses its memory between frames. One thread at a time.
 class SemanticCloud {
  public:
-  /// `drops_dynamic`: if true, cells of dynamic classes have weight zero, and so have all cells of
-  /// instances with a majority of such cells.
-  explicit SemanticCloud(const MapConfig& config, bool drops_dynamic = true);
+  /// Cells of dynamic classes have weight zero, and so have all cells of instances with a majority
+  /// of such cells.
+  explicit SemanticCloud(const MapConfig& config);
 
   /// Computes the cloud of a frame that passed `ValidateFrame`. Every cell gets owner 0.
   void Compute(const Frame& frame);
@@ -66,7 +66,7 @@ class SemanticCloud {
     return labels_.empty() ? std::uint16_t{0} : labels_[Index(column, row)];
   }
 
-  /// True if the class of the cell is dynamic; always false if `drops_dynamic` is false.
+  /// True if the class of the cell is dynamic.
   bool IsDynamicAt(int column, int row) const {
     return any_dynamic_ && !labels_.empty() && is_dynamic_[LabelAt(column, row)] != 0;
   }

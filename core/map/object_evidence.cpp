@@ -14,17 +14,6 @@ const LeafEvidence* ObjectEvidence::FindLeaf(LeafOrigin origin) const {
   return place != leaves.end() && place->origin == origin ? &*place : nullptr;
 }
 
-Timestamp ObjectEvidence::ConfirmedAt(LeafOrigin origin) const {
-  const LeafEvidence* leaf = FindLeaf(origin);
-  return leaf == nullptr ? Timestamp() : leaf->confirmed;
-}
-
-Timestamp ObjectEvidence::LastConfirmed() const {
-  Timestamp last;
-  for (const LeafEvidence& leaf : leaves) last = std::max(last, leaf.confirmed);
-  return last;
-}
-
 LeafEvidence& ObjectEvidence::MutableLeaf(LeafOrigin origin) {
   const auto place = std::lower_bound(leaves.begin(), leaves.end(), origin, IsBefore);
   if (place != leaves.end() && place->origin == origin) return *place;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -35,8 +36,9 @@ struct MovingCell {
   friend bool operator==(const MovingCell&, const MovingCell&) = default;
 };
 
-/// The state of a robot in a map: for the detection of wrong poses (`localization_monitor.h`), and
-/// for the mask of moving surface in front of its camera (`dynamic_mask.h`).
+/// The state of a robot in a map: for the detection of wrong poses (`localization_monitor.h`), for
+/// the mask of moving surface in front of its camera (`dynamic_mask.h`), and for the end of its
+/// session (`MapUpdater::IsSessionOver`).
 struct RobotState {
   Trust trust = Trust::kTrusted;
   /// Number of consecutive frames against the current trust: disagreeing frames in state
@@ -52,6 +54,8 @@ struct RobotState {
   Eigen::Vector3f velocity_m_per_s = Eigen::Vector3f::Zero();
   Eigen::Vector3f turn_rad_per_s = Eigen::Vector3f::Zero();
   std::vector<MovingCell> moving;  ///< By increasing cell, without duplicates.
+  /// Capture time of the first frame of its session; none if its session has ended.
+  std::optional<Timestamp> session_start;
 
   friend bool operator==(const RobotState&, const RobotState&) = default;
 };

@@ -98,6 +98,12 @@ void CapEvidence(double max_evidence, Belief* belief) {
 
 }  // namespace
 
+StationarityPrior PriorOf(const MapConfig& config, ClassId class_id) {
+  const SemanticClass* row = config.FindClass(class_id);
+  return row == nullptr || row->motion == ClassMotion::kStatic ? StationarityPrior::kStationary
+                                                               : StationarityPrior::kMobile;
+}
+
 Belief InitialBelief(double stationarity) {
   Belief belief;
   belief.alpha = kInitialEvidence * stationarity;

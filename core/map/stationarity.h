@@ -1,5 +1,8 @@
 #pragma once
 
+#include "core/types/identifiers.h"
+#include "core/types/map_config.h"
+
 /// The belief of an object and its update by a measurement: the Gaussian-Beta state of POCD (Qian
 /// et al., RSS 2022, supplement, equations 17 to 23).
 namespace steadymap {
@@ -43,6 +46,10 @@ struct StationarityParameters {
 
   friend bool operator==(const StationarityParameters&, const StationarityParameters&) = default;
 };
+
+/// Returns what a class says about stationarity. Objects of unlisted classes are expected to be
+/// stationary.
+StationarityPrior PriorOf(const MapConfig& config, ClassId class_id);
 
 /// Returns the belief of a newly mapped object: no change yet. `stationarity` is the initial E[v],
 /// in (0, 1); alpha + beta is 3.

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/change/belief_update.h"
 #include "core/change/surface_looks.h"
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_parts.h"
@@ -13,6 +12,7 @@
 #include "core/objects/standing.h"
 #include "core/objects/surface_relations.h"
 #include "core/registration/registration.h"
+#include "core/types/parallel.h"
 #include "core/working/object_split.h"
 
 namespace steadymap {
@@ -72,15 +72,11 @@ class SessionDecision {
     MatchDoubted();
     AddRest();
     EndGone();
-    for (TrackedObject* object : map_->AllObjects()) {
-      if (object->state().evidence == ObjectEvidence() && object->state().parts.empty()) continue;
-      ObjectEdit edit = map_->Edit(object);
-      edit.state().evidence = {};
-      edit.state().parts.clear();
-    }
+    for (TrackedObject* object : map_->AllObjects()) Settle(object);
   }
 
  private:
+  void Settle(TrackedObject* object);
   void ListObjects();
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
@@ -96,6 +92,7 @@ class SessionDecision {
   void JudgeKnown();
   void EndVanished();
   bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
+  bool AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const;
   std::vector<MoveCandidate> ListMoves();
   void DropPushed(const std::vector<MoveCandidate>& candidates);
   bool HasRival(const MoveCandidate& candidate, const std::vector<MoveCandidate>& candidates) const;
@@ -138,6 +135,18 @@ void SessionDecision::Create(TrackedObject* object) {
     edit.state().in_place_since = object->state().first_seen;
   }
   map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
+}
+
+/// Keeps the sums of the evidence of the session.
+void SessionDecision::Settle(TrackedObject* object) {
+  if (object->state().evidence.leaves.empty() && object->state().parts.empty()) return;
+  const LookCount looks = CountLooks(*object);
+  ObjectEdit edit = map_->Edit(object);
+  ObjectEvidence& evidence = edit.state().evidence;
+  evidence = {};
+  evidence.present_cells = static_cast<double>(looks.found);
+  evidence.absent_cells = static_cast<double>(looks.gone);
+  edit.state().parts.clear();
 }
 
 void SessionDecision::ListObjects() {
@@ -348,6 +357,12 @@ bool SessionDecision::MayHaveMoved(const SeenObject& seen, const KnownObject& kn
          DistanceBetween(known.object->cuboid(), seen.object->cuboid()) <= 0.0;
 }
 
+/// True if the surfaces of two objects are large enough to be of one.
+bool SessionDecision::AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const {
+  return seen.SurfaceAreaM2() >= parameters_.min_moved_area_share * known.SurfaceAreaM2() &&
+         known.SurfaceAreaM2() >= parameters_.min_shape_known_share * seen.SurfaceAreaM2();
+}
+
 /// Returns the known objects that each undecided object of the session may be, at a new place.
 std::vector<MoveCandidate> SessionDecision::ListMoves() {
   std::vector<MoveCandidate> candidates;
@@ -355,21 +370,28 @@ std::vector<MoveCandidate> SessionDecision::ListMoves() {
     if (seen.is_decided) continue;
     for (KnownObject& known : known_) {
       if (known.is_taken || !IsOfOneClass(*seen.object, *known.object) ||
-          !MayHaveMoved(seen, known) ||
-          seen.object->SurfaceAreaM2() <
-              parameters_.min_moved_area_share * known.object->SurfaceAreaM2()) {
-        continue;
-      }
-      const ShapeMatch match = MatchShapes(*known.object, *seen.object, map_->scale());
-      if (match.overlap.known_share < parameters_.min_shape_known_share ||
-          match.overlap.fit_share < parameters_.min_shape_fit_share ||
-          (IsDoubtedMatch(seen, known) && !IsPushed(seen, known, match))) {
+          !MayHaveMoved(seen, known) || !AreOfOneSize(*seen.object, *known.object)) {
         continue;
       }
       const double distance_m = DistanceBetween(known.object->cuboid(), seen.object->cuboid());
-      candidates.push_back({&seen, &known, match, distance_m});
+      candidates.push_back({&seen, &known, {}, distance_m});
     }
   }
+  // The cuboids, which are computed at the first use, are known from here on.
+  ParallelFor(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      MoveCandidate& candidate = candidates[i];
+      candidate.match =
+          MatchShapes(*candidate.known->object, *candidate.seen->object, map_->scale());
+    }
+  });
+  std::erase_if(candidates, [&](const MoveCandidate& candidate) {
+    const SurfaceOverlap& overlap = candidate.match.overlap;
+    return overlap.known_share < parameters_.min_shape_known_share ||
+           overlap.fit_share < parameters_.min_shape_fit_share ||
+           (IsDoubtedMatch(*candidate.seen, *candidate.known) &&
+            !IsPushed(*candidate.seen, *candidate.known, candidate.match));
+  });
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return a.match.confidence() > b.match.confidence();
   });
@@ -394,7 +416,9 @@ bool SessionDecision::HasRival(const MoveCandidate& candidate,
     if (rival.seen != candidate.seen && rival.known != candidate.known) return false;
     // Of two equal shapes, the one whose place overlaps was pushed.
     if (candidate.distance_m <= 0.0 && rival.distance_m > 0.0) return false;
-    return rival.match.confidence() > candidate.match.confidence() - parameters_.rival_margin;
+    // What is not known of a shape does not tell it from another one.
+    return rival.match.overlap.fit_share >
+           candidate.match.overlap.fit_share - parameters_.rival_margin;
   });
 }
 
@@ -429,6 +453,7 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
     edit.TakeVolume(*after);
     ObjectState& state = edit.state();
     state.status = ObjectStatus::kPresent;
+    state.evidence = {};  // Of the old place.
     state.belief = InitialBelief(parameters_.initial_stationarity);
     state.in_place_since = after->state().first_seen;
     state.last_seen = after->state().last_seen;

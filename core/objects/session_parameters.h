@@ -12,7 +12,7 @@ namespace steadymap {
 struct SessionIdentityParameters {
   SessionPartParameters parts;
   /// Stationarity of a new object.
-  double initial_stationarity = 0.6;
+  double initial_stationarity = 0.67;
   /// Of the pose claimed by the robot, in the alignment of a session; each known object has one.
   double claim_votes = 1.5;
   /// Displacement at which a known object has lost half of its vote, metres, at least half a voxel.

@@ -7,7 +7,7 @@
 
 #include "core/change/surface_looks.h"
 #include "core/objects/part_votes.h"
-#include "core/objects/reidentification.h"
+#include "core/objects/surface_overlap.h"
 #include "core/objects/unsegmented_surface.h"
 #include "core/volume/tsdf_sample.h"
 #include "core/working/object_split.h"

@@ -1,16 +1,22 @@
 #include "core/objects/shape_match.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "core/registration/registration.h"
+#include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
 namespace {
 
 // Cuboids whose sides differ by less than the search distance of the registration need one start.
 constexpr double kMinSideDifferenceM = 0.1;
+
+// Starts are ranked by this many points, and the best ones are registered.
+constexpr std::size_t kMaxRankingPoints = 200;
+constexpr std::size_t kMaxRegisteredStarts = 4;
 
 /// Returns the shifts along one axis that give two cuboids a side in common, or their middles.
 std::vector<double> ShiftsOf(double old_side_m, double new_side_m) {
@@ -48,6 +54,46 @@ std::vector<Eigen::Isometry3d> FindStarts(const Cuboid& old_cuboid, const Cuboid
   return starts;
 }
 
+/// Returns how close points are to a surface, from 0 at the truncation distance to 1.
+double ClosenessOf(const std::vector<Eigen::Vector3d>& points_world,
+                   const Eigen::Isometry3d& T_object_world,
+                   TsdfSampler* sampler) {
+  const std::size_t stride = points_world.size() / kMaxRankingPoints + 1;
+  const double truncation_m = sampler->scale().truncation_m;
+  double closeness = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points_world.size(); i += stride) {
+    ++count;
+    double distance_m = 0.0;
+    if (!sampler->SampleNearest(T_object_world * points_world[i], &distance_m)) continue;
+    closeness += std::max(0.0, 1.0 - std::abs(distance_m) / truncation_m);
+  }
+  return count == 0 ? 0.0 : closeness / static_cast<double>(count);
+}
+
+/// Returns the poses of `before` from which its surface is closest to `points_world`.
+std::vector<Eigen::Isometry3d> FindBestStarts(const TrackedObject& before,
+                                              const std::vector<Eigen::Vector3d>& points_world,
+                                              const Cuboid& new_cuboid,
+                                              const VoxelScale& scale) {
+  const Eigen::Isometry3d T_cuboid_object =
+      before.cuboid().T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
+  TsdfSampler sampler(before.volume(), scale);
+  std::vector<std::pair<double, Eigen::Isometry3d>> ranked;
+  for (const Eigen::Isometry3d& start : FindStarts(before.cuboid(), new_cuboid)) {
+    const Eigen::Isometry3d T_world_object = start * T_cuboid_object;
+    ranked.emplace_back(ClosenessOf(points_world, T_world_object.inverse(), &sampler),
+                        T_world_object);
+  }
+  std::stable_sort(
+      ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  ranked.resize(std::min(ranked.size(), kMaxRegisteredStarts));
+  std::vector<Eigen::Isometry3d> starts;
+  starts.reserve(ranked.size());
+  for (const auto& [closeness, start] : ranked) starts.push_back(start);
+  return starts;
+}
+
 }  // namespace
 
 UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
@@ -60,11 +106,9 @@ ShapeMatch MatchShapes(const TrackedObject& before,
                        const VoxelScale& scale) {
   const std::vector<Eigen::Vector3d> points_world = after.SurfaceInWorld();
   const Eigen::Isometry3d T_world_after = after.state().T_world_object.ToIsometry();
-  const Eigen::Isometry3d T_cuboid_object =
-      before.cuboid().T_world_cuboid().inverse() * before.state().T_world_object.ToIsometry();
   ShapeMatch best;
-  for (const Eigen::Isometry3d& start : FindStarts(before.cuboid(), after.cuboid())) {
-    const Eigen::Isometry3d T_world_guess = start * T_cuboid_object;
+  for (const Eigen::Isometry3d& T_world_guess :
+       FindBestStarts(before, points_world, after.cuboid(), scale)) {
     const Registration registration =
         RegisterPoints(points_world, before.volume(), scale, UprightPoseOf(T_world_guess));
     ShapeMatch match;

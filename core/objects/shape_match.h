@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/objects/reidentification.h"
+#include "core/objects/surface_overlap.h"
 #include "core/working/tracked_object.h"
 
 namespace steadymap {
@@ -20,8 +20,8 @@ struct ShapeMatch {
 UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object);
 
 /// Places the shape of `before` at the surface of `after`: by their cuboids, turned by each quarter
-/// turn and with any sides in common, since a frame shows a part of the sides only. Registers each
-/// and returns the best.
+/// turn and with any sides in common, since a frame shows a part of the sides only. Registers those
+/// from which the surfaces are closest, and returns the best.
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
                        const VoxelScale& scale);

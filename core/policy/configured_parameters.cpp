@@ -11,14 +11,15 @@ std::uint64_t CountOf(const MapConfig& config, std::string_view name) {
   return static_cast<std::uint64_t>(ParameterValue(config, name));
 }
 
-}  // namespace
-
+/// Sets in `parameters` what the policies `pocd` and `pocd_paper` have in common.
 void ReadStationarity(const MapConfig& config, StationarityParameters* parameters) {
   parameters->change_noise_m = ParameterValue(config, "change_noise_m");
   parameters->max_change_m = ParameterValue(config, "max_change_m");
   parameters->class_weight = ParameterValue(config, "stationarity_weight");
   parameters->max_stationarity = ParameterValue(config, "max_stationarity");
 }
+
+}  // namespace
 
 VoxelChangeParameters VoxelChangeParametersOf(const MapConfig& config) {
   VoxelChangeParameters parameters;
@@ -67,6 +68,17 @@ PaperParameters PaperParametersOf(const MapConfig& config) {
   parameters.initial_stationarity = ParameterValue(config, "initial_stationarity");
   parameters.min_stationarity = ParameterValue(config, "min_stationarity");
   ReadStationarity(config, &parameters.stationarity);
+  return parameters;
+}
+
+EvidenceMapperParameters EvidenceParametersOf(const MapConfig& config) {
+  EvidenceMapperParameters parameters;
+  parameters.sessions.max_pause_s = ParameterValue(config, "max_pause_s");
+  parameters.sessions.max_duration_s = ParameterValue(config, "max_session_s");
+  SessionIdentityParameters& identity = parameters.identity;
+  identity.initial_stationarity = ParameterValue(config, "initial_stationarity");
+  ReadStationarity(config, &identity.belief);
+  identity.belief.max_evidence = ParameterValue(config, "max_evidence");
   return parameters;
 }
 

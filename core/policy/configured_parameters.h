@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/policy/evidence_mapper.h"
 #include "core/policy/paper_mapper.h"
 #include "core/policy/submap_change.h"
 #include "core/policy/tracking.h"
@@ -14,8 +15,6 @@ VoxelChangeParameters VoxelChangeParametersOf(const MapConfig& config);
 SubmapChangeParameters SubmapChangeParametersOf(const MapConfig& config);
 TrackingParameters TrackingParametersOf(const MapConfig& config);
 PaperParameters PaperParametersOf(const MapConfig& config);
-
-/// Sets in `parameters` what the policies `pocd` and `pocd_paper` have in common.
-void ReadStationarity(const MapConfig& config, StationarityParameters* parameters);
+EvidenceMapperParameters EvidenceParametersOf(const MapConfig& config);
 
 }  // namespace steadymap

@@ -21,25 +21,36 @@ bool IsInSession(const TrackedObject& object) {
 
 }  // namespace
 
-EvidenceMapper::EvidenceMapper(const MapConfig& config, const EvidenceMapperParameters& parameters)
+EvidenceMapper::EvidenceMapper(const MapConfig& config,
+                               const EvidenceMapperParameters& parameters,
+                               StageObserver* stages)
     : config_(config),
       parameters_(parameters),
+      stages_(stages),
+      guard_(parameters.guard),
       moving_(config, parameters.moving),
       integrator_(config) {}
 
 void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
   cloud_ = cloud;
+  stages_.Enter(MapperStage::kGuard);
   moving_.Apply(frame.source, *map, cloud);
   samples_.Compute(*cloud);
   tiles_.Compute(frame.depth);
+  const bool counts = guard_.Accept(frame, {*cloud, samples_, tiles_}, map);
+  BeginSession(frame);
+  if (!counts) return;
   moving_.Record(frame.source, *cloud, map);
+  stages_.Enter(MapperStage::kAssociation);
   in_view_ = FindObjectsInView(map->ObjectsNear(ReachOfView(*cloud, config_.max_depth_m)),
                                *cloud,
                                samples_,
                                config_.max_depth_m);
   has_labels_ = !frame.labels.empty() || !frame.instances.empty();
+  stages_.Enter(MapperStage::kLooks);
   LookAtObjects();
+  stages_.Enter(MapperStage::kSegments);
   FindSurfaces();
   segments_ = has_labels_ ? FindFrameSegments(*cloud, samples_, uses_, parameters_.continuity)
                           : FindScene();
@@ -54,11 +65,35 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   } else {
     assignment.AssignScene();
   }
+  stages_.Enter(MapperStage::kIntegration);
   FuseSession(assignment);
-  CarveFreeSpace(samples_, cloud->T_world_camera().translation(), map);
+  stages_.Enter(MapperStage::kFreeSpace);
+  CarveFreeSpace(samples_, cloud_->T_world_camera().translation(), map);
 }
 
-void EvidenceMapper::EndSession(WorkingMap* map) {
+void EvidenceMapper::BeginSession(const Frame& frame) {
+  const RobotState* known = map_->FindRobot(frame.source);
+  RobotState robot = known == nullptr ? RobotState() : *known;
+  robot.last_capture_time = frame.capture_time;
+  if (!robot.session_start) robot.session_start = frame.capture_time;
+  if (known == nullptr || robot != *known) map_->StoreRobot(frame.source, robot);
+}
+
+bool EvidenceMapper::IsSessionOver(const Frame& next, const WorkingMap& map) const {
+  const RobotState* robot = map.FindRobot(next.source);
+  if (robot == nullptr || !robot->session_start) return false;
+  const Duration pause = next.capture_time - robot->last_capture_time;
+  const Duration duration = next.capture_time - *robot->session_start;
+  return std::abs(pause.seconds()) > parameters_.sessions.max_pause_s ||
+         duration.seconds() > parameters_.sessions.max_duration_s;
+}
+
+void EvidenceMapper::EndSession(const SensorName& sensor, WorkingMap* map) {
+  if (const RobotState* known = map->FindRobot(sensor); known != nullptr) {
+    RobotState robot = *known;
+    robot.session_start.reset();
+    map->StoreRobot(sensor, robot);
+  }
   DecideSession(config_, parameters_.identity, map);
 }
 

@@ -14,15 +14,27 @@
 #include "core/objects/session_identity.h"
 #include "core/policy/map_updater.h"
 #include "core/policy/segment_assignment.h"
+#include "core/policy/stage_observer.h"
 #include "core/robot/dynamic_mask.h"
+#include "core/robot/localization_monitor.h"
 #include "core/types/map_config.h"
 #include "core/volume/tsdf_sample.h"
 #include "core/working/working_map.h"
 
 namespace steadymap {
 
+/// When the session of a robot ends without a message from it.
+struct SessionLimits {
+  /// Capture times of consecutive frames that are farther apart, seconds, are of two sessions.
+  double max_pause_s = 10.0;
+  /// Longest session, seconds: so long a map waits for the decisions on what a robot has seen.
+  double max_duration_s = 60.0;
+};
+
 /// The constants of an `EvidenceMapper`.
 struct EvidenceMapperParameters {
+  SessionLimits sessions;
+  LocalizationMonitorParameters guard;
   DynamicMaskParameters moving;
   ContinuityParameters continuity;
   LookParameters looks;
@@ -34,13 +46,20 @@ struct EvidenceMapperParameters {
 /// session what they are. In between, every frame is a look at the surface of known objects.
 class EvidenceMapper final : public MapUpdater {
  public:
-  EvidenceMapper(const MapConfig& config, const EvidenceMapperParameters& parameters);
+  /// `stages` outlives this object; null: no observer.
+  EvidenceMapper(const MapConfig& config,
+                 const EvidenceMapperParameters& parameters,
+                 StageObserver* stages = nullptr);
 
+  /// Ignores frames of a robot with a wrong pose.
   void Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) override;
 
-  void EndSession(WorkingMap* map) override;
+  bool IsSessionOver(const Frame& next, const WorkingMap& map) const override;
+
+  void EndSession(const SensorName& sensor, WorkingMap* map) override;
 
  private:
+  void BeginSession(const Frame& frame);
   void LookAtObjects();
   void FindSurfaces();
   void FindSurfaceOf(std::size_t place);
@@ -53,6 +72,8 @@ class EvidenceMapper final : public MapUpdater {
 
   MapConfig config_;
   EvidenceMapperParameters parameters_;
+  StageTimer stages_;
+  LocalizationMonitor guard_;
   DynamicMask moving_;
   TsdfIntegrator integrator_;
 

@@ -2,9 +2,7 @@
 
 #include "core/integration/tsdf_integrator.h"
 #include "core/policy/configured_parameters.h"
-#include "core/policy/engine_parameters.h"
 #include "core/policy/evidence_mapper.h"
-#include "core/policy/object_mapper.h"
 #include "core/policy/paper_mapper.h"
 #include "core/policy/submap_change.h"
 #include "core/policy/tracking.h"
@@ -29,7 +27,7 @@ class StaticUpdater final : public MapUpdater {
 
 }  // namespace
 
-std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const MapperOptions& options) {
+std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, StageObserver* stages) {
   switch (config.policy) {
     case UpdatePolicy::kStatic:
       return std::make_unique<StaticUpdater>(config);
@@ -42,17 +40,16 @@ std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const Mapper
     case UpdatePolicy::kPocdPaper:
       return std::make_unique<PaperMapper>(config, PaperParametersOf(config));
     case UpdatePolicy::kPocd:
-      if (options.decides_by_session) {
-        return std::make_unique<EvidenceMapper>(config, EvidenceMapperParameters());
-      }
-      return std::make_unique<ObjectMapper>(
-          config, ParametersFor(config, options.switches), options.stages);
+      return std::make_unique<EvidenceMapper>(config, EvidenceParametersOf(config), stages);
   }
   return nullptr;
 }
 
-bool KeepsObjects(UpdatePolicy policy) {
-  return policy != UpdatePolicy::kStatic && policy != UpdatePolicy::kVoxelChange;
+bool NeedsLabels(UpdatePolicy policy) {
+  return policy == UpdatePolicy::kSubmapChange || policy == UpdatePolicy::kTracking ||
+         policy == UpdatePolicy::kPocdPaper;
 }
+
+bool HasSessions(UpdatePolicy policy) { return policy == UpdatePolicy::kPocd; }
 
 }  // namespace steadymap

@@ -4,7 +4,7 @@
 
 #include "core/frame/frame.h"
 #include "core/integration/semantic_cloud.h"
-#include "core/policy/mapper_options.h"
+#include "core/policy/stage_observer.h"
 #include "core/types/map_config.h"
 #include "core/working/working_map.h"
 
@@ -21,16 +21,25 @@ class MapUpdater {
   /// cloud of the frame. Sets the owners, and may set the weights, of its cells.
   virtual void Process(const Frame& frame, SemanticCloud* cloud, WorkingMap* map) = 0;
 
-  /// Ends the session of the robots: decides what is still open, between `BeginFrame` and
-  /// `EndFrame`.
-  virtual void EndSession(WorkingMap* /*map*/) {}
+  /// True if the session of the robot has ended before its frame `next`.
+  virtual bool IsSessionOver(const Frame& /*next*/, const WorkingMap& /*map*/) const {
+    return false;
+  }
+
+  /// Ends the session of the robot with this sensor: decides what is still open, between
+  /// `BeginFrame` and `EndFrame`.
+  virtual void EndSession(const SensorName& /*sensor*/, WorkingMap* /*map*/) {}
 };
 
-/// Makes the updater of the policy in `config`, which must be valid.
-std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, const MapperOptions& options);
+/// Makes the updater of the policy in `config`, which must be valid. `stages` outlives it; null: no
+/// observer.
+std::unique_ptr<MapUpdater> MakeMapUpdater(const MapConfig& config, StageObserver* stages);
 
-/// True if maps of this policy consist of objects. Objects are found by the labels or instances of
-/// frames, so a frame without both adds none.
-bool KeepsObjects(UpdatePolicy policy);
+/// True if maps of this policy find objects only by the labels or instances of frames, so that a
+/// frame without both adds none.
+bool NeedsLabels(UpdatePolicy policy);
+
+/// True if maps of this policy decide at the end of a robot's session what it has seen.
+bool HasSessions(UpdatePolicy policy);
 
 }  // namespace steadymap

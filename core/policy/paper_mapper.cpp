@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/association/class_votes.h"
-#include "core/change/belief_update.h"
 #include "core/geometry/assignment.h"
 
 namespace steadymap {

@@ -10,34 +10,30 @@ namespace steadymap {
 
 /// The stages of a frame, in order of execution.
 enum class MapperStage {
-  kCloud,         ///< Computation of the semantic cloud.
-  kGuard,         ///< Dynamic mask, samples, localization monitor.
-  kAssociation,   ///< Objects in view and owners of the samples.
-  kGround,        ///< Ground height and the owners of its samples.
-  kVisibility,    ///< Visibility and change of the objects in view.
-  kBelief,        ///< Evidence, belief updates, removal of absent objects and parts.
-  kObservations,  ///< Clusters of samples without owner and their assignment.
-  kIntegration,   ///< Fusion into background and objects.
-  kObjects,       ///< Merging, confirmation, re-identification, moves.
-  kFreeSpace,     ///< Free-space carving.
-  kPolicy,        ///< All stages between cloud and frame end, for policies that do not report them.
-  kFrameEnd,      ///< Deletion of forgotten objects.
-  kCommit,        ///< Packing of the changes since the last commit.
+  kCloud,        ///< Computation of the semantic cloud.
+  kGuard,        ///< Dynamic mask, samples, localization monitor.
+  kAssociation,  ///< Objects in view.
+  kLooks,        ///< Looks at the surface of the objects in view.
+  kSegments,     ///< Segments of the image and their objects.
+  kIntegration,  ///< Fusion into background and objects.
+  kFreeSpace,    ///< Free-space carving.
+  kPolicy,       ///< All stages between cloud and frame end, for policies that do not report them.
+  kFrameEnd,     ///< Deletion of forgotten objects.
+  kSessionEnd,   ///< Decisions at the end of a session.
+  kCommit,       ///< Packing of the changes since the last commit.
 };
 
 /// Names of the stages in tables.
-inline constexpr std::array<std::string_view, 13> kMapperStageNames = {"cloud",
+inline constexpr std::array<std::string_view, 11> kMapperStageNames = {"cloud",
                                                                        "guard",
                                                                        "association",
-                                                                       "ground",
-                                                                       "visibility",
-                                                                       "belief",
-                                                                       "observations",
+                                                                       "looks",
+                                                                       "segments",
                                                                        "integration",
-                                                                       "objects",
                                                                        "free space",
                                                                        "policy",
                                                                        "frame end",
+                                                                       "session end",
                                                                        "commit"};
 
 inline constexpr std::size_t kMapperStageCount = kMapperStageNames.size();

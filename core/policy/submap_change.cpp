@@ -5,7 +5,6 @@
 #include <set>
 
 #include "core/association/class_votes.h"
-#include "core/change/visibility.h"
 #include "core/volume/tsdf_sample.h"
 #include "core/working/object_split.h"
 

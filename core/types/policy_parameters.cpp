@@ -129,8 +129,19 @@ constexpr PolicyParameter kTracking[] = {
 };
 
 constexpr PolicyParameter kPocd[] = {
+    {"max_session_s",
+     60.0,
+     1.0,
+     86'400.0,
+     false,
+     "duration of a robot's session after which the map decides what the robot has seen"},
+    {"max_pause_s",
+     10.0,
+     0.1,
+     86'400.0,
+     false,
+     "pause between two frames of a robot that ends its session"},
     kInitialStationarity,
-    kMinStationarity,
     kMaxStationarity,
     kChangeNoise,
     kMaxChange,

@@ -71,17 +71,10 @@ void StoreCanonical(const DistanceSample& sample,
 }
 
 void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
-  target->confirmed = std::max(target->confirmed, evidence.confirmed);
+  target->last_look = std::max(target->last_look, evidence.last_look);
   for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
     target->score[cell] = std::max(target->score[cell], evidence.score[cell]);
   }
-}
-
-/// Returns the evidence cells of a leaf that contain surface, one bit per cell.
-std::uint64_t OccupiedCells(const SurfaceLeaf& leaf) {
-  std::uint64_t occupied = 0;
-  for (const SurfaceVoxel& point : leaf.points) occupied |= std::uint64_t{1} << point.cell;
-  return occupied;
 }
 
 /// The position of an evidence cell among all cells of its object.
@@ -177,53 +170,6 @@ void ResampleVoxels(const TrackedObject& from,
     }
     if (has_changed) into->StoreLeaf(origin, voxels);
   }
-}
-
-DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score) {
-  DoubtedCells cells;
-  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    const std::uint64_t occupied = OccupiedCells(leaf);
-    cells.all += static_cast<std::size_t>(std::popcount(occupied));
-    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
-    if (evidence == nullptr) continue;
-    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
-      if ((occupied >> cell & 1) == 0) continue;
-      cells.gone += evidence->score[cell] <= max_score ? 1U : 0U;
-      cells.doubted += evidence->score[cell] < 0 ? 1U : 0U;
-    }
-  }
-  return cells;
-}
-
-std::size_t CountFoundCells(const TrackedObject& object, Timestamp since) {
-  std::size_t found = 0;
-  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
-    if (evidence == nullptr || evidence->confirmed < since) continue;
-    const std::uint64_t occupied = OccupiedCells(leaf);
-    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
-      if ((occupied >> cell & 1) != 0 && evidence->score[cell] > 0) ++found;
-    }
-  }
-  return found;
-}
-
-std::size_t CountConnectedCells(const TrackedObject& object) {
-  std::set<CellPlace> unvisited;
-  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    for (const SurfaceVoxel& point : leaf.points) {
-      unvisited.insert(PlaceOf(leaf.origin, point.cell));
-    }
-  }
-  std::size_t most = 0;
-  while (!unvisited.empty()) {
-    std::vector<CellPlace> group = {unvisited.extract(unvisited.begin()).value()};
-    for (std::size_t next = 0; next < group.size(); ++next) {
-      TakeNeighbours(CellPlace(group[next]), &unvisited, &group);
-    }
-    most = std::max(most, group.size());
-  }
-  return most;
 }
 
 void MoveGoneVoxels(const GoneScores& scores, ObjectEdit* object, ObjectEdit* part) {

@@ -24,24 +24,6 @@ void ResampleVoxels(const TrackedObject& from,
                     const VoxelScale& scale,
                     ObjectEdit* into);
 
-/// The numbers of evidence cells on an object's surface with absence evidence.
-struct DoubtedCells {
-  std::size_t gone = 0;     ///< With scores of at most `max_score`.
-  std::size_t doubted = 0;  ///< With negative scores.
-  std::size_t all = 0;      ///< Of any score.
-};
-
-/// Counts the evidence cells of an object's surface by score.
-DoubtedCells CountDoubtedCells(const TrackedObject& object, int max_score);
-
-/// Returns the number of evidence cells of an object's surface with a positive score, in leaves
-/// with presence evidence at `since` or later.
-std::size_t CountFoundCells(const TrackedObject& object, Timestamp since);
-
-/// Returns the number of evidence cells in the largest connected part of an object's surface
-/// (26-neighbourhood).
-std::size_t CountConnectedCells(const TrackedObject& object);
-
 /// The maximum scores of absent evidence cells.
 struct GoneScores {
   int gone = 0;

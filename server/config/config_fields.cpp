@@ -141,6 +141,18 @@ void VisitCommit(CommitOptions* commit, FieldVisitor* visitor) {
       &commit->max_delay);
 }
 
+void VisitSessions(SessionOptions* sessions, FieldVisitor* visitor) {
+  TypedVisitor typed(visitor);
+  visitor->Section("sessions",
+                   "When the session of a robot ends, after which a pocd map decides what the "
+                   "robot has seen.");
+  typed.Duration({"max_silence_s",
+                  "A session also ends this long after its last frame if the robot did not "
+                  "end its upload, for example because it was switched off."},
+                 {1, kDayS},
+                 &sessions->max_silence);
+}
+
 void VisitRetention(RetentionOptions* retention, FieldVisitor* visitor) {
   TypedVisitor typed(visitor);
   visitor->Section("retention", "Retention of data that the current map no longer needs.");
@@ -235,6 +247,7 @@ void VisitFields(ServerConfig* config, FieldVisitor* visitor) {
   VisitLog(&config->log, visitor);
   VisitLimits(&config->limits, visitor);
   VisitCommit(&config->commit, visitor);
+  VisitSessions(&config->sessions, visitor);
   VisitRetention(&config->retention, visitor);
   VisitWatch(&config->watch, visitor);
   VisitStore(&config->store, visitor);

@@ -65,6 +65,13 @@ struct CommitOptions {
   std::chrono::milliseconds max_delay{200};
 };
 
+/// When the session of a robot ends, after which a `pocd` map decides what the robot has seen.
+struct SessionOptions {
+  /// A session also ends this long after its last frame if the robot did not end its upload, for
+  /// example because it was switched off.
+  std::chrono::seconds max_silence{60};
+};
+
 /// Retention of data that the current map no longer needs.
 struct RetentionOptions {
   /// Integrated frames are removed from the log after this time, unless the map has its own
@@ -126,6 +133,7 @@ struct ServerConfig {
   LoggingOptions log;
   LimitOptions limits;
   CommitOptions commit;
+  SessionOptions sessions;
   RetentionOptions retention;
   WatchServiceOptions watch;
   StoreOptions store;

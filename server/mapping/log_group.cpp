@@ -28,6 +28,7 @@ void LogGroup::AddBatch(PendingBatch batch) {
   progress.through = batch.last;
   progress.frames = batch.credit_frames;
   progress.bytes = batch.credit_bytes;
+  progress.ends_session = batch.ends_session;
 
   SessionRecord settled = session;
   settled.last_active = uptime_;
@@ -45,14 +46,28 @@ void LogGroup::AddBatch(PendingBatch batch) {
                           {},
                           std::move(pending.reservation)});
       settled.last_map_seq = head_;
+      settled.is_over = false;
+    }
+    if (batch.ends_session && !settled.is_over && settled.last_map_seq > MapSequence(0)) {
+      AddSessionEnd(batch.session.sensor);
+      settled.is_over = true;
     }
     session = std::move(settled);
     // If all frames were known already, reports the newest sequence of the session, which cannot be
     // smaller than theirs.
     progress.map_seq = session.last_map_seq;
+    if (batch.ends_session) progress.map_seq = head_;
   }
   batch.frames.clear();
   batches_.push_back({std::move(batch), progress, std::move(status)});
+}
+
+void LogGroup::AddSessionEnd(const SensorName& sensor) {
+  head_ = head_.Next();
+  append_.entries.push_back({head_, LogEntryKind::kSessionEnd, sensor, {}});
+  DurableEntry entry{head_, LogEntryKind::kSessionEnd, {}, {}, {}};
+  entry.frame.source = sensor;
+  entries_.push_back(std::move(entry));
 }
 
 absl::Status LogGroup::Settle(const PendingBatch& batch, SessionRecord* session) {

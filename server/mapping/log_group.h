@@ -20,7 +20,7 @@ namespace steadymap {
 struct DurableEntry {
   MapSequence sequence;
   LogEntryKind kind = LogEntryKind::kFrame;
-  Frame frame;
+  Frame frame;  ///< Of `kSessionEnd` only the source.
   std::vector<SemanticClass> classes;
   FrameBudget::Reservation reservation;
 };
@@ -71,6 +71,7 @@ class LogGroup {
     absl::Status status;  ///< Not OK: the whole batch was refused.
   };
 
+  void AddSessionEnd(const SensorName& sensor);
   static absl::Status Settle(const PendingBatch& batch, SessionRecord* session);
 
   const SessionTable* const known_;

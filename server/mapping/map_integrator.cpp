@@ -43,6 +43,7 @@ struct ParsedEntry {
 
   absl::StatusOr<DurableEntry> Decode(LogEntry logged, const KnownLabels& labels) const {
     DurableEntry entry{logged.sequence, logged.kind, {}, std::move(logged.classes), {}};
+    entry.frame.source = logged.source;
     if (logged.kind != LogEntryKind::kFrame) return entry;
     absl::StatusOr<Frame> frame = absl::DataLossError("its bytes are not a valid Frame message");
     if (parses) frame = FromProto(message, logged.source, labels);
@@ -215,6 +216,8 @@ absl::Status MapIntegrator::Integrate(const DurableEntry& entry) {
     mapper_->AddClasses(entry.sequence, entry.classes);
   } else if (entry.kind == LogEntryKind::kSkipped) {
     mapper_->Skip(entry.sequence);
+  } else if (entry.kind == LogEntryKind::kSessionEnd) {
+    mapper_->EndSession(entry.sequence, entry.frame.source);
   } else {
     mapper_->Integrate(entry.sequence, entry.frame);
     details_.poses.push_back(

@@ -27,6 +27,20 @@ constexpr std::chrono::milliseconds kLongestRetry{10'000};
 // Interval between checks of a full disk.
 constexpr std::chrono::milliseconds kDiskRetry{1000};
 
+/// The sender of an end of session that no client waits for.
+class NoObserver final : public UploadObserver {
+ public:
+  bool IsAbandoned() const override { return false; }
+
+  void OnReceived(ClientSequence /*through*/, std::vector<RefusedFrame> /*refused*/) override {}
+
+  void OnDurable(const BatchProgress& /*progress*/) override {}
+
+  void OnIntegrated(const BatchProgress& /*progress*/) override {}
+
+  void OnFailed(const absl::Status& /*status*/) override {}
+};
+
 /// Returns the commit options of a map: those of the server, with the map's own settings applied.
 CommitOptions CommitOf(const MapRecord& record, const CommitOptions& server) {
   CommitOptions commit = server;
@@ -153,6 +167,28 @@ absl::Status MapRuntime::Enqueue(PendingBatch batch) {
   absl::Status status = queue_.Push(std::move(batch));
   if (status.ok()) append_strand_->Wake();
   return status;
+}
+
+void MapRuntime::EndSilentSessions(std::chrono::seconds max_silence) {
+  if (condition() != Condition::kReady) return;
+  const std::shared_ptr<const MapSnapshot> map = snapshot();
+  for (const auto& [sensor, robot] : map->robots) {
+    if (!robot.session_start) continue;
+    const std::optional<SessionRecord> session = sessions_.NewestOf(sensor);
+    if (!session || session->is_over) continue;
+    if (clock_.Now() - session->last_active <= max_silence) continue;
+    PendingBatch end;
+    end.session = session->name;
+    end.ends_session = true;
+    end.observer = std::make_shared<NoObserver>();
+    // A full queue has frames, and the next round comes soon.
+    if (Enqueue(std::move(end)).ok()) {
+      spdlog::info("map {} sensor {}: the session ends {} s after its last frame",
+                   name_.ToString(),
+                   sensor.ToString(),
+                   max_silence.count());
+    }
+  }
 }
 
 void MapRuntime::AddClasses(std::vector<SemanticClass> classes,

@@ -129,6 +129,9 @@ class MapRuntime : public std::enable_shared_from_this<MapRuntime> {
   /// Queues a batch for the log. Errors: those of `FrameQueue::Push`.
   absl::Status Enqueue(PendingBatch batch);
 
+  /// Ends the sessions of robots whose last frame is older than `max_silence`.
+  void EndSilentSessions(std::chrono::seconds max_silence);
+
   /// Adds classes to the map's table. Calls `done` once they are durable, or with an error:
   /// `InvalidArgument` for classes that conflict with the table, or an error of `CheckUploads`.
   void AddClasses(std::vector<SemanticClass> classes,

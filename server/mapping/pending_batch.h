@@ -23,11 +23,12 @@ struct RefusedFrame {
 
 /// The progress of a batch part.
 struct BatchProgress {
-  ClientSequence through;   ///< Last client sequence of the part.
-  MapSequence map_seq;      ///< Newest frame of the part, or of the session; 0: none.
-  Revision revision;        ///< Once integrated: a revision that contains it.
-  std::size_t frames = 0;   ///< Frames of the part, including refused and repeated ones.
-  std::uint64_t bytes = 0;  ///< Serialized bytes of the client's flow-control credit.
+  ClientSequence through;     ///< Last client sequence of the part.
+  MapSequence map_seq;        ///< Newest frame of the part, or of the session; 0: none.
+  Revision revision;          ///< Once integrated: a revision that contains it.
+  std::size_t frames = 0;     ///< Frames of the part, including refused and repeated ones.
+  std::uint64_t bytes = 0;    ///< Serialized bytes of the client's flow-control credit.
+  bool ends_session = false;  ///< As the part: the decisions on the session are in the map.
 };
 
 /// The sender of frames, informed about their progress. Called from any thread, without locks held.
@@ -61,7 +62,7 @@ struct PendingFrame {
 };
 
 /// A batch, or a part of one, that waits for the log. A part without frames only contains client
-/// sequences that were refused or are known already.
+/// sequences that were refused or are known already, or the end of the session.
 struct PendingBatch {
   SessionName session;
   /// True for a stream, which sends sequences in ascending order: missing sequences below `last`
@@ -74,6 +75,8 @@ struct PendingBatch {
   ClientSequence last;
   std::vector<PendingFrame> frames;
   std::vector<ClientSequence> refused;
+  /// True if the session of the robot ends after the frames: the map decides what it has seen.
+  bool ends_session = false;
   std::size_t credit_frames = 0;
   std::uint64_t credit_bytes = 0;
   std::shared_ptr<UploadObserver> observer;

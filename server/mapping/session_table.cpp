@@ -40,6 +40,16 @@ SessionRecord SessionTable::Get(const SessionName& name) const {
   return record;
 }
 
+std::optional<SessionRecord> SessionTable::NewestOf(const SensorName& sensor) const {
+  const absl::MutexLock lock(&mutex_);
+  std::optional<SessionRecord> newest;
+  for (const auto& [name, session] : sessions_) {
+    if (name.sensor != sensor) continue;
+    if (!newest || session.record.last_active > newest->last_active) newest = session.record;
+  }
+  return newest;
+}
+
 bool SessionTable::IsSettled(const SessionName& name, ClientSequence sequence) const {
   const absl::MutexLock lock(&mutex_);
   const auto session = sessions_.find(name);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -37,6 +38,9 @@ class SessionTable {
 
   /// Returns the record of a session; a new record if the session is unknown.
   SessionRecord Get(const SessionName& name) const ABSL_LOCKS_EXCLUDED(mutex_);
+
+  /// Returns the record of the sensor's session that was active last; none if there is none.
+  std::optional<SessionRecord> NewestOf(const SensorName& sensor) const ABSL_LOCKS_EXCLUDED(mutex_);
 
   /// True if the frame is durable or was refused.
   bool IsSettled(const SessionName& name, ClientSequence sequence) const

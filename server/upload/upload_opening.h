@@ -22,7 +22,7 @@ v1::UploadFramesResponse MakeOpenedResponse(MapRuntime* map,
 class MissingLabelsWarning {
  public:
   /// Enables the warning if the map keeps objects.
-  void SetKeepsObjects(bool keeps_objects) { is_pending_ = keeps_objects; }
+  void SetNeedsLabels(bool needs_labels) { is_pending_ = needs_labels; }
 
   /// Logs the warning if `batch` is the first with a frame that has neither labels nor instances.
   void Check(const v1::FrameBatch& batch, const MapName& map, const SessionName& session);

@@ -101,8 +101,12 @@ v1::UploadFramesResponse UploadResponses::TakeNext() {
 
 void UploadResponses::Note(std::size_t level, const BatchProgress& progress) {
   Level& entry = levels_[level];
-  // A report about an earlier part may arrive late. It contains nothing new.
-  if (!entry.wanted || progress.through <= entry.progress.through) return;
+  // A report about an earlier part may arrive late. It contains nothing new. The end of a session
+  // has no frame of its own, but a log position.
+  const bool is_new =
+      progress.through > entry.progress.through ||
+      (progress.through == entry.progress.through && progress.map_seq > entry.progress.map_seq);
+  if (!entry.wanted || !is_new) return;
   entry.progress = progress;
   entry.due = true;
 }

@@ -64,7 +64,7 @@ void UploadStream::OnReceived(ClientSequence through, std::vector<RefusedFrame> 
 void UploadStream::OnDurable(const BatchProgress& progress) {
   {
     const absl::MutexLock lock(&mutex_);
-    if (progress.through > durable_.through) durable_ = progress;
+    if (progress.through > durable_.through || progress.ends_session) durable_ = progress;
     responses_.NoteDurable(progress);
   }
   Drive();
@@ -74,6 +74,7 @@ void UploadStream::OnIntegrated(const BatchProgress& progress) {
   {
     const absl::MutexLock lock(&mutex_);
     integrated_ = std::max(integrated_, progress.through);
+    end_integrated_ = end_integrated_ || progress.ends_session;
     responses_.NoteIntegrated(progress);
   }
   Drive();
@@ -164,7 +165,7 @@ absl::Status UploadStream::HandleOpen(const v1::UploadOpen& open) {
       *dependencies_.maps, open.map(), open.robot(), open.sensor(), open.session());
   if (!target.ok()) return target.status();
   auto config = std::make_shared<const MapConfig>(target->map->record().config);
-  missing_labels_.SetKeepsObjects(KeepsObjects(config->policy));
+  missing_labels_.SetNeedsLabels(NeedsLabels(config->policy));
   {
     const absl::MutexLock lock(&mutex_);
     if (absl::Status status = responses_.ChooseLevels(open); !status.ok()) return status;
@@ -301,10 +302,15 @@ UploadStream::Action UploadStream::Decide() {
     intake_running_ = true;
     return Action::kStartIntake;
   }
-  if (drain_status_ && !commit_requested_ && durable_.through >= last_accepted_ &&
-      !intake_running_) {
-    commit_requested_ = true;
-    return Action::kRequestCommit;
+  if (drain_status_ && !intake_running_ && durable_.through >= last_accepted_) {
+    if (!end_queued_ && IsSessionOver()) {
+      end_queued_ = true;
+      return Action::kEndSession;
+    }
+    if (!commit_requested_ && (!end_queued_ || durable_.ends_session)) {
+      commit_requested_ = true;
+      return Action::kRequestCommit;
+    }
   }
   if (!drain_status_ && !reading_ && !awaiting_map_ && inbox_.empty()) {
     reading_ = true;
@@ -323,6 +329,9 @@ void UploadStream::Perform(Action action) {
       break;
     case Action::kStartIntake:
       StartIntake();
+      break;
+    case Action::kEndSession:
+      EndSession();
       break;
     case Action::kRequestCommit:
       RequestCommit();
@@ -371,6 +380,28 @@ void UploadStream::StartIntake() {
                      });
 }
 
+/// True if the client has half-closed the stream of a map that decides at the end of sessions. A
+/// stream that was cut, or that the server drains, continues later.
+bool UploadStream::IsSessionOver() const {
+  return drain_status_ && drain_status_->ok() && map_ != nullptr && !awaiting_map_ &&
+         HasSessions(config_->policy);
+}
+
+void UploadStream::EndSession() {
+  PendingBatch end;
+  end.session = session_;
+  end.in_order = true;
+  end.ends_session = true;
+  end.observer = shared_from_this();
+  {
+    const absl::MutexLock lock(&mutex_);
+    end.predecessor = last_accepted_;
+    end.last = last_accepted_;
+  }
+  const absl::Status status = map_->Enqueue(std::move(end));
+  if (!status.ok()) End(status);
+}
+
 void UploadStream::RequestCommit() {
   std::shared_ptr<MapRuntime> map;
   MapSequence target;
@@ -382,9 +413,10 @@ void UploadStream::RequestCommit() {
   if (map != nullptr) map->RequestCommit(target);
 }
 
-/// True if all accepted frames are integrated.
+/// True if all accepted frames, and the decisions on the session, are integrated.
 bool UploadStream::IsSettled() const {
-  return inbox_.empty() && !intake_running_ && !awaiting_map_ && integrated_ >= last_accepted_;
+  return inbox_.empty() && !intake_running_ && !awaiting_map_ && integrated_ >= last_accepted_ &&
+         (end_integrated_ || !IsSessionOver());
 }
 
 }  // namespace steadymap

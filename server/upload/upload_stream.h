@@ -69,7 +69,7 @@ class UploadStream final : public UploadObserver,
   class Reactor;
 
   /// The next operation of the driving thread.
-  enum class Action { kNone, kRead, kWrite, kStartIntake, kRequestCommit, kFinish };
+  enum class Action { kNone, kRead, kWrite, kStartIntake, kEndSession, kRequestCommit, kFinish };
 
   // Events from gRPC.
   void OnRead(bool ok) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -81,7 +81,9 @@ class UploadStream final : public UploadObserver,
   Action Decide() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Perform(Action action) ABSL_LOCKS_EXCLUDED(mutex_);
   void StartIntake() ABSL_LOCKS_EXCLUDED(mutex_);
+  void EndSession() ABSL_LOCKS_EXCLUDED(mutex_);
   void RequestCommit() ABSL_LOCKS_EXCLUDED(mutex_);
+  bool IsSessionOver() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsSettled() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   void AwaitMemory() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -118,6 +120,9 @@ class UploadStream final : public UploadObserver,
   UploadResponses responses_ ABSL_GUARDED_BY(mutex_);
   std::deque<ReadBatch> inbox_ ABSL_GUARDED_BY(mutex_);  ///< At most one batch.
   bool intake_running_ ABSL_GUARDED_BY(mutex_) = false;  ///< A batch is being processed.
+  /// Whether the end of the session was queued, and whether its decisions are in the map.
+  bool end_queued_ ABSL_GUARDED_BY(mutex_) = false;
+  bool end_integrated_ ABSL_GUARDED_BY(mutex_) = false;
   bool commit_requested_ ABSL_GUARDED_BY(mutex_) = false;
 
   ClientSequence last_read_ ABSL_GUARDED_BY(mutex_);       ///< Last frame of the newest batch.

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <spdlog/sinks/base_sink.h>
@@ -81,16 +82,19 @@ class UnlabelledUpload : public ::testing::Test {
   int sessions_ = 0;
 };
 
-TEST_F(UnlabelledUpload, IsWarnedAboutOnceAStreamWhereTheMapKeepsObjects) {
-  const std::string map = CreateMap("objects", v1::UPDATE_POLICY_POCD);
+TEST_F(UnlabelledUpload, IsWarnedAboutOnceAStreamWhereTheMapNeedsLabels) {
+  const std::string map = CreateMap("objects", v1::UPDATE_POLICY_POCD_PAPER);
   EXPECT_EQ(CountWarnings(map, {.with_labels = true}), 0);
   EXPECT_EQ(CountWarnings(map, {.with_labels = false}), 1);
   EXPECT_EQ(CountWarnings(map, {.with_labels = false}), 1);
 }
 
-TEST_F(UnlabelledUpload, IsAllThatAMapOfSurfaceNeeds) {
-  const std::string map = CreateMap("surface", v1::UPDATE_POLICY_STATIC);
-  EXPECT_EQ(CountWarnings(map, {.with_labels = false}), 0);
+TEST_F(UnlabelledUpload, IsAllThatOtherMapsNeed) {
+  for (const auto& [id, policy] : {std::pair("surface", v1::UPDATE_POLICY_STATIC),
+                                   std::pair("things", v1::UPDATE_POLICY_POCD)}) {
+    const std::string map = CreateMap(id, policy);
+    EXPECT_EQ(CountWarnings(map, {.with_labels = false}), 0);
+  }
 }
 
 }  // namespace

@@ -42,7 +42,6 @@ MapObject RandomObject(std::mt19937* random) {
   object.belief = {angle(*random), positive(*random), positive(*random), positive(*random)};
   object.evidence.present_cells = positive(*random);
   object.evidence.absent_cells = positive(*random);
-  object.evidence.absent_streak_cells = positive(*random);
   object.first_seen = Timestamp::FromNanoseconds(time(*random));
   object.last_seen = Timestamp::FromNanoseconds(time(*random));
   object.supporting_frames = large(*random);
@@ -141,7 +140,6 @@ TEST(ConvertObject, WrongFieldsAreNamed) {
             "last_seen.nanos");
   EXPECT_EQ(field([](M* m) { m->set_present_cells(kNan); }), "present_cells");
   EXPECT_EQ(field([](M* m) { m->set_absent_cells(-1.0); }), "absent_cells");
-  EXPECT_EQ(field([](M* m) { m->set_absent_streak_cells(kInfinity); }), "absent_streak_cells");
 }
 
 TEST(ConvertObject, GarbageIsRefusedOrReadsAsAValidState) {

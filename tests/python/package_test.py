@@ -132,7 +132,7 @@ class TheExample(TemporaryFolderTest):
         self.assertGreater(frames, 50)
         self.assertIn(f"{frames} frames uploaded", output)
         self.assertNotIn("refused", output)
-        self.assertEqual(self.client.get_map("depot").revision, frames)
+        self.assertGreater(self.client.get_map("depot").revision, frames)
         self.assertGreater(len(list(self.client.objects("depot"))), 5)
         self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
 

@@ -359,15 +359,16 @@ class AWatchOfADaemon(unittest.TestCase):
     def test_goes_on_from_a_token_in_another_client(self):
         with self.client.watch("hall", steadymap.WatchOptions(backoff=QUICK)) as watch:
             self.client.upload("hall", [room_frame(i, (0.4,)) for i in range(10)])
-            self.read_up_to(watch, 10)
+            end = self.client.get_map("hall").revision
+            self.read_up_to(watch, end)
             token = watch.resume_token
         self.client.upload("hall", [room_frame(i, (0.4,)) for i in range(10, 30)])
         options = steadymap.WatchOptions(resume_token=token)
         with steadymap.connect(self.daemon.address) as client:
             with client.watch("hall", options) as watch:
-                items = self.read_up_to(watch, 30)
+                items = self.read_up_to(watch, self.client.get_map("hall").revision)
         deltas = [item for item in items if isinstance(item, steadymap.Delta)]
-        self.assertEqual(deltas[0].previous_revision, 10)
+        self.assertEqual(deltas[0].previous_revision, end)
         self.assertFalse(any(isinstance(item, steadymap.Created) for item in items))
 
     def test_brings_leaves_where_volumes_are_asked_for(self):
@@ -380,14 +381,15 @@ class AWatchOfADaemon(unittest.TestCase):
         self.assertTrue(all((leaf.origin % 8 == 0).all() and leaf.packed for leaf in leaves))
 
     def test_brings_patches_where_they_are_asked_for(self):
-        self.client.upload("hall", [room_frame(i, (0.4,)) for i in range(10)])
+        self.client.create_map("store", steadymap.MapOptions(policy="static"))
+        self.client.upload("store", [room_frame(i, (0.4,)) for i in range(10)])
         for takes_patches in (False, True):
             options = steadymap.WatchOptions(kinds=["volumes"], takes_patches=takes_patches)
-            known = self.client.get_map("hall").revision
-            with self.client.watch("hall", options) as watch:
+            known = self.client.get_map("store").revision
+            with self.client.watch("store", options) as watch:
                 self.read_up_to(watch, known)
                 more = [room_frame(i, (0.4,)) for i in range(known, known + 3)]
-                self.client.upload("hall", more)
+                self.client.upload("store", more)
                 items = self.read_up_to(watch, known + 3)
             deltas = [item for item in items if isinstance(item, steadymap.Delta)]
             leaves = [leaf for delta in deltas for leaf in delta.leaves]
@@ -401,11 +403,12 @@ class AWatchOfADaemon(unittest.TestCase):
     def test_with_a_token_of_another_filter_is_resynced_or_refused(self):
         with self.client.watch("hall", steadymap.WatchOptions(kinds=["events"])) as watch:
             self.client.upload("hall", [room_frame(0, ())])
-            self.read_up_to(watch, 1)
+            end = self.client.get_map("hall").revision
+            self.read_up_to(watch, end)
             token = watch.resume_token
         options = steadymap.WatchOptions(kinds=["objects"], resume_token=token)
         with self.client.watch("hall", options) as watch:
-            self.assertEqual(next(watch), steadymap.Resync(1, "BAD_RESUME_TOKEN"))
+            self.assertEqual(next(watch), steadymap.Resync(end, "BAD_RESUME_TOKEN"))
         strict = dataclasses.replace(options, resync_if_compacted=False)
         with self.assertRaises(errors.InvalidArgumentError) as raised:
             next(self.client.watch("hall", strict))

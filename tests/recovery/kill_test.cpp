@@ -30,6 +30,9 @@ constexpr double kServingLimitS = 5.0;
 constexpr int kImageScale = 4;
 constexpr std::size_t kFrameCount = 150;
 
+// The frames, and the end of their session.
+constexpr std::size_t kEntryCount = kFrameCount + 1;
+
 // Frames in transit at once; fewer frames give more regular acknowledgements.
 constexpr std::size_t kFramesAhead = 10;
 
@@ -222,8 +225,8 @@ TEST(KillTest, DurableFramesAreIntegratedExactlyOnceWhateverIsKilled) {
     MapClient client(OpenChannel(daemon.address()));
     const absl::StatusOr<v1::Map> map = client.GetMap(kHall);
     ASSERT_TRUE(map.ok()) << map.status();
-    EXPECT_EQ(map->state().revision(), kFrameCount) << "a frame was lost or counted twice";
-    EXPECT_EQ(map->state().durable_map_seq(), kFrameCount);
+    EXPECT_EQ(map->state().revision(), kEntryCount) << "an entry was lost or counted twice";
+    EXPECT_EQ(map->state().durable_map_seq(), kEntryCount);
     EXPECT_TRUE(Export(&client) == undisturbed) << "the map differs from an undisturbed run's";
   }
   EXPECT_GT(reconnections, 0U) << "no kill fell into an upload";

@@ -25,9 +25,6 @@
 namespace steadymap {
 namespace {
 
-// Column of the descriptions in the list of switches.
-constexpr std::size_t kSwitchColumn = 14;
-
 /// Returns the error of a route name; empty if the name is valid.
 std::string FindRouteFault(const std::string& name) {
   return std::string(MakeRoute(name).status().message());
@@ -47,12 +44,6 @@ std::string EvaluateFooter() {
   for (const std::string& route : RouteNames()) footer += " " + route;
   footer += " clutter-SEED\nPolicies:";
   for (const std::string& method : MethodNames()) footer += " " + method;
-  footer += "\nSwitches of pocd, and the behaviour of the map without each:";
-  for (const AblationSwitch& row : AllAblationSwitches()) {
-    std::string name(row.name);
-    name.resize(kSwitchColumn, ' ');
-    footer.append("\n  ").append(name).append(row.off);
-  }
   return footer;
 }
 
@@ -94,12 +85,6 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
   AddSources(command);
   command->add_option("--policy", policies_, "Policies to compare (default: all)")
       ->check(CLI::IsMember(MethodNames()));
-  command
-      ->add_option("--switch-off",
-                   switched_off_,
-                   "Also score pocd without these switches, one at a time; all: each switch")
-      ->type_name("NAME")
-      ->check(CLI::IsMember(SwitchNames()));
   command->add_option("--stride", stride_, "Use every N-th frame")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
@@ -123,9 +108,6 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
                    "Largest depth that the maps use (default: 4 m for table scenes, otherwise 3)")
       ->type_name("METRES")
       ->check(CLI::Range(0.1, 100.0));
-  command->add_flag("--by-session",
-                    by_session_,
-                    "Decide with policy pocd at the end of a sequence, without switches");
   command->add_flag("--ground", with_ground_, "Score the ground too");
   command->add_flag("--stages", with_stages_, "Show the time per stage of a frame");
   command->add_flag("--faults", with_faults_, "List what is wrong in the events of a route");
@@ -197,13 +179,7 @@ void EvaluateCommand::AddSources(CLI::App* command) {
 
 /// Returns the methods to compare, for maps with the configuration of a scene.
 absl::StatusOr<std::vector<Method>> EvaluateCommand::MethodsFor(const MapConfig& config) const {
-  absl::StatusOr<std::vector<Method>> methods =
-      SelectMethods(policies_, ConfigOfMaps(config), switched_off_);
-  if (!methods.ok()) return methods.status();
-  for (Method& method : *methods) {
-    method.decides_by_session = by_session_ && method.config.policy == UpdatePolicy::kPocd;
-  }
-  return methods;
+  return SelectMethods(policies_, ConfigOfMaps(config));
 }
 
 absl::Status EvaluateCommand::Run() const {

@@ -44,7 +44,6 @@ class EvaluateCommand {
   std::string label_map_file_;
   std::string T_world_dataset_file_;
   std::vector<std::string> policies_;
-  std::vector<std::string> switched_off_;  ///< Switches of pocd.
   std::vector<std::uint64_t> seeds_ = {1};
   std::size_t stride_ = 1;
   std::optional<double> wrong_labels_;
@@ -55,7 +54,6 @@ class EvaluateCommand {
   std::string pictures_folder_;
   std::string meshes_folder_;
   SensorModel sensor_ = SensorModel::Full();
-  bool by_session_ = false;
   bool with_ground_ = false;
   bool with_stages_ = false;
   bool with_faults_ = false;

@@ -50,7 +50,6 @@ EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* contex
   command->add_option("--policy", policy_, "Update policy of the maps")
       ->check(CLI::IsMember(MethodNames()))
       ->capture_default_str();
-  command->add_flag("--by-session", by_session_, "Decide with policy pocd at the end of a drive");
   command->add_flag("--faults", with_faults_, "List what is wrong in each case");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
@@ -67,7 +66,6 @@ absl::Status EvaluateRoomsCommand::Run() const {
   for (const Method& method : *methods) {
     if (method.name == policy_) options.policy = method.config.policy;
   }
-  options.mapper.decides_by_session = by_session_;
   options.cases = cases_;
   options.seed = seed_;
   ProgressReport report(&context_->err,

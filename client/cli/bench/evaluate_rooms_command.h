@@ -24,7 +24,6 @@ class EvaluateRoomsCommand {
   std::string policy_ = "pocd";
   std::size_t cases_ = 4;
   std::uint64_t seed_ = 1;
-  bool by_session_ = false;
   bool with_faults_ = false;
 };
 

@@ -44,8 +44,8 @@ constexpr Preset kPresets[] = {
 constexpr char kMapOptionsHelp[] =
     "These options are fixed when a map is created, so that the same frames always give the\n"
     "same map. --policy static fuses all frames; surface that rays pass through disappears\n"
-    "gradually. pocd keeps objects and detects moved and removed ones; it needs labels or\n"
-    "instances in each frame. The other policies are baselines for comparison. The default\n"
+    "gradually. pocd keeps objects and detects moved and removed ones; labels or instances in\n"
+    "each frame help it. The other policies are baselines for comparison. The default\n"
     "truncation is three voxels. --classes is a text file with one line `ID NAME\n"
     "[static|semi-static|dynamic|background]` for each class. Pixels of dynamic classes are\n"
     "never mapped. A name of several words must be followed by one of these words. Without\n"

@@ -4,7 +4,7 @@
 
 namespace steadymap {
 
-UploadWarnings::UploadWarnings(UpdatePolicy policy) : needs_labels_(KeepsObjects(policy)) {}
+UploadWarnings::UploadWarnings(UpdatePolicy policy) : needs_labels_(NeedsLabels(policy)) {}
 
 std::optional<std::string> UploadWarnings::Look(const v1::Frame& frame) {
   ++frames_;
@@ -12,7 +12,7 @@ std::optional<std::string> UploadWarnings::Look(const v1::Frame& frame) {
   needs_labels_ = false;
   return "warning: frame " + std::to_string(frames_) +
          " has neither labels nor instances; this map keeps objects and finds none in such frames "
-         "(a map created with --policy static needs no labels)";
+         "(maps with --policy static or pocd need no labels)";
 }
 
 }  // namespace steadymap

@@ -18,7 +18,7 @@ constexpr std::uint32_t kEventReasons = static_cast<std::uint32_t>(EventReason::
 constexpr std::uint32_t kMaxClassId = 0xFFFF;
 constexpr std::int32_t kMaxLeafIndex = 1 << 27;
 
-constexpr int kEvidenceNumbers = 4;
+constexpr int kEvidenceNumbers = 2;
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
@@ -56,7 +56,7 @@ void LeafToProto(const LeafEvidence& leaf, storage::v1::LeafEvidence* proto) {
   const std::size_t last = scores.find_last_not_of('\0');
   scores.resize(last == std::string::npos ? 0 : last + 1);
   proto->set_scores(std::move(scores));
-  proto->set_confirmed_ns(leaf.confirmed.nanoseconds());
+  proto->set_last_look_ns(leaf.last_look.nanoseconds());
 }
 
 absl::StatusOr<LeafEvidence> LeafFromProto(const storage::v1::LeafEvidence& proto) {
@@ -73,17 +73,15 @@ absl::StatusOr<LeafEvidence> LeafFromProto(const storage::v1::LeafEvidence& prot
   std::transform(proto.scores().begin(), proto.scores().end(), leaf.score.begin(), [](char score) {
     return static_cast<std::int8_t>(score);
   });
-  leaf.confirmed = Timestamp::FromNanoseconds(proto.confirmed_ns());
+  leaf.last_look = Timestamp::FromNanoseconds(proto.last_look_ns());
   return leaf;
 }
 
 absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence* evidence) {
   evidence->present_cells = proto.evidence_cells(0);
   evidence->absent_cells = proto.evidence_cells(1);
-  evidence->absent_streak_cells = proto.evidence_cells(2);
-  evidence->change_sum_m = proto.evidence_cells(3);
-  if (!std::isfinite(evidence->change_sum_m)) {
-    return CorruptRecord("an object record contains a change that is not finite");
+  if (!std::isfinite(evidence->present_cells) || !std::isfinite(evidence->absent_cells)) {
+    return CorruptRecord("an object record contains a number of cells that is not finite");
   }
   evidence->leaves.reserve(static_cast<std::size_t>(proto.evidence_size()));
   for (const storage::v1::LeafEvidence& leaf : proto.evidence()) {
@@ -117,8 +115,6 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   BeliefToProto(state.belief, proto.mutable_belief());
   proto.add_evidence_cells(state.evidence.present_cells);
   proto.add_evidence_cells(state.evidence.absent_cells);
-  proto.add_evidence_cells(state.evidence.absent_streak_cells);
-  proto.add_evidence_cells(state.evidence.change_sum_m);
   for (const LeafEvidence& leaf : state.evidence.leaves) LeafToProto(leaf, proto.add_evidence());
   proto.set_first_seen_ns(state.first_seen.nanoseconds());
   proto.set_standing_since_ns(state.in_place_since.nanoseconds());
@@ -137,7 +133,7 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
 absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectState& proto) {
   if (proto.standing() < 1 || proto.standing() > kStandings || proto.class_id() > kMaxClassId ||
       proto.pose_size() != 4 || proto.cuboid_size() != 7 ||
-      proto.evidence_cells_size() != kEvidenceNumbers) {
+      proto.evidence_cells_size() < kEvidenceNumbers) {
     return CorruptRecord("an object record does not contain a valid object");
   }
   ObjectState state;

@@ -69,6 +69,7 @@ storage::v1::RobotRecord ToProto(const RobotState& state) {
     Add(state.turn_rad_per_s, record.mutable_motion());
   }
   for (const MovingCell& moving : state.moving) MovingToProto(moving, record.add_moving());
+  if (state.session_start) record.set_session_start_ns(state.session_start->nanoseconds());
   return record;
 }
 
@@ -101,6 +102,9 @@ absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
       return CorruptRecord("the cells of a robot record are not sorted");
     }
     state.moving.push_back(moving);
+  }
+  if (record.has_session_start_ns()) {
+    state.session_start = Timestamp::FromNanoseconds(record.session_start_ns());
   }
   return state;
 }

@@ -212,6 +212,7 @@ storage::v1::SessionRecord ToProto(const SessionRecord& record) {
   proto.set_last_map_seq(record.last_map_seq.value());
   proto.set_last_active_uptime_ns(record.last_active.count());
   proto.set_last_active_time_ns(record.last_active_time.nanoseconds());
+  proto.set_is_over(record.is_over);
   return proto;
 }
 
@@ -222,7 +223,8 @@ absl::StatusOr<SessionRecord> FromProto(const storage::v1::SessionRecord& record
                        *std::move(settled),
                        MapSequence{record.last_map_seq()},
                        MapUptime(record.last_active_uptime_ns()),
-                       Timestamp::FromNanoseconds(record.last_active_time_ns())};
+                       Timestamp::FromNanoseconds(record.last_active_time_ns()),
+                       record.is_over()};
 }
 
 storage::v1::PoseRecord ToProto(const FramePose& pose) {

@@ -38,8 +38,17 @@ absl::Status UnreadableEntry(std::uint64_t number) {
 }
 
 LogRecordKind RecordKindOf(LogEntryKind kind) {
-  if (kind == LogEntryKind::kSkipped) return LogRecordKind::kSkipped;
-  return kind == LogEntryKind::kFrame ? LogRecordKind::kFrame : LogRecordKind::kClasses;
+  switch (kind) {
+    case LogEntryKind::kFrame:
+      return LogRecordKind::kFrame;
+    case LogEntryKind::kClasses:
+      return LogRecordKind::kClasses;
+    case LogEntryKind::kSkipped:
+      return LogRecordKind::kSkipped;
+    case LogEntryKind::kSessionEnd:
+      return LogRecordKind::kSessionEnd;
+  }
+  return LogRecordKind::kSkipped;
 }
 
 std::string PackGroupEnd(const LogAppend& append) {
@@ -75,6 +84,10 @@ std::vector<std::string_view> PackEntry(const LogEntry& entry, std::string* head
   frame.set_robot(entry.source.robot);
   frame.set_sensor(entry.source.sensor);
   const std::string packed = frame.SerializeAsString();
+  if (entry.kind == LogEntryKind::kSessionEnd) {
+    *header = packed;
+    return {*header};
+  }
   header->clear();
   for (std::size_t i = 0; i < kHeaderLengthBytes; ++i) {
     header->push_back(static_cast<char>(packed.size() >> (8 * i)));
@@ -99,6 +112,13 @@ absl::StatusOr<LogEntry> UnpackEntry(FoundRecord record) {
       if (!read.ok()) return read.status();
       entry.classes.push_back(*std::move(read));
     }
+    return entry;
+  }
+  if (record.kind == LogRecordKind::kSessionEnd) {
+    entry.kind = LogEntryKind::kSessionEnd;
+    storage::v1::FrameHeader source;
+    if (!source.ParseFromString(record.payload)) return UnreadableEntry(record.number);
+    entry.source = {source.robot(), source.sensor()};
     return entry;
   }
   std::size_t header_bytes = 0;

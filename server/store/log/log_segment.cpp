@@ -97,7 +97,8 @@ std::optional<RecordHeader> UnpackRecordHeader(std::string_view packed, MapKey m
   const std::string_view summed = packed.substr(8, kRecordSummedBytes);
   if (ReadInteger(packed, 4, 4) != HeaderChecksum(map, summed)) return std::nullopt;
   const std::uint64_t kind = ReadInteger(packed, 24, 8);
-  if (kind < 1 || kind > static_cast<std::uint64_t>(LogRecordKind::kSkipped)) return std::nullopt;
+  if (kind < 1 || kind > static_cast<std::uint64_t>(LogRecordKind::kSessionEnd))
+    return std::nullopt;
   return RecordHeader{static_cast<LogRecordKind>(kind),
                       ReadInteger(packed, 16, 8),
                       ReadInteger(packed, 12, 4),

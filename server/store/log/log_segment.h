@@ -31,10 +31,11 @@ namespace steadymap {
 
 /// The kind of a record of the log.
 enum class LogRecordKind : std::uint8_t {
-  kFrame = 1,     ///< An entry: a frame, with its source.
-  kClasses = 2,   ///< An entry: classes added to the map's class table.
-  kGroupEnd = 3,  ///< The end of a group, with the sessions that it changed.
-  kSkipped = 4,   ///< An entry without effect and without payload.
+  kFrame = 1,       ///< An entry: a frame, with its source.
+  kClasses = 2,     ///< An entry: classes added to the map's class table.
+  kGroupEnd = 3,    ///< The end of a group, with the sessions that it changed.
+  kSkipped = 4,     ///< An entry without effect and without payload.
+  kSessionEnd = 5,  ///< An entry: the session of a robot has ended.
 };
 
 /// The content of a segment's header.

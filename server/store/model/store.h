@@ -92,21 +92,23 @@ struct SessionRecord {
   MapSequence last_map_seq;    ///< Sequence of the session's newest durable frame; 0: none.
   MapUptime last_active{0};    ///< Map uptime at the session's last message.
   Timestamp last_active_time;  ///< Server clock at the session's last message, for display.
+  bool is_over = false;        ///< True if no frame follows the session's end in the log.
 };
 
 /// The kind of an entry of a map's log.
 enum class LogEntryKind {
-  kFrame,    ///< A frame uploaded by a robot.
-  kClasses,  ///< Classes added to the map's class table.
-  kSkipped,  ///< No content: a salvage writes it in place of an entry that is lost or excluded.
+  kFrame,       ///< A frame uploaded by a robot.
+  kClasses,     ///< Classes added to the map's class table.
+  kSkipped,     ///< No content: a salvage writes it in place of an entry that is lost or excluded.
+  kSessionEnd,  ///< The session of a robot has ended.
 };
 
 /// An entry of a map's log. Every change of a map is an entry, so the log alone determines the map.
 struct LogEntry {
   MapSequence sequence;
   LogEntryKind kind = LogEntryKind::kFrame;
-  SensorName source;                     ///< Frames only: the sensor that took the frame.
-  std::string packed_frame;              ///< Frames only: the `v1::Frame` as it was uploaded.
+  SensorName source;                     ///< `kFrame`, `kSessionEnd`: the sensor.
+  std::string packed_frame;              ///< `kFrame` only: the `v1::Frame` as it was uploaded.
   std::vector<SemanticClass> classes{};  ///< `kClasses` only: the added classes.
 };
 

@@ -81,11 +81,5 @@ TEST(SemanticCloud, WithoutInstancesASpotIsWhatItsLabelSays) {
   EXPECT_GT(CountFused(cloud, 0, kGoods), 50U);
 }
 
-TEST(SemanticCloud, MovingThingsAreFusedWhereThatIsAskedFor) {
-  SemanticCloud cloud(MapConfig(), /*drops_dynamic=*/false);
-  cloud.Compute(PersonWithSpot(0.3));
-  EXPECT_GT(CountFused(cloud, kPersonInstance, kPerson), 100U);
-}
-
 }  // namespace
 }  // namespace steadymap

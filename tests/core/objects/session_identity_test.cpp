@@ -80,7 +80,8 @@ class SessionIdentityTest : public ::testing::Test {
     map_.EndFrame();
     for (const auto& [id, object] : map_.objects()) {
       EXPECT_NE(object.state().status, ObjectStatus::kTentative);
-      EXPECT_EQ(object.state().evidence, ObjectEvidence());
+      EXPECT_TRUE(object.state().evidence.leaves.empty());
+      EXPECT_TRUE(object.state().parts.empty());
     }
     return map_.Commit().delta.events;
   }
@@ -105,11 +106,21 @@ TEST_F(SessionIdentityTest, AnObjectInPlaceIsConfirmedWithoutAnEvent) {
   ASSERT_EQ(map_.objects().size(), 1U);
   EXPECT_EQ(known->state().supporting_frames, 40U);
   EXPECT_GT(known->state().belief.stationarity(), before);
+  EXPECT_GT(known->state().evidence.present_cells, 0.0);
+  EXPECT_EQ(known->state().evidence.absent_cells, 0.0);
 }
 
 TEST_F(SessionIdentityTest, AnObjectThatWasNotLookedAtStays) {
   PutKnown(0.0, 0);
   EXPECT_TRUE(Decide().empty());
+}
+
+TEST_F(SessionIdentityTest, AnObjectKeepsTheSumsOfTheSessionThatLastLookedAtIt) {
+  TrackedObject* known = PutKnown(0.0, 2);
+  Decide();
+  const double present = known->state().evidence.present_cells;
+  Decide();
+  EXPECT_EQ(known->state().evidence.present_cells, present);
 }
 
 TEST_F(SessionIdentityTest, AnObjectThatLooksMissIsRemovedAndKeptAsHistory) {
@@ -121,6 +132,8 @@ TEST_F(SessionIdentityTest, AnObjectThatLooksMissIsRemovedAndKeptAsHistory) {
   EXPECT_EQ(events.front().object, gone->id());
   EXPECT_LT(events.front().after.stationarity(), events.front().before.stationarity());
   EXPECT_TRUE(gone->is_history());
+  EXPECT_EQ(gone->state().evidence.present_cells, 0.0);
+  EXPECT_GT(gone->state().evidence.absent_cells, 0.0);
 }
 
 TEST_F(SessionIdentityTest, AShapeThatLeftOnePlaceForAnotherHasMoved) {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/policy/engine_parameters.h"
 #include "core/policy/map_updater.h"
 #include "core/types/policy_parameters.h"
 #include "tests/core/policy/map_story.h"
@@ -78,11 +77,11 @@ TEST(ConfiguredParameters, DefaultsAreThoseOfThePolicies) {
   EXPECT_EQ(submaps.full_weight, SubmapChangeParameters().full_weight);
   EXPECT_EQ(submaps.max_depth_m, SubmapChangeParameters().max_depth_m);
 
-  const ObjectMapperParameters pocd = ParametersFor(ConfigOf(UpdatePolicy::kPocd), {});
-  EXPECT_EQ(pocd.judgement.stationarity, BeliefUpdateParameters().stationarity);
-  EXPECT_EQ(pocd.min_stationarity, ObjectMapperParameters().min_stationarity);
-  EXPECT_EQ(pocd.confirmation.initial_stationarity,
-            ObjectLifecycleParameters().initial_stationarity);
+  const EvidenceMapperParameters pocd = EvidenceParametersOf(ConfigOf(UpdatePolicy::kPocd));
+  EXPECT_EQ(pocd.sessions.max_duration_s, SessionLimits().max_duration_s);
+  EXPECT_EQ(pocd.sessions.max_pause_s, SessionLimits().max_pause_s);
+  EXPECT_EQ(pocd.identity.belief, SessionIdentityParameters().belief);
+  EXPECT_EQ(pocd.identity.initial_stationarity, SessionIdentityParameters().initial_stationarity);
 }
 
 // Otherwise a parameter would be accepted and have no effect.
@@ -98,9 +97,11 @@ TEST(ConfiguredParameters, EachParameterChangesThoseOfItsPolicy) {
   EXPECT_EQ(TrackingParametersOf(config).registration.search_distance_m, 0.5);
   EXPECT_EQ(TrackingParametersOf(config).min_samples, 30U);
   config.policy = UpdatePolicy::kPocd;
-  config.parameters = {{"min_stationarity", 0.45}, {"max_evidence", 30.0}};
-  EXPECT_EQ(ParametersFor(config, {}).min_stationarity, 0.45);
-  EXPECT_EQ(ParametersFor(config, {}).judgement.stationarity.max_evidence, 30.0);
+  config.parameters = {
+      {"initial_stationarity", 0.45}, {"max_evidence", 30.0}, {"max_session_s", 20.0}};
+  EXPECT_EQ(EvidenceParametersOf(config).identity.initial_stationarity, 0.45);
+  EXPECT_EQ(EvidenceParametersOf(config).identity.belief.max_evidence, 30.0);
+  EXPECT_EQ(EvidenceParametersOf(config).sessions.max_duration_s, 20.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "core/policy/evidence_mapper.h"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,21 +12,22 @@
 namespace steadymap {
 namespace {
 
+using ::steadymap::testing::Around;
 using ::steadymap::testing::Body;
+using ::steadymap::testing::CountSurfaceIn;
 using ::steadymap::testing::ExpectSameMap;
 using ::steadymap::testing::FarWall;
 using ::steadymap::testing::Goods;
 using ::steadymap::testing::kGoodsClass;
+using ::steadymap::testing::kPersonClass;
+using ::steadymap::testing::kWallClass;
+using ::steadymap::testing::LookAtScene;
 using ::steadymap::testing::MapStory;
 using ::steadymap::testing::PocdConfig;
+using ::steadymap::testing::Scene;
+using ::steadymap::testing::SceneBody;
 
 constexpr int kFrames = 10;
-
-MapperOptions BySession() {
-  MapperOptions options;
-  options.decides_by_session = true;
-  return options;
-}
 
 class EvidenceMapperTest : public ::testing::Test {
  protected:
@@ -44,7 +46,7 @@ class EvidenceMapperTest : public ::testing::Test {
     ++visit_;
   }
 
-  MapStory story_{PocdConfig(), BySession()};
+  MapStory story_{PocdConfig()};
   int visit_ = 0;
 };
 
@@ -54,6 +56,52 @@ TEST_F(EvidenceMapperTest, AnObjectIsAnnouncedOnceAtTheEndOfItsSession) {
   story_.EndSession();
   EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, APauseEndsASessionAtTheTimeOfItsLastFrame) {
+  const std::vector<Frame> first = LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames);
+  story_.Play(first);
+  EXPECT_TRUE(story_.events().empty());
+  story_.Look({FarWall(), Goods(0.0)}, 1, 1);
+  const std::vector<ObjectEvent> created = story_.EventsOf(EventType::kCreated, kGoodsClass);
+  ASSERT_EQ(created.size(), 1U);
+  EXPECT_EQ(created[0].time, first.back().capture_time);
+  EXPECT_EQ(created[0].revision, Revision(kFrames + 1));
+}
+
+TEST_F(EvidenceMapperTest, AJumpBackInTimeEndsASession) {
+  story_.Look({FarWall(), Goods(0.0)}, kFrames, 1);
+  story_.Play(LookAtScene({FarWall(), Goods(0.0)}, 0, 1));
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, ALongSessionIsDecidedInParts) {
+  MapConfig config = PocdConfig();
+  config.parameters = {{"max_session_s", 4.0}};
+  MapStory story(config);
+  story.Look({FarWall(), Goods(0.0)}, kFrames);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  story.Look({FarWall(), Goods(0.0)}, 2 * kFrames);
+  EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, AnEndWithoutFramesTellsNothing) {
+  Visit({FarWall(), Goods(0.0)});
+  const std::size_t told = story_.events().size();
+  story_.EndSession();
+  story_.EndSession();
+  EXPECT_EQ(story_.events().size(), told);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, TheStateOfARobotTellsWhetherItsSessionIsOpen) {
+  const std::vector<Frame> frames = LookAtScene({FarWall()}, 0, 2);
+  story_.Play(frames);
+  const SensorName& sensor = frames.front().source;
+  EXPECT_EQ(story_.map().robots.at(sensor).session_start, frames.front().capture_time);
+  story_.EndSession(sensor);
+  EXPECT_EQ(story_.map().robots.at(sensor).session_start, std::nullopt);
 }
 
 TEST_F(EvidenceMapperTest, AnotherVisitToAnUnchangedPlaceTellsNothing) {
@@ -75,6 +123,100 @@ TEST_F(EvidenceMapperTest, AThingInAnotherPlaceHasMoved) {
   Visit({FarWall(), Goods(0.4)});
   EXPECT_EQ(story_.EventsOf(EventType::kMoved, kGoodsClass).size(), 1U);
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, AMovedThingKeepsItsIdentityAndItsShape) {
+  Visit({FarWall(), Goods(-0.4)});
+  const MapObject before = *story_.Present(kGoodsClass).front();
+  const std::size_t surface_before = CountSurfaceIn(story_.map(), Around(Goods(-0.4), 0.1));
+  Visit({FarWall(), Goods(0.4)});
+  const std::vector<ObjectEvent> moved = story_.EventsOf(EventType::kMoved, kGoodsClass);
+  ASSERT_EQ(moved.size(), 1U);
+  EXPECT_EQ(moved[0].object, before.id);
+  ASSERT_TRUE(moved[0].old_center_world.has_value());
+  EXPECT_NEAR(moved[0].old_center_world->y(), -0.4, 0.1);
+  EXPECT_NEAR(moved[0].center_world.y(), 0.4, 0.1);
+  const MapObject& after = *story_.Present(kGoodsClass).front();
+  EXPECT_EQ(after.id, before.id);
+  EXPECT_EQ(after.first_seen, before.first_seen);
+  // One side was seen in the first place, the other one in the second.
+  EXPECT_GT(CountSurfaceIn(story_.map(), Around(Goods(0.4), 0.1)), surface_before);
+  EXPECT_FALSE(story_.map().objects.contains(moved[0].related));
+}
+
+TEST_F(EvidenceMapperTest, ARemovedThingThatComesBackReturns) {
+  Visit({FarWall(), Goods(0.0)});
+  const MapObject before = *story_.Present(kGoodsClass).front();
+  Visit({FarWall()});
+  EXPECT_EQ(CountSurfaceIn(story_.map(), Around(Goods(0.0), 0.1)), 0U);
+  Visit({FarWall(), Goods(0.0)});
+  const std::vector<ObjectEvent> returned = story_.EventsOf(EventType::kReturned, kGoodsClass);
+  ASSERT_EQ(returned.size(), 1U);
+  EXPECT_EQ(returned[0].object, before.id);
+  EXPECT_EQ(story_.Present(kGoodsClass).front()->first_seen, before.first_seen);
+}
+
+TEST_F(EvidenceMapperTest, AHiddenThingStays) {
+  Visit({FarWall(), Goods(0.0)});
+  Visit({FarWall(), Goods(0.0), Body(kWallClass, {0.9, -2.0, -2.0}, {1.1, 2.0, 2.0})});
+  EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, NothingOfAPersonIsKept) {
+  const SceneBody person = Body(kPersonClass, {1.2, -0.2, -0.7}, {1.5, 0.2, 0.7});
+  Visit({FarWall(), person});
+  EXPECT_EQ(CountSurfaceIn(story_.map(), Around(person, 0.2)), 0U);
+  EXPECT_TRUE(story_.Present(kPersonClass).empty());
+}
+
+TEST_F(EvidenceMapperTest, AThingOfAFewCentimetresIsAnObjectInAFineMap) {
+  MapConfig config = PocdConfig();
+  config.voxel_size_m = 0.02;
+  config.truncation_m = 0.06;
+  MapStory fine(config);
+  fine.Look({FarWall(), Body(kGoodsClass, {1.3, -0.06, -0.06}, {1.42, 0.06, 0.06})}, kFrames);
+  fine.EndSession();
+  EXPECT_EQ(fine.Present(kGoodsClass).size(), 1U);
+}
+
+/// Returns frames of goods that appear rotated in place by `yaw_rad`: the camera poses are rotated
+/// about the centre of the goods.
+std::vector<Frame> LookAtTurned(const SceneBody& goods, double yaw_rad, int first, int visit) {
+  const Eigen::Vector3d center_world = goods.box_world.center();
+  const Eigen::Isometry3d turn = Eigen::Translation3d(center_world) *
+                                 Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+                                 Eigen::Translation3d(-center_world);
+  std::vector<Frame> frames = LookAtScene({goods}, first, kFrames, visit);
+  for (Frame& frame : frames) frame.T_world_camera = turn * frame.T_world_camera;
+  return frames;
+}
+
+TEST_F(EvidenceMapperTest, ALittleTurnIsPoseError) {
+  Visit({Goods(0.0)});
+  story_.Play(LookAtTurned(Goods(0.0), 0.02, kFrames + 1, 1));
+  story_.EndSession();
+  EXPECT_EQ(story_.events().size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, ThePartOfAPileThatWasTakenAwayIsCutOff) {
+  const auto pile = [](double top_m) {
+    return Body(kGoodsClass, {1.6, -0.4, -0.8}, {2.0, 0.4, top_m});
+  };
+  Visit({FarWall(), pile(0.6)});
+  const ObjectId id = story_.Present(kGoodsClass).front()->id;
+  Visit({FarWall(), pile(0.2)});
+  ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).front()->id, id);
+  EXPECT_NEAR(story_.Present(kGoodsClass).front()->cuboid.highest_m(), 0.2, 0.15);
+}
+
+TEST_F(EvidenceMapperTest, TwinsAreNotGuessed) {
+  Visit({FarWall(), Goods(-0.8), Goods(0.0)});
+  Visit({FarWall()});
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 2U);
+  Visit({FarWall(), Goods(0.8)});
+  EXPECT_TRUE(story_.EventsOf(EventType::kMoved, kGoodsClass).empty());
 }
 
 TEST_F(EvidenceMapperTest, NeighboursOfOneClassAreTwoAndOneMayLeave) {
@@ -120,7 +262,7 @@ TEST_F(EvidenceMapperTest, AFrameWithoutLabelsDoesNotDoubtALabelledThing) {
 }
 
 TEST_F(EvidenceMapperTest, ARestartInTheMiddleOfASessionChangesNothing) {
-  MapStory restarted(PocdConfig(), BySession());
+  MapStory restarted(PocdConfig());
   // The side of the second thing is at a flat angle and waits for the end of the session.
   const testing::Scene scene = {
       FarWall(), Goods(0.0), Body(kGoodsClass, {1.2, 0.55, -0.3}, {2.2, 1.0, 0.3})};

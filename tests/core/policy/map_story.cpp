@@ -56,10 +56,10 @@ Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_tim
   return frame;
 }
 
-MapStory::MapStory(const MapConfig& config, const MapperOptions& options)
+MapStory::MapStory(const MapConfig& config, StageObserver* stages)
     : config_(config),
-      options_(options),
-      mapper_(Mapper::Create(config, options).value()),
+      stages_(stages),
+      mapper_(Mapper::Create(config, stages).value()),
       told_(VoxelScale{config.voxel_size_m, config.truncation_m}) {}
 
 void MapStory::Play(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
@@ -74,13 +74,13 @@ void MapStory::Look(const Scene& scene, int count, int visit) {
   Play(LookAtScene(scene, static_cast<int>(mapper_->head().value()), count, visit));
 }
 
-void MapStory::EndSession() {
-  mapper_->EndSession(mapper_->head().Next());
+void MapStory::EndSession(const SensorName& sensor) {
+  mapper_->EndSession(mapper_->head().Next(), sensor);
   Commit();
 }
 
 void MapStory::Restart() {
-  mapper_ = Mapper::Create(config_, options_).value();
+  mapper_ = Mapper::Create(config_, stages_).value();
   mapper_->Restore(told_);
 }
 

@@ -39,7 +39,7 @@ Frame SmallFrame(int width_px, int height_px, double depth_m, double capture_tim
 /// A map, recorded from its first frame on.
 class MapStory {
  public:
-  explicit MapStory(const MapConfig& config, const MapperOptions& options = {});
+  explicit MapStory(const MapConfig& config, StageObserver* stages = nullptr);
 
   /// Integrates frames, with a commit after every `frames_per_commit` frames and at the end.
   void Play(const std::vector<Frame>& frames, std::size_t frames_per_commit = 1);
@@ -47,8 +47,8 @@ class MapStory {
   /// Integrates the next `count` frames of a scene. A new `visit` begins after a pause.
   void Look(const Scene& scene, int count, int visit = 0);
 
-  /// Ends the session of the robots, with a commit.
-  void EndSession();
+  /// Ends the session of a robot, with a commit.
+  void EndSession(const SensorName& sensor = SensorName());
 
   /// Restarts the mapper from the map rebuilt from the deltas.
   void Restart();
@@ -75,7 +75,7 @@ class MapStory {
   void Replay(const ObjectEvent& event);
 
   MapConfig config_;
-  MapperOptions options_;
+  StageObserver* stages_;
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> map_;
   MapSnapshot told_;

@@ -36,7 +36,7 @@ class StageRecord final : public StageObserver {
 
 Stages StagesOfAFrame(UpdatePolicy policy) {
   StageRecord record;
-  MapStory story(ConfigOf(policy), {.stages = &record});
+  MapStory story(ConfigOf(policy), &record);
   const std::vector<Frame> frames = testing::LookAtScene({FarWall(), Goods(0.0)}, 0, 1);
   story.Play(frames, 2);
   return record.stages();
@@ -48,12 +48,9 @@ TEST(StageObserver, HearsEveryStageOfPocdOnceInOrder) {
                            MapperStage::kPolicy,
                            MapperStage::kGuard,
                            MapperStage::kAssociation,
-                           MapperStage::kGround,
-                           MapperStage::kVisibility,
-                           MapperStage::kBelief,
-                           MapperStage::kObservations,
+                           MapperStage::kLooks,
+                           MapperStage::kSegments,
                            MapperStage::kIntegration,
-                           MapperStage::kObjects,
                            MapperStage::kFreeSpace,
                            MapperStage::kFrameEnd,
                            std::nullopt,
@@ -75,7 +72,7 @@ TEST(StageObserver, HearsOneStageOfAPolicyThatTellsNoMore) {
 
 TEST(StageObserver, ChangesNothing) {
   StageRecord record;
-  MapStory watched(ConfigOf(UpdatePolicy::kPocd), {.stages = &record});
+  MapStory watched(ConfigOf(UpdatePolicy::kPocd), &record);
   MapStory alone(ConfigOf(UpdatePolicy::kPocd));
   watched.Look({FarWall(), Goods(0.0)}, 8);
   alone.Look({FarWall(), Goods(0.0)}, 8);

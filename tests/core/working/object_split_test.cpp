@@ -133,17 +133,17 @@ TEST(CopyVoxels, KeepsTheBetterEvidence) {
   LeafEvidence& theirs = StateOf(&from).evidence.MutableLeaf({0, 0, 0});
   theirs.score[3] = 2;
   theirs.score[4] = -7;
-  theirs.confirmed = Timestamp::FromSeconds(50.0);
+  theirs.last_look = Timestamp::FromSeconds(50.0);
   LeafEvidence& ours = StateOf(&into).evidence.MutableLeaf({8, 0, 0});
   ours.score[3] = -3;
   ours.score[4] = -5;
-  ours.confirmed = Timestamp::FromSeconds(40.0);
+  ours.last_look = Timestamp::FromSeconds(40.0);
   CopyInto(from, &into);
   const LeafEvidence* both = into.state().evidence.FindLeaf({8, 0, 0});
   ASSERT_NE(both, nullptr);
   EXPECT_EQ(both->score[3], 2);
   EXPECT_EQ(both->score[4], -5);
-  EXPECT_EQ(both->confirmed, Timestamp::FromSeconds(50.0));
+  EXPECT_EQ(both->last_look, Timestamp::FromSeconds(50.0));
   EXPECT_EQ(into.state().evidence.leaves.size(), 1U);
 }
 
@@ -192,40 +192,6 @@ TEST(MoveGoneVoxels, TakesDoubtedCellsThatGoneOnesAreConnectedTo) {
   const LeafEvidence* taken = part.state().evidence.FindLeaf({0, 0, 0});
   ASSERT_NE(taken, nullptr);
   EXPECT_EQ(taken->score[1], -3);
-}
-
-TEST(CountDoubtedCells, CountsCellsWithSurfaceAlone) {
-  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
-  DoubtedCells cells = CountDoubtedCells(object, -5);
-  EXPECT_EQ(cells.all, 16U) << "four by four, where the wall passes";
-  EXPECT_EQ(cells.doubted, 0U);
-  StateOf(&object).evidence.MutableLeaf({0, 0, 0}).score.fill(-3);
-  cells = CountDoubtedCells(object, -5);
-  EXPECT_EQ(cells.doubted, 16U);
-  EXPECT_EQ(cells.gone, 0U);
-  EXPECT_EQ(CountDoubtedCells(object, -3).gone, 16U);
-}
-
-TEST(CountFoundCells, CountsCellsWithSurfaceInLeavesFoundLately) {
-  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
-  EXPECT_EQ(CountFoundCells(object, Timestamp()), 0U) << "no evidence";
-  LeafEvidence& evidence = StateOf(&object).evidence.MutableLeaf({0, 0, 0});
-  evidence.confirmed = Timestamp::FromSeconds(50.0);
-  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.0)), 0U);
-  evidence.score.fill(2);
-  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.0)), 16U);
-  EXPECT_EQ(CountFoundCells(object, Timestamp::FromSeconds(50.1)), 0U);
-}
-
-TEST(CountConnectedCells, CountsTheLargestGroup) {
-  TrackedObject object = Wall(ObjectId(1), Eigen::Vector3d::Zero());
-  EXPECT_EQ(CountConnectedCells(object), 16U);
-  // Adds a second leaf that is adjacent to the first, and a third that is disconnected.
-  for (const double y_m : {0.4, 1.2}) {
-    CopyInto(Wall(ObjectId(2), {0.0, y_m, 0.0}), &object);
-  }
-  EXPECT_EQ(CountConnectedCells(object), 32U);
-  EXPECT_EQ(CountConnectedCells(TrackedObject(ObjectId(3), Eigen::Vector3d::Zero(), kScale)), 0U);
 }
 
 TEST(MoveGoneVoxels, TakesAWholeLeafAway) {

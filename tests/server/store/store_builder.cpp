@@ -121,12 +121,10 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   state.belief = {number(random), 0.01 + std::abs(number(random)), 1.0 / 3.0, 2.0 / 7.0};
   state.evidence.present_cells = number(random);
   state.evidence.absent_cells = number(random);
-  state.evidence.absent_streak_cells = number(random);
-  state.evidence.change_sum_m = number(random);
   for (std::int32_t x = -2; x < 3; ++x) {
     LeafEvidence& leaf = state.evidence.MutableLeaf({x * kLeafSide, -x * kLeafSide, 0});
     for (std::int8_t& score : leaf.score) score = static_cast<std::int8_t>(random());
-    leaf.confirmed = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
+    leaf.last_look = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   }
   state.evidence.leaves.back().score = {};
   state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3}};

@@ -150,9 +150,8 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::ObjectState* state) { state->mutable_pose()->RemoveLast(); });
   refuse([](storage::v1::ObjectState* state) { state->add_cuboid(1.0); });
   refuse([](storage::v1::ObjectState* state) { state->clear_evidence_cells(); });
-  refuse([](storage::v1::ObjectState* state) { state->add_evidence_cells(1.0); });
   refuse([](storage::v1::ObjectState* state) {
-    state->set_evidence_cells(3, std::numeric_limits<double>::quiet_NaN());
+    state->set_evidence_cells(1, std::numeric_limits<double>::quiet_NaN());
   });
   refuse([](storage::v1::ObjectState* state) { state->mutable_belief()->set_alpha(0.0); });
   refuse([](storage::v1::ObjectState* state) { state->mutable_votes(0)->set_class_id(70000); });
@@ -161,6 +160,14 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   });
   refuse([](storage::v1::ObjectState* state) { state->mutable_evidence(0)->set_x(1 << 30); });
   refuse([](storage::v1::ObjectState* state) { *state->add_evidence() = state->evidence(0); });
+}
+
+TEST(ObjectRecords, MayHaveTheFurtherNumbersOfOlderOnes) {
+  const ObjectState state = MakeObject(5, 1);
+  storage::v1::ObjectState older = ToProto(state);
+  older.add_evidence_cells(3.0);
+  older.add_evidence_cells(0.5);
+  EXPECT_EQ(FromProto(ObjectId{5}, older).value(), state);
 }
 
 TEST(EventRecords, RefuseWhatCannotHaveBeenWritten) {

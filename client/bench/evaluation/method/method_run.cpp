@@ -46,11 +46,7 @@ double BytesPerObject(const MapSnapshot& map) {
 
 absl::StatusOr<MethodRun> MethodRun::Start(const Method& method) {
   auto clock = std::make_unique<StageClock>();
-  absl::StatusOr<std::unique_ptr<Mapper>> mapper =
-      Mapper::Create(method.config,
-                     {.switches = method.switches,
-                      .decides_by_session = method.decides_by_session,
-                      .stages = clock.get()});
+  absl::StatusOr<std::unique_ptr<Mapper>> mapper = Mapper::Create(method.config, clock.get());
   if (!mapper.ok()) return mapper.status();
   return MethodRun(method, std::move(clock), *std::move(mapper));
 }
@@ -59,12 +55,13 @@ MethodRun::MethodRun(const Method& method,
                      std::unique_ptr<StageClock> clock,
                      std::unique_ptr<Mapper> mapper)
     : last_sequence_only_(method.last_sequence_only),
-      decides_by_session_(method.decides_by_session),
+      has_sessions_(HasSessions(method.config.policy)),
       clock_(std::move(clock)),
       mapper_(std::move(mapper)) {}
 
 void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
   if (last_sequence_only_ && !is_last_sequence) return;
+  source_ = frame.source;
   const auto start = std::chrono::steady_clock::now();
   mapper_->Integrate(mapper_->head().Next(), frame);
   const std::chrono::duration<double, std::milli> elapsed =
@@ -74,7 +71,7 @@ void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
 }
 
 void MethodRun::EndSequence() {
-  if (decides_by_session_) mapper_->EndSession(mapper_->head().Next());
+  if (has_sessions_) mapper_->EndSession(mapper_->head().Next(), source_);
 }
 
 void MethodRun::Commit() {

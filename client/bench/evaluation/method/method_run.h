@@ -59,7 +59,8 @@ class MethodRun {
   void Commit();
 
   bool last_sequence_only_ = false;
-  bool decides_by_session_ = false;
+  bool has_sessions_ = false;
+  SensorName source_;                  ///< Of the last frame.
   std::unique_ptr<StageClock> clock_;  ///< Observes the mapper.
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> snapshot_;

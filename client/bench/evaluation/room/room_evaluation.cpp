@@ -45,7 +45,7 @@ bool EndsSession(const Simulation& simulation, std::size_t frame) {
 absl::StatusOr<RoomResult> EvaluateRoom(const RoomCase& room_case,
                                         const RoomEvaluationOptions& evaluation) {
   absl::StatusOr<std::unique_ptr<Mapper>> mapper =
-      Mapper::Create(MapConfigFor(room_case, evaluation.policy), evaluation.mapper);
+      Mapper::Create(MapConfigFor(room_case, evaluation.policy));
   if (!mapper.ok()) return mapper.status();
   const BoxRoom room = MakeBoxRoom(room_case.change, room_case.setting);
   SimulationOptions options;
@@ -64,7 +64,7 @@ absl::StatusOr<RoomResult> EvaluateRoom(const RoomCase& room_case,
     Frame frame = simulation.Render(i);
     if (room_case.labels == RoomLabels::kNone) frame.labels = {};
     (*mapper)->Integrate((*mapper)->head().Next(), frame);
-    if (EndsSession(simulation, i)) (*mapper)->EndSession((*mapper)->head().Next());
+    if (EndsSession(simulation, i)) (*mapper)->EndSession((*mapper)->head().Next(), frame.source);
     if ((*mapper)->uncommitted_entries() >= kFramesPerCommit) commit();
   }
   commit();

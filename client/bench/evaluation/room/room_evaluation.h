@@ -10,7 +10,6 @@
 
 #include "client/bench/evaluation/room/room_case.h"
 #include "client/bench/evaluation/room/room_score.h"
-#include "core/policy/mapper_options.h"
 
 namespace steadymap {
 
@@ -20,7 +19,6 @@ struct RoomEvaluationOptions {
   std::size_t cases = 4;  ///< Per change.
   std::uint64_t seed = 1;
   UpdatePolicy policy = UpdatePolicy::kPocd;
-  MapperOptions mapper = {};
   std::function<void()> on_case;  ///< Called after each case; may be empty.
 };
 

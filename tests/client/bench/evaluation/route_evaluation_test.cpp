@@ -88,15 +88,14 @@ TEST(EvaluateRoute, PocdForgetsWhatMovedAndKeepsWhatIsOutOfView) {
   }
 }
 
-TEST(EvaluateRoute, PeopleLeaveNoTrailUnlessTheyAreFused) {
+TEST(EvaluateRoute, PeopleLeaveNoTrail) {
   RouteEvaluationOptions options = Options(SensorModel::Full(), 3);
-  options.methods = SelectMethods({"pocd"}, MapConfig(), {"dynamic-mask"}).value();
+  options.methods = SelectMethods({"pocd"}, MapConfig()).value();
   const auto evaluation = EvaluateRoute(MakeRoute("people").value(), options);
   ASSERT_TRUE(evaluation.ok()) << evaluation.status();
   const Share& trail = Row(*evaluation, "pocd").map.trail;
   EXPECT_GT(trail.whole, 500U);
   EXPECT_LE(trail.value(), 0.01);
-  EXPECT_GT(Row(*evaluation, "pocd -dynamic-mask").map.trail.value(), trail.value());
 }
 
 TEST(EvaluateRoute, CarsLeaveNoTrailThoughSomeFramesTakeThemForSomethingElse) {

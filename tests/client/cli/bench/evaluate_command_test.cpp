@@ -79,7 +79,7 @@ TEST(EvaluateCommand, ALostRobotSpoilsAMapThatFusesEverything) {
   EXPECT_NE(first_row(Evaluate(misled)), first_row(Evaluate(sound)));
 }
 
-TEST(EvaluateCommand, ShowsPocdWithoutASwitchAndItsStages) {
+TEST(EvaluateCommand, ShowsTheStagesOfPocdAndDrawsItsScores) {
   const TemporaryFolder folder;
   const Outcome outcome = Evaluate({"--route",
                                     "twin",
@@ -88,17 +88,13 @@ TEST(EvaluateCommand, ShowsPocdWithoutASwitchAndItsStages) {
                                     "--ideal",
                                     "--policy",
                                     "pocd",
-                                    "--switch-off",
-                                    "moves",
-                                    "tentative",
                                     "--stages",
                                     "--pictures",
                                     folder.path().string()});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("\npocd -moves "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("\npocd -tentative "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\npocd "), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("\nms/frame "), std::string::npos) << outcome.out;
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "twin-pocd-moves.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "twin-pocd.png"));
 }
 
 TEST(EvaluateCommand, TheSensorChangesTheScores) {
@@ -142,24 +138,10 @@ TEST(EvaluateRoomsCommand, RefusesAnUnknownChangeOrPolicy) {
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--cases", "0"}).exit_code, 2);
 }
 
-TEST(EvaluateCommand, HelpListsTheSwitches) {
-  const Outcome outcome = Evaluate({"--help"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const AblationSwitch& row : AllAblationSwitches()) {
-    EXPECT_NE(outcome.out.find("\n  " + std::string(row.name) + " "), std::string::npos)
-        << row.name;
-    EXPECT_NE(outcome.out.find(row.off), std::string::npos) << row.name;
-  }
-}
-
 TEST(EvaluateCommand, MisuseIsAnErrorThatSaysWhy) {
   EXPECT_EQ(Evaluate({}).exit_code, 1);
   EXPECT_EQ(Evaluate({"--route", "nowhere"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--route", "twin", "--policy", "best"}).exit_code, 2);
-  EXPECT_EQ(Evaluate({"--route", "twin", "--switch-off", "gears"}).exit_code, 2);
-  EXPECT_EQ(Evaluate({"--route", "twin", "--switch-off"}).exit_code, 2);
-  EXPECT_EQ(Evaluate({"--route", "twin", "--policy", "static", "--switch-off", "moves"}).exit_code,
-            1);
   EXPECT_EQ(Evaluate({"--sequence", "/nowhere"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--route", "twin", "--lost", "5"}).exit_code, 2);
   EXPECT_EQ(Evaluate({"--format", "tum", "--lost", "5", "3"}).exit_code, 2);

@@ -140,8 +140,9 @@ TEST_F(UploadCommandTest, AMapOfObjectsThatGetsNoLabelsIsWarnedAboutOnce) {
     std::filesystem::remove_all(sequence.path() / "Segmentation");
     std::filesystem::remove_all(sequence.path() / "Instances");
   }
-  EXPECT_EQ(warnings("objects", "pocd"), 1U);
-  EXPECT_EQ(warnings("objects", "pocd"), 1U);
+  EXPECT_EQ(warnings("objects", "pocd_paper"), 1U);
+  EXPECT_EQ(warnings("objects", "pocd_paper"), 1U);
+  EXPECT_EQ(warnings("things", "pocd"), 0U);
   EXPECT_EQ(warnings("surface", "static"), 0U);
 }
 

@@ -102,29 +102,6 @@ TEST(SelectMethods, TheYardsticksAreAlwaysThere) {
             absl::StatusCode::kInvalidArgument);
 }
 
-TEST(SelectMethods, SwitchesMakeRowsBesidePocd) {
-  const auto methods = SelectMethods({"pocd"}, MapConfig(), {"merging", "moves", "merging"});
-  ASSERT_TRUE(methods.ok()) << methods.status();
-  ASSERT_EQ(methods->size(), 5U);
-  EXPECT_EQ((*methods)[2].name, "pocd");
-  EXPECT_TRUE((*methods)[2].switches == Ablation());
-  EXPECT_EQ((*methods)[3].name, "pocd -merging");
-  EXPECT_EQ((*methods)[3].config.policy, UpdatePolicy::kPocd);
-  EXPECT_TRUE((*methods)[3].switches == AllOnBut("merging").value());
-  EXPECT_EQ((*methods)[4].name, "pocd -moves");
-  EXPECT_EQ(SelectMethods({"pocd"}, MapConfig(), {"all", "moves"})->size(),
-            3U + AllAblationSwitches().size());
-  EXPECT_EQ(SwitchNames().size(), AllAblationSwitches().size() + 1);
-}
-
-TEST(SelectMethods, SwitchesAreOfPocdAndHaveNames) {
-  EXPECT_EQ(SelectMethods({"static"}, MapConfig(), {"moves"}).status().code(),
-            absl::StatusCode::kInvalidArgument);
-  const absl::Status unknown = SelectMethods({"pocd"}, MapConfig(), {"gears"}).status();
-  EXPECT_EQ(unknown.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_NE(unknown.message().find("gears"), absl::string_view::npos) << unknown;
-}
-
 TEST(StageTable, ShowsEveryStageOfEveryMethod) {
   Evaluation evaluation = Example();
   StageTimes& times = evaluation.rows[0].cost.stage_ms;
@@ -145,13 +122,13 @@ TEST(StageClock, CountsWhatLiesBetweenEnterAndLeave) {
   StageClock clock;
   clock.Leave();
   EXPECT_TRUE(clock.total_ms() == StageTimes{});
-  clock.Enter(MapperStage::kGround);
+  clock.Enter(MapperStage::kLooks);
   clock.Enter(MapperStage::kCommit);
   clock.Leave();
   const StageTimes once = clock.total_ms();
   clock.Leave();
   EXPECT_TRUE(clock.total_ms() == once) << "no stage was running";
-  EXPECT_GE(once[static_cast<std::size_t>(MapperStage::kGround)], 0.0);
+  EXPECT_GE(once[static_cast<std::size_t>(MapperStage::kLooks)], 0.0);
   EXPECT_EQ(once[static_cast<std::size_t>(MapperStage::kCloud)], 0.0);
 }
 

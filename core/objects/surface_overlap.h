@@ -1,0 +1,22 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/working/tracked_object.h"
+
+namespace steadymap {
+
+/// How the surface of one object agrees with another object.
+struct SurfaceOverlap {
+  double known_share = 0.0;  ///< Share of the points in what the other has observed.
+  double fit_share = 0.0;    ///< Of those, the share on its surface, facing the same way.
+};
+
+/// Compares the surface of `object`, moved by `T_other_object`, with the volume of `other`. A point
+/// is on the surface within one and a half voxels. Zeros for an object without surface.
+SurfaceOverlap CompareSurfaces(const TrackedObject& object,
+                               const TrackedObject& other,
+                               const Eigen::Isometry3d& T_other_object,
+                               const VoxelScale& scale);
+
+}  // namespace steadymap
