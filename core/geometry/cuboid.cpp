@@ -147,6 +147,18 @@ double FindSideYaw(std::span<const Eigen::Vector3d> points_world) {
   return FindBestHeading(points, yaw_rad - 0.75 * kDegree, 0.25 * kDegree, 7);
 }
 
+/// Returns the side of a cuboid in direction `sign` (1 or -1), as a multiple of `sign`. Reorders
+/// the points, which are given by their positions along an axis, metres.
+double HighSide(double sign, const CuboidMargin& margin, std::vector<double>* along_m) {
+  const auto beyond =
+      static_cast<std::ptrdiff_t>(margin.max_share * static_cast<double>(along_m->size() - 1));
+  const auto side = along_m->begin() + beyond;
+  const auto is_farther = [sign](double a, double b) { return sign * a > sign * b; };
+  std::nth_element(along_m->begin(), side, along_m->end(), is_farther);
+  const double farthest_m = sign * *std::min_element(along_m->begin(), side + 1, is_farther);
+  return std::max(sign * *side, farthest_m - margin.max_m);
+}
+
 }  // namespace
 
 Eigen::Isometry3d Cuboid::T_world_cuboid() const {
@@ -186,16 +198,19 @@ double OverlapM3(const Cuboid& a, const Cuboid& b) {
   return shared_height_m * PlanOverlapM2(a, b);
 }
 
-Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world) {
+Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, const CuboidMargin& margin) {
   const double yaw_rad = FindSideYaw(points_world);
-  Cuboid cuboid = FitCuboid(points_world, yaw_rad);
+  Cuboid cuboid = FitCuboid(points_world, yaw_rad, margin);
   if (cuboid.size_m.x() >= cuboid.size_m.y()) return cuboid;
   const double quarter_turn_rad = 0.5 * std::numbers::pi;
   return FitCuboid(points_world,
-                   yaw_rad > 0.0 ? yaw_rad - quarter_turn_rad : yaw_rad + quarter_turn_rad);
+                   yaw_rad > 0.0 ? yaw_rad - quarter_turn_rad : yaw_rad + quarter_turn_rad,
+                   margin);
 }
 
-Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, double yaw_rad) {
+Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world,
+                 double yaw_rad,
+                 const CuboidMargin& margin) {
   Cuboid cuboid;
   cuboid.yaw_rad = yaw_rad;
   if (points_world.empty()) return cuboid;
@@ -204,15 +219,18 @@ Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, double yaw_rad) 
   const Eigen::Vector3d& reference_world = points_world.front();
   Eigen::Matrix3d R_world_cuboid = Eigen::Matrix3d::Identity();
   R_world_cuboid.topLeftCorner<2, 2>() = PlanRotation(yaw_rad);
-  Eigen::Vector3d low_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d high_m = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& point_world : points_world) {
-    const Eigen::Vector3d offset_m = R_world_cuboid.transpose() * (point_world - reference_world);
-    low_m = low_m.cwiseMin(offset_m);
-    high_m = high_m.cwiseMax(offset_m);
+  Eigen::Vector3d low_m;
+  Eigen::Vector3d high_m;
+  std::vector<double> offsets_m(points_world.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < points_world.size(); ++i) {
+      offsets_m[i] = R_world_cuboid.col(axis).dot(points_world[i] - reference_world);
+    }
+    low_m[axis] = -HighSide(-1.0, margin, &offsets_m);
+    high_m[axis] = HighSide(1.0, margin, &offsets_m);
   }
   cuboid.center_world = reference_world + R_world_cuboid * (0.5 * (low_m + high_m));
-  cuboid.size_m = high_m - low_m;
+  cuboid.size_m = (high_m - low_m).cwiseMax(0.0);
   return cuboid;
 }
 

@@ -40,6 +40,13 @@ double DistanceBetween(const Cuboid& a, const Cuboid& b);
 /// Returns the volume of the intersection of two boxes, cubic metres; 0 if either has no thickness.
 double OverlapM3(const Cuboid& a, const Cuboid& b);
 
+/// The points that a cuboid may leave out, beyond each of its sides: those that errors of labels
+/// and of depth have put beside a surface. By default, none.
+struct CuboidMargin {
+  double max_share = 0.0;  ///< Of all points, in [0, 1].
+  double max_m = 0.0;      ///< Their distance from the side, metres, >= 0.
+};
+
 /// Fits a cuboid to points of a surface: of all headings, the heading with the smallest mean
 /// distance of the points from the nearest side of their bounding box. x is along the longer side;
 /// yaw is in (-pi/2, pi/2] with an error of an eighth of a degree.
@@ -54,10 +61,12 @@ double OverlapM3(const Cuboid& a, const Cuboid& b);
 /// point. For points without a heading (coincident, or a circle) rounding determines the heading,
 /// equally for equal points in equal order. Cost: 40 us for 1024 points; of larger sets, at most
 /// 1024 points determine the heading.
-Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world);
+Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, const CuboidMargin& margin = {});
 
 /// Fits the smallest cuboid of heading `yaw_rad` to finite points. No points give zero size at the
 /// origin.
-Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, double yaw_rad);
+Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world,
+                 double yaw_rad,
+                 const CuboidMargin& margin = {});
 
 }  // namespace steadymap

@@ -3,6 +3,14 @@
 #include <vector>
 
 namespace steadymap {
+namespace {
+
+// A label that is wrong by a pixel at the border of an object, or a ray at a flat angle, puts a row
+// of voxels beside the object. It is one voxel wide and a small share of the surface.
+constexpr double kMaxShareBeyond = 0.04;
+constexpr double kMaxVoxelsBeyond = 1.0;
+
+}  // namespace
 
 TrackedObject::TrackedObject(ObjectId id,
                              const Eigen::Vector3d& position_world,
@@ -78,7 +86,8 @@ std::vector<Eigen::Vector3d> TrackedObject::SurfaceInWorld() const {
 const Cuboid& TrackedObject::cuboid() const {
   if (cuboid_.has_value() && cuboid_pose_ == state_.T_world_object) return *cuboid_;
   cuboid_pose_ = state_.T_world_object;
-  return cuboid_.emplace(FitCuboid(SurfaceInWorld()));
+  const CuboidMargin margin = {kMaxShareBeyond, kMaxVoxelsBeyond * scale_.voxel_size_m};
+  return cuboid_.emplace(FitCuboid(SurfaceInWorld(), margin));
 }
 
 std::shared_ptr<const MapObject> TrackedObject::Publish() const {

@@ -54,8 +54,8 @@ class TrackedObject {
   /// Returns the world-aligned box around `bounds_object()`; empty without surface.
   Box BoundsInWorld() const;
 
-  /// Returns the cuboid around the surface, world frame. Cost: about 100 us after a change, else
-  /// none.
+  /// Returns the cuboid around the surface but for a few voxels beside it, world frame. Cost: about
+  /// 100 us after a change, else none.
   const Cuboid& cuboid() const;
 
   /// Returns the state for publication, which shares the volume.

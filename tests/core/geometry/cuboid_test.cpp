@@ -294,5 +294,45 @@ TEST(FitCuboid, GivenHeadingEnclosesTightly) {
   }
 }
 
+/// Returns points on a grid of 5 cm, `nx` x `ny` x `nz` of them from the origin on.
+std::vector<Eigen::Vector3d> GridPoints(int nx, int ny, int nz) {
+  std::vector<Eigen::Vector3d> points;
+  for (int x = 0; x < nx; ++x) {
+    for (int y = 0; y < ny; ++y) {
+      for (int z = 0; z < nz; ++z) points.emplace_back(0.05 * x, 0.05 * y, 0.05 * z);
+    }
+  }
+  return points;
+}
+
+TEST(FitCuboid, MayLeaveOutAFewPointsBeyondASide) {
+  std::vector<Eigen::Vector3d> points = GridPoints(9, 7, 5);
+  const Cuboid clean = FitCuboid(points, 0.0);
+  for (int y = 0; y < 7; ++y) points.emplace_back(0.45, 0.05 * y, 0.0);
+  const Cuboid enclosing = FitCuboid(points, 0.0);
+  EXPECT_NEAR(enclosing.size_m.x(), clean.size_m.x() + 0.05, 1e-12);
+  const Cuboid fit = FitCuboid(points, 0.0, {.max_share = 0.04, .max_m = 0.05});
+  EXPECT_TRUE(fit.size_m.isApprox(clean.size_m, 1e-12));
+  EXPECT_TRUE(fit.center_world.isApprox(clean.center_world, 1e-12));
+  // More than the share is part of the object.
+  const Cuboid whole = FitCuboid(points, 0.0, {.max_share = 0.01, .max_m = 0.05});
+  EXPECT_TRUE(whole.size_m.isApprox(enclosing.size_m, 1e-12));
+}
+
+TEST(FitCuboid, LeavesOutNothingBeyondTheMarginInMetres) {
+  std::vector<Eigen::Vector3d> points = GridPoints(9, 7, 5);
+  points.emplace_back(1.0, 0.0, 0.0);
+  const Cuboid fit = FitCuboid(points, 0.0, {.max_share = 0.04, .max_m = 0.05});
+  EXPECT_NEAR(fit.center_world.x() + 0.5 * fit.size_m.x(), 0.95, 1e-12);
+}
+
+TEST(FitCuboid, WithAMarginFewPointsHaveNoNegativeSize) {
+  for (int count = 1; count <= 4; ++count) {
+    const std::vector<Eigen::Vector3d> points = GridPoints(count, 1, 1);
+    const Cuboid fit = FitCuboid(points, 0.3, {.max_share = 1.0, .max_m = 10.0});
+    EXPECT_GE(fit.size_m.minCoeff(), 0.0) << count;
+  }
+}
+
 }  // namespace
 }  // namespace steadymap
