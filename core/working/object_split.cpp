@@ -73,7 +73,11 @@ void StoreCanonical(const DistanceSample& sample,
 void TakeBetterEvidence(const LeafEvidence& evidence, LeafEvidence* target) {
   target->last_look = std::max(target->last_look, evidence.last_look);
   for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
-    target->score[cell] = std::max(target->score[cell], evidence.score[cell]);
+    // A score of zero says nothing.
+    if (evidence.score[cell] == 0) continue;
+    target->score[cell] = target->score[cell] == 0
+                              ? evidence.score[cell]
+                              : std::max(target->score[cell], evidence.score[cell]);
   }
 }
 

@@ -89,6 +89,22 @@ TEST(CopyVoxels, PutsVoxelsWhereTheyAreInTheWorld) {
   EXPECT_LT((a.size_m - b.size_m).norm(), 1e-5);
 }
 
+TEST(CopyVoxels, KeepsOfTwoScoresTheBetterOneThatLooksDecided) {
+  const LeafOrigin in_from{0, 0, 0};
+  const LeafOrigin in_into{8, 0, 0};
+  TrackedObject from(ObjectId(2), {0.4, 0.0, 0.0}, kScale);
+  TrackedObject into(ObjectId(1), {0.0, 0.0, 0.0}, kScale);
+  StateOf(&from).evidence.MutableLeaf(in_from).score = {-2, 0, -2, 1};
+  StateOf(&into).evidence.MutableLeaf(in_into).score = {0, -1, 1, 2};
+  CopyInto(from, &into);
+  const LeafEvidence* both = into.state().evidence.FindLeaf(in_into);
+  ASSERT_NE(both, nullptr);
+  EXPECT_EQ(both->score[0], -2);
+  EXPECT_EQ(both->score[1], -1);
+  EXPECT_EQ(both->score[2], 1);
+  EXPECT_EQ(both->score[3], 2);
+}
+
 TEST(CopyVoxels, KeepsOfTwoVoxelsTheOneThatWasSeenBetter) {
   const LeafOrigin in_from{0, 0, 0};
   const LeafOrigin in_into{8, 0, 0};
