@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 
 namespace steadymap {
@@ -94,6 +95,26 @@ class ObjectLook {
   Eigen::Vector3f camera_world_;
 };
 
+/// The evidence cells of a leaf that a frame shows, one bit each.
+using ShownCells = std::map<LeafOrigin, std::uint64_t>;
+
+/// Lowers the positive scores of the cells that a frame does not show by one: a thing moves as a
+/// whole.
+void DoubtOtherCells(const ShownCells& shown,
+                     double min_interval_s,
+                     Timestamp now,
+                     ObjectEvidence* evidence) {
+  for (LeafEvidence& leaf : evidence->leaves) {
+    const auto found = shown.find(leaf.origin);
+    if (found == shown.end() && (now - leaf.last_look).seconds() < min_interval_s) continue;
+    leaf.last_look = now;
+    const std::uint64_t cells = found == shown.end() ? 0 : found->second;
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if ((cells >> cell & 1) == 0 && leaf.score[cell] > 0) --leaf.score[cell];
+    }
+  }
+}
+
 }  // namespace
 
 bool AddLook(const LookedAtFrame& frame,
@@ -103,7 +124,11 @@ bool AddLook(const LookedAtFrame& frame,
              const TrackedObject& object,
              ObjectEvidence* evidence) {
   const ObjectLook look(frame, parameters, scale, object);
+  // Poses of one session agree well enough to tell that a whole object is gone.
+  const bool is_of_session = object.state().status == ObjectStatus::kTentative;
   bool has_looked = false;
+  LookCount looks;
+  ShownCells shown;  // Of an object of the session.
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     const LeafEvidence* const known = evidence->FindLeaf(leaf.origin);
     if (known != nullptr && (now - known->last_look).seconds() < parameters.min_interval_s)
@@ -119,13 +144,22 @@ bool AddLook(const LookedAtFrame& frame,
     if (!is_leaf_looked_at) continue;
     has_looked = true;
     LeafEvidence& scores = evidence->MutableLeaf(leaf.origin);
+    std::uint64_t shown_cells = 0;
     scores.last_look = now;
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if (balance[cell] == 0) continue;
+      ++(balance[cell] > 0 ? looks.found : looks.gone);
+      shown_cells |= std::uint64_t{1} << cell;
       const int score = scores.score[cell] + (balance[cell] > 0 ? 1 : -1);
       scores.score[cell] =
           static_cast<std::int8_t>(std::clamp(score, -parameters.max_score, parameters.max_score));
     }
+    if (is_of_session) shown.emplace(leaf.origin, shown_cells);
+  }
+  if (is_of_session && looks.gone >= parameters.min_gone_cells &&
+      static_cast<double>(looks.gone) >=
+          parameters.whole_gone_share * static_cast<double>(looks.looked_at())) {
+    DoubtOtherCells(shown, parameters.min_interval_s, now, evidence);
   }
   return has_looked;
 }

@@ -32,6 +32,10 @@ struct LookParameters {
   double min_interval_s = 0.15;
   /// Largest magnitude of a score: so many looks change it from one side to the other.
   int max_score = 2;
+  /// A frame shows that a whole object is gone if at least so many of its evidence cells, and this
+  /// share of those that the frame shows, are gone.
+  std::size_t min_gone_cells = 16;
+  double whole_gone_share = 0.75;
 };
 
 /// The number of evidence cells of an object by the balance of their looks.
@@ -44,8 +48,9 @@ struct LookCount {
 
 /// Adds one look of a frame at each evidence cell of an object that faces the camera and is not
 /// occluded: one up where surface of its class is measured, one down where there is none. Scores
-/// are limited on either side. Returns false if no cell was looked at. `now` is
-/// the capture time of the frame.
+/// are limited on either side. If the frame shows that a whole object of the session is gone, the
+/// positive scores of the cells that it does not show go one down too. Returns false if no cell was
+/// looked at. `now` is the capture time of the frame.
 bool AddLook(const LookedAtFrame& frame,
              const LookParameters& parameters,
              const VoxelScale& scale,

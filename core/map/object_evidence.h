@@ -16,7 +16,7 @@ struct LeafEvidence {
   /// By evidence cell: the balance of the looks that found its surface and of those that did not,
   /// limited on either side (`LookParameters::max_score`).
   std::array<std::int8_t, kEvidenceCells> score{};
-  Timestamp last_look;  ///< Capture time.
+  Timestamp last_look;  ///< Capture time of the last frame that counted.
 
   friend bool operator==(const LeafEvidence&, const LeafEvidence&) = default;
 };

@@ -20,9 +20,15 @@ using ::steadymap::testing::kGoodsClass;
 using ::steadymap::testing::kScale;
 using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::RenderScene;
+using ::steadymap::testing::Scene;
 using ::steadymap::testing::StateOf;
 using ::steadymap::testing::StoreVolume;
 using ::steadymap::testing::WallVolume;
+
+// The left half of the view is closed, so that a frame shows the right half of the wall at most.
+Scene BesideAClosedHalf(const testing::SceneBody& beside) {
+  return {Body(kGoodsClass, {1.0, 0.0, -4.0}, {1.1, 4.0, 4.0}), beside};
+}
 
 class SurfaceLooksTest : public ::testing::Test {
  protected:
@@ -47,6 +53,19 @@ class SurfaceLooksTest : public ::testing::Test {
                    Timestamp::FromSeconds(time_s),
                    wall_,
                    &StateOf(&wall_).evidence);
+  }
+
+  /// Finds the whole wall in several frames. Returns the number of its evidence cells.
+  std::size_t FindAll() {
+    for (int i = 0; i < 5; ++i) Look(2.0, i);
+    return CountLooks(wall_).found;
+  }
+
+  /// Sees through the right half of the wall as often as changes all scores.
+  void SeeThroughRightHalf() {
+    const Frame frame =
+        RenderScene(BesideAClosedHalf(Body(kWallClass, {3.0, -4.0, -4.0}, {3.1, 4.0, 4.0})), {});
+    for (int i = 0; i <= parameters_.max_score; ++i) Look(frame, 100.0 + i);
   }
 
   LookParameters parameters_;
@@ -100,6 +119,36 @@ TEST_F(SurfaceLooksTest, LooksOfOneMomentCountOnce) {
   const ObjectEvidence once = wall_.state().evidence;
   EXPECT_FALSE(Look(2.0, 1.0 + 0.5 * parameters_.min_interval_s));
   EXPECT_EQ(wall_.state().evidence, once);
+}
+
+TEST_F(SurfaceLooksTest, WhatIsShownOfAThingThatIsGoneTellsOfTheRest) {
+  StateOf(&wall_).status = ObjectStatus::kTentative;
+  const std::size_t found = FindAll();
+  SeeThroughRightHalf();
+  EXPECT_EQ(CountLooks(wall_).found, 0U);
+  EXPECT_GT(CountLooks(wall_).gone, 20U);
+  EXPECT_LT(CountLooks(wall_).gone, found);
+}
+
+TEST_F(SurfaceLooksTest, APartThatIsGoneTellsNothingOfWhatIsNotShown) {
+  StateOf(&wall_).status = ObjectStatus::kTentative;
+  const std::size_t found = FindAll();
+  // Above eye level, the shown half is gone.
+  Scene bodies = BesideAClosedHalf(Body(kWallClass, {2.0, -4.0, -4.0}, {2.3, 4.0, 0.0}));
+  bodies.push_back(Body(kWallClass, {3.0, -4.0, -4.0}, {3.1, 4.0, 4.0}));
+  const Frame frame = RenderScene(bodies, {});
+  for (int i = 0; i <= parameters_.max_score; ++i) Look(frame, 100.0 + i);
+  EXPECT_GT(CountLooks(wall_).gone, 10U);
+  EXPECT_EQ(CountLooks(wall_).looked_at(), found);
+}
+
+TEST_F(SurfaceLooksTest, WhatIsShownOfAKnownThingTellsNothingOfTheRest) {
+  // The poses of two sessions differ.
+  StateOf(&wall_).status = ObjectStatus::kPresent;
+  const std::size_t found = FindAll();
+  SeeThroughRightHalf();
+  EXPECT_GT(CountLooks(wall_).gone, 20U);
+  EXPECT_EQ(CountLooks(wall_).looked_at(), found);
 }
 
 TEST_F(SurfaceLooksTest, AFewLooksOutweighAnyNumberOfOlderOnes) {
