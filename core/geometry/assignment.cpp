@@ -171,6 +171,18 @@ void Matching::Rematch(const PathEnd& end) {
   }
 }
 
+/// Returns the cost of a matching.
+double TotalCostOf(const std::vector<std::optional<std::size_t>>& columns,
+                   std::span<const AssignmentPair> pairs,
+                   double unmatched_cost) {
+  double total = 0.0;
+  for (const auto& column : columns) total += column ? 0.0 : unmatched_cost;
+  for (const AssignmentPair& pair : UsefulPairs(pairs, unmatched_cost)) {
+    if (columns[pair.row] == pair.column) total += pair.cost;
+  }
+  return total;
+}
+
 }  // namespace
 
 std::vector<std::optional<std::size_t>> AssignColumns(std::size_t row_count,
@@ -181,6 +193,29 @@ std::vector<std::optional<std::size_t>> AssignColumns(std::size_t row_count,
   Matching matching(row_count, column_count, UsefulPairs(pairs, unmatched_cost), unmatched_cost);
   for (std::size_t row = 0; row < row_count; ++row) matching.Insert(row);
   return std::move(matching).TakeColumns();
+}
+
+std::vector<std::optional<std::size_t>> AssignClearColumns(std::size_t row_count,
+                                                           std::size_t column_count,
+                                                           std::span<const AssignmentPair> pairs,
+                                                           double unmatched_cost,
+                                                           double margin) {
+  assert(margin >= 0.0);
+  const std::vector<std::optional<std::size_t>> columns =
+      AssignColumns(row_count, column_count, pairs, unmatched_cost);
+  const double cost = TotalCostOf(columns, pairs, unmatched_cost);
+  std::vector<std::optional<std::size_t>> clear(row_count);
+  for (std::size_t row = 0; row < row_count; ++row) {
+    if (!columns[row]) continue;
+    std::vector<AssignmentPair> others(pairs.begin(), pairs.end());
+    std::erase_if(others, [&](const AssignmentPair& pair) {
+      return pair.row == row && pair.column == *columns[row];
+    });
+    const double other_cost = TotalCostOf(
+        AssignColumns(row_count, column_count, others, unmatched_cost), others, unmatched_cost);
+    if (other_cost - cost > margin) clear[row] = columns[row];
+  }
+  return clear;
 }
 
 }  // namespace steadymap

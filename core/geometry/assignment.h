@@ -31,4 +31,12 @@ std::vector<std::optional<std::size_t>> AssignColumns(std::size_t row_count,
                                                       std::span<const AssignmentPair> pairs,
                                                       double unmatched_cost);
 
+/// The same, but keeps only the unambiguous pairs: those without which the cheapest matching costs
+/// more than `margin` (>= 0, asserted) more. Costs one `AssignColumns` for each matched row.
+std::vector<std::optional<std::size_t>> AssignClearColumns(std::size_t row_count,
+                                                           std::size_t column_count,
+                                                           std::span<const AssignmentPair> pairs,
+                                                           double unmatched_cost,
+                                                           double margin);
+
 }  // namespace steadymap

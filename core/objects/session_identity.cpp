@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/change/surface_looks.h"
+#include "core/geometry/assignment.h"
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_parts.h"
 #include "core/objects/shape_match.h"
@@ -20,6 +21,9 @@ namespace {
 
 // Standard deviation of a normal distribution, in medians of its magnitude.
 constexpr double kSigmasOfMedian = 1.4826;
+
+// How much more likely a push is than a move from elsewhere, in margins between rivals.
+constexpr double kPushMargins = 2.0;
 
 // A motion below this share of a voxel is lost in its interpolation.
 constexpr double kNegligibleMotionVoxels = 0.1;
@@ -87,7 +91,7 @@ class SessionDecision {
   void MatchDoubted();
   double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
   bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
-  bool IsPushed(const SeenObject& seen, const KnownObject& known, const ShapeMatch& match) const;
+  bool IsPushed(const KnownObject& known, const ShapeMatch& match) const;
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
   void EndVanished();
@@ -95,7 +99,8 @@ class SessionDecision {
   bool AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const;
   std::vector<MoveCandidate> ListMoves();
   void DropPushed(const std::vector<MoveCandidate>& candidates);
-  bool HasRival(const MoveCandidate& candidate, const std::vector<MoveCandidate>& candidates) const;
+  double LikelihoodOf(const MoveCandidate& candidate) const;
+  std::vector<MoveCandidate> FindClearMoves(const std::vector<MoveCandidate>& candidates) const;
   void FindMoves();
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
   void Create(TrackedObject* object);
@@ -335,17 +340,13 @@ void SessionDecision::JudgeKnown() {
 
 /// True if an object of the session that may be a known one in place rather is that one at a new
 /// place: all surface that was known is there.
-bool SessionDecision::IsPushed(const SeenObject& seen,
-                               const KnownObject& known,
-                               const ShapeMatch& match) const {
+bool SessionDecision::IsPushed(const KnownObject& known, const ShapeMatch& match) const {
   const Eigen::Isometry3d T_object_world =
       known.object->state().T_world_object.ToIsometry().inverse();
   const Eigen::Vector3d center_world = known.object->cuboid().center_world;
   const Eigen::Vector3d moved_world = match.T_world_object * (T_object_world * center_world);
   if ((moved_world - center_world).norm() <= parameters_.max_displacement_m) return false;
-  const Eigen::Isometry3d T_seen_world = seen.object->state().T_world_object.ToIsometry().inverse();
-  const SurfaceOverlap overlap = CompareSurfaces(
-      *known.object, *seen.object, T_seen_world * match.T_world_object, map_->scale());
+  const SurfaceOverlap& overlap = match.reverse_overlap;
   return overlap.known_share * overlap.fit_share >= 1.0 - parameters_.max_dissimilarity;
 }
 
@@ -386,11 +387,10 @@ std::vector<MoveCandidate> SessionDecision::ListMoves() {
     }
   });
   std::erase_if(candidates, [&](const MoveCandidate& candidate) {
-    const SurfaceOverlap& overlap = candidate.match.overlap;
-    return overlap.known_share < parameters_.min_shape_known_share ||
-           overlap.fit_share < parameters_.min_shape_fit_share ||
+    return candidate.match.overlap.known_share < parameters_.min_shape_known_share ||
+           candidate.match.fit_share() < parameters_.min_shape_fit_share ||
            (IsDoubtedMatch(*candidate.seen, *candidate.known) &&
-            !IsPushed(*candidate.seen, *candidate.known, candidate.match));
+            !IsPushed(*candidate.known, candidate.match));
   });
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return a.match.confidence() > b.match.confidence();
@@ -408,30 +408,40 @@ void SessionDecision::DropPushed(const std::vector<MoveCandidate>& candidates) {
   });
 }
 
-/// True if another move of one of both objects is as likely.
-bool SessionDecision::HasRival(const MoveCandidate& candidate,
-                               const std::vector<MoveCandidate>& candidates) const {
-  return std::any_of(candidates.begin(), candidates.end(), [&](const MoveCandidate& rival) {
-    if (&rival == &candidate || rival.seen->is_decided || rival.known->is_taken) return false;
-    if (rival.seen != candidate.seen && rival.known != candidate.known) return false;
-    // Of two equal shapes, the one whose place overlaps was pushed.
-    if (candidate.distance_m <= 0.0 && rival.distance_m > 0.0) return false;
-    // What is not known of a shape does not tell it from another one.
-    return rival.match.overlap.fit_share >
-           candidate.match.overlap.fit_share - parameters_.rival_margin;
-  });
+/// Returns how likely a move is, on the scale of `rival_margin`. What is not known of a shape does
+/// not tell it from another one. Of two equal shapes, the one whose place overlaps was pushed.
+double SessionDecision::LikelihoodOf(const MoveCandidate& candidate) const {
+  const bool is_pushed = candidate.distance_m <= 0.0 && IsPushed(*candidate.known, candidate.match);
+  return candidate.match.fit_share() + (is_pushed ? kPushMargins * parameters_.rival_margin : 0.0);
+}
+
+/// Returns the moves without which the best explanation of all changes would be clearly worse.
+std::vector<MoveCandidate> SessionDecision::FindClearMoves(
+    const std::vector<MoveCandidate>& candidates) const {
+  std::vector<AssignmentPair> pairs;
+  pairs.reserve(candidates.size());
+  for (const MoveCandidate& candidate : candidates) {
+    pairs.push_back({static_cast<std::size_t>(candidate.seen - seen_.data()),
+                     static_cast<std::size_t>(candidate.known - known_.data()),
+                     -LikelihoodOf(candidate)});
+  }
+  const std::vector<std::optional<std::size_t>> columns =
+      AssignClearColumns(seen_.size(), known_.size(), pairs, 0.0, parameters_.rival_margin);
+  std::vector<MoveCandidate> clear;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (columns[pairs[i].row] == pairs[i].column) clear.push_back(candidates[i]);
+  }
+  return clear;
 }
 
 /// Joins objects of the session with the gone or archived objects whose shape they have.
 void SessionDecision::FindMoves() {
-  const std::vector<MoveCandidate> candidates = ListMoves();
+  std::vector<MoveCandidate> candidates = ListMoves();
   DropPushed(candidates);
-  for (const MoveCandidate& candidate : candidates) {
-    if (candidate.seen->is_decided || candidate.known->is_taken ||
-        DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence() ||
-        HasRival(candidate, candidates)) {
-      continue;
-    }
+  std::erase_if(candidates, [&](const MoveCandidate& candidate) {
+    return DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence();
+  });
+  for (const MoveCandidate& candidate : FindClearMoves(candidates)) {
     Join(candidate.known->object, candidate.seen->object, candidate.match);
     candidate.seen->is_decided = true;
     candidate.known->standing = Standing::kStands;

@@ -30,8 +30,8 @@ struct SessionIdentityParameters {
   double min_shape_fit_share = 0.85;
   /// Smallest surface of a moved object, as a share of the surface that was known of it.
   double min_moved_area_share = 0.25;
-  /// A shape is that of one object if it agrees with no other one better than this less.
-  double rival_margin = 0.1;
+  /// A move is clear if without it, the best explanation of all changes agrees this much less.
+  double rival_margin = 0.08;
   /// Share of the looked-at surface that must be gone of an object that is gone.
   double gone_share = 0.5;
   /// Share that must be gone of an object in whose place another object is, ...

@@ -117,6 +117,8 @@ ShapeMatch MatchShapes(const TrackedObject& before,
         CompareSurfaces(after, before, match.T_world_object.inverse() * T_world_after, scale);
     if (match.confidence() > best.confidence()) best = match;
   }
+  best.reverse_overlap =
+      CompareSurfaces(before, after, T_world_after.inverse() * best.T_world_object, scale);
   return best;
 }
 

@@ -10,10 +10,14 @@ namespace steadymap {
 /// The pose at which the shape of one object agrees best with the surface of another object.
 struct ShapeMatch {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  SurfaceOverlap overlap;
+  SurfaceOverlap overlap;          ///< Of the surface of the other object.
+  SurfaceOverlap reverse_overlap;  ///< Of the surface of the placed object.
 
-  /// Returns the share of the surface that is known to agree, in [0, 1].
+  /// Returns the share of the surface of the other object that is known to agree, in [0, 1].
   double confidence() const { return overlap.known_share * overlap.fit_share; }
+
+  /// Returns the share of what is known of both surfaces that agrees, in [0, 1].
+  double fit_share() const { return 0.5 * (overlap.fit_share + reverse_overlap.fit_share); }
 };
 
 /// Returns the pose of an upright object; drops rotations about other axes than z.

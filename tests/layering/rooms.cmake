@@ -14,7 +14,7 @@ set(core_ROOMS
     "registration: geometry volume map working"
     "association: types geometry frame volume integration map working"
     "change: types frame volume integration map working association"
-    "objects: types volume map working registration association change"
+    "objects: types geometry volume map working registration association change"
     "robot: types geometry frame volume integration map working association change"
     "policy: types geometry frame volume integration map working registration association change objects robot"
     ".: types frame integration map working policy")

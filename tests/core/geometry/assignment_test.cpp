@@ -176,5 +176,46 @@ TEST(AssignColumns, ShiftsALongChainByOne) {
   for (std::size_t row = 0; row < kRows; ++row) ASSERT_EQ(columns[row], (row + 1) % kRows);
 }
 
+/// Returns the problem without the pair of a row and a column.
+Problem Without(std::size_t row, std::size_t column, Problem problem) {
+  std::erase_if(problem.pairs, [&](const AssignmentPair& pair) {
+    return pair.row == row && pair.column == column;
+  });
+  return problem;
+}
+
+Columns SolveClearly(const Problem& problem, double margin) {
+  return AssignClearColumns(
+      problem.row_count, problem.column_count, problem.pairs, problem.unmatched_cost, margin);
+}
+
+TEST(AssignClearColumns, KeepsThePairsThatNoOtherMatchingCanDoWithout) {
+  constexpr double kMargin = 0.5;
+  std::mt19937 random(4);
+  for (int round = 0; round < 1000; ++round) {
+    const Problem problem = RandomProblem(4, /*with_ties=*/false, &random);
+    const Columns columns = Solve(problem);
+    Columns expected(problem.row_count);
+    for (std::size_t row = 0; row < problem.row_count; ++row) {
+      if (!columns[row]) continue;
+      const double loss = LeastCost(Without(row, *columns[row], problem)) - LeastCost(problem);
+      if (loss > kMargin) expected[row] = columns[row];
+    }
+    ASSERT_EQ(SolveClearly(problem, kMargin), expected) << "round " << round;
+  }
+}
+
+TEST(AssignClearColumns, TwoRowsThatNeedEachOthersSecondChoiceAreClear) {
+  const Problem problem{2, 2, {{0, 0, -0.9}, {0, 1, -0.85}, {1, 0, -0.85}, {1, 1, -0.9}}, 0.0};
+  EXPECT_EQ(SolveClearly(problem, 0.08), (Columns{0, 1}));
+  EXPECT_EQ(SolveClearly(problem, 0.12), Columns(2));
+}
+
+TEST(AssignClearColumns, OfEqualColumnsNoneIsChosen) {
+  const Problem problem{1, 2, {{0, 0, -0.9}, {0, 1, -0.9}}, 0.0};
+  EXPECT_EQ(Solve(problem), Columns{0});
+  EXPECT_EQ(SolveClearly(problem, 0.0), Columns(1));
+}
+
 }  // namespace
 }  // namespace steadymap

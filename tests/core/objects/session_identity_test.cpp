@@ -229,6 +229,23 @@ TEST_F(SessionIdentityTest, TwinsAreNotGuessed) {
   for (const ObjectEvent& event : Decide()) EXPECT_NE(event.type, EventType::kMoved);
 }
 
+TEST_F(SessionIdentityTest, TwoUnlikeShapesThatChangedPlacesHaveBothMoved) {
+  // Each is in the place of the other one, where it may have been pushed.
+  const Eigen::Vector3d low_size_m(0.5, 0.35, 0.45);
+  const Eigen::Vector3d tall_size_m(0.35, 0.3, 0.6);
+  const TrackedObject* low = PutKnown(0.0, -2, low_size_m);
+  const TrackedObject* tall = PutKnown(2.0, -2, tall_size_m);
+  PutSeen(0.0, tall_size_m);
+  PutSeen(2.0, low_size_m);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  EXPECT_NEAR(low->cuboid().size_m.z(), low_size_m.z(), 0.05);
+  EXPECT_NEAR(low->cuboid().center_world.y(), 2.175, 0.05);
+  EXPECT_NEAR(tall->cuboid().size_m.z(), tall_size_m.z(), 0.05);
+  EXPECT_NEAR(tall->cuboid().center_world.y(), 0.15, 0.05);
+}
+
 TEST_F(SessionIdentityTest, ARemovedObjectBackInItsPlaceReturns) {
   TrackedObject* removed = PutKnown(0.0, 0);
   {
