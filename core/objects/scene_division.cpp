@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
 #include "core/objects/outline.h"
 #include "core/volume/tsdf_sample.h"
 
@@ -138,6 +136,13 @@ class SceneDivision {
     });
   }
 
+  std::vector<OrientedPoint> PointsOf(const std::vector<std::size_t>& part) const {
+    std::vector<OrientedPoint> points;
+    points.reserve(part.size());
+    for (const std::size_t i : part) points.push_back(points_[i]);
+    return points;
+  }
+
   /// Drops parts of which most of the outline was not seen.
   void DropIncompleteParts(const WorkingMap& map) {
     std::vector<Eigen::Vector3d> structure;
@@ -146,29 +151,14 @@ class SceneDivision {
     }
     const OutlineTest test(map, structure);
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      std::vector<OrientedPoint> surface;
-      surface.reserve(part.size());
-      for (const std::size_t i : part) surface.push_back(points_[i]);
-      return test.SeenShareOf(surface) < parameters_.min_outline_share;
+      return test.SeenShareOf(PointsOf(part)) < parameters_.min_outline_share;
     });
   }
 
   /// Drops parts that the voxels are too coarse for.
   void DropSlenderParts() {
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-      for (const std::size_t i : part) mean += points_[i].position_world;
-      mean /= static_cast<double>(part.size());
-      Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-      for (const std::size_t i : part) {
-        const Eigen::Vector3d offset = points_[i].position_world - mean;
-        scatter += offset * offset.transpose();
-      }
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
-          Eigen::Matrix3d(scatter / static_cast<double>(part.size())));
-      // Points evenly spread over a length have its twelfth part as variance.
-      const double width_m = std::sqrt(12.0 * std::max(axes.eigenvalues()[1], 0.0));
-      return width_m < parameters_.min_width_voxels * voxel_m_;
+      return PrincipalLengthsOf(PointsOf(part)).y() < parameters_.min_width_voxels * voxel_m_;
     });
   }
 

@@ -485,6 +485,7 @@ bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
   for (const KnownObject& known : known_) {
     if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
     if (!IsFragmentOf(seen, *known.object, parameters_.parts) &&
+        !IsThinPartOf(seen, *known.object, parameters_.parts, *map_) &&
         !AreInContact(seen, *known.object, contact_m, map_->scale())) {
       continue;
     }

@@ -21,6 +21,8 @@ struct SessionPartParameters {
   /// it than this share of its length, is a part of it.
   double fragment_share = 0.1;
   double fragment_reach = 0.5;
+  /// A thin part is narrower than `scene.min_width_voxels` and than this share of its length.
+  double thin_share = 0.3;
   SceneDivisionParameters scene;
 };
 
@@ -43,6 +45,13 @@ bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);
 bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters);
+
+/// True if an object is a thin part of another one of its class beside it, such as a leg or a post:
+/// it is slender, and the space beside it is free, so that it is not a strip of a larger surface.
+bool IsThinPartOf(const TrackedObject& object,
+                  const TrackedObject& other,
+                  const SessionPartParameters& parameters,
+                  const WorkingMap& map);
 
 /// True if several points of the surface of `a` are within `distance_m` of the surface of `b`.
 bool AreInContact(const TrackedObject& a,

@@ -11,6 +11,8 @@
 #include <queue>
 #include <unordered_map>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/volume/voxel_index.h"
 
 namespace steadymap {
@@ -216,6 +218,23 @@ std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object) {
     }
   }
   return points;
+}
+
+Eigen::Vector3d PrincipalLengthsOf(std::span<const OrientedPoint> points) {
+  if (points.empty()) return Eigen::Vector3d::Zero();
+  const auto count = static_cast<double>(points.size());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const OrientedPoint& point : points) mean += point.position_world;
+  mean /= count;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const OrientedPoint& point : points) {
+    const Eigen::Vector3d offset = point.position_world - mean;
+    scatter += offset * offset.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(scatter / count),
+                                                            Eigen::EigenvaluesOnly);
+  // Points evenly spread over a length have its twelfth part as variance.
+  return (12.0 * axes.eigenvalues().reverse().cwiseMax(0.0)).cwiseSqrt();
 }
 
 std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const OrientedPoint> points,

@@ -21,6 +21,10 @@ struct OrientedPoint {
 /// Returns the surface points of an object, in the order of `ObjectSurface::leaves()`.
 std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object);
 
+/// Returns the lengths of points along their principal axes, metres, the longest first. They are
+/// exact for points that are evenly spread over a box.
+Eigen::Vector3d PrincipalLengthsOf(std::span<const OrientedPoint> points);
+
 /// Divides points into sets of which no two points are within `reach_m` of each other: Euclidean
 /// clusters. Returns indices into `points`, the largest set first, each in increasing order. Points
 /// with a nonzero entry in `is_excluded` are in no set. Cost: about 1 us per point.

@@ -75,6 +75,18 @@ class SessionIdentityTest : public ::testing::Test {
     return Put(ObjectStatus::kTentative, {2.0, y_m, 0.0}, size);
   }
 
+  /// Marks the space within bounds as seen through.
+  void MarkFree(const Box& bounds_world) {
+    const double step_m = 0.5 * map_.free_space().cell_size_m();
+    const Eigen::Vector3i steps = (bounds_world.sizes() / step_m).cast<int>();
+    for (int x = 0; x <= steps.x(); ++x) {
+      for (int y = 0; y <= steps.y(); ++y) {
+        const Eigen::Vector3d low = bounds_world.min() + step_m * Eigen::Vector3d(x, y, 0.0);
+        map_.MarkFree(low, {low.x(), low.y(), bounds_world.max().z()});
+      }
+    }
+  }
+
   std::vector<ObjectEvent> Decide() {
     DecideSession(MapConfig(), SessionIdentityParameters(), &map_);
     map_.EndFrame();
@@ -301,6 +313,23 @@ TEST_F(SessionIdentityTest, ObjectsThatFramesShowApartAreTwoEvenInContact) {
   for (int i = 0; i < 10; ++i) VoteOnParts(/*is_connected=*/false, one, other, &map_);
   EXPECT_EQ(Decide().size(), 2U);
   EXPECT_EQ(map_.objects().size(), 2U);
+}
+
+TEST_F(SessionIdentityTest, APostBesideAThingOfItsClassIsAPartOfIt) {
+  PutSeen(0.0);
+  PutSeen(0.8, {0.06, 0.06, 1.2});
+  MarkFree(Box(Eigen::Vector3d(1.7, 0.55, 0.0), Eigen::Vector3d(2.3, 0.75, 1.3)));
+  MarkFree(Box(Eigen::Vector3d(1.7, 0.9, 0.0), Eigen::Vector3d(2.3, 1.1, 1.3)));
+  MarkFree(Box(Eigen::Vector3d(1.7, 0.75, 0.0), Eigen::Vector3d(1.95, 0.9, 1.3)));
+  MarkFree(Box(Eigen::Vector3d(2.1, 0.75, 0.0), Eigen::Vector3d(2.3, 0.9, 1.3)));
+  EXPECT_EQ(Decide().size(), 1U);
+  EXPECT_EQ(map_.objects().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, AStripThatMayGoOnIsAnObject) {
+  PutSeen(0.0);
+  PutSeen(0.8, {0.06, 0.06, 1.2});
+  EXPECT_EQ(Decide().size(), 2U);
 }
 
 TEST_F(SessionIdentityTest, ASurfaceOfOneFrameIsNoObject) {
