@@ -31,8 +31,8 @@ absl::Status AnswerUploadState(const UploadTarget& target, v1::UploadState* resp
 
 }  // namespace
 
-UploadStream::GrpcReactor* IngestService::UploadFrames(grpc::CallbackServerContext* /*context*/) {
-  return UploadStream::Start(dependencies_);
+UploadStream::GrpcReactor* IngestService::UploadFrames(grpc::CallbackServerContext* context) {
+  return UploadStream::Start(dependencies_, context);
 }
 
 grpc::ServerUnaryReactor* IngestService::UploadFrameBatch(grpc::CallbackServerContext* /*context*/,

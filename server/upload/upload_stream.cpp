@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <absl/strings/str_cat.h>
+#include <grpcpp/server_context.h>
 #include <spdlog/spdlog.h>
 
 #include "core/policy/map_updater.h"
@@ -17,9 +18,14 @@ namespace steadymap {
 /// The reactor owned by gRPC; forwards the events to the stream.
 class UploadStream::Reactor final : public GrpcReactor {
  public:
-  explicit Reactor(std::shared_ptr<UploadStream> stream) : stream_(std::move(stream)) {}
+  Reactor(std::shared_ptr<UploadStream> stream, grpc::CallbackServerContext* context)
+      : stream_(std::move(stream)), context_(context) {}
 
-  void OnReadDone(bool ok) override { stream_->OnRead(ok); }
+  void OnReadDone(bool ok) override {
+    // A read also fails if the call is cancelled, of which OnCancel may tell only later.
+    if (!ok && context_->IsCancelled()) stream_->OnCancelled();
+    stream_->OnRead(ok);
+  }
 
   void OnWriteDone(bool ok) override { stream_->OnWritten(ok); }
 
@@ -32,11 +38,13 @@ class UploadStream::Reactor final : public GrpcReactor {
 
  private:
   const std::shared_ptr<UploadStream> stream_;
+  grpc::CallbackServerContext* const context_;  ///< Of gRPC; outlives this object.
 };
 
-UploadStream::GrpcReactor* UploadStream::Start(const Dependencies& dependencies) {
+UploadStream::GrpcReactor* UploadStream::Start(const Dependencies& dependencies,
+                                               grpc::CallbackServerContext* context) {
   auto stream = std::make_shared<UploadStream>(dependencies);
-  auto* reactor = new Reactor(stream);
+  auto* reactor = new Reactor(stream, context);
   stream->reactor_ = reactor;
   stream->Drive();
   return reactor;

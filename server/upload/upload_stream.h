@@ -50,8 +50,8 @@ class UploadStream final : public UploadObserver,
     std::shared_ptr<FrameBudget::Account> call_account;
   };
 
-  /// Starts a stream. The reactor deletes itself.
-  static GrpcReactor* Start(const Dependencies& dependencies);
+  /// Starts the stream of a call. The reactor deletes itself.
+  static GrpcReactor* Start(const Dependencies& dependencies, grpc::CallbackServerContext* context);
 
   /// Used only by `Start`.
   explicit UploadStream(const Dependencies& dependencies);
