@@ -29,6 +29,14 @@ std::vector<std::string> ChangeNames() {
   return names;
 }
 
+constexpr RoomLabels kLabels[] = {RoomLabels::kClasses, RoomLabels::kInstances, RoomLabels::kNone};
+
+std::vector<std::string> LabelNames() {
+  std::vector<std::string> names;
+  for (const RoomLabels labels : kLabels) names.emplace_back(NameOf(labels));
+  return names;
+}
+
 }  // namespace
 
 EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* context)
@@ -50,6 +58,12 @@ EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* contex
   command->add_option("--policy", policy_, "Update policy of the maps")
       ->check(CLI::IsMember(MethodNames()))
       ->capture_default_str();
+  command
+      ->add_option("--labels",
+                   labels_,
+                   "Labels of all cases (default: drawn for each); leaves out changes that cannot "
+                   "be told with them")
+      ->check(CLI::IsMember(LabelNames()));
   command->add_flag("--faults", with_faults_, "List what is wrong in each case");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
@@ -65,6 +79,9 @@ absl::Status EvaluateRoomsCommand::Run() const {
   if (!methods.ok()) return methods.status();
   for (const Method& method : *methods) {
     if (method.name == policy_) options.policy = method.config.policy;
+  }
+  for (const RoomLabels labels : kLabels) {
+    if (NameOf(labels) == labels_) options.labels = labels;
   }
   options.cases = cases_;
   options.seed = seed_;

@@ -59,7 +59,8 @@ void VaryMap(RoomCase* room_case, Variation* variation) {
   });
   if (AreTouching(room_case->change)) return;
   static constexpr const char* kLabels[] = {"instances", "no-labels", "no-labels"};
-  variation->Maybe(kLabels, [&](std::size_t choice) {
+  const bool can_be_told = CanBeTold(room_case->change, RoomLabels::kNone);
+  variation->Maybe(std::span(kLabels).first(can_be_told ? 3 : 1), [&](std::size_t choice) {
     room_case->labels = choice == 0 ? RoomLabels::kInstances : RoomLabels::kNone;
   });
 }
@@ -129,6 +130,17 @@ SensorModel DefaultSensor() {
 std::string_view NameOf(RoomLabels labels) {
   static constexpr std::string_view kNames[] = {"classes", "instances", "none"};
   return kNames[static_cast<std::size_t>(labels)];
+}
+
+bool CanBeTold(RoomChange change, RoomLabels labels) {
+  if (AreTouching(change)) return labels == RoomLabels::kInstances;
+  return change != RoomChange::kSwappedClasses || labels != RoomLabels::kNone;
+}
+
+void GiveLabels(RoomLabels labels, RoomCase* room_case) {
+  std::erase_if(room_case->variations,
+                [](const std::string& name) { return name == "instances" || name == "no-labels"; });
+  room_case->labels = labels;
 }
 
 std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::uint64_t seed) {

@@ -34,6 +34,13 @@ struct RoomCase {
 /// value with a probability of a third. Equal arguments give equal cases.
 std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::uint64_t seed);
 
+/// True if cases of a change have a truth with these labels: things that touch are two only by
+/// their instances, and classes that change places cannot be seen without labels.
+bool CanBeTold(RoomChange change, RoomLabels labels);
+
+/// Gives a case these labels instead of those that were drawn.
+void GiveLabels(RoomLabels labels, RoomCase* room_case);
+
 /// Returns the configuration of the case's map.
 MapConfig MapConfigFor(const RoomCase& room_case, UpdatePolicy policy);
 

@@ -114,7 +114,9 @@ std::string FaultText(const RoomResult& result) {
 absl::StatusOr<std::vector<RoomResult>> EvaluateRooms(const RoomEvaluationOptions& options) {
   std::vector<RoomResult> results;
   for (const RoomChange change : options.changes) {
-    for (const RoomCase& room_case : ListRoomCases(change, options.cases, options.seed)) {
+    if (options.labels && !CanBeTold(change, *options.labels)) continue;
+    for (RoomCase& room_case : ListRoomCases(change, options.cases, options.seed)) {
+      if (options.labels) GiveLabels(*options.labels, &room_case);
       absl::StatusOr<RoomResult> result = EvaluateRoom(room_case, options);
       if (!result.ok()) return result.status();
       results.push_back(*std::move(result));

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct RoomEvaluationOptions {
   std::size_t cases = 4;  ///< Per change.
   std::uint64_t seed = 1;
   UpdatePolicy policy = UpdatePolicy::kPocd;
+  /// Of every case; without a value, those that `ListRoomCases` draws. Changes that cannot be told
+  /// with these labels are left out.
+  std::optional<RoomLabels> labels;
   std::function<void()> on_case;  ///< Called after each case; may be empty.
 };
 
