@@ -60,7 +60,8 @@ Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,
     for (const TrackedObject* other : known) {
       const std::optional<Registration> registration = RegisterToKnown(*object, *other, scale);
       if (!registration || registration->dissimilarity > parameters.max_dissimilarity ||
-          registration->known_share < parameters.min_shape_known_share) {
+          registration->known_share < parameters.min_shape_known_share ||
+          DisplacementOf(*registration, *object) > parameters.max_session_offset_m) {
         continue;
       }
       anchors.push_back(MatchesOf(*object, *other, registration->T_correction, scale));

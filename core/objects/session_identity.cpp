@@ -210,8 +210,9 @@ double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches,
   for (const auto& [other, displacement_m] : least_m) others_m.push_back(displacement_m);
   const auto middle = others_m.begin() + static_cast<std::ptrdiff_t>((others_m.size() - 1) / 2);
   std::nth_element(others_m.begin(), middle, others_m.end());
-  return std::max(parameters_.max_displacement_m,
-                  parameters_.max_pose_sigmas * kSigmasOfMedian * *middle);
+  return std::clamp(parameters_.max_pose_sigmas * kSigmasOfMedian * *middle,
+                    parameters_.max_displacement_m,
+                    parameters_.max_session_offset_m);
 }
 
 /// Returns the known objects that each object of the session may be, in place or almost.

@@ -15,6 +15,8 @@ struct SessionIdentityParameters {
   double initial_stationarity = 0.67;
   /// Of the pose claimed by the robot, in the alignment of a session; each known object has one.
   double claim_votes = 1.5;
+  /// What is displaced by more was moved: no robot is off by so much, metres.
+  double max_session_offset_m = 0.15;
   /// Displacement at which a known object has lost half of its vote, metres, at least half a voxel.
   double vote_scale_m = 0.02;
   /// An object that is displaced by no more than this stands where it stood, metres.

@@ -1,0 +1,62 @@
+#include "core/objects/session_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/analytic_solid.h"
+#include "tests/support/default_scale.h"
+#include "tests/support/object_edits.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::kScale;
+using ::steadymap::testing::StoreVolume;
+
+/// Returns a box of 0.5 x 0.4 x 0.6 m whose centre is at (`x_m`, `y_m`), with the space around it.
+TrackedObject BoxAt(std::uint64_t id, double x_m, double y_m) {
+  TrackedObject object(ObjectId(id), {x_m, y_m, 0.0}, kScale);
+  const auto distance_m = [](const Eigen::Vector3d& point) {
+    const Eigen::Array3d beyond = point.array().abs() - Eigen::Array3d(0.25, 0.2, 0.3);
+    const double outside_m = beyond.max(0.0).matrix().norm();
+    const double limit_m = kScale.truncation_m;
+    return std::clamp(outside_m + std::min(beyond.maxCoeff(), 0.0), -limit_m, limit_m);
+  };
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(0.8);
+  StoreVolume(
+      testing::MakeVolume(
+          distance_m, Box(-reach, reach), kScale, [](const Eigen::Vector3d&) { return true; }),
+      &object);
+  return object;
+}
+
+/// Returns the shift of a session that sees three boxes, all displaced along x.
+double ShiftOf(double displacement_m) {
+  std::vector<TrackedObject> known;
+  std::vector<TrackedObject> seen;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    const double y_m = 2.0 * static_cast<double>(i);
+    known.push_back(BoxAt(2 * i + 1, 0.0, y_m));
+    seen.push_back(BoxAt(2 * i + 2, displacement_m, y_m));
+  }
+  return AlignSession({&seen[0], &seen[1], &seen[2]},
+                      {&known[0], &known[1], &known[2]},
+                      SessionIdentityParameters(),
+                      kScale)
+      .translation()
+      .x();
+}
+
+TEST(AlignSession, FollowsThePosesOfARobot) { EXPECT_NEAR(ShiftOf(0.08), -0.08, 0.01); }
+
+TEST(AlignSession, ThingsThatMovedAlikeAreNoPoseError) {
+  const double limit_m = SessionIdentityParameters().max_session_offset_m;
+  for (const double displacement_m : {1.3 * limit_m, 1.6 * limit_m, 1.9 * limit_m}) {
+    EXPECT_NEAR(ShiftOf(displacement_m), 0.0, 0.01) << displacement_m;
+  }
+}
+
+}  // namespace
+}  // namespace steadymap
