@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/objects/opposite_parts.h"
 #include "core/objects/outline.h"
+#include "core/objects/point_grid.h"
 #include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
@@ -18,19 +20,8 @@ constexpr double kMinUpCosine = 0.85;
 // Share of the points of a flat part whose normals agree.
 constexpr double kMinFlatShare = 0.9;
 
-// Where the continuation of a surface is looked for in its plane, voxels along two directions.
-constexpr std::pair<double, double> kContinuationVoxels[] = {{2.0, 0.0},
-                                                             {-2.0, 0.0},
-                                                             {0.0, 2.0},
-                                                             {0.0, -2.0},
-                                                             {4.0, 0.0},
-                                                             {-4.0, 0.0},
-                                                             {0.0, 4.0},
-                                                             {0.0, -4.0},
-                                                             {6.0, 0.0},
-                                                             {-6.0, 0.0},
-                                                             {0.0, 6.0},
-                                                             {0.0, -6.0}};
+// Where the continuation of a surface is looked for along an axis in its plane, voxels.
+constexpr double kContinuationVoxels[] = {2.0, -2.0, 4.0, -4.0, 6.0, -6.0};
 
 // A part that is farther from another one in the plan is not above it, voxels.
 constexpr double kBesideVoxels = 3.0;
@@ -51,6 +42,7 @@ class SceneDivision {
     FindStructure(map);
     FindParts(contact_voxels);
     DropContinuations(map);
+    JoinOppositeParts();
     JoinFloatingParts();
     DropSlenderParts();
     DropIncompleteParts(map);
@@ -68,7 +60,7 @@ class SceneDivision {
   std::size_t part_count() const { return parts_.size(); }
 
  private:
-  /// Marks the points on large planes and on known background.
+  /// Marks the points on large planes and on known background, of which noise shows a back, too.
   void FindStructure(const WorkingMap& map) {
     is_structure_ = FindLargePlanes(points_,
                                     voxel_m_ * voxel_m_,
@@ -81,8 +73,34 @@ class SceneDivision {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DistanceSample sample = sampler.Sample(points_[i].position_world);
       if (sample.known && std::abs(sample.distance_m) <= voxel_m_ &&
-          sample.gradient.dot(points_[i].normal_world) > parameters_.min_plane_cosine) {
+          std::abs(sample.gradient.dot(points_[i].normal_world)) > parameters_.min_plane_cosine) {
         is_structure_[i] = 1;
+      }
+    }
+    ExtendStructure(&sampler);
+  }
+
+  /// Marks the points that continue known background in its plane: floor that was hidden until now.
+  void ExtendStructure(TsdfSampler* background) {
+    const PointGrid grid(points_, kPlaneReachVoxels * voxel_m_);
+    for (std::size_t seed = 0; seed < points_.size(); ++seed) {
+      if (is_structure_[seed] != 0 || !ContinuesAt(points_[seed], background)) continue;
+      const OrientedPoint& plane = points_[seed];
+      is_structure_[seed] = 1;
+      std::vector<std::size_t> region = {seed};
+      for (std::size_t next = 0; next < region.size(); ++next) {
+        grid.ForEachNeighbour(region[next], [&](std::size_t other) {
+          const OrientedPoint& point = points_[other];
+          const double distance_m =
+              plane.normal_world.dot(point.position_world - plane.position_world);
+          if (is_structure_[other] != 0 ||
+              std::abs(distance_m) > parameters_.max_plane_distance_voxels * voxel_m_ ||
+              plane.normal_world.dot(point.normal_world) < parameters_.min_plane_cosine) {
+            return;
+          }
+          is_structure_[other] = 1;
+          region.push_back(other);
+        });
       }
     }
   }
@@ -93,23 +111,48 @@ class SceneDivision {
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
       return static_cast<double>(part.size()) < min_points;
     });
+    JoinNearParts(parameters_.near_voxels * voxel_m_);
   }
 
-  /// True if the background continues a surface at a point: in its tangent plane, a few voxels
-  /// away, it has surface that faces alike.
+  /// Joins parts that are closer than `reach_m`, each of which is large enough for an object.
+  void JoinNearParts(double reach_m) {
+    constexpr std::size_t kNone = ~std::size_t{0};
+    const PointGrid grid(points_, reach_m);
+    std::vector<std::size_t> part_of(points_.size(), kNone);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      for (const std::size_t point : parts_[i]) part_of[point] = i;
+    }
+    for (std::size_t i = parts_.size(); i-- > 0;) {
+      std::size_t into = i;
+      for (const std::size_t point : parts_[i]) {
+        grid.ForEachNeighbour(point, [&](std::size_t other) {
+          if (part_of[other] < into) into = part_of[other];
+        });
+      }
+      if (into == i) continue;
+      for (const std::size_t point : parts_[i]) part_of[point] = into;
+      Join(i, into);
+    }
+  }
+
+  /// True if the background continues a surface at a point: along two axes in its tangent plane, a
+  /// few voxels away, it has surface that faces alike. Along an edge, it has some along one axis.
   bool ContinuesAt(const OrientedPoint& point, TsdfSampler* background) const {
     const Eigen::Vector3d along = point.normal_world.unitOrthogonal();
-    const Eigen::Vector3d across = point.normal_world.cross(along);
-    for (const auto& [steps_along, steps_across] : kContinuationVoxels) {
-      const Eigen::Vector3d beside =
-          point.position_world + voxel_m_ * (steps_along * along + steps_across * across);
-      const DistanceSample sample = background->Sample(beside);
-      if (sample.known && std::abs(sample.distance_m) <= voxel_m_ &&
-          sample.gradient.dot(point.normal_world) > parameters_.min_plane_cosine) {
-        return true;
-      }
-    }
-    return false;
+    return ContinuesAlong(along, point, background) &&
+           ContinuesAlong(point.normal_world.cross(along), point, background);
+  }
+
+  bool ContinuesAlong(const Eigen::Vector3d& axis,
+                      const OrientedPoint& point,
+                      TsdfSampler* background) const {
+    return std::any_of(
+        std::begin(kContinuationVoxels), std::end(kContinuationVoxels), [&](double voxels) {
+          const DistanceSample sample =
+              background->Sample(point.position_world + voxels * voxel_m_ * axis);
+          return sample.known && std::abs(sample.distance_m) <= voxel_m_ &&
+                 sample.gradient.dot(point.normal_world) > parameters_.min_plane_cosine;
+        });
   }
 
   /// Drops flat parts that continue the background or a large plane: the border of a floor.
@@ -202,6 +245,21 @@ class SceneDivision {
     return nearest_m;
   }
 
+  /// Joins the sides of things of which the edges between them were not seen.
+  void JoinOppositeParts() {
+    const std::vector<std::size_t> opposite_of =
+        FindOppositeParts(points_, parts_, voxel_m_, parameters_.opposite_sides);
+    for (std::size_t i = parts_.size(); i-- > 0;) {
+      // The smaller side decides; larger parts come first.
+      if (opposite_of[i] < i) Join(i, opposite_of[i]);
+    }
+  }
+
+  void Join(std::size_t part, std::size_t into) {
+    parts_[into].insert(parts_[into].end(), parts_[part].begin(), parts_[part].end());
+    parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(part));
+  }
+
   void JoinFloatingParts() {
     for (std::size_t i = parts_.size(); i-- > 0;) {
       if (parts_.size() < 2 || !Floats(parts_[i])) continue;
@@ -215,8 +273,7 @@ class SceneDivision {
         nearest = j;
       }
       if (nearest == i) continue;
-      parts_[nearest].insert(parts_[nearest].end(), parts_[i].begin(), parts_[i].end());
-      parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(i));
+      Join(i, nearest);
     }
   }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/objects/surface_parts.h"
+#include "core/objects/opposite_parts.h"
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
 
@@ -14,6 +14,9 @@ struct SceneDivisionParameters {
   double min_plane_cosine = 0.85;
   /// Smallest surface of an object, square metres.
   double min_area_m2 = 0.02;
+  /// Parts that are closer are one object, voxels: narrow surface, such as the edge of a table, has
+  /// gaps.
+  double near_voxels = 2.25;
   /// Narrower parts, such as the legs of a table, do not become objects of their own, voxels.
   double min_width_voxels = 3.0;
   /// Share of the outline of an object that must have been seen.
@@ -22,6 +25,7 @@ struct SceneDivisionParameters {
   /// to the nearest other part within the reach, metres.
   double max_float_voxels = 3.0;
   double float_reach_m = 0.5;
+  OppositeSideParameters opposite_sides;
 };
 
 /// Divides surface that was fused without labels into objects: connected surface apart from large

@@ -13,6 +13,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/objects/point_grid.h"
 #include "core/volume/voxel_index.h"
 
 namespace steadymap {
@@ -23,53 +24,6 @@ constexpr double kPlaneGrowth = 1.5;
 
 // Smallest part of a plane that is grown, points: less has no reliable normal.
 constexpr std::size_t kMinSeedPoints = 8;
-
-std::uint64_t KeyOf(const Eigen::Vector3i& index) {
-  constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
-  const auto part = [](int value) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(value)) & kMask;
-  };
-  return part(index.x()) << 42 | part(index.y()) << 21 | part(index.z());
-}
-
-// A cell with its neighbours.
-constexpr int kNeighbourCells = 27;
-
-/// Points in cubes of a grid, for the search of neighbours.
-class PointGrid {
- public:
-  PointGrid(std::span<const OrientedPoint> points, double reach_m)
-      : points_(points), reach_m_(reach_m) {
-    cells_.reserve(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      cells_[KeyOf(CellOf(points[i].position_world))].push_back(i);
-    }
-  }
-
-  /// Calls `visit` with the index of each point within the reach of a point.
-  template <typename Visit>
-  void ForEachNeighbour(std::size_t index, Visit visit) const {
-    const Eigen::Vector3d& position = points_[index].position_world;
-    const Eigen::Vector3i cell = CellOf(position);
-    for (int i = 0; i < kNeighbourCells; ++i) {
-      const Eigen::Vector3i step(i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1);
-      const auto found = cells_.find(KeyOf(cell + step));
-      if (found == cells_.end()) continue;
-      for (const std::size_t other : found->second) {
-        if ((points_[other].position_world - position).norm() <= reach_m_) visit(other);
-      }
-    }
-  }
-
- private:
-  Eigen::Vector3i CellOf(const Eigen::Vector3d& position) const {
-    return (position / reach_m_).array().floor().cast<int>();
-  }
-
-  std::span<const OrientedPoint> points_;
-  double reach_m_;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
-};
 
 /// The plane through a growing set of points.
 class GrowingPlane {

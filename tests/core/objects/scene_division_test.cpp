@@ -2,6 +2,7 @@
 
 #include "core/objects/scene_division.h"
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -96,6 +97,34 @@ TEST_F(SceneDivisionTest, FloorAndWallBecomeBackground) {
 
 TEST_F(SceneDivisionTest, BoxesApartAreTwoObjects) {
   EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.6)}).size(), 2U);
+}
+
+TEST_F(SceneDivisionTest, PiecesWithASmallGapAreOneObject) {
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.5)}).size(), 1U);
+}
+
+TEST_F(SceneDivisionTest, FrontAndBackOfABoxAreOneObject) {
+  const auto is_observed = [](const Eigen::Vector3d& point) {
+    const bool is_of_box = (point - Eigen::Vector3d(0.2, 0.2, 0.2)).cwiseAbs().maxCoeff() < 0.35;
+    const bool is_side = std::abs(point.y() - 0.2) > 0.15 || point.z() > 0.35;
+    return point.z() > -0.12 && !(is_of_box && (is_side || std::abs(point.x() - 0.2) < 0.12));
+  };
+  EXPECT_EQ(DivideSeen({FloorSlab(), StandingBox(0.0, 0.0)}, is_observed).size(), 1U);
+}
+
+TEST_F(SceneDivisionTest, FloorThatAThingHidIsBackground) {
+  for (TrackedObject* object : Divide({FloorSlab(), StandingBox(0.0, 0.0)})) map_.Delete(object);
+  map_.EndFrame();
+  map_.BeginFrame(Revision(2), Timestamp::FromSeconds(200.0));
+  // The box was pushed by half of its length. A frame shows it and what it hid.
+  const auto is_observed = [](const Eigen::Vector3d& point) {
+    return point.z() > -0.12 && point.x() > 0.0 && point.x() < 0.4 && point.y() > 0.0 &&
+           point.y() < 0.7;
+  };
+  const std::vector<TrackedObject*> objects =
+      DivideSeen({FloorSlab(), StandingBox(0.0, 0.2)}, is_observed);
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_GT(objects.front()->BoundsInWorld().min().y(), 0.12);
 }
 
 TEST_F(SceneDivisionTest, ABoxAgainstAWallIsAnObject) {

@@ -132,7 +132,27 @@ TEST(EvaluateRoomsCommand, PrintsTheShareOfExactCasesAndTheirFaults) {
   EXPECT_NE(outcome.out.find("\nall  "), std::string::npos) << outcome.out;
 }
 
+TEST(EvaluateRoomsCommand, LeavesOutChangesThatCannotBeToldWithTheChosenLabels) {
+  const Outcome outcome = Steadymap({"evaluate-rooms",
+                                     "--labels",
+                                     "none",
+                                     "--cases",
+                                     "1",
+                                     "--change",
+                                     "removed-in-view",
+                                     "--change",
+                                     "swapped-classes",
+                                     "--change",
+                                     "touching-removed"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("\nremoved-in-view  "), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("swapped-classes"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("touching-removed"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("|            - |       1 of 1 |"), std::string::npos) << outcome.out;
+}
+
 TEST(EvaluateRoomsCommand, RefusesAnUnknownChangeOrPolicy) {
+  EXPECT_EQ(Steadymap({"evaluate-rooms", "--labels", "some"}).exit_code, 2);
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--change", "painted"}).exit_code, 2);
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--policy", "best"}).exit_code, 2);
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--cases", "0"}).exit_code, 2);
