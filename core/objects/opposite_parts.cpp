@@ -30,8 +30,9 @@ class OppositeSearch {
 
   /// Returns the first point inwards from a point, if its surface faces the other way.
   std::optional<std::size_t> OppositeOf(const OrientedPoint& start) const {
-    for (double depth_m = kFirstSpacings * spacing_m_; depth_m <= max_thickness_m_;
-         depth_m += kStepSpacings * spacing_m_) {
+    for (int step = 0;; ++step) {
+      const double depth_m = (kFirstSpacings + kStepSpacings * step) * spacing_m_;
+      if (depth_m > max_thickness_m_) return std::nullopt;
       const Eigen::Vector3d place = start.position_world - depth_m * start.normal_world;
       std::optional<std::size_t> opposite;
       bool is_outside = false;
@@ -43,7 +44,6 @@ class OppositeSearch {
       if (opposite) return opposite;
       if (is_outside) return std::nullopt;
     }
-    return std::nullopt;
   }
 
  private:

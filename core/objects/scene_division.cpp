@@ -84,25 +84,29 @@ class SceneDivision {
   void ExtendStructure(TsdfSampler* background) {
     const PointGrid grid(points_, kPlaneReachVoxels * voxel_m_);
     for (std::size_t seed = 0; seed < points_.size(); ++seed) {
-      if (is_structure_[seed] != 0 || !ContinuesAt(points_[seed], background)) continue;
-      const OrientedPoint& plane = points_[seed];
-      is_structure_[seed] = 1;
-      std::vector<std::size_t> region = {seed};
-      for (std::size_t next = 0; next < region.size(); ++next) {
-        grid.ForEachNeighbour(region[next], [&](std::size_t other) {
-          const OrientedPoint& point = points_[other];
-          const double distance_m =
-              plane.normal_world.dot(point.position_world - plane.position_world);
-          if (is_structure_[other] != 0 ||
-              std::abs(distance_m) > parameters_.max_plane_distance_voxels * voxel_m_ ||
-              plane.normal_world.dot(point.normal_world) < parameters_.min_plane_cosine) {
-            return;
-          }
-          is_structure_[other] = 1;
-          region.push_back(other);
-        });
+      if (is_structure_[seed] == 0 && ContinuesAt(points_[seed], background)) {
+        MarkPlane(points_[seed], seed, grid);
       }
     }
+  }
+
+  /// Marks the points that are connected with `seed` on a plane.
+  void MarkPlane(const OrientedPoint& plane, std::size_t seed, const PointGrid& grid) {
+    is_structure_[seed] = 1;
+    std::vector<std::size_t> region = {seed};
+    for (std::size_t next = 0; next < region.size(); ++next) {
+      grid.ForEachNeighbour(region[next], [&](std::size_t other) {
+        if (is_structure_[other] != 0 || !IsOnPlane(points_[other], plane)) return;
+        is_structure_[other] = 1;
+        region.push_back(other);
+      });
+    }
+  }
+
+  bool IsOnPlane(const OrientedPoint& point, const OrientedPoint& plane) const {
+    const double distance_m = plane.normal_world.dot(point.position_world - plane.position_world);
+    return std::abs(distance_m) <= parameters_.max_plane_distance_voxels * voxel_m_ &&
+           plane.normal_world.dot(point.normal_world) >= parameters_.min_plane_cosine;
   }
 
   void FindParts(double contact_voxels) {

@@ -15,10 +15,11 @@ class Sides {
   /// Adds a square at `x_m`, the least y of which is `y_m`, that faces along x by `normal_x`.
   void Add(double x_m, double y_m, double normal_x) {
     std::vector<std::size_t>& part = parts_.emplace_back();
-    for (int i = 0; i < 64; ++i) {
-      part.push_back(points_.size());
-      points_.push_back(
-          {{x_m, y_m + kSpacingM * (i % 8), kSpacingM * (i / 8)}, {normal_x, 0.0, 0.0}});
+    for (int column = 0; column < 8; ++column) {
+      for (int row = 0; row < 8; ++row) {
+        part.push_back(points_.size());
+        points_.push_back({{x_m, y_m + kSpacingM * column, kSpacingM * row}, {normal_x, 0.0, 0.0}});
+      }
     }
   }
 
