@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/objects/opposite_parts.h"
 #include "core/objects/outline.h"
 #include "core/objects/point_grid.h"
+#include "core/objects/surface_parts.h"
 #include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
@@ -41,7 +43,7 @@ class SceneDivision {
         points_(OrientedSurfaceOf(scene)) {
     FindStructure(map);
     FindParts(contact_voxels);
-    DropContinuations(map);
+    DropPartsOfPlanes();
     JoinOppositeParts();
     JoinFloatingParts();
     DropSlenderParts();
@@ -60,7 +62,8 @@ class SceneDivision {
   std::size_t part_count() const { return parts_.size(); }
 
  private:
-  /// Marks the points on large planes and on known background, of which noise shows a back, too.
+  /// Marks the points on large planes and on known background. Noise makes points on the back of a
+  /// wall, too.
   void FindStructure(const WorkingMap& map) {
     is_structure_ = FindLargePlanes(points_,
                                     voxel_m_ * voxel_m_,
@@ -159,9 +162,8 @@ class SceneDivision {
         });
   }
 
-  /// Drops flat parts that continue the background or a large plane: the border of a floor.
-  void DropContinuations(const WorkingMap& map) {
-    TsdfSampler background(map.background(), map.scale());
+  /// Drops flat parts on the plane of a large one: a floor beyond what hid a strip of it.
+  void DropPartsOfPlanes() {
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
       Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
       for (const std::size_t i : part) normal_sum += points_[i].normal_world;
@@ -172,14 +174,11 @@ class SceneDivision {
       if (static_cast<double>(flat) < kMinFlatShare * static_cast<double>(part.size())) {
         return false;
       }
-      const bool is_on_plane = std::any_of(planes_.begin(), planes_.end(), [&](const auto& plane) {
+      return std::any_of(planes_.begin(), planes_.end(), [&](const auto& plane) {
         return plane.first.dot(normal) > kMinUpCosine &&
                std::abs(normal.dot(points_[part[part.size() / 2]].position_world - plane.second)) <=
                    2.0 * voxel_m_;
       });
-      return is_on_plane || std::any_of(part.begin(), part.end(), [&](std::size_t i) {
-               return ContinuesAt(points_[i], &background);
-             });
     });
   }
 
