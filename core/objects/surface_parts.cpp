@@ -159,6 +159,13 @@ void DropScoresWithoutSurface(TrackedObject* object, WorkingMap* map) {
   }
 }
 
+/// Returns by how much a surface turns inwards from one point to another: 1 for a right angle, 0 if
+/// it is flat or turns outwards.
+double InwardTurn(const OrientedPoint& from, const OrientedPoint& to) {
+  const Eigen::Vector3d way = (to.position_world - from.position_world).normalized();
+  return std::max(0.0, way.dot(from.normal_world - to.normal_world)) / M_SQRT2;
+}
+
 }  // namespace
 
 std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object) {
@@ -217,7 +224,8 @@ std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const Oriente
 
 std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,
                                      std::span<const std::pair<std::size_t, std::size_t>> seeds,
-                                     double reach_m) {
+                                     double reach_m,
+                                     double concave_cost_m) {
   // Dijkstra's algorithm, from all seeds at once.
   const PointGrid grid(points, reach_m);
   std::vector<std::size_t> part_of(points.size(), 0);
@@ -234,8 +242,9 @@ std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,
     reached.pop();
     if (from_m > way_m[from]) continue;
     grid.ForEachNeighbour(from, [&, from_m = from_m, from = from](std::size_t other) {
-      const double to_m =
-          from_m + (points[other].position_world - points[from].position_world).norm();
+      const double to_m = from_m +
+                          (points[other].position_world - points[from].position_world).norm() +
+                          concave_cost_m * InwardTurn(points[from], points[other]);
       if (to_m >= way_m[other]) return;
       way_m[other] = to_m;
       part_of[other] = part_of[from];

@@ -34,10 +34,12 @@ std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const Oriente
 
 /// Extends parts along a surface: `seeds` are points with their part, and every other point gets
 /// the part of the seed from which the shortest way in steps of at most `reach_m` leads to it; 0 if
-/// there is none.
+/// there is none. A way is longer by `concave_cost_m` for a right angle that it turns inwards, as
+/// from a floor to what stands on it: things meet there (Stein et al., CVPR 2014).
 std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,
                                      std::span<const std::pair<std::size_t, std::size_t>> seeds,
-                                     double reach_m);
+                                     double reach_m,
+                                     double concave_cost_m = 0.0);
 
 /// When a part of a surface is a large plane, such as a floor or a wall.
 struct PlaneParameters {

@@ -67,6 +67,24 @@ TEST(SpreadParts, EachPointGetsThePartOfTheNearestSeed) {
   EXPECT_EQ(std::count(part_of.begin(), part_of.end(), 0U), 0);
 }
 
+TEST(SpreadParts, AWayAcrossAnInnerEdgeIsLonger) {
+  // A floor, and a wall at its end; the last row of the floor is nearer to the seed on the wall.
+  std::vector<OrientedPoint> points = Square(8, 0.0, 0.0);
+  const std::size_t floor_size = points.size();
+  for (int z = 1; z < 8; ++z) {
+    for (int y = 0; y < 8; ++y) {
+      points.push_back({{0.4, kPointSpacingM * y, kPointSpacingM * z}, -Eigen::Vector3d::UnitX()});
+    }
+  }
+  const std::size_t last_of_floor = floor_size - 4;
+  const std::vector<std::pair<std::size_t, std::size_t>> seeds = {{4, 1}, {floor_size + 4, 2}};
+  const double reach_m = 1.5 * kPointSpacingM;
+  EXPECT_EQ(SpreadParts(points, seeds, reach_m)[last_of_floor], 2U);
+  const std::vector<std::size_t> part_of = SpreadParts(points, seeds, reach_m, 1.0);
+  EXPECT_EQ(part_of[last_of_floor], 1U);
+  EXPECT_EQ(part_of.back(), 2U);
+}
+
 TEST(SpreadParts, WhatNoSeedReachesStaysInPartZero) {
   const std::vector<OrientedPoint> points = Both(Square(6, 0.0, 0.0), Square(6, 1.0, 0.0));
   const std::vector<std::pair<std::size_t, std::size_t>> seeds = {{0, 1}};
