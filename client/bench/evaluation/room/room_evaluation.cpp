@@ -84,11 +84,6 @@ struct RoomCounts {
   }
 };
 
-std::string CountText(const Share& share) {
-  if (share.whole == 0) return "-";
-  return absl::StrFormat("%d of %d", share.part, share.whole);
-}
-
 std::string RowText(std::string_view name, const RoomCounts& counts) {
   return absl::StrFormat("%-26s | %12s | %12s | %12s\n",
                          Absl(name),

@@ -87,12 +87,6 @@ Eigen::AlignedBox3d AlignedBoxOf(const Cuboid& cuboid) {
   return box_world;
 }
 
-/// Returns the largest error of a face of a box.
-double ErrorOf(const Eigen::AlignedBox3d& box_world, const Eigen::AlignedBox3d& truth_world) {
-  return std::max((box_world.min() - truth_world.min()).cwiseAbs().maxCoeff(),
-                  (box_world.max() - truth_world.max()).cwiseAbs().maxCoeff());
-}
-
 bool Matches(const RoomObject& expected, const MapObject& object, const RoomTolerance& tolerance) {
   if (tolerance.compares_classes && object.class_id != expected.class_id) return false;
   const Eigen::Vector3d& center_world = object.cuboid.center_world;
@@ -120,9 +114,10 @@ void ScoreObjects(const BoxRoom& room,
       continue;
     }
     if (!truth.is_furniture) {
-      const Eigen::AlignedBox3d box_world = AlignedBoxOf((*found)->cuboid);
-      score->worst_cuboid_m = std::max(score->worst_cuboid_m, ErrorOf(box_world, truth.box_world));
-      if (ErrorOf(box_world, truth.box_world) > tolerance.cuboid_m) {
+      const double error_m = CuboidErrorM((*found)->cuboid, truth.box_world);
+      score->worst_cuboid_m = std::max(score->worst_cuboid_m, error_m);
+      if (error_m > tolerance.cuboid_m) {
+        const Eigen::AlignedBox3d box_world = AlignedBoxOf((*found)->cuboid);
         score->cuboid_faults.push_back(
             absl::StrFormat("cuboid of class %d: lowest corner off by %s m, highest by %s m",
                             truth.class_id.value(),
@@ -141,6 +136,12 @@ void ScoreObjects(const BoxRoom& room,
 }
 
 }  // namespace
+
+double CuboidErrorM(const Cuboid& cuboid, const Eigen::AlignedBox3d& truth_world) {
+  const Eigen::AlignedBox3d box_world = AlignedBoxOf(cuboid);
+  return std::max((box_world.min() - truth_world.min()).cwiseAbs().maxCoeff(),
+                  (box_world.max() - truth_world.max()).cwiseAbs().maxCoeff());
+}
 
 RoomScore ScoreRoom(const BoxRoom& room,
                     const std::vector<ObjectEvent>& events,

@@ -27,6 +27,9 @@ struct RoomScore {
   bool is_exact() const { return event_faults.empty() && object_faults.empty(); }
 };
 
+/// Returns the largest error of a face of the box around a cuboid, metres.
+double CuboidErrorM(const Cuboid& cuboid, const Eigen::AlignedBox3d& truth_world);
+
 /// Compares strictly: each true event and object needs one of the map, and the map may have no
 /// others. Events of robots count as too many.
 RoomScore ScoreRoom(const BoxRoom& room,

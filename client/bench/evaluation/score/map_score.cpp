@@ -7,6 +7,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include <absl/strings/str_format.h>
+
 #include "client/bench/evaluation/truth/point_index.h"
 
 namespace steadymap {
@@ -81,6 +83,11 @@ Share& Share::operator+=(const Share& other) {
   part += other.part;
   whole += other.whole;
   return *this;
+}
+
+std::string CountText(const Share& share) {
+  if (share.whole == 0) return "-";
+  return absl::StrFormat("%d of %d", share.part, share.whole);
 }
 
 double SurfaceScore::precision() const {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "client/bench/evaluation/truth/observed_space.h"
@@ -20,6 +21,9 @@ struct Share {
 
   Share& operator+=(const Share& other);
 };
+
+/// Returns a share as `3 of 4`; `-` if `whole` is 0.
+std::string CountText(const Share& share);
 
 /// Voxel counts of map and truth. With a tolerance, one map voxel can match several true voxels, so
 /// map and truth are counted separately.

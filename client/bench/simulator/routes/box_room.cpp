@@ -124,16 +124,6 @@ Scene MakeEmptyRoom() {
   return scene;
 }
 
-Eigen::AlignedBox3d BoxOf(const SceneObject& object) {
-  Eigen::AlignedBox3d box_world;
-  for (const Facet& facet : FacetsOf(object.shape, object.T_world_object)) {
-    for (int i = 0; i < facet.vertex_count; ++i) {
-      box_world.extend(facet.vertices[static_cast<std::size_t>(i)]);
-    }
-  }
-  return box_world;
-}
-
 bool IsWall(const SceneObject& object) { return object.semantic_class == SceneClass::kWall; }
 
 bool IsJudged(const SceneObject& object) {

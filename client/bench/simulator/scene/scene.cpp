@@ -52,6 +52,16 @@ const SceneObject* Scene::Find(std::uint16_t id) const {
   return found != objects_.end() && found->id == id ? &*found : nullptr;
 }
 
+Eigen::AlignedBox3d BoxOf(const SceneObject& object) {
+  Eigen::AlignedBox3d box_world;
+  for (const Facet& facet : FacetsOf(object.shape, object.T_world_object)) {
+    for (int i = 0; i < facet.vertex_count; ++i) {
+      box_world.extend(facet.vertices[static_cast<std::size_t>(i)]);
+    }
+  }
+  return box_world;
+}
+
 SceneChange CompareScenes(const Scene& before, const Scene& after) {
   SceneChange change;
   for (const SceneObject& object : before.objects()) {

@@ -86,6 +86,9 @@ class Scene {
   std::uint16_t last_id_ = 0;
 };
 
+/// Returns the smallest box around an object without `motion`, world frame, metres.
+Eigen::AlignedBox3d BoxOf(const SceneObject& object);
+
 /// Difference between two configurations of one route.
 struct SceneChange {
   std::vector<std::uint16_t> created;  ///< Ids, ascending.
