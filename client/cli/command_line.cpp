@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/bench/evaluate_command.h"
+#include "client/cli/bench/evaluate_composite_command.h"
 #include "client/cli/bench/evaluate_rooms_command.h"
 #include "client/cli/bench/simulate_command.h"
 #include "client/cli/maps/map_commands.h"
@@ -99,6 +100,7 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const RenderCommand render(&app, context);
   const EvaluateCommand evaluate(&app, context);
   const EvaluateRoomsCommand evaluate_rooms(&app, context);
+  const EvaluateCompositeCommand evaluate_composite(&app, context);
 
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
