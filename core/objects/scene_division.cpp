@@ -37,17 +37,18 @@ class SceneDivision {
   SceneDivision(const SceneDivisionParameters& parameters,
                 double contact_voxels,
                 const TrackedObject& scene,
-                const WorkingMap& map)
+                WorkingMap* map)
       : parameters_(parameters),
-        voxel_m_(map.scale().voxel_size_m),
+        voxel_m_(map->scale().voxel_size_m),
         points_(OrientedSurfaceOf(scene)) {
-    FindStructure(map);
+    FindStructure(*map);
+    FindKnownStructures(map);
     FindParts(contact_voxels);
     DropPartsOfPlanes();
     JoinOppositeParts();
     JoinFloatingParts();
     DropSlenderParts();
-    DropIncompleteParts(map);
+    DropIncompleteParts(*map);
   }
 
   /// Returns the part of each surface point, in the order of `OrientedSurfaceOf`; 0: background.
@@ -81,6 +82,15 @@ class SceneDivision {
       }
     }
     ExtendStructure(&sampler);
+  }
+
+  /// Lists the surface of known structures.
+  void FindKnownStructures(WorkingMap* map) {
+    for (const TrackedObject* object : map->AllObjects()) {
+      if (!IsStructure(*object, parameters_)) continue;
+      const std::vector<OrientedPoint> points = OrientedSurfaceOf(*object);
+      supports_.insert(supports_.end(), points.begin(), points.end());
+    }
   }
 
   /// Marks the points that continue known background in its plane: floor that was hidden until now.
@@ -119,6 +129,71 @@ class SceneDivision {
       return static_cast<double>(part.size()) < min_points;
     });
     JoinNearParts(parameters_.near_voxels * voxel_m_);
+    for (std::size_t i = parts_.size(); i-- > 0;) SeparateStanding(i, contact_voxels * voxel_m_);
+  }
+
+  /// Makes parts of what stands on level surface of a part, such as on a table.
+  void SeparateStanding(std::size_t index, double contact_m) {
+    const std::vector<std::size_t> part = parts_[index];
+    const std::vector<OrientedPoint> points = PointsOf(part);
+    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> planes;
+    const std::vector<char> is_on_plane =
+        FindLargePlanes(points,
+                        voxel_m_ * voxel_m_,
+                        kPlaneReachVoxels * voxel_m_,
+                        {parameters_.min_support_area_m2,
+                         parameters_.max_plane_distance_voxels * voxel_m_,
+                         parameters_.min_plane_cosine},
+                        &planes);
+    std::vector<char> is_support(points.size(), 0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (is_on_plane[i] == 0 || points[i].normal_world.z() <= kMinUpCosine) continue;
+      is_support[i] = 1;
+      supports_.push_back(points[i]);
+    }
+    const double min_points = parameters_.min_area_m2 / (voxel_m_ * voxel_m_);
+    std::vector<char> is_separate(points.size(), 0);
+    for (const std::vector<std::size_t>& region :
+         FindConnectedParts(points, is_support, contact_m)) {
+      if (static_cast<double>(region.size()) < min_points ||
+          !StandsOn(points, region, is_support)) {
+        continue;
+      }
+      std::vector<std::size_t>& standing = parts_.emplace_back();
+      for (const std::size_t i : region) {
+        is_separate[i] = 1;
+        standing.push_back(part[i]);
+      }
+    }
+    std::vector<std::size_t> rest;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (is_separate[i] == 0) rest.push_back(part[i]);
+    }
+    parts_[index] = std::move(rest);
+  }
+
+  /// True if a region of a part ends, at its lowest points, beside level surface of the part.
+  bool StandsOn(const std::vector<OrientedPoint>& points,
+                const std::vector<std::size_t>& region,
+                const std::vector<char>& is_support) const {
+    double lowest_m = std::numeric_limits<double>::max();
+    for (const std::size_t i : region) lowest_m = std::min(lowest_m, points[i].position_world.z());
+    std::vector<std::size_t> foot;
+    std::copy_if(region.begin(), region.end(), std::back_inserter(foot), [&](std::size_t i) {
+      return points[i].position_world.z() <= lowest_m + voxel_m_;
+    });
+    const double reach_m = parameters_.near_voxels * voxel_m_;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (is_support[i] == 0) continue;
+      const double height_m = lowest_m - points[i].position_world.z();
+      if (height_m < -voxel_m_ || height_m > reach_m) continue;
+      if (std::any_of(foot.begin(), foot.end(), [&](std::size_t j) {
+            return (points[i].position_world - points[j].position_world).norm() <= reach_m;
+          })) {
+        return true;
+      }
+    }
+    return false;
   }
 
   /// Joins parts that are closer than `reach_m`, each of which is large enough for an object.
@@ -195,6 +270,7 @@ class SceneDivision {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (is_structure_[i] != 0) structure.push_back(points_[i].position_world);
     }
+    for (const OrientedPoint& point : supports_) structure.push_back(point.position_world);
     const OutlineTest test(map, structure);
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
       return test.SeenShareOf(PointsOf(part)) < parameters_.min_outline_share;
@@ -222,15 +298,17 @@ class SceneDivision {
     base = Eigen::AlignedBox2d(base.min() - reach, base.max() + reach);
     const double lowest_m = LowestOf(part);
     double floor_m = std::numeric_limits<double>::lowest();
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const OrientedPoint& point = points_[i];
-      if (is_structure_[i] == 0 || point.normal_world.z() < kMinUpCosine ||
-          !base.contains(point.position_world.head<2>()) ||
+    const auto raise_floor = [&](const OrientedPoint& point) {
+      if (point.normal_world.z() < kMinUpCosine || !base.contains(point.position_world.head<2>()) ||
           point.position_world.z() > lowest_m + voxel_m_) {
-        continue;
+        return;
       }
       floor_m = std::max(floor_m, point.position_world.z());
+    };
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (is_structure_[i] != 0) raise_floor(points_[i]);
     }
+    for (const OrientedPoint& point : supports_) raise_floor(point);
     return lowest_m - floor_m > parameters_.max_float_voxels * voxel_m_;
   }
 
@@ -284,6 +362,7 @@ class SceneDivision {
   double voxel_m_;
   std::vector<OrientedPoint> points_;
   std::vector<char> is_structure_;
+  std::vector<OrientedPoint> supports_;                              ///< Of known objects.
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> planes_;  ///< Normal, a point.
   std::vector<std::vector<std::size_t>> parts_;
 };
@@ -315,11 +394,16 @@ void GiveToBackground(const TrackedObject& object, WorkingMap* map) {
 
 }  // namespace
 
+bool IsStructure(const TrackedObject& object, const SceneDivisionParameters& parameters) {
+  return object.state().status == ObjectStatus::kPresent && object.state().class_id == kNoClass &&
+         object.SurfaceAreaM2() >= parameters.min_plane_area_m2;
+}
+
 void DivideScene(const SceneDivisionParameters& parameters,
                  double contact_voxels,
                  TrackedObject* scene,
                  WorkingMap* map) {
-  const SceneDivision division(parameters, contact_voxels, *scene, *map);
+  const SceneDivision division(parameters, contact_voxels, *scene, map);
   DivideVoxels(scene, division.PartOfPoints(), division.part_count(), map);
   GiveToBackground(*scene, map);
   map->Delete(scene);

@@ -12,6 +12,8 @@ struct SceneDivisionParameters {
   double min_plane_area_m2 = 1.5;
   double max_plane_distance_voxels = 1.0;
   double min_plane_cosine = 0.85;
+  /// Smallest level surface on which other things stand, square metres.
+  double min_support_area_m2 = 0.2;
   /// Smallest surface of an object, square metres.
   double min_area_m2 = 0.02;
   /// Parts that are closer are one object, voxels: narrow surface, such as the edge of a table, has
@@ -28,10 +30,15 @@ struct SceneDivisionParameters {
   OppositeSideParameters opposite_sides;
 };
 
+/// True if an object is a structure: a present one without a label with as much surface as a wall,
+/// such as a row of cabinets. Later sessions fuse only what is not known of it, and what they see
+/// on it is apart from it.
+bool IsStructure(const TrackedObject& object, const SceneDivisionParameters& parameters);
+
 /// Divides surface that was fused without labels into objects: connected surface apart from large
-/// planes. What is on a large plane, on known background or too small goes to the background, and
-/// `scene` is deleted. The new objects are tentative and have the state of `scene`. Points of one
-/// object are at most `contact_voxels` apart.
+/// planes and from structures. What is on a large plane, on known background or too small goes to
+/// the background, and `scene` is deleted. The new objects are tentative and have the state of
+/// `scene`. Points of one object are at most `contact_voxels` apart.
 void DivideScene(const SceneDivisionParameters& parameters,
                  double contact_voxels,
                  TrackedObject* scene,

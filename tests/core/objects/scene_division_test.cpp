@@ -131,6 +131,17 @@ TEST_F(SceneDivisionTest, ABoxAgainstAWallIsAnObject) {
   EXPECT_EQ(Divide({FloorSlab(), WallSlab(), StandingBox(1.25, 0.0)}).size(), 1U);
 }
 
+TEST_F(SceneDivisionTest, AThingOnATableIsAnObjectOfItsOwn) {
+  const Box top(Eigen::Vector3d(-0.6, -0.5, 0.5), Eigen::Vector3d(0.6, 0.5, 0.7));
+  const Box leg(Eigen::Vector3d(-0.3, -0.3, -0.2), Eigen::Vector3d(0.3, 0.3, 0.6));
+  const Box thing(Eigen::Vector3d(-0.2, -0.2, 0.6), Eigen::Vector3d(0.15, 0.15, 1.0));
+  const std::vector<TrackedObject*> objects = Divide({FloorSlab(), top, leg, thing});
+  ASSERT_EQ(objects.size(), 2U);
+  EXPECT_LT(objects[0]->BoundsInWorld().max().z(), 0.82);
+  EXPECT_GT(objects[1]->BoundsInWorld().min().z(), 0.6);
+  EXPECT_NEAR(objects[1]->BoundsInWorld().max().z(), 1.0, 0.06);
+}
+
 TEST_F(SceneDivisionTest, AThingNarrowerThanAFewVoxelsIsBackground) {
   EXPECT_TRUE(
       Divide({FloorSlab(), Box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.05, 0.05, 0.8))})
