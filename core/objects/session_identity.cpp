@@ -1,12 +1,15 @@
 #include "core/objects/session_identity.h"
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/change/surface_looks.h"
 #include "core/geometry/assignment.h"
+#include "core/objects/changed_regions.h"
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_parts.h"
 #include "core/objects/shape_match.h"
@@ -30,6 +33,7 @@ constexpr double kNegligibleMotionVoxels = 0.1;
 
 struct KnownObject {
   TrackedObject* object = nullptr;
+  std::size_t index = 0;
   Standing standing = Standing::kUnknown;
   bool is_taken = false;  ///< By an object of the session.
 };
@@ -37,6 +41,8 @@ struct KnownObject {
 /// An object of the session.
 struct SeenObject {
   TrackedObject* object = nullptr;
+  std::size_t index = 0;
+  bool is_new_region = false;  ///< Came to the place of a known object, which stands.
   bool is_decided = false;
 };
 
@@ -70,8 +76,11 @@ class SessionDecision {
     for (TrackedObject* object : map_->TentativeObjects()) CutGoneCells(object, map_);
     ListObjects();
     Align();
+    SeparateNew();
     MatchInPlace();
     JudgeKnown();
+    SeparateGone();
+    AddRestsToStructures();
     FindMoves();
     MatchDoubted();
     AddRest();
@@ -82,6 +91,13 @@ class SessionDecision {
  private:
   void Settle(TrackedObject* object);
   void ListObjects();
+  void AddSeen(TrackedObject* object, bool is_new_region);
+  void AddKnown(TrackedObject* object, Standing standing);
+  void SeparateNew();
+  void SeparateNewOn(KnownObject* structure, SeenObject* seen);
+  void SeparateGone();
+  void AddRestsToStructures();
+  void ConfirmStructure(TrackedObject* object);
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   double InPlaceLimit(const std::vector<PlaceMatch>& matches, const SeenObject& seen) const;
@@ -113,8 +129,9 @@ class SessionDecision {
   const MapConfig& config_;
   const SessionIdentityParameters& parameters_;
   WorkingMap* map_;
-  std::vector<SeenObject> seen_;
-  std::vector<KnownObject> known_;
+  std::deque<SeenObject> seen_;  ///< Not moved in memory when it grows.
+  std::deque<KnownObject> known_;
+  std::vector<std::pair<SeenObject*, KnownObject*>> rests_;   ///< Parts of structures.
   Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  ///< Onto the map, of the session.
   std::vector<PlaceMatch> doubted_;  ///< In place, but much of the known object is gone.
 };
@@ -158,11 +175,19 @@ void SessionDecision::ListObjects() {
   for (TrackedObject* object : map_->AllObjects()) {
     if (object->is_deleted()) continue;
     if (object->state().status == ObjectStatus::kTentative) {
-      seen_.push_back({object});
+      AddSeen(object, /*is_new_region=*/false);
     } else {
-      known_.push_back({object});
+      AddKnown(object, Standing::kUnknown);
     }
   }
+}
+
+void SessionDecision::AddSeen(TrackedObject* object, bool is_new_region) {
+  seen_.push_back({object, seen_.size(), is_new_region});
+}
+
+void SessionDecision::AddKnown(TrackedObject* object, Standing standing) {
+  known_.push_back({object, known_.size(), standing});
 }
 
 /// Corrects the offset of the session by the objects that stand where they stood.
@@ -219,6 +244,7 @@ double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches,
 std::vector<PlaceMatch> SessionDecision::FindPlaceMatches() {
   std::vector<PlaceMatch> matches;
   for (SeenObject& seen : seen_) {
+    if (seen.is_decided) continue;
     for (KnownObject& known : known_) {
       const std::optional<Registration> registration =
           RegisterToKnown(*seen.object, *known.object, map_->scale());
@@ -253,7 +279,11 @@ void SessionDecision::MatchInPlace() {
         match.displacement_m > InPlaceLimit(matches, *match.seen)) {
       continue;
     }
-    const double doubt = DoubtOf(*match.known->object);
+    const double doubt =
+        std::max(DoubtOf(*match.known->object),
+                 match.known->object->is_archived()
+                     ? 0.0
+                     : NewShareOf(*match.known->object, *match.seen->object, *map_));
     const bool is_displaced = match.displacement_m > parameters_.max_displacement_m;
     if (doubt >= (is_displaced ? parameters_.gone_share : 1.0 - parameters_.doubted_share)) {
       continue;
@@ -297,8 +327,14 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   seen->is_decided = true;
   known->standing = Standing::kStands;
   known->is_taken = true;
-  AddVoxels(*seen->object, map_, object);
   const bool is_back = object->is_archived();
+  if (object->state().class_id == kNoClass && !is_back) {
+    for (TrackedObject* region :
+         SeparateNewRegions(parameters_.parts, *object, seen->object, map_)) {
+      AddSeen(region, /*is_new_region=*/true);
+    }
+  }
+  AddVoxels(*seen->object, map_, object);
   {
     ObjectEdit edit = map_->Edit(object);
     ObjectState& state = edit.state();
@@ -330,13 +366,82 @@ void SessionDecision::JudgeKnown() {
   for (KnownObject& known : known_) {
     if (known.standing != Standing::kUnknown || known.object->is_archived()) continue;
     std::vector<const TrackedObject*> others;
+    const bool is_structure = IsStructure(*known.object, parameters_.parts.scene);
     for (const SeenObject& seen : seen_) {
-      if (!seen.is_decided && IsOfOneClass(*seen.object, *known.object)) {
+      // A thing on a structure does not replace it.
+      if (!seen.is_decided && !is_structure && IsOfOneClass(*seen.object, *known.object)) {
         others.push_back(seen.object);
       }
     }
     known.standing = JudgeStanding(*known.object, others, parameters_, map_->scale());
   }
+}
+
+/// Separates what is new on structures from what had not been seen of them.
+void SessionDecision::SeparateNew() {
+  for (KnownObject& known : known_) {
+    if (!IsStructure(*known.object, parameters_.parts.scene)) continue;
+    const std::size_t count = seen_.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (seen_[i].object->state().class_id != kNoClass || seen_[i].is_decided) continue;
+      SeparateNewOn(&known, &seen_[i]);
+    }
+  }
+}
+
+/// Separates what is new in an object of the session on a structure. The rest, in contact with the
+/// structure, is a part of it.
+void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
+  if (seen->is_new_region) return;
+  for (TrackedObject* region :
+       SeparateNewRegions(parameters_.parts, *structure->object, seen->object, map_)) {
+    AddSeen(region, /*is_new_region=*/true);
+  }
+  const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
+  const bool is_rest = seen->object->surface().point_count() > 0;
+  if (is_rest && !AreInContact(*seen->object, *structure->object, contact_m, map_->scale())) return;
+  seen->is_decided = true;
+  if (is_rest) {
+    rests_.emplace_back(seen, structure);
+  } else {
+    map_->Delete(seen->object);
+  }
+}
+
+/// Ends the regions of standing objects without a label that are gone.
+void SessionDecision::SeparateGone() {
+  const std::size_t count = known_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    TrackedObject* object = known_[i].object;
+    if (known_[i].standing != Standing::kStands || object->is_archived() ||
+        object->state().class_id != kNoClass) {
+      continue;
+    }
+    if (IsStructure(*object, parameters_.parts.scene)) ConfirmStructure(object);
+    for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
+      AddKnown(region, Standing::kGone);
+    }
+  }
+}
+
+/// Adds what structures were not known to have. What is gone of them has been separated.
+void SessionDecision::AddRestsToStructures() {
+  for (const auto& [seen, known] : rests_) {
+    if (known->standing != Standing::kStands) {
+      seen->is_decided = false;
+      continue;
+    }
+    AddVoxels(*seen->object, map_, known->object);
+    map_->Delete(seen->object);
+  }
+}
+
+/// Keeps that a structure, of which a session fuses only what is not known, was seen again.
+void SessionDecision::ConfirmStructure(TrackedObject* object) {
+  if (CountLooks(*object).found == 0) return;
+  UpdateBeliefOf(0.0, object);
+  ObjectEdit edit = map_->Edit(object);
+  edit.state().last_seen = map_->now();
 }
 
 /// True if an object of the session that may be a known one in place rather is that one at a new
@@ -346,7 +451,12 @@ bool SessionDecision::IsPushed(const KnownObject& known, const ShapeMatch& match
       known.object->state().T_world_object.ToIsometry().inverse();
   const Eigen::Vector3d center_world = known.object->cuboid().center_world;
   const Eigen::Vector3d moved_world = match.T_world_object * (T_object_world * center_world);
-  if ((moved_world - center_world).norm() <= parameters_.max_displacement_m) return false;
+  const SurfaceOverlap self = CompareSurfaces(
+      *known.object, *known.object, T_object_world * match.T_world_object, map_->scale());
+  if ((moved_world - center_world).norm() <= parameters_.max_displacement_m &&
+      self.known_share * self.fit_share >= 1.0 - parameters_.max_dissimilarity) {
+    return false;
+  }
   const SurfaceOverlap& overlap = match.reverse_overlap;
   return overlap.known_share * overlap.fit_share >= 1.0 - parameters_.max_dissimilarity;
 }
@@ -422,9 +532,7 @@ std::vector<MoveCandidate> SessionDecision::FindClearMoves(
   std::vector<AssignmentPair> pairs;
   pairs.reserve(candidates.size());
   for (const MoveCandidate& candidate : candidates) {
-    pairs.push_back({static_cast<std::size_t>(candidate.seen - seen_.data()),
-                     static_cast<std::size_t>(candidate.known - known_.data()),
-                     -LikelihoodOf(candidate)});
+    pairs.push_back({candidate.seen->index, candidate.known->index, -LikelihoodOf(candidate)});
   }
   const std::vector<std::optional<std::size_t>> columns =
       AssignClearColumns(seen_.size(), known_.size(), pairs, 0.0, parameters_.rival_margin);
@@ -501,7 +609,7 @@ bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
 void SessionDecision::AddRest() {
   for (SeenObject& seen : seen_) {
     if (seen.is_decided) continue;
-    if (IsPartOfStanding(*seen.object)) {
+    if (!seen.is_new_region && IsPartOfStanding(*seen.object)) {
       map_->Delete(seen.object);
       continue;
     }

@@ -158,13 +158,20 @@ void EvidenceMapper::FindSurfaceOf(std::size_t place) {
   }
 }
 
+/// True if an object is a structure, of which frames without labels fuse only what is not known.
+bool EvidenceMapper::IsStructureInView(const TrackedObject& object) const {
+  return !has_labels_ && IsStructure(object, parameters_.identity.parts.scene);
+}
+
 /// Finds the samples on known surface of the session or of the background. A label that contradicts
 /// the surface is wrong.
 void EvidenceMapper::FindSurfaces() {
   on_objects_.clear();
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
     const TrackedObject& object = *in_view_[place].object;
-    if (IsInSession(object) && !IsUnsegmented(object)) FindSurfaceOf(place);
+    if (IsInSession(object) ? !IsUnsegmented(object) : IsStructureInView(object)) {
+      FindSurfaceOf(place);
+    }
   }
   uses_.assign(samples_.size(), SampleUse::kSegment);
   const Eigen::Vector3d camera_world = cloud_->T_world_camera().translation();
@@ -188,7 +195,8 @@ void EvidenceMapper::FindSurfaces() {
   }
   for (const SampleOnObject& found : on_objects_) {
     const SurfaceSample& sample = samples_[found.sample];
-    if (has_labels_ && config_.IsInBackground(ClassId(sample.label)) && sample.instance == 0) {
+    if ((has_labels_ && config_.IsInBackground(ClassId(sample.label)) && sample.instance == 0) ||
+        IsStructureInView(*in_view_[found.place].object)) {
       uses_[found.sample] = SampleUse::kNone;
     }
   }

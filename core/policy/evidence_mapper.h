@@ -67,6 +67,7 @@ class EvidenceMapper final : public MapUpdater {
   bool IsOnSurface(const SurfaceSample& sample,
                    const DistanceSample& distance,
                    const Eigen::Vector3d& normal) const;
+  bool IsStructureInView(const TrackedObject& object) const;
   std::vector<FrameSegment> FindScene() const;
   void FuseSession(const SegmentAssignment& assignment);
 
@@ -84,7 +85,7 @@ class EvidenceMapper final : public MapUpdater {
   SampleGrid samples_;
   MinDepthGrid tiles_;
   std::vector<ObjectInView> in_view_;
-  std::vector<SampleOnObject> on_objects_;  ///< Of the session.
+  std::vector<SampleOnObject> on_objects_;  ///< Of the session, and structures.
   std::vector<SampleUse> uses_;             ///< By sample.
   std::vector<FrameSegment> segments_;
 };

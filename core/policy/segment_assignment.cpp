@@ -74,6 +74,10 @@ void SegmentAssignment::AssignScene() {
   for (std::size_t index = 0; index < frame_.samples.size(); ++index) {
     if (frame_.samples[index].is_valid()) association_.owner[index] = kBackgroundOwner;
   }
+  for (const SampleOnObject& found : frame_.on_objects) {
+    if (!IsStructure(*(*in_view_)[found.place].object, identity_.parts.scene)) continue;
+    association_.owner[found.sample] = static_cast<std::uint32_t>(found.place + 1);
+  }
   owner_of_.assign(frame_.segments.size(), 0);
   segment_on_.assign(in_view_->size(), 0);
   if (frame_.segments.empty()) return;

@@ -26,7 +26,7 @@ struct SegmentedFrame {
   const SemanticCloud& cloud;
   const SampleGrid& samples;
   const std::vector<FrameSegment>& segments;
-  const std::vector<SampleOnObject>& on_objects;  ///< Of the session.
+  const std::vector<SampleOnObject>& on_objects;  ///< Of the session, and structures.
   const std::vector<SampleUse>& uses;             ///< By sample.
 };
 
@@ -64,7 +64,8 @@ class SegmentAssignment {
   void AssignSegments();
 
   /// Assigns the only segment, if there is one, of a frame without labels: the scene, which
-  /// `DivideScene` divides at the end of the session. All other samples belong to the background.
+  /// `DivideScene` divides at the end of the session. Samples on structures belong to these, all
+  /// others to the background.
   void AssignScene();
 
   /// Returns the owner of each sample: of an object, its place in `in_view` plus one.

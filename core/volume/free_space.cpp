@@ -12,9 +12,6 @@
 namespace steadymap {
 namespace {
 
-// Distance behind a surface at which free space is tested, metres.
-constexpr double kBehindM = 0.08;
-
 /// Enumerates all cells along a ray, in order (Amanatides and Woo, "A fast voxel traversal
 /// algorithm", 1987). Lengths in cells.
 class CellWalk {
@@ -146,11 +143,6 @@ double FreeSpace::FreeRun(const Eigen::Vector3d& start_world,
     walk.Advance();
   }
   return std::min(walk.entry_cells() * cell_size_m_, max_m);
-}
-
-bool FreeSpace::HasFreeSpaceBehind(const Eigen::Vector3d& point_world,
-                                   const Eigen::Vector3d& normal_world) const {
-  return IsFree(point_world - kBehindM * normal_world);
 }
 
 void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,

@@ -45,12 +45,6 @@ class FreeSpace {
   /// Returns the memory of the tiles, bytes.
   std::size_t memory_bytes() const { return tiles_.size() * sizeof(Tile); }
 
-  /// True if the space 0.08 m behind a surface is free, so that the surface appeared after that
-  /// observation. `normal_world` is the outward unit normal. Objects thinner than a cell give no
-  /// reliable result.
-  bool HasFreeSpaceBehind(const Eigen::Vector3d& point_world,
-                          const Eigen::Vector3d& normal_world) const;
-
   /// Marks the cells on the segment from `from_world` to `to_world`. Appends the changed blocks to
   /// `changed_blocks`, possibly with duplicates.
   void MarkRay(const Eigen::Vector3d& from_world,

@@ -25,6 +25,10 @@ const Eigen::Vector3d kOtherSizeM(0.4, 0.9, 0.3);
 
 const Box kEverywhere(Eigen::Vector3d::Constant(-10.0), Eigen::Vector3d::Constant(10.0));
 
+const Box kSupportSlab(Eigen::Vector3d(2.0, 0.0, 0.0), Eigen::Vector3d(4.0, 2.0, 0.3));
+const Box kAboveSlab(Eigen::Vector3d(1.0, -1.0, 0.4), Eigen::Vector3d(5.0, 3.0, 1.6));
+const Eigen::Vector3d kOnSlab(2.4, 0.4, 0.3);
+
 // Of a box at y = 0.
 const Box kFirstPart(Eigen::Vector3d(-10.0, -10.0, -10.0), Eigen::Vector3d(10.0, 0.2, 10.0));
 
@@ -75,6 +79,34 @@ class SessionIdentityTest : public ::testing::Test {
     return Put(ObjectStatus::kTentative, {2.0, y_m, 0.0}, size);
   }
 
+  /// Adds a large slab with a box on it, known as one object without a label, of which looks found
+  /// all but the box if that is gone.
+  TrackedObject* PutStructure(const Box& box, bool is_box_gone) {
+    TrackedObject* known = Put(ObjectStatus::kPresent, kSupportSlab.min(), kSupportSlab.sizes());
+    {
+      const Eigen::Vector3d origin_world = known->state().T_world_object.position_world;
+      ObjectEdit edit = map_.Edit(known);
+      edit.state().class_id = kNoClass;
+      StoreVolume(
+          MakeVolume({Box(kSupportSlab.min() - origin_world, kSupportSlab.max() - origin_world),
+                      Box(box.min() - origin_world, box.max() - origin_world)},
+                     map_.scale()),
+          &edit);
+    }
+    SetScores(kEverywhere, 2, known);
+    const Eigen::Vector3d above_foot(0.0, 0.0, 0.15);
+    if (is_box_gone) SetScores({box.min() + above_foot, box.max() * 1.1}, -2, known);
+    return known;
+  }
+
+  /// Adds a box without a label.
+  TrackedObject* PutUnlabelled(const Eigen::Vector3d& place) {
+    TrackedObject* seen = Put(ObjectStatus::kTentative, place, kSizeM);
+    ObjectEdit edit = map_.Edit(seen);
+    edit.state().class_id = kNoClass;
+    return seen;
+  }
+
   /// Marks the space within bounds as seen through.
   void MarkFree(const Box& bounds_world) {
     const double step_m = 0.5 * map_.free_space().cell_size_m();
@@ -120,6 +152,27 @@ TEST_F(SessionIdentityTest, AnObjectInPlaceIsConfirmedWithoutAnEvent) {
   EXPECT_GT(known->state().belief.stationarity(), before);
   EXPECT_GT(known->state().evidence.present_cells, 0.0);
   EXPECT_EQ(known->state().evidence.absent_cells, 0.0);
+}
+
+TEST_F(SessionIdentityTest, AThingThatMovesOnAStructureWithoutLabelsHasMoved) {
+  MarkFree(kAboveSlab);
+  const TrackedObject* structure = PutStructure({kOnSlab, kOnSlab + kSizeM}, true);
+  PutUnlabelled({3.2, 1.2, 0.3});
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kMoved);
+  EXPECT_NE(events.front().object, structure->id());
+  EXPECT_LT((events.front().center_world - Eigen::Vector3d(3.4, 1.45, 0.6)).norm(), 0.1);
+  EXPECT_EQ(structure->state().status, ObjectStatus::kPresent);
+  EXPECT_EQ(structure->state().last_seen, Timestamp::FromSeconds(100.0));
+  EXPECT_LT(structure->BoundsInWorld().max().z(), 0.5);
+}
+
+TEST_F(SessionIdentityTest, AStructureOfWhichNothingIsGoneStays) {
+  MarkFree(kAboveSlab);
+  const TrackedObject* structure = PutStructure({kOnSlab, kOnSlab + kSizeM}, false);
+  EXPECT_TRUE(Decide().empty());
+  EXPECT_NEAR(structure->BoundsInWorld().max().z(), 0.9, 0.1);
 }
 
 TEST_F(SessionIdentityTest, AnObjectThatWasNotLookedAtStays) {

@@ -41,15 +41,6 @@ TEST(FreeSpace, MarksTheCellsThatARayPassesAndNoOther) {
   EXPECT_EQ(CountFreeCells(free_space), 11U);
 }
 
-TEST(FreeSpace, TellsWhatIsBehindASurfaceByItsNormal) {
-  FreeSpace free_space(kCellM);
-  std::vector<LeafOrigin> changed;
-  free_space.MarkRay({-0.55, 0.05, 0.05}, {0.25, 0.05, 0.05}, &changed);
-  // Both points are beside the border of the observed free space.
-  EXPECT_TRUE(free_space.HasFreeSpaceBehind({0.31, 0.05, 0.05}, Eigen::Vector3d::UnitX()));
-  EXPECT_FALSE(free_space.HasFreeSpaceBehind({0.29, 0.05, 0.05}, -Eigen::Vector3d::UnitX()));
-}
-
 TEST(FreeSpace, MarksASlantedRayOnlyWhereItPasses) {
   FreeSpace free_space(kCellM);
   std::vector<LeafOrigin> changed;
