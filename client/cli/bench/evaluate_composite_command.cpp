@@ -24,12 +24,10 @@ constexpr char kCompositeFooter[] =
     "at the end, with each face within 4 cm. ghosts: share of surface that things have left, in\n"
     "the map; kept: share of the surface that `static` fuses from the recording alone.";
 
-constexpr RoomLabels kAllLabels[] = {
-    RoomLabels::kClasses, RoomLabels::kInstances, RoomLabels::kNone};
-
-std::vector<std::string> NamesOfLabels() {
-  std::vector<std::string> names;
-  for (const RoomLabels labels : kAllLabels) names.emplace_back(NameOf(labels));
+/// Returns the policies that see both drives.
+std::vector<std::string> ComparedPolicies() {
+  std::vector<std::string> names = MethodNames();
+  std::erase(names, "fresh");
   return names;
 }
 
@@ -62,10 +60,10 @@ EvaluateCompositeCommand::EvaluateCompositeCommand(CLI::App* app, CommandContext
       ->type_name("N")
       ->capture_default_str();
   command->add_option("--policy", policy_, "Update policy, compared with `static`")
-      ->check(CLI::IsMember(MethodNames()))
+      ->check(CLI::IsMember(ComparedPolicies()))
       ->capture_default_str();
   command->add_option("--labels", labels_, "Labels of the frames: those of the things")
-      ->check(CLI::IsMember(NamesOfLabels()))
+      ->check(CLI::IsMember(RoomLabelNames()))
       ->capture_default_str();
   command->add_option("--map-voxel", voxel_size_m_, "Edge of the maps' voxels")
       ->type_name("METRES")
@@ -99,9 +97,7 @@ absl::Status EvaluateCompositeCommand::Run() const {
   options.dataset.stride = stride_;
   options.dataset.T_world_dataset_file = T_world_dataset_file_;
   options.dataset.include_color = false;
-  for (const RoomLabels labels : kAllLabels) {
-    if (NameOf(labels) == labels_) options.labels = labels;
-  }
+  options.labels = FindRoomLabels(labels_).value_or(options.labels);
   options.cases = cases_;
   options.seed = seed_;
   options.session_offset_m = session_offset_m_;

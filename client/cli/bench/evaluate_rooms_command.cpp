@@ -29,14 +29,6 @@ std::vector<std::string> ChangeNames() {
   return names;
 }
 
-constexpr RoomLabels kLabels[] = {RoomLabels::kClasses, RoomLabels::kInstances, RoomLabels::kNone};
-
-std::vector<std::string> LabelNames() {
-  std::vector<std::string> names;
-  for (const RoomLabels labels : kLabels) names.emplace_back(NameOf(labels));
-  return names;
-}
-
 }  // namespace
 
 EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* context)
@@ -63,7 +55,7 @@ EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* contex
                    labels_,
                    "Labels of all cases (default: drawn for each); leaves out changes that cannot "
                    "be told with them")
-      ->check(CLI::IsMember(LabelNames()));
+      ->check(CLI::IsMember(RoomLabelNames()));
   command->add_flag("--faults", with_faults_, "List what is wrong in each case");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
@@ -80,9 +72,7 @@ absl::Status EvaluateRoomsCommand::Run() const {
   for (const Method& method : *methods) {
     if (method.name == policy_) options.policy = method.config.policy;
   }
-  for (const RoomLabels labels : kLabels) {
-    if (NameOf(labels) == labels_) options.labels = labels;
-  }
+  options.labels = FindRoomLabels(labels_);
   options.cases = cases_;
   options.seed = seed_;
   ProgressReport report(&context_->err,

@@ -10,6 +10,9 @@
 namespace steadymap {
 namespace {
 
+constexpr RoomLabels kAllLabels[] = {
+    RoomLabels::kClasses, RoomLabels::kInstances, RoomLabels::kNone};
+
 constexpr double kVariedShare = 1.0 / 3.0;
 
 constexpr double kRadiansPerDegree = M_PI / 180.0;
@@ -130,6 +133,19 @@ SensorModel DefaultSensor() {
 std::string_view NameOf(RoomLabels labels) {
   static constexpr std::string_view kNames[] = {"classes", "instances", "none"};
   return kNames[static_cast<std::size_t>(labels)];
+}
+
+std::vector<std::string> RoomLabelNames() {
+  std::vector<std::string> names;
+  for (const RoomLabels labels : kAllLabels) names.emplace_back(NameOf(labels));
+  return names;
+}
+
+std::optional<RoomLabels> FindRoomLabels(std::string_view name) {
+  for (const RoomLabels labels : kAllLabels) {
+    if (NameOf(labels) == name) return labels;
+  }
+  return std::nullopt;
 }
 
 bool CanBeTold(RoomChange change, RoomLabels labels) {

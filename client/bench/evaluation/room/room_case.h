@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/bench/simulator/routes/box_room.h"
@@ -16,6 +18,12 @@ enum class RoomLabels { kClasses, kInstances, kNone };
 
 /// Returns `classes`, `instances` or `none`.
 std::string_view NameOf(RoomLabels labels);
+
+/// Returns the names of all labels.
+std::vector<std::string> RoomLabelNames();
+
+/// Returns the labels of that name; none for another text.
+std::optional<RoomLabels> FindRoomLabels(std::string_view name);
 
 /// One case: a change, the setting in which it happens, and the errors of what is measured.
 struct RoomCase {
