@@ -1,12 +1,9 @@
 #include "client/bench/evaluation/composite/composite_case.h"
 
 #include <algorithm>
-#include <array>
 #include <bitset>
 #include <cmath>
-#include <iterator>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "client/bench/evaluation/composite/frame_composer.h"

@@ -1,7 +1,5 @@
 #include "client/bench/evaluation/composite/composite_evaluation.h"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -128,6 +126,8 @@ class CompositeEvaluation {
         if (room_.views.empty()) first_error = frame.status();
         continue;
       }
+      // As in `Play`: things are drawn for one camera.
+      if (!room_.views.empty() && frame->camera != room_.views.front().camera) continue;
       cloud.Compute(*frame);
       samples.Compute(cloud);
       for (std::size_t j = 0; j < samples.size(); ++j) {
