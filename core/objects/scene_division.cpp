@@ -63,16 +63,25 @@ class SceneDivision {
   std::size_t part_count() const { return parts_.size(); }
 
  private:
+  using Planes = std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>;  ///< Normal, a point.
+
+  /// Marks the points on planes of at least that area, and lists the planes.
+  std::vector<char> FindPlanes(const std::vector<OrientedPoint>& points,
+                               double min_area_m2,
+                               Planes* planes) const {
+    return FindLargePlanes(points,
+                           voxel_m_ * voxel_m_,
+                           kPlaneReachVoxels * voxel_m_,
+                           {min_area_m2,
+                            parameters_.max_plane_distance_voxels * voxel_m_,
+                            parameters_.min_plane_cosine},
+                           planes);
+  }
+
   /// Marks the points on large planes and on known background. Noise makes points on the back of a
   /// wall, too.
   void FindStructure(const WorkingMap& map) {
-    is_structure_ = FindLargePlanes(points_,
-                                    voxel_m_ * voxel_m_,
-                                    kPlaneReachVoxels * voxel_m_,
-                                    {parameters_.min_plane_area_m2,
-                                     parameters_.max_plane_distance_voxels * voxel_m_,
-                                     parameters_.min_plane_cosine},
-                                    &planes_);
+    is_structure_ = FindPlanes(points_, parameters_.min_plane_area_m2, &planes_);
     TsdfSampler sampler(map.background(), map.scale());
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DistanceSample sample = sampler.Sample(points_[i].position_world);
@@ -84,7 +93,7 @@ class SceneDivision {
     ExtendStructure(&sampler);
   }
 
-  /// Lists the surface of known structures.
+  /// Adds the surface of known structures to the supports.
   void FindKnownStructures(WorkingMap* map) {
     for (const TrackedObject* object : map->AllObjects()) {
       if (!IsStructure(*object, parameters_)) continue;
@@ -136,15 +145,9 @@ class SceneDivision {
   void SeparateStanding(std::size_t index, double contact_m) {
     const std::vector<std::size_t> part = parts_[index];
     const std::vector<OrientedPoint> points = PointsOf(part);
-    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> planes;
+    Planes planes;
     const std::vector<char> is_on_plane =
-        FindLargePlanes(points,
-                        voxel_m_ * voxel_m_,
-                        kPlaneReachVoxels * voxel_m_,
-                        {parameters_.min_support_area_m2,
-                         parameters_.max_plane_distance_voxels * voxel_m_,
-                         parameters_.min_plane_cosine},
-                        &planes);
+        FindPlanes(points, parameters_.min_support_area_m2, &planes);
     std::vector<char> is_support(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (is_on_plane[i] == 0 || points[i].normal_world.z() <= kMinUpCosine) continue;
@@ -362,8 +365,8 @@ class SceneDivision {
   double voxel_m_;
   std::vector<OrientedPoint> points_;
   std::vector<char> is_structure_;
-  std::vector<OrientedPoint> supports_;                              ///< Of known objects.
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> planes_;  ///< Normal, a point.
+  std::vector<OrientedPoint> supports_;  ///< On which things stand, besides structure.
+  Planes planes_;
   std::vector<std::vector<std::size_t>> parts_;
 };
 
