@@ -15,8 +15,8 @@ namespace {
 constexpr double kSameSurfaceVoxels = 1.5;
 constexpr double kMinSameNormalCosine = 0.5;
 
-// A way from one region to the other leads rather so far along a surface than across the inner edge
-// at which a thing stands on it.
+// The border of a region tends to lie at a concave edge, where a thing stands on another: a right
+// angle inwards counts like so long a way along the surface.
 constexpr double kConcaveCostM = 0.5;
 
 // So far behind a surface, space that was open shows that the surface is new.

@@ -42,7 +42,7 @@ struct KnownObject {
 struct SeenObject {
   TrackedObject* object = nullptr;
   std::size_t index = 0;
-  bool is_new_region = false;  ///< Came to the place of a known object, which stands.
+  bool is_new_region = false;  ///< Was not there when a known object beside it was seen.
   bool is_decided = false;
 };
 

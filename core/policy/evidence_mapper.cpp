@@ -163,8 +163,8 @@ bool EvidenceMapper::IsStructureInView(const TrackedObject& object) const {
   return !has_labels_ && IsStructure(object, parameters_.identity.parts.scene);
 }
 
-/// Finds the samples on known surface of the session or of the background. A label that contradicts
-/// the surface is wrong.
+/// Finds the samples on known surface of the session, of structures or of the background. A label
+/// that contradicts the surface is wrong.
 void EvidenceMapper::FindSurfaces() {
   on_objects_.clear();
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
