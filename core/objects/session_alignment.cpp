@@ -50,6 +50,11 @@ double DisplacementOf(const Registration& registration, const TrackedObject& obj
   return std::hypot(registration.shift_world.head<2>().norm(), registration.yaw_rad * radius_m);
 }
 
+bool FitsAtRest(const Registration& registration, const SessionIdentityParameters& parameters) {
+  return registration.known_share_at_rest >= parameters.min_known_share &&
+         registration.known_loss_at_rest <= registration.known_loss;
+}
+
 Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,
                                const std::vector<const TrackedObject*>& known,
                                const SessionIdentityParameters& parameters,

@@ -22,6 +22,10 @@ std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
 /// stands there does not rise or sink. Metres.
 double DisplacementOf(const Registration& registration, const TrackedObject& object);
 
+/// True if an object of a session fits a known one at least as well without the correction, which
+/// then only makes more of its surface known.
+bool FitsAtRest(const Registration& registration, const SessionIdentityParameters& parameters);
+
 /// Returns the motion of the objects of a session onto the known objects in place, world frame; the
 /// identity if there are none.
 Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,

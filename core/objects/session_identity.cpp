@@ -51,7 +51,8 @@ struct PlaceMatch {
   SeenObject* seen = nullptr;
   KnownObject* known = nullptr;
   double displacement_m = 0.0;
-  double fit = 0.0;  ///< Share of the surface that agrees.
+  double fit = 0.0;           ///< Share of the surface that agrees.
+  bool fits_at_rest = false;  ///< Agrees as well without the displacement.
 };
 
 /// An object of the session that has the shape of a known one.
@@ -257,7 +258,8 @@ std::vector<PlaceMatch> SessionDecision::FindPlaceMatches() {
                                      : parameters_.min_known_share;
       if (registration->known_share < least_known) continue;
       const double fit = registration->known_share * (1.0 - registration->dissimilarity);
-      matches.push_back({&seen, &known, displacement_m, fit});
+      matches.push_back(
+          {&seen, &known, displacement_m, fit, FitsAtRest(*registration, parameters_)});
     }
   }
   // What stands there is more likely than what left.
@@ -274,17 +276,15 @@ void SessionDecision::MatchInPlace() {
   const std::vector<PlaceMatch> matches = FindPlaceMatches();
   for (const PlaceMatch& match : matches) {
     if (match.seen->is_decided) continue;
-    // What was gone is back where it stood, if not to the centimetre.
-    if (!match.known->object->is_archived() &&
-        match.displacement_m > InPlaceLimit(matches, *match.seen)) {
-      continue;
-    }
+    const bool is_archived = match.known->object->is_archived();
     const double doubt =
         std::max(DoubtOf(*match.known->object),
-                 match.known->object->is_archived()
-                     ? 0.0
-                     : NewShareOf(*match.known->object, *match.seen->object, *map_));
-    const bool is_displaced = match.displacement_m > parameters_.max_displacement_m;
+                 is_archived ? 0.0 : NewShareOf(*match.known->object, *match.seen->object, *map_));
+    const double displacement_m =
+        match.fits_at_rest && doubt < parameters_.doubted_share ? 0.0 : match.displacement_m;
+    // What was gone is back where it stood, if not to the centimetre.
+    if (!is_archived && displacement_m > InPlaceLimit(matches, *match.seen)) continue;
+    const bool is_displaced = displacement_m > parameters_.max_displacement_m;
     if (doubt >= (is_displaced ? parameters_.gone_share : 1.0 - parameters_.doubted_share)) {
       continue;
     }

@@ -122,6 +122,7 @@ class Search {
     AlignmentDescent best;
     best.fit = alignment_.Linearize(points_.offsets, {});
     best.converged = best.fit.known > 0;
+    fit_at_rest_ = best.fit;
     const bool rests = IsConsistent(best.fit) && IsConverged(best.fit);
     if (rests && IsComplete(best.fit)) return best;
 
@@ -145,6 +146,9 @@ class Search {
     if (!moves) return best;
     return IsInconsistent(best.fit) ? best : Finish(best);
   }
+
+  /// Returns the fit without a motion, after `Run`.
+  const AlignmentFit& fit_at_rest() const { return fit_at_rest_; }
 
  private:
   /// True if most points have a known distance.
@@ -261,6 +265,7 @@ class Search {
   const AlignmentPoints& points_;
   const RegistrationParameters& parameters_;
   PointAlignment alignment_;
+  AlignmentFit fit_at_rest_;
 };
 
 /// Counts inliers and outliers after alignment, on more points than were aligned.
@@ -312,8 +317,13 @@ Registration RegisterPoints(std::span<const Eigen::Vector3d> points_world,
   if (points.offsets.empty()) return registration;
   TsdfSampler sampler(volume, scale);
 
-  const AlignmentDescent end = Search(&sampler, points, parameters).Run();
+  Search search(&sampler, points, parameters);
+  const AlignmentDescent end = search.Run();
   registration.iterations = end.iterations;
+  registration.known_loss = end.fit.known_cost;
+  registration.known_loss_at_rest = search.fit_at_rest().known_cost;
+  registration.known_share_at_rest =
+      static_cast<double>(search.fit_at_rest().known) / static_cast<double>(points.offsets.size());
   registration.converged = end.converged;
   if (end.motion != UprightMotion{}) {
     const Eigen::Vector3d centroid_world = T_world_grid * points.centroid;

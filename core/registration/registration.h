@@ -83,6 +83,11 @@ struct Registration {
   /// Share of the points with a known distance after the correction. A low dissimilarity with a low
   /// known share is weak evidence.
   double known_share = 0.0;
+  /// Mean loss of the aligned points with a known distance after the correction, [0, 1].
+  double known_loss = 1.0;
+  /// The same, and the share of these points, without the correction.
+  double known_loss_at_rest = 1.0;
+  double known_share_at_rest = 0.0;
   /// Root mean square distance of the inliers from the surface, metres; 0 without inliers.
   double inlier_rms_m = 0.0;
   /// Number of steps, including the jump to the start. 0: the points were not moved.

@@ -58,5 +58,27 @@ TEST(AlignSession, ThingsThatMovedAlikeAreNoPoseError) {
   }
 }
 
+TEST(FitsAtRest, TellsADisplacementThatTheSurfaceShows) {
+  const TrackedObject known = BoxAt(std::uint64_t{1}, 0.0, 0.0);
+  for (const double displacement_m : {0.03, 0.06, 0.1}) {
+    const TrackedObject seen = BoxAt(std::uint64_t{2}, displacement_m, 0.0);
+    const Registration registration = *RegisterToKnown(seen, known, kScale);
+    EXPECT_FALSE(FitsAtRest(registration, SessionIdentityParameters())) << displacement_m;
+  }
+}
+
+TEST(FitsAtRest, NeedsEnoughKnownSurface) {
+  const SessionIdentityParameters parameters;
+  Registration registration;
+  registration.known_loss = 0.03;
+  registration.known_loss_at_rest = 0.01;
+  registration.known_share_at_rest = 0.9 * parameters.min_known_share;
+  EXPECT_FALSE(FitsAtRest(registration, parameters));
+  registration.known_share_at_rest = 1.1 * parameters.min_known_share;
+  EXPECT_TRUE(FitsAtRest(registration, parameters));
+  registration.known_loss_at_rest = 0.04;
+  EXPECT_FALSE(FitsAtRest(registration, parameters));
+}
+
 }  // namespace
 }  // namespace steadymap

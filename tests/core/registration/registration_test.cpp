@@ -184,6 +184,24 @@ TsdfGrid LongWall(double left_m, double right_m) {
       [&](const Eigen::Vector3d& point) { return point.x() >= left_m && point.x() <= right_m; });
 }
 
+TEST(RegisterPoints, TellsHowPointsFitWithoutTheCorrection) {
+  const Solid crate = Crate();
+  const TsdfGrid volume = MakeVolume(crate, kScale);
+  std::mt19937_64 random(5);
+  std::vector<Eigen::Vector3d> points;
+  for (const SurfaceView& view : LooksAround(crate, kSpacingRad)) {
+    for (const Eigen::Vector3d& point : WithNoise(view, 0.003, &random)) points.push_back(point);
+  }
+  const Registration rest = RegisterPoints(points, volume, kScale, {});
+  EXPECT_LT(rest.known_loss_at_rest, 0.05);
+  EXPECT_DOUBLE_EQ(rest.known_loss, rest.known_loss_at_rest);
+  EXPECT_GT(rest.known_share_at_rest, 0.9);
+  for (Eigen::Vector3d& point : points) point.x() += 0.08;
+  const Registration moved = RegisterPoints(points, volume, kScale, {});
+  EXPECT_LT(moved.known_loss, 0.05);
+  EXPECT_GT(moved.known_loss_at_rest, moved.known_loss + 0.1);
+}
+
 TEST(RegisterPoints, DoesNotSlideAlongAWall) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> yaw(-kMaxYawRad, kMaxYawRad);
