@@ -75,9 +75,16 @@ struct ObjectState {
   std::uint64_t supporting_frames = 0;     ///< Number of frames that support it.
   std::uint64_t contradicted_updates = 0;  ///< Number of belief updates with evidence against it.
   std::vector<PartVotes> parts;  ///< By increasing id, without duplicates; of status `kTentative`.
+  SensorName source;  ///< Of status `kTentative`: whose session it is of; without a robot, of any.
 
   friend bool operator==(const ObjectState&, const ObjectState&) = default;
 };
+
+/// True if an object is of the session of a source.
+inline bool IsInSession(const ObjectState& state, const SensorName& source) {
+  return state.status == ObjectStatus::kTentative &&
+         (state.source.robot.empty() || state.source == source);
+}
 
 /// An object of a map at one revision.
 struct MapObject : ObjectState {

@@ -68,13 +68,14 @@ class SessionDecision {
  public:
   SessionDecision(const MapConfig& config,
                   const SessionIdentityParameters& parameters,
+                  const SensorName& source,
                   WorkingMap* map)
-      : config_(config), parameters_(parameters), map_(map) {}
+      : config_(config), parameters_(parameters), source_(source), map_(map) {}
 
   void Run() {
-    CompleteSessionObjects(parameters_.parts, map_);
+    CompleteSessionObjects(parameters_.parts, source_, map_);
     EndVanished();
-    for (TrackedObject* object : map_->TentativeObjects()) CutGoneCells(object, map_);
+    for (TrackedObject* object : map_->TentativeObjectsOf(source_)) CutGoneCells(object, map_);
     ListObjects();
     Align();
     SeparateNew();
@@ -86,7 +87,9 @@ class SessionDecision {
     MatchDoubted();
     AddRest();
     EndGone();
-    for (TrackedObject* object : map_->AllObjects()) Settle(object);
+    for (TrackedObject* object : map_->AllObjects()) {
+      if (object->state().status != ObjectStatus::kTentative) Settle(object);
+    }
   }
 
  private:
@@ -129,6 +132,7 @@ class SessionDecision {
 
   const MapConfig& config_;
   const SessionIdentityParameters& parameters_;
+  const SensorName& source_;
   WorkingMap* map_;
   std::deque<SeenObject> seen_;  ///< Not moved in memory when it grows.
   std::deque<KnownObject> known_;
@@ -139,7 +143,7 @@ class SessionDecision {
 
 /// Makes known objects of those that were seen and then found gone in the same session.
 void SessionDecision::EndVanished() {
-  for (TrackedObject* object : map_->TentativeObjects()) {
+  for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     const LookCount looks = CountLooks(*object);
     if (looks.looked_at() < parameters_.min_looked_at_cells ||
         static_cast<double>(looks.gone) <
@@ -155,6 +159,7 @@ void SessionDecision::Create(TrackedObject* object) {
   {
     ObjectEdit edit = map_->Edit(object);
     edit.state().status = ObjectStatus::kPresent;
+    edit.state().source = {};
     edit.state().in_place_since = object->state().first_seen;
   }
   map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
@@ -175,9 +180,9 @@ void SessionDecision::Settle(TrackedObject* object) {
 void SessionDecision::ListObjects() {
   for (TrackedObject* object : map_->AllObjects()) {
     if (object->is_deleted()) continue;
-    if (object->state().status == ObjectStatus::kTentative) {
+    if (IsInSession(object->state(), source_)) {
       AddSeen(object, /*is_new_region=*/false);
-    } else {
+    } else if (object->state().status != ObjectStatus::kTentative) {
       AddKnown(object, Standing::kUnknown);
     }
   }
@@ -649,8 +654,9 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
 
 void DecideSession(const MapConfig& config,
                    const SessionIdentityParameters& parameters,
+                   const SensorName& source,
                    WorkingMap* map) {
-  SessionDecision(config, parameters, map).Run();
+  SessionDecision(config, parameters, source, map).Run();
 }
 
 }  // namespace steadymap

@@ -6,12 +6,14 @@
 
 namespace steadymap {
 
-/// Decides what the objects of a session (status `kTentative`) are: known objects in place, known
-/// objects at a new place, removed objects that are back, or new ones; and which known objects are
-/// gone. Reports one event per change. Afterwards no object is tentative, and of the evidence for
-/// an object only the sums are left.
+/// Decides what the objects of the session of a source (status `kTentative`) are: known objects in
+/// place, known objects at a new place, removed objects that are back, or new ones; and which known
+/// objects are gone, by the looks of all sources since the last session ended. Reports one event
+/// per change. Afterwards no object of the session is tentative, and of the evidence for a known
+/// object only the sums are left. Objects of other sessions are not touched.
 void DecideSession(const MapConfig& config,
                    const SessionIdentityParameters& parameters,
+                   const SensorName& source,
                    WorkingMap* map);
 
 }  // namespace steadymap

@@ -51,16 +51,16 @@ std::size_t CountContacts(const TrackedObject& a,
 /// The completion of the objects of one session.
 class PartCompletion {
  public:
-  PartCompletion(const SessionPartParameters& parameters, WorkingMap* map)
-      : parameters_(parameters), map_(map) {}
+  PartCompletion(const SessionPartParameters& parameters, const SensorName& source, WorkingMap* map)
+      : parameters_(parameters), source_(source), map_(map) {}
 
   void Run() {
     DivideScenes();
-    election_ = PartElection(map_->TentativeObjects());
+    election_ = PartElection(map_->TentativeObjectsOf(source_));
     JoinParts();
     DropFragments();
     JoinPieces();
-    AddUnsegmentedSurface(parameters_.contact_voxels, map_);
+    AddUnsegmentedSurface(parameters_.contact_voxels, source_, map_);
   }
 
  private:
@@ -71,13 +71,14 @@ class PartCompletion {
   bool IsPieceOf(const TrackedObject& object, const TrackedObject& other) const;
 
   const SessionPartParameters& parameters_;
+  const SensorName& source_;
   WorkingMap* map_;
   PartElection election_;
 };
 
 /// Makes objects of surface that frames without labels have shown.
 void PartCompletion::DivideScenes() {
-  for (TrackedObject* object : map_->TentativeObjects()) {
+  for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     if (object->state().class_id == kNoClass)
       DivideScene(parameters_.scene, parameters_.contact_voxels, object, map_);
   }
@@ -86,7 +87,9 @@ void PartCompletion::DivideScenes() {
 /// Makes one object of those that most frames show connected.
 void PartCompletion::JoinParts() {
   std::map<ObjectId, TrackedObject*> objects;
-  for (TrackedObject* object : map_->TentativeObjects()) objects.emplace(object->id(), object);
+  for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
+    objects.emplace(object->id(), object);
+  }
   while (true) {
     const auto [whole, part] = election_.FindPair();
     if (part == ObjectId()) return;
@@ -97,7 +100,7 @@ void PartCompletion::JoinParts() {
 
 /// Deletes what is too small, or was seen too rarely.
 void PartCompletion::DropFragments() {
-  for (TrackedObject* object : map_->TentativeObjects()) {
+  for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     if (IsUnsegmented(*object)) continue;
     const LookCount looks = CountLooks(*object);
     const std::uint64_t frames = object->state().supporting_frames;
@@ -131,7 +134,7 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
 
 void PartCompletion::JoinPieces() {
   std::vector<TrackedObject*> objects;
-  for (TrackedObject* object : map_->TentativeObjects()) {
+  for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     if (!IsUnsegmented(*object)) objects.push_back(object);
   }
   std::stable_sort(objects.begin(), objects.end(), [](const auto* a, const auto* b) {
@@ -153,8 +156,10 @@ void PartCompletion::JoinPieces() {
 
 }  // namespace
 
-void CompleteSessionObjects(const SessionPartParameters& parameters, WorkingMap* map) {
-  PartCompletion(parameters, map).Run();
+void CompleteSessionObjects(const SessionPartParameters& parameters,
+                            const SensorName& source,
+                            WorkingMap* map) {
+  PartCompletion(parameters, source, map).Run();
 }
 
 void CutGoneCells(TrackedObject* object, WorkingMap* map) {

@@ -26,9 +26,12 @@ struct SessionPartParameters {
   SceneDivisionParameters scene;
 };
 
-/// Makes whole objects of what a session has fused (status `kTentative`): divides surface without
-/// labels, joins parts that most frames show connected, deletes fragments and wrong labels.
-void CompleteSessionObjects(const SessionPartParameters& parameters, WorkingMap* map);
+/// Makes whole objects of what the session of a source has fused (status `kTentative`): divides
+/// surface without labels, joins parts that most frames show connected, deletes fragments and wrong
+/// labels.
+void CompleteSessionObjects(const SessionPartParameters& parameters,
+                            const SensorName& source,
+                            WorkingMap* map);
 
 /// Adds the surface of one object of the session to another one and deletes it.
 void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* map);

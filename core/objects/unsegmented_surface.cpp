@@ -41,12 +41,12 @@ bool IsUnsegmented(const TrackedObject& object) {
   return object.state().status == ObjectStatus::kTentative && object.state().supporting_frames == 0;
 }
 
-void AddUnsegmentedSurface(double contact_voxels, WorkingMap* map) {
+void AddUnsegmentedSurface(double contact_voxels, const SensorName& source, WorkingMap* map) {
   const double reach_m = contact_voxels * map->scale().voxel_size_m;
-  for (TrackedObject* surface : map->TentativeObjects()) {
+  for (TrackedObject* surface : map->TentativeObjectsOf(source)) {
     if (!IsUnsegmented(*surface)) continue;
     std::vector<TrackedObject*> objects;
-    for (TrackedObject* object : map->TentativeObjects()) {
+    for (TrackedObject* object : map->TentativeObjectsOf(source)) {
       if (!IsUnsegmented(*object) && IsOfOneClass(*object, *surface) &&
           object->BoundsInWorld().intersects(Grow(surface->BoundsInWorld(), reach_m))) {
         objects.push_back(object);

@@ -10,9 +10,9 @@ namespace steadymap {
 /// True if an object is unsegmented surface of a session.
 bool IsUnsegmented(const TrackedObject& object);
 
-/// Adds the unsegmented surface of a session to the objects of its class. Each part goes to the
-/// object from which the shortest way along the surface, in steps of at most `contact_voxels`,
-/// leads to it. What is connected with none is deleted.
-void AddUnsegmentedSurface(double contact_voxels, WorkingMap* map);
+/// Adds the unsegmented surface of the session of a source to the objects of its class. Each part
+/// goes to the object from which the shortest way along the surface, in steps of at most
+/// `contact_voxels`, leads to it. What is connected with none is deleted.
+void AddUnsegmentedSurface(double contact_voxels, const SensorName& source, WorkingMap* map);
 
 }  // namespace steadymap

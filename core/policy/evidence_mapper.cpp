@@ -15,10 +15,6 @@ namespace {
 // Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
 constexpr double kMinFacingCosine = 0.4;
 
-bool IsInSession(const TrackedObject& object) {
-  return object.state().status == ObjectStatus::kTentative;
-}
-
 }  // namespace
 
 EvidenceMapper::EvidenceMapper(const MapConfig& config,
@@ -47,6 +43,11 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
                                *cloud,
                                samples_,
                                config_.max_depth_m);
+  // Another robot may be wrong about its pose.
+  std::erase_if(in_view_, [&](const ObjectInView& view) {
+    const ObjectState& state = view.object->state();
+    return state.status == ObjectStatus::kTentative && !IsInSession(state, frame.source);
+  });
   has_labels_ = !frame.labels.empty() || !frame.instances.empty();
   stages_.Enter(MapperStage::kLooks);
   LookAtObjects();
@@ -57,7 +58,7 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   SegmentAssignment assignment(config_,
                                parameters_.assignment,
                                parameters_.identity,
-                               {*cloud, samples_, segments_, on_objects_, uses_},
+                               {frame.source, *cloud, samples_, segments_, on_objects_, uses_},
                                &in_view_,
                                map);
   if (has_labels_) {
@@ -94,7 +95,7 @@ void EvidenceMapper::EndSession(const SensorName& sensor, WorkingMap* map) {
     robot.session_start.reset();
     map->StoreRobot(sensor, robot);
   }
-  DecideSession(config_, parameters_.identity, map);
+  DecideSession(config_, parameters_.identity, sensor, map);
 }
 
 void EvidenceMapper::LookAtObjects() {
@@ -169,7 +170,8 @@ void EvidenceMapper::FindSurfaces() {
   on_objects_.clear();
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
     const TrackedObject& object = *in_view_[place].object;
-    if (IsInSession(object) ? !IsUnsegmented(object) : IsStructureInView(object)) {
+    const bool is_of_session = object.state().status == ObjectStatus::kTentative;
+    if (is_of_session ? !IsUnsegmented(object) : IsStructureInView(object)) {
       FindSurfaceOf(place);
     }
   }

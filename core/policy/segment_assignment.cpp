@@ -320,6 +320,7 @@ std::size_t SegmentAssignment::PlaceOfUnsegmented(ClassId class_id, const Surfac
     TrackedObject& object = map_->AddObject(sample.position_world.cast<double>());
     ObjectEdit edit = map_->Edit(&object);
     edit.state().class_id = class_id;
+    edit.state().source = frame_.source;
     in_view_->push_back({&object, 0, frame_.samples.width(), 0, frame_.samples.height()});
   }
   return entry->second;
@@ -336,6 +337,7 @@ void SegmentAssignment::AddSegmentAsObject(std::size_t index) {
   TrackedObject& object = map_->AddObject(mean_world / static_cast<double>(segment.samples.size()));
   ObjectEdit edit = map_->Edit(&object);
   edit.state().class_id = ClassId(segment.label);
+  edit.state().source = frame_.source;
   edit.state().belief = InitialBelief(identity_.initial_stationarity);
   AddInView(&object, index);
 }

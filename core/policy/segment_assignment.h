@@ -23,6 +23,7 @@ struct SampleOnObject {
 
 /// One frame, for the assignment of its segments.
 struct SegmentedFrame {
+  const SensorName& source;
   const SemanticCloud& cloud;
   const SampleGrid& samples;
   const std::vector<FrameSegment>& segments;

@@ -104,6 +104,13 @@ std::vector<TrackedObject*> WorkingMap::FindAll(const std::set<ObjectId>& ids) {
   return objects;
 }
 
+std::vector<TrackedObject*> WorkingMap::TentativeObjectsOf(const SensorName& source) {
+  std::vector<TrackedObject*> objects = TentativeObjects();
+  std::erase_if(objects,
+                [&](const TrackedObject* object) { return !IsInSession(object->state(), source); });
+  return objects;
+}
+
 /// Updates the index and the status sets for an object.
 void WorkingMap::Register(const TrackedObject& object) {
   const ObjectStatus standing = object.state().status;

@@ -91,6 +91,10 @@ class WorkingMap {
   /// number.
   std::vector<TrackedObject*> TentativeObjects() { return FindAll(tentative_); }
 
+  /// Returns the objects of status `kTentative` of the session of a source, and those that are of
+  /// no source, by increasing id.
+  std::vector<TrackedObject*> TentativeObjectsOf(const SensorName& source);
+
   /// Returns the objects of status `kArchived`, including those passed to `Delete`, by increasing
   /// id. Cost: proportional to their number.
   std::vector<TrackedObject*> ArchivedObjects() { return FindAll(archived_); }

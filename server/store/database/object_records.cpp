@@ -127,6 +127,8 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
     added.set_connected(votes.connected);
     added.set_apart(votes.apart);
   }
+  proto.set_robot(state.source.robot);
+  proto.set_sensor(state.source.sensor);
   return proto;
 }
 
@@ -162,6 +164,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   for (const storage::v1::PartVotes& votes : proto.parts()) {
     state.parts.push_back({ObjectId(votes.other()), votes.connected(), votes.apart()});
   }
+  state.source = {proto.robot(), proto.sensor()};
   return state;
 }
 

@@ -120,7 +120,7 @@ class SessionIdentityTest : public ::testing::Test {
   }
 
   std::vector<ObjectEvent> Decide() {
-    DecideSession(MapConfig(), SessionIdentityParameters(), &map_);
+    DecideSession(MapConfig(), SessionIdentityParameters(), {}, &map_);
     map_.EndFrame();
     for (const auto& [id, object] : map_.objects()) {
       EXPECT_NE(object.state().status, ObjectStatus::kTentative);
@@ -128,6 +128,11 @@ class SessionIdentityTest : public ::testing::Test {
       EXPECT_TRUE(object.state().parts.empty());
     }
     return map_.Commit().delta.events;
+  }
+
+  void SetSource(const SensorName& source, TrackedObject* object) {
+    ObjectEdit edit = map_.Edit(object);
+    edit.state().source = source;
   }
 
   WorkingMap map_{MapConfig()};
@@ -383,6 +388,23 @@ TEST_F(SessionIdentityTest, AStripThatMayGoOnIsAnObject) {
   PutSeen(0.0);
   PutSeen(0.8, {0.06, 0.06, 1.2});
   EXPECT_EQ(Decide().size(), 2U);
+}
+
+TEST_F(SessionIdentityTest, ObjectsOfOtherSessionsWaitForTheirOwnEnd) {
+  const SensorName one{"one", "left"};
+  const SensorName other{"one", "right"};
+  TrackedObject* seen = PutSeen(0.0);
+  SetSource(one, seen);
+  TrackedObject* waiting = PutSeen(0.0, kOtherSizeM);
+  SetSource(other, waiting);
+  SetScores(kEverywhere, 2, waiting);
+  DecideSession(MapConfig(), SessionIdentityParameters(), one, &map_);
+  EXPECT_EQ(seen->state().status, ObjectStatus::kPresent);
+  EXPECT_EQ(seen->state().source, SensorName());
+  EXPECT_EQ(waiting->state().status, ObjectStatus::kTentative);
+  EXPECT_FALSE(waiting->state().evidence.leaves.empty());
+  DecideSession(MapConfig(), SessionIdentityParameters(), other, &map_);
+  EXPECT_NE(waiting->state().status, ObjectStatus::kTentative);
 }
 
 TEST_F(SessionIdentityTest, ASurfaceOfOneFrameIsNoObject) {

@@ -43,7 +43,7 @@ class UnsegmentedSurfaceTest : public ::testing::Test {
   }
 
   void Add() {
-    AddUnsegmentedSurface(kReachVoxels, &map_);
+    AddUnsegmentedSurface(kReachVoxels, {}, &map_);
     for (const TrackedObject* object : map_.TentativeObjects()) {
       EXPECT_FALSE(IsUnsegmented(*object));
     }

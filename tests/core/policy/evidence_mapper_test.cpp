@@ -29,6 +29,15 @@ using ::steadymap::testing::SceneBody;
 
 constexpr int kFrames = 10;
 
+const SensorName kOne{"one", SensorName::kDefaultSensor};
+const SensorName kOther{"other", SensorName::kDefaultSensor};
+
+/// Returns the same frames, taken by another sensor.
+std::vector<Frame> TakenBy(const SensorName& source, std::vector<Frame> frames) {
+  for (Frame& frame : frames) frame.source = source;
+  return frames;
+}
+
 class EvidenceMapperTest : public ::testing::Test {
  protected:
   /// Looks at a scene for one session.
@@ -102,6 +111,43 @@ TEST_F(EvidenceMapperTest, TheStateOfARobotTellsWhetherItsSessionIsOpen) {
   EXPECT_EQ(story_.map().robots.at(sensor).session_start, frames.front().capture_time);
   story_.EndSession(sensor);
   EXPECT_EQ(story_.map().robots.at(sensor).session_start, std::nullopt);
+}
+
+TEST_F(EvidenceMapperTest, TheEndOfASessionLeavesWhatOtherRobotsHaveSeen) {
+  const std::vector<Frame> looks = TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames));
+  const auto middle = looks.begin() + kFrames / 2;
+  story_.Play({looks.begin(), middle});
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall()}, 0, kFrames / 2)));
+  story_.EndSession(kOther);
+  EXPECT_TRUE(story_.EventsOf(EventType::kCreated, kGoodsClass).empty());
+  story_.Play({middle, looks.end()});
+  story_.EndSession(kOne);
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, ARobotWhoseClockIsAheadEndsNoOtherSession) {
+  story_.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, kFrames, kFrames, 10)));
+  story_.EndSession(kOther);
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  EXPECT_NE(story_.map().robots.at(kOne).session_start, std::nullopt);
+  story_.EndSession(kOne);
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, AThingThatTwoRobotsSeeAtOnceIsOneObject) {
+  for (const Frame& look : LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)) {
+    story_.Play(TakenBy(kOne, {look}));
+    story_.Play(TakenBy(kOther, {look}));
+  }
+  for (const SensorName& sensor : {kOne, kOther}) {
+    story_.EndSession(sensor);
+    EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+    EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+  }
+  EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
 }
 
 TEST_F(EvidenceMapperTest, AnotherVisitToAnUnchangedPlaceTellsNothing) {

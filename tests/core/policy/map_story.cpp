@@ -65,6 +65,7 @@ MapStory::MapStory(const MapConfig& config, StageObserver* stages)
 void MapStory::Play(const std::vector<Frame>& frames, std::size_t frames_per_commit) {
   for (const Frame& frame : frames) {
     mapper_->Integrate(mapper_->head().Next(), frame);
+    last_source_ = frame.source;
     if (mapper_->uncommitted_entries() == frames_per_commit) Commit();
   }
   Commit();
@@ -73,6 +74,8 @@ void MapStory::Play(const std::vector<Frame>& frames, std::size_t frames_per_com
 void MapStory::Look(const Scene& scene, int count, int visit) {
   Play(LookAtScene(scene, static_cast<int>(mapper_->head().value()), count, visit));
 }
+
+void MapStory::EndSession() { EndSession(last_source_); }
 
 void MapStory::EndSession(const SensorName& sensor) {
   mapper_->EndSession(mapper_->head().Next(), sensor);

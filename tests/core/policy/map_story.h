@@ -47,8 +47,9 @@ class MapStory {
   /// Integrates the next `count` frames of a scene. A new `visit` begins after a pause.
   void Look(const Scene& scene, int count, int visit = 0);
 
-  /// Ends the session of a robot, with a commit.
-  void EndSession(const SensorName& sensor = SensorName());
+  /// Ends the session of the last frame, or that of a sensor, with a commit.
+  void EndSession();
+  void EndSession(const SensorName& sensor);
 
   /// Restarts the mapper from the map rebuilt from the deltas.
   void Restart();
@@ -81,6 +82,7 @@ class MapStory {
   MapSnapshot told_;
   std::vector<ObjectEvent> events_;
   std::set<ObjectId> present_by_events_;
+  SensorName last_source_;
 };
 
 /// Returns all leaves of a map in their stored encoding.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -128,6 +129,7 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   }
   state.evidence.leaves.back().score = {};
   state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3}};
+  state.source = {"robot-" + std::to_string(random() % 9), "left"};
   state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
   state.in_place_since = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   state.last_seen = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
