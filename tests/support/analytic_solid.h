@@ -113,6 +113,20 @@ inline TsdfGrid MakeVolume(const std::function<double(const Eigen::Vector3d&)>& 
   return volume;
 }
 
+/// Returns the volume of what `is_observed` of a solid within bounds, all in the world frame, in a
+/// grid with its origin at `origin_world`.
+inline TsdfGrid MakeVolumeAt(const Eigen::Vector3d& origin_world,
+                             const Solid& solid_world,
+                             const Box& bounds_world,
+                             const VoxelScale& scale,
+                             const std::function<bool(const Eigen::Vector3d&)>& is_observed) {
+  return MakeVolume(
+      [&](const Eigen::Vector3d& point) { return DistanceFrom(solid_world, point + origin_world); },
+      Box(bounds_world.min() - origin_world, bounds_world.max() - origin_world),
+      scale,
+      [&](const Eigen::Vector3d& point) { return is_observed(point + origin_world); });
+}
+
 /// Returns the volume of a solid on the floor: voxels below z = 0 are not observed.
 inline TsdfGrid MakeVolume(const Solid& solid, const VoxelScale& scale) {
   Box bounds;

@@ -14,8 +14,7 @@
 namespace steadymap {
 namespace {
 
-using ::steadymap::testing::DistanceFrom;
-using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::MakeVolumeAt;
 using ::steadymap::testing::Solid;
 using ::steadymap::testing::StoreVolume;
 
@@ -29,18 +28,16 @@ class ChangedRegionsTest : public ::testing::Test {
   /// Adds what was observed of bodies, up to `end_x_m`.
   TrackedObject* Add(const Solid& bodies, double end_x_m = 2.0) {
     TrackedObject& object = map_.AddObject(Eigen::Vector3d::Zero());
-    const Eigen::Vector3d origin = object.state().T_world_object.position_world;
+    const Box bounds(Eigen::Vector3d(-1.2, -1.2, -0.15), Eigen::Vector3d(1.2, 1.2, 0.6));
     ObjectEdit edit = map_.Edit(&object);
-    StoreVolume(
-        MakeVolume(
-            [&](const Eigen::Vector3d& point) { return DistanceFrom(bodies, point + origin); },
-            Box(Eigen::Vector3d(-1.2, -1.2, -0.15) - origin,
-                Eigen::Vector3d(1.2, 1.2, 0.6) - origin),
-            map_.scale(),
-            [&](const Eigen::Vector3d& point) {
-              return point.z() + origin.z() > -0.12 && point.x() + origin.x() < end_x_m;
-            }),
-        &edit);
+    StoreVolume(MakeVolumeAt(object.state().T_world_object.position_world,
+                             bodies,
+                             bounds,
+                             map_.scale(),
+                             [&](const Eigen::Vector3d& point) {
+                               return point.z() > -0.12 && point.x() < end_x_m;
+                             }),
+                &edit);
     return &object;
   }
 

@@ -17,7 +17,7 @@ namespace steadymap {
 namespace {
 
 using ::steadymap::testing::DistanceFrom;
-using ::steadymap::testing::MakeVolume;
+using ::steadymap::testing::MakeVolumeAt;
 using ::steadymap::testing::Solid;
 using ::steadymap::testing::StoreVolume;
 
@@ -44,17 +44,15 @@ class SceneDivisionTest : public ::testing::Test {
   std::vector<TrackedObject*> DivideSeen(
       const Solid& bodies, const std::function<bool(const Eigen::Vector3d&)>& is_observed) {
     TrackedObject& scene = map_.AddObject(Eigen::Vector3d::Zero());
-    const Eigen::Vector3d origin = scene.state().T_world_object.position_world;
+    const Box bounds(Eigen::Vector3d(-2.2, -2.2, -0.15), Eigen::Vector3d(1.75, 2.2, 2.2));
     {
       ObjectEdit edit = map_.Edit(&scene);
-      StoreVolume(
-          MakeVolume(
-              [&](const Eigen::Vector3d& point) { return DistanceFrom(bodies, point + origin); },
-              Box(Eigen::Vector3d(-2.2, -2.2, -0.15) - origin,
-                  Eigen::Vector3d(1.75, 2.2, 2.2) - origin),
-              map_.scale(),
-              [&](const Eigen::Vector3d& point) { return is_observed(point + origin); }),
-          &edit);
+      StoreVolume(MakeVolumeAt(scene.state().T_world_object.position_world,
+                               bodies,
+                               bounds,
+                               map_.scale(),
+                               is_observed),
+                  &edit);
     }
     if (sees_around_) MarkFree(bodies);
     DivideScene(SceneDivisionParameters(), kContactVoxels, &scene, &map_);
