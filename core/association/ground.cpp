@@ -59,7 +59,6 @@ void AssignGround(const SampleGrid& samples, double ground_height_m, Association
     const bool is_flat = sample.normal_world.z() > kUpright - 0.1F;
     if (height_m < kFootM || (is_flat && height_m < near_m)) {
       association->owner[index] = kBackgroundOwner;
-      association->distance_m[index] = static_cast<float>(height_m);
     }
   }
 }

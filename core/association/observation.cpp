@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -38,25 +37,17 @@ class SampleComponentSearch {
     Observation observation;
     observation.label = samples_[first].label;
     observation.instance = samples_[first].instance;
-    std::map<std::uint32_t, std::size_t> contacts;
     is_done_[first] = 1;
     observation.samples.push_back(first);
     for (std::size_t next = 0; next < observation.samples.size(); ++next) {
       const std::size_t index = observation.samples[next];
       observation.area_m2 += static_cast<double>(samples_[index].area_m2);
-      Visit(index, &observation, &contacts);
+      Visit(index, &observation);
     }
-    for (const auto& [owner, count] : contacts) observation.contacts.push_back({owner, count});
-    std::stable_sort(
-        observation.contacts.begin(),
-        observation.contacts.end(),
-        [](const BorderContact& a, const BorderContact& b) { return a.samples > b.samples; });
     return observation;
   }
 
-  void Visit(std::size_t index,
-             Observation* observation,
-             std::map<std::uint32_t, std::size_t>* contacts) {
+  void Visit(std::size_t index, Observation* observation) {
     const int column = static_cast<int>(index % static_cast<std::size_t>(samples_.width()));
     const int row = static_cast<int>(index / static_cast<std::size_t>(samples_.width()));
     for (const auto& [right, down] : kNeighbours) {
@@ -64,13 +55,13 @@ class SampleComponentSearch {
       const int v = row + down;
       if (u < 0 || v < 0 || u >= samples_.width() || v >= samples_.height()) continue;
       const std::size_t neighbour = samples_.Index(u, v);
-      if (is_done_[neighbour] != 0 || !AreConnected(samples_[index], samples_[neighbour])) continue;
-      if (!IsOpen(neighbour)) {
-        ++(*contacts)[association_.owner[neighbour]];
-      } else if (IsSameThing(samples_[index], samples_[neighbour])) {
-        is_done_[neighbour] = 1;
-        observation->samples.push_back(neighbour);
+      if (is_done_[neighbour] != 0 || !IsOpen(neighbour) ||
+          !AreConnected(samples_[index], samples_[neighbour]) ||
+          !IsSameThing(samples_[index], samples_[neighbour])) {
+        continue;
       }
+      is_done_[neighbour] = 1;
+      observation->samples.push_back(neighbour);
     }
   }
 
@@ -96,18 +87,6 @@ void KeepLargest(std::size_t count, std::vector<Observation>* observations) {
 }
 
 }  // namespace
-
-bool Observation::TouchesObject() const {
-  return std::any_of(contacts.begin(), contacts.end(), [](const BorderContact& contact) {
-    return Association::IsObject(contact.owner);
-  });
-}
-
-bool Observation::TouchesBackground() const {
-  return std::any_of(contacts.begin(), contacts.end(), [](const BorderContact& contact) {
-    return contact.owner == kBackgroundOwner;
-  });
-}
 
 std::vector<Observation> FindObservations(const SampleGrid& samples,
                                           const Association& association) {

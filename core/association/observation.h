@@ -8,25 +8,12 @@
 
 namespace steadymap {
 
-/// Samples next to an observation that somebody already owns.
-struct BorderContact {
-  std::uint32_t owner = 0;  ///< As in `Association::owner`.
-  std::size_t samples = 0;  ///< Of the observation, that touch the owner's surface.
-};
-
-/// Connected surface of one class that no known surface explains (core/README.md#terms).
+/// Connected surface of one class in a frame (core/README.md#terms).
 struct Observation {
   std::vector<std::size_t> samples;  ///< Indices into the grid, in the order they were found.
   std::uint16_t label = 0;
   std::uint16_t instance = 0;
   double area_m2 = 0.0;
-  std::vector<BorderContact> contacts;  ///< By falling number of samples.
-
-  /// Whether it borders on anything but the background.
-  bool TouchesObject() const;
-
-  /// Whether it borders on the background.
-  bool TouchesBackground() const;
 };
 
 /// Largest number of observations of one frame; bounds the cost of their association. Frames of the

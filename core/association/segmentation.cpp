@@ -11,8 +11,6 @@ std::vector<Observation> FindSegments(const SampleGrid& samples,
                                       double camera_height_m,
                                       Association* association) {
   association->owner.assign(samples.size(), Association::kNone);
-  association->distance_m.assign(samples.size(), 0.0F);
-  association->is_in_front.assign(samples.size(), 0);
   std::vector<std::uint8_t> is_in_background(config.label_limit(), 0);
   for (std::size_t label = 0; label < is_in_background.size(); ++label) {
     const ClassId id(static_cast<std::uint16_t>(label));

@@ -68,7 +68,6 @@ TEST(AssignGround, GivesTheFloorAndNothingElseToTheBackground) {
   const SampleGrid samples = SamplesOf({Ground(), CrateOnGround()}, FromAbove());
   Association association;
   association.owner.assign(samples.size(), Association::kNone);
-  association.distance_m.assign(samples.size(), 0.0F);
   AssignGround(samples, kGroundM, &association);
   std::size_t of_crate = 0;
   for (std::size_t index = 0; index < samples.size(); ++index) {
