@@ -70,28 +70,27 @@ class SampleComponentSearch {
   std::vector<std::uint8_t> is_done_;
 };
 
-/// Keeps the `count` observations of the most samples, the first of equals, in their order.
-void KeepLargest(std::size_t count, std::vector<Observation>* observations) {
-  if (observations->size() <= count) return;
+}  // namespace
+
+void KeepLargest(std::vector<Observation>* observations) {
+  if (observations->size() <= kMaxObservations) return;
   std::vector<std::size_t> by_size(observations->size());
   std::iota(by_size.begin(), by_size.end(), std::size_t{0});
   std::stable_sort(by_size.begin(), by_size.end(), [&](std::size_t a, std::size_t b) {
     return (*observations)[a].samples.size() > (*observations)[b].samples.size();
   });
-  by_size.resize(count);
+  by_size.resize(kMaxObservations);
   std::sort(by_size.begin(), by_size.end());
   std::vector<Observation> kept;
-  kept.reserve(count);
+  kept.reserve(by_size.size());
   for (const std::size_t i : by_size) kept.push_back(std::move((*observations)[i]));
   *observations = std::move(kept);
 }
 
-}  // namespace
-
 std::vector<Observation> FindObservations(const SampleGrid& samples,
                                           const Association& association) {
   std::vector<Observation> observations = SampleComponentSearch(samples, association).Run();
-  KeepLargest(kMaxObservations, &observations);
+  KeepLargest(&observations);
   return observations;
 }
 

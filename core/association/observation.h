@@ -21,6 +21,10 @@ struct Observation {
 /// noise of a sample or two.
 inline constexpr std::size_t kMaxObservations = 1024;
 
+/// Keeps the `kMaxObservations` observations with the most samples, the first of equals, in their
+/// order.
+void KeepLargest(std::vector<Observation>* observations);
+
 /// Groups the samples that have no owner. Samples with instance ids group by instance instead of
 /// class. In the order of their first sample; the largest `kMaxObservations` if there are more.
 std::vector<Observation> FindObservations(const SampleGrid& samples,

@@ -8,7 +8,7 @@ namespace steadymap {
 
 std::vector<Observation> FindSegments(const SampleGrid& samples,
                                       const MapConfig& config,
-                                      double camera_height_m,
+                                      const Eigen::Vector3d& camera_world,
                                       Association* association) {
   association->owner.assign(samples.size(), Association::kNone);
   std::vector<std::uint8_t> is_in_background(config.label_limit(), 0);
@@ -22,7 +22,7 @@ std::vector<Observation> FindSegments(const SampleGrid& samples,
       association->owner[index] = kBackgroundOwner;
     }
   }
-  if (const std::optional<double> ground = FindGroundHeight(samples, camera_height_m)) {
+  if (const std::optional<double> ground = FindGroundHeight(samples, camera_world.z())) {
     AssignGround(samples, *ground, association);
   }
   return FindObservations(samples, *association);

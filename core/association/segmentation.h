@@ -14,7 +14,7 @@ namespace steadymap {
 /// instance. No segment has an owner yet.
 std::vector<Observation> FindSegments(const SampleGrid& samples,
                                       const MapConfig& config,
-                                      double camera_height_m,
+                                      const Eigen::Vector3d& camera_world,
                                       Association* association);
 
 }  // namespace steadymap

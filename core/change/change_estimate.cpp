@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 namespace steadymap {
 namespace {
@@ -36,25 +35,11 @@ void ChangeSum::AddRay(double object_depth_m, double observed_depth_m) {
   }
   voxels_ += voxels;
   difference_ += difference;
-  signed_difference_ += std::copysign(difference, object_depth_m - observed_depth_m);
-
-  // The mean magnitude of a normal deviate is sqrt(2 / pi) of its standard deviation.
-  const double noise_m =
-      parameters_.noise_base_m + parameters_.noise_per_square_metre * near_m * near_m;
-  noise_ += std::sqrt(2.0 * std::numbers::inv_pi) * noise_m * voxels;
 }
 
 std::optional<double> ChangeSum::Change() const {
   if (!(voxels_ > 0.0)) return std::nullopt;
-  double difference_m = difference_ / voxels_;
-  if (parameters_.subtracts_noise) {
-    // In quadrature: that takes all of what noise alone gives, and next to nothing of a shift well
-    // beyond the noise, whose mean magnitude the noise hardly raises.
-    const double noise_m = noise_ / voxels_;
-    difference_m = std::sqrt(std::max(difference_m * difference_m - noise_m * noise_m, 0.0));
-  }
-  if (signed_difference_ == 0.0) return 0.0;
-  return std::copysign(parameters_.change_scale * difference_m, signed_difference_);
+  return parameters_.change_scale * difference_ / voxels_;
 }
 
 std::optional<double> EstimateChange(const Image<float>& object_depth_m,

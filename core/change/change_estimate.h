@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 
 #include "core/frame/frame.h"
@@ -12,33 +11,22 @@ struct ChangeParameters {
   /// Factor on the mean difference (lambda_diff), > 0. Default: TorWIC (Qian et al., RSS 2022).
   double change_scale = 1.6;
   /// Distances are clamped to this, and what is further than it in front of both surfaces is not
-  /// compared, metres, > 0. Finite: the paper, where no change can exceed half of it times
-  /// `change_scale`, however far a thing has moved. Infinity: ours, nothing is clamped.
-  double truncation_m = std::numeric_limits<double>::infinity();
-  /// Whether the magnitude that noise alone gives is taken off. False: the paper, where the change
-  /// of what stands still settles near tau / 2.
-  bool subtracts_noise = true;
-  /// Standard deviation of the difference between the depths of one ray while nothing moves,
-  /// metres: this plus the next times the squared depth, both >= 0. Sensor noise and pose error;
-  /// defaults a little above what unchanged objects of a simulated route show.
-  double noise_base_m = 0.003;
-  double noise_per_square_metre = 0.0018;
+  /// compared, metres, > 0. No change exceeds half of it times `change_scale`, however far a thing
+  /// has moved. Infinity: nothing is clamped.
+  double truncation_m = 0.15;
+
+  friend bool operator==(const ChangeParameters&, const ChangeParameters&) = default;
 };
 
-/// Sums the rays of one camera into the geometric change `delta` between an object and its
+/// Sums the rays of one camera into the magnitude of the geometric change between an object and its
 /// observation (core/README.md#change-estimate):
 ///
-///     delta = sign * change_scale / |Omega| * sum over Omega of |observed distance - object
-///     distance|
+///     |delta| = change_scale / |Omega| * sum over Omega of |observed distance - object distance|
 ///
 /// Distances are those of the two projective TSDFs: along the camera's z axis from a voxel to the
 /// surface behind it. Omega holds the voxels where both are positive. Those of one ray lie between
 /// the camera and the nearer of its two depths, and are the denser the larger the cone of the ray,
 /// so the sum over them is an integral of `z^2` and depends on the two depths alone.
-///
-/// Positive: the observation lies in front, nearer to the camera. The sign is that of the mean
-/// difference, so it needs no registration; for surface that moved along the camera's z axis it is
-/// the paper's sign of p_z.
 class ChangeSum {
  public:
   explicit ChangeSum(const ChangeParameters& parameters) : parameters_(parameters) {}
@@ -47,21 +35,20 @@ class ChangeSum {
   /// nothing is there: such a ray has no voxel in Omega.
   void AddRay(double object_depth_m, double observed_depth_m);
 
-  /// The change, metres; none if Omega is empty. Of surface that noise explains: 0.
+  /// The magnitude of the change, metres; none if Omega is empty. Noise adds to it: the change of
+  /// what stands still is not zero.
   std::optional<double> Change() const;
 
  private:
   ChangeParameters parameters_;
   // Sums over the voxels of Omega, in units of the voxels of a unit volume.
   double voxels_ = 0.0;
-  double difference_ = 0.0;         ///< Of |observed distance - object distance|.
-  double signed_difference_ = 0.0;  ///< Of object distance - observed distance.
-  double noise_ = 0.0;              ///< Of the difference that noise alone gives.
+  double difference_ = 0.0;  ///< Of |observed distance - object distance|.
 };
 
 /// The change between an object's surface, as drawn into the picture of a small camera, and an
 /// observation by the same camera: two images of depth along z in metres, 0 where nothing is, of
-/// the same size. Sign, scale and empty Omega as for `ChangeSum`. About 10 ns a pixel.
+/// the same size. Magnitude, scale and empty Omega as for `ChangeSum`. About 10 ns a pixel.
 std::optional<double> EstimateChange(const Image<float>& object_depth_m,
                                      const Image<float>& observed_depth_m,
                                      const ChangeParameters& parameters);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include <Eigen/Eigenvalues>
+
 namespace steadymap {
 namespace {
 
@@ -232,6 +234,21 @@ Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world,
   cuboid.center_world = reference_world + R_world_cuboid * (0.5 * (low_m + high_m));
   cuboid.size_m = (high_m - low_m).cwiseMax(0.0);
   return cuboid;
+}
+
+Cuboid MajorAxisCuboid(std::span<const Eigen::Vector3d> points_world) {
+  if (points_world.empty()) return {};
+  const auto count = static_cast<double>(points_world.size());
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector3d& point : points_world) mean += point.head<2>() / count;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector3d& point : points_world) {
+    const Eigen::Vector2d arm = point.head<2>() - mean;
+    covariance += arm * arm.transpose() / count;
+  }
+  const Eigen::Vector2d axis =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvectors().col(1);
+  return FitCuboid(points_world, std::atan2(axis.y(), axis.x()));
 }
 
 }  // namespace steadymap

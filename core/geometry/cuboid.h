@@ -69,4 +69,8 @@ Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world,
                  double yaw_rad,
                  const CuboidMargin& margin = {});
 
+/// Fits the smallest cuboid whose x axis is the major axis of finite points as seen from above
+/// (Qian et al., RSS 2022). No points give zero size at the origin.
+Cuboid MajorAxisCuboid(std::span<const Eigen::Vector3d> points_world);
+
 }  // namespace steadymap

@@ -58,6 +58,16 @@ TrackingParameters TrackingParametersOf(const MapConfig& config) {
 
 PaperParameters PaperParametersOf(const MapConfig& config) {
   PaperParameters parameters;
+  parameters.segments.max_depth_m = config.max_depth_m;
+  parameters.clusters.plane_distance_m = ParameterValue(config, "plane_distance_m");
+  parameters.clusters.min_plane_samples = CountOf(config, "min_plane_samples");
+  parameters.clusters.cluster_distance_m = ParameterValue(config, "cluster_distance_m");
+  parameters.clusters.min_cluster_samples = CountOf(config, "min_cluster_samples");
+  parameters.clusters.min_merged_overlap = ParameterValue(config, "min_merged_overlap");
+  parameters.icp.max_pair_distance_m = ParameterValue(config, "icp_pair_distance_m");
+  parameters.icp.outlier_distance_m = ParameterValue(config, "icp_outlier_distance_m");
+  parameters.change.change_scale = ParameterValue(config, "change_scale");
+  parameters.change.truncation_m = config.truncation_m;
   parameters.association_distance_m = ParameterValue(config, "association_distance_m");
   parameters.max_dissimilarity = ParameterValue(config, "max_dissimilarity");
   parameters.position_weight = ParameterValue(config, "position_weight");

@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "core/association/class_votes.h"
 #include "core/geometry/assignment.h"
 
 namespace steadymap {
 namespace {
-
-/// The upright box along the world's axes around points.
-Eigen::AlignedBox3d BoundsOf(const std::vector<Eigen::Vector3d>& points_world) {
-  Eigen::AlignedBox3d bounds_world;
-  for (const Eigen::Vector3d& point_world : points_world) bounds_world.extend(point_world);
-  return bounds_world;
-}
 
 /// Draws points into a picture with a pixel a sample: the nearest depth, 0 where there is none.
 Image<float> DrawDepth(const std::vector<Eigen::Vector3d>& points_world,
@@ -36,22 +31,24 @@ Image<float> DrawDepth(const std::vector<Eigen::Vector3d>& points_world,
 }  // namespace
 
 PaperMapper::PaperMapper(const MapConfig& config, const PaperParameters& parameters)
-    : config_(config), parameters_(parameters), segments_(config, parameters.segments) {}
+    : config_(config),
+      parameters_(parameters),
+      segments_(config,
+                parameters.segments,
+                [config, clusters = parameters.clusters](const SampleGrid& samples,
+                                                         const Eigen::Vector3d& camera_world,
+                                                         Association* association) {
+                  return FindClusters(samples, config, camera_world, clusters, association);
+                }) {}
 
 void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingMap* map) {
   map_ = map;
   segments_.Part(segments_.Candidates(*cloud, map), cloud, map);
-  segments_.SetMatches(Associate());
-  const double largest_fused_m = 0.5 * parameters_.stationarity.change_noise_m;
+  Associate();
   for (std::size_t place = 0; place < segments_.in_view().size(); ++place) {
     TrackedObject* object = segments_.in_view()[place].object;
-    const std::size_t samples = segments_.CountSamples(place);
-    if (samples > 0) {
-      CountView(samples, object);
-      const std::optional<double> change_m = MeasureChange(place, *cloud);
-      if (!change_m.has_value()) continue;
-      Update(object, *change_m);
-      if (std::abs(*change_m) > largest_fused_m || object->is_deleted()) segments_.Release(place);
+    if (segments_.CountSamples(place) > 0) {
+      UpdateMatched(place, *cloud);
     } else if (IsExpectedInView(*object, *cloud)) {
       {
         ObjectEdit edit = map->Edit(object);
@@ -64,26 +61,32 @@ void PaperMapper::Process(const Frame& /*frame*/, SemanticCloud* cloud, WorkingM
   segments_.Fuse();
 }
 
-/// Matches segments with objects: registers the pairs within the gate, then assigns at the least
-/// cost (Qian et al., RSS 2022).
-std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
+/// Matches observations with objects: registers the pairs within the gate, then assigns at the
+/// least cost.
+void PaperMapper::Associate() {
   const std::vector<ObjectInView>& in_view = segments_.in_view();
   const std::vector<Observation>& segments = segments_.segments();
   std::vector<std::vector<Eigen::Vector3d>> points_world;
+  std::vector<Eigen::Vector3d> centers_world;
   points_world.reserve(segments.size());
-  for (const Observation& segment : segments) points_world.push_back(segments_.PointsOf(segment));
+  centers_world.reserve(segments.size());
+  for (const Observation& segment : segments) {
+    points_world.push_back(segments_.PointsOf(segment));
+    centers_world.push_back(MajorAxisCuboid(points_world.back()).center_world);
+  }
   std::vector<AssignmentPair> pairs;
+  std::map<std::pair<std::size_t, std::size_t>, Eigen::Vector3d> shifts;  // By row and column.
   for (std::size_t column = 0; column < in_view.size(); ++column) {
     const TrackedObject& object = *in_view[column].object;
     std::optional<IcpTarget> target;
     for (std::size_t row = 0; row < segments.size(); ++row) {
-      const Eigen::Vector3d center_world = BoundsOf(points_world[row]).center();
-      const double apart_m = (object.cuboid().center_world - center_world).norm();
+      const double apart_m = (object.cuboid().center_world - centers_world[row]).norm();
       if (apart_m > parameters_.association_distance_m) continue;
       if (!target.has_value()) target.emplace(object, parameters_.icp);
       const IcpFit fit = target->Align(points_world[row]);
       if (fit.outlier_share > parameters_.max_dissimilarity) continue;
       const bool is_other_class = object.state().class_id.value() != segments[row].label;
+      shifts[{row, column}] = fit.shift_world;
       pairs.push_back({row,
                        column,
                        parameters_.position_weight * fit.shift_world.norm() +
@@ -91,18 +94,40 @@ std::vector<std::optional<std::size_t>> PaperMapper::Associate() {
                            parameters_.class_weight * (is_other_class ? 1.0 : 0.0)});
     }
   }
-  return AssignColumns(segments.size(), in_view.size(), pairs, parameters_.cost_cutoff);
+  const std::vector<std::optional<std::size_t>> matches =
+      AssignColumns(segments.size(), in_view.size(), pairs, parameters_.cost_cutoff);
+  shift_of_.assign(in_view.size(), Eigen::Vector3d::Zero());
+  for (std::size_t row = 0; row < matches.size(); ++row) {
+    if (matches[row]) shift_of_[*matches[row]] = shifts.at({row, *matches[row]});
+  }
+  segments_.SetMatches(matches);
 }
 
-/// The change between what was seen of an object and what is known of it, by the paper's measure.
-/// None where nothing can be compared.
+/// Updates the belief of a matched object. Its observation is fused if it shows hardly any change.
+void PaperMapper::UpdateMatched(std::size_t place, const SemanticCloud& cloud) {
+  TrackedObject* object = segments_.in_view()[place].object;
+  CountView(segments_.CountSamples(place), object);
+  const std::optional<double> change_m = MeasureChange(place, cloud);
+  if (!change_m.has_value()) return;
+  Update(object, *change_m);
+  const double max_fused_m = 0.5 * parameters_.stationarity.change_noise_m;
+  if (std::abs(*change_m) > max_fused_m || object->is_deleted()) segments_.Discard(place);
+}
+
+/// The change between what was seen of an object and what is known of it: positive if the object
+/// came nearer, so that the registration moved the observation away from the camera. None where
+/// nothing can be compared.
 std::optional<double> PaperMapper::MeasureChange(std::size_t place,
                                                  const SemanticCloud& cloud) const {
   const TrackedObject& object = *segments_.in_view()[place].object;
   const SampleGrid& samples = segments_.samples();
-  return EstimateChange(DrawDepth(object.SurfaceInWorld(), cloud, samples),
-                        DrawDepth(segments_.PointsOf(place), cloud, samples),
-                        parameters_.change);
+  const std::optional<double> magnitude_m =
+      EstimateChange(DrawDepth(object.SurfaceInWorld(), cloud, samples),
+                     DrawDepth(segments_.PointsOf(place), cloud, samples),
+                     parameters_.change);
+  if (!magnitude_m.has_value()) return std::nullopt;
+  const Eigen::Vector3d forward_world = cloud.T_world_camera().linear().col(2);
+  return std::copysign(*magnitude_m, shift_of_[place].dot(forward_world));
 }
 
 /// Whether enough of an object's points lie in the frustum, occluded or not.

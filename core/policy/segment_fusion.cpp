@@ -10,7 +10,18 @@
 namespace steadymap {
 
 SegmentFusion::SegmentFusion(const MapConfig& config, const SegmentFusionParameters& parameters)
-    : config_(config), parameters_(parameters), integrator_(config) {}
+    : SegmentFusion(config,
+                    parameters,
+                    [config](const SampleGrid& samples,
+                             const Eigen::Vector3d& camera_world,
+                             Association* association) {
+                      return FindSegments(samples, config, camera_world, association);
+                    }) {}
+
+SegmentFusion::SegmentFusion(const MapConfig& config,
+                             const SegmentFusionParameters& parameters,
+                             FrameDivision division)
+    : parameters_(parameters), division_(std::move(division)), integrator_(config) {}
 
 std::vector<TrackedObject*> SegmentFusion::Candidates(const SemanticCloud& cloud,
                                                       WorkingMap* map) const {
@@ -23,8 +34,8 @@ void SegmentFusion::Part(const std::vector<TrackedObject*>& candidates,
   map_ = map;
   cloud_ = cloud;
   samples_.Compute(*cloud);
-  const double camera_height_m = cloud->T_world_camera().translation().z();
-  segments_ = FindSegments(samples_, config_, camera_height_m, &association_);
+  segments_ = division_(samples_, cloud->T_world_camera().translation(), &association_);
+  is_discarded_.assign(segments_.size(), 0);
   in_view_ = FindObjectsInView(candidates, *cloud, samples_, parameters_.max_depth_m);
   SetMatches(std::vector<std::optional<std::size_t>>(segments_.size()));
 }
@@ -79,9 +90,15 @@ void SegmentFusion::Release(std::size_t place) {
   segments_of_[place].clear();
 }
 
+void SegmentFusion::Discard(std::size_t place) {
+  for (const std::size_t i : segments_of_[place]) is_discarded_[i] = 1;
+  Release(place);
+}
+
 void SegmentFusion::AddObjects() {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
-    if (matches_[i] || segments_[i].area_m2 < parameters_.min_new_area_m2) continue;
+    if (matches_[i] || is_discarded_[i] != 0) continue;
+    if (segments_[i].area_m2 < parameters_.min_new_area_m2) continue;
     matches_[i] = in_view_.size();
     segments_of_.push_back({i});
     TrackedObject& object = AddObjectOf(segments_[i], samples_, map_);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -27,12 +29,23 @@ struct SegmentFusionParameters {
   double min_new_area_m2 = 0.06;
 };
 
+/// Divides the samples of a frame into segments, and sets the owners of the samples that belong to
+/// the background.
+using FrameDivision = std::function<std::vector<Observation>(
+    const SampleGrid& samples, const Eigen::Vector3d& camera_world, Association* association)>;
+
 /// What the policies share that follow objects in the picture: segments by label, matched with the
 /// objects they overlap, fused into them; what matches none becomes an object. One frame at a time,
 /// one thread.
 class SegmentFusion {
  public:
+  /// Segments are connected surfaces of one label (`FindSegments`).
   SegmentFusion(const MapConfig& config, const SegmentFusionParameters& parameters);
+
+  /// Segments are those of `division`.
+  SegmentFusion(const MapConfig& config,
+                const SegmentFusionParameters& parameters,
+                FrameDivision division);
 
   /// The objects that may be in view, by rising id.
   std::vector<TrackedObject*> Candidates(const SemanticCloud& cloud, WorkingMap* map) const;
@@ -63,8 +76,11 @@ class SegmentFusion {
   /// Those samples, world frame, metres, in the order of the picture.
   std::vector<Eigen::Vector3d> PointsOf(std::size_t place) const;
 
-  /// Takes the segments of the object at `place` away from it.
+  /// Takes the segments of the object at `place` away from it. They can become new objects.
   void Release(std::size_t place);
+
+  /// Takes the segments of the object at `place` away from it. Nothing of them is fused.
+  void Discard(std::size_t place);
 
   /// Makes objects of the segments without one, but for small ones, which are not fused.
   void AddObjects();
@@ -73,8 +89,8 @@ class SegmentFusion {
   void Fuse();
 
  private:
-  MapConfig config_;
   SegmentFusionParameters parameters_;
+  FrameDivision division_;
   TsdfIntegrator integrator_;
 
   // The frame at hand.
@@ -84,6 +100,7 @@ class SegmentFusion {
   Association association_;
   std::vector<Observation> segments_;
   std::vector<std::optional<std::size_t>> matches_;  ///< By segment: place in view.
+  std::vector<std::uint8_t> is_discarded_;           ///< By segment.
   std::vector<ObjectInView> in_view_;
   std::vector<std::vector<std::size_t>> segments_of_;  ///< By place in view, rising.
 };

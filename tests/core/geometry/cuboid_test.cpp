@@ -334,5 +334,23 @@ TEST(FitCuboid, WithAMarginFewPointsHaveNoNegativeSize) {
   }
 }
 
+TEST(MajorAxisCuboid, HasTheHeadingOfTheLongestSpread) {
+  const Eigen::Rotation2Dd turn(0.4);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = -20; i <= 20; ++i) {
+    for (int k = -5; k <= 5; ++k) {
+      const Eigen::Vector2d plan = turn * Eigen::Vector2d(0.05 * i, 0.05 * k);
+      points.emplace_back(3.0 + plan.x(), -1.0 + plan.y(), 0.1 * (i % 3));
+    }
+  }
+  const Cuboid cuboid = MajorAxisCuboid(points);
+  EXPECT_NEAR(std::remainder(cuboid.yaw_rad - 0.4, std::numbers::pi), 0.0, 1e-9);
+  EXPECT_NEAR(cuboid.size_m.x(), 2.0, 1e-9);
+  EXPECT_NEAR(cuboid.size_m.y(), 0.5, 1e-9);
+  EXPECT_NEAR(cuboid.size_m.z(), 0.4, 1e-9);
+  EXPECT_TRUE(cuboid.center_world.isApprox(Eigen::Vector3d(3.0, -1.0, 0.0), 1e-9));
+  EXPECT_EQ(MajorAxisCuboid({}), Cuboid());
+}
+
 }  // namespace
 }  // namespace steadymap

@@ -48,6 +48,9 @@ TEST(ConfiguredParameters, DefaultsAreThoseOfThePolicies) {
   EXPECT_EQ(paper.min_visible_share, PaperParameters().min_visible_share);
   EXPECT_EQ(paper.initial_stationarity, PaperParameters().initial_stationarity);
   EXPECT_EQ(paper.min_stationarity, PaperParameters().min_stationarity);
+  EXPECT_EQ(paper.clusters, PaperParameters().clusters);
+  EXPECT_EQ(paper.icp, PaperParameters().icp);
+  EXPECT_EQ(paper.change, PaperParameters().change);
 
   const TrackingParameters tracking = TrackingParametersOf(ConfigOf(UpdatePolicy::kTracking));
   EXPECT_EQ(tracking.registration, TrackingParameters().registration);
@@ -92,6 +95,20 @@ TEST(ConfiguredParameters, EachParameterChangesThoseOfItsPolicy) {
   EXPECT_EQ(paper.stationarity.change_noise_m, 0.03);
   EXPECT_EQ(paper.stationarity.max_change_m, 0.6);
   EXPECT_EQ(paper.cost_cutoff, 2.0);
+  config.parameters = {{"plane_distance_m", 0.01},
+                       {"min_plane_samples", 100.0},
+                       {"cluster_distance_m", 0.02},
+                       {"min_cluster_samples", 7.0},
+                       {"min_merged_overlap", 0.9}};
+  EXPECT_EQ(PaperParametersOf(config).clusters, (ClusterParameters{0.01, 100, 0.02, 7, 0.9}));
+  config.parameters = {
+      {"icp_pair_distance_m", 0.1}, {"icp_outlier_distance_m", 0.04}, {"change_scale", 1.8}};
+  config.truncation_m = 0.06;
+  config.max_depth_m = 4.0;
+  EXPECT_EQ(PaperParametersOf(config).icp.max_pair_distance_m, 0.1);
+  EXPECT_EQ(PaperParametersOf(config).icp.outlier_distance_m, 0.04);
+  EXPECT_EQ(PaperParametersOf(config).change, (ChangeParameters{1.8, 0.06}));
+  EXPECT_EQ(PaperParametersOf(config).segments.max_depth_m, 4.0);
   config.policy = UpdatePolicy::kTracking;
   config.parameters = {{"max_jump_m", 0.5}, {"min_samples", 30.0}};
   EXPECT_EQ(TrackingParametersOf(config).registration.search_distance_m, 0.5);

@@ -11,6 +11,7 @@ namespace {
 
 using ::steadymap::testing::Body;
 using ::steadymap::testing::ConfigOf;
+using ::steadymap::testing::CountSurfaceIn;
 using ::steadymap::testing::FarWall;
 using ::steadymap::testing::Goods;
 using ::steadymap::testing::kGoodsClass;
@@ -57,6 +58,31 @@ TEST(PaperMapper, DoubtsABoxThatIsOnlyHidden) {
   for (const auto& box : story.Present(kGoodsClass)) {
     EXPECT_LT(box->belief.stationarity(), before);
   }
+}
+
+// A change of more than tau / 2 discards the observation: it neither becomes an object nor surface.
+TEST(PaperMapper, FusesNothingOfABoxThatChanged) {
+  MapStory story = PaperStory();
+  story.Look({FarWall(), Goods(0.0)}, 20);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const ObjectId id = story.Present(kGoodsClass).front()->id;
+  const std::size_t events = story.events().size();
+  story.Look({FarWall(), Goods(0.0, 1.4)}, 2);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  const MapObject& box = *story.Present(kGoodsClass).front();
+  EXPECT_EQ(box.id, id);
+  EXPECT_EQ(story.events().size(), events);
+  const Box new_front(Eigen::Vector3d(1.3, -0.2, -0.2), Eigen::Vector3d(1.5, 0.2, 0.2));
+  EXPECT_EQ(CountSurfaceIn(story.map(), new_front), 0U);
+  EXPECT_GT(box.belief.change_mean_m, 0.0) << "it came nearer";
+}
+
+TEST(PaperMapper, MeasuresANegativeChangeOfABoxThatMovedAway) {
+  MapStory story = PaperStory();
+  story.Look({FarWall(), Goods(0.0)}, 20);
+  story.Look({FarWall(), Goods(0.0, 1.8)}, 2);
+  ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+  EXPECT_LT(story.Present(kGoodsClass).front()->belief.change_mean_m, 0.0);
 }
 
 }  // namespace
