@@ -1,5 +1,6 @@
 #include "client/cli/maps/map_options.h"
 
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -22,23 +23,43 @@
 namespace steadymap {
 namespace {
 
+/// A value of a policy's parameter. Policies without the parameter ignore it.
+struct ParameterSetting {
+  const char* name;
+  double value;
+};
+
 /// The scale of a kind of place.
 struct Preset {
   const char* name;
   double voxel_size_m;
   double max_depth_m;
-  // Parameters of the policies `pocd` and `pocd_paper`.
-  double change_noise_m;
-  double max_change_m;
-  double min_stationarity;
+  std::span<const ParameterSetting> settings;
 };
 
-// Warehouse and table-top: the values of TorWIC and ToyCar (Qian et al., RSS 2022). Office: between
-// them, as its things are.
+// ToyCar (Qian et al., RSS 2022); the last four, which the paper does not state, as the voxels.
+constexpr ParameterSetting kTableTop[] = {{"change_noise_m", 0.03},
+                                          {"max_change_m", 0.6},
+                                          {"min_stationarity", 0.45},
+                                          {"change_scale", 1.8},
+                                          {"plane_distance_m", 0.02},
+                                          {"cluster_distance_m", 0.04},
+                                          {"icp_pair_distance_m", 0.12},
+                                          {"icp_outlier_distance_m", 0.04}};
+
+// Between a table-top and a warehouse, as the things in it are.
+constexpr ParameterSetting kOffice[] = {{"change_noise_m", 0.1},
+                                        {"max_change_m", 2.0},
+                                        {"plane_distance_m", 0.03},
+                                        {"cluster_distance_m", 0.06},
+                                        {"icp_pair_distance_m", 0.18},
+                                        {"icp_outlier_distance_m", 0.06}};
+
+// Of a warehouse: the defaults, which are those of TorWIC (Qian et al., RSS 2022).
 constexpr Preset kPresets[] = {
-    {"warehouse", 0.05, 3.0, 0.2, 4.0, 0.4},
-    {"office", 0.03, 4.0, 0.1, 2.0, 0.4},
-    {"table-top", 0.02, 4.0, 0.03, 0.6, 0.45},
+    {"warehouse", 0.05, 3.0, {}},
+    {"office", 0.03, 4.0, kOffice},
+    {"table-top", 0.02, 4.0, kTableTop},
 };
 
 constexpr char kMapOptionsHelp[] =
@@ -70,11 +91,9 @@ absl::Status ApplyPreset(const std::string& name, MapConfig* config) {
     if (name != preset.name) continue;
     config->voxel_size_m = preset.voxel_size_m;
     config->max_depth_m = preset.max_depth_m;
-    for (const auto& [parameter, value] : {std::pair("change_noise_m", preset.change_noise_m),
-                                           {"max_change_m", preset.max_change_m},
-                                           {"min_stationarity", preset.min_stationarity}}) {
-      const PolicyParameter* known = FindParameter(config->policy, parameter);
-      if (known != nullptr && known->default_value != value) config->parameters[parameter] = value;
+    for (const ParameterSetting& setting : preset.settings) {
+      if (FindParameter(config->policy, setting.name) == nullptr) continue;
+      config->parameters[setting.name] = setting.value;
     }
     return absl::OkStatus();
   }

@@ -105,6 +105,7 @@ TEST_F(CommandLineTest, MapCreateSendsParametersAndPresets) {
   EXPECT_EQ(toys.parameters().at("change_noise_m"), 0.03);
   EXPECT_EQ(toys.parameters().at("max_change_m"), 0.6);
   EXPECT_EQ(toys.parameters().at("min_stationarity"), 0.45);
+  EXPECT_EQ(toys.parameters().at("change_scale"), 1.8);
   // Other options override a preset, and other policies take its scale alone.
   EXPECT_EQ(Run({"map",
                  "create",
