@@ -2,6 +2,8 @@
 
 #include "core/policy/paper_mapper.h"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "tests/core/policy/map_story.h"
@@ -17,6 +19,7 @@ using ::steadymap::testing::Goods;
 using ::steadymap::testing::kGoodsClass;
 using ::steadymap::testing::kWallClass;
 using ::steadymap::testing::MapStory;
+using ::steadymap::testing::SceneBody;
 
 constexpr std::uint16_t kCartClass = 9;
 
@@ -58,6 +61,32 @@ TEST(PaperMapper, DoubtsABoxThatIsOnlyHidden) {
   for (const auto& box : story.Present(kGoodsClass)) {
     EXPECT_LT(box->belief.stationarity(), before);
   }
+}
+
+/// Returns the number of goods and carts created after 10 frames of a box and one of `next`.
+std::size_t CountCreated(const SceneBody& next, const std::string& parameter, double value) {
+  MapConfig config = ConfigOf(UpdatePolicy::kPocdPaper);
+  if (!parameter.empty()) config.parameters[parameter] = value;
+  MapStory story(config);
+  story.Look({FarWall(), Goods(0.0)}, 10);
+  story.Look({FarWall(), next}, 1);
+  return story.EventsOf(EventType::kCreated, kGoodsClass).size() +
+         story.EventsOf(EventType::kCreated, kCartClass).size();
+}
+
+TEST(PaperMapper, MatchesOnlyWithinItsGates) {
+  const SceneBody nearer = Goods(0.0, 1.5);
+  EXPECT_EQ(CountCreated(nearer, "", 0.0), 1U) << "matched";
+  EXPECT_EQ(CountCreated(nearer, "association_distance_m", 0.05), 2U);
+  EXPECT_EQ(CountCreated(nearer, "cost_cutoff", 0.05), 2U);
+  EXPECT_EQ(CountCreated(nearer, "position_weight", 100.0), 2U) << "dearer than the cutoff";
+  EXPECT_GT(CountCreated(nearer, "icp_outlier_distance_m", 0.001), 2U) << "all are outliers";
+  EXPECT_EQ(CountCreated(nearer, "icp_pair_distance_m", 0.01), 2U) << "no pairs";
+
+  SceneBody cart = Goods(0.0);
+  cart.label = kCartClass;
+  EXPECT_EQ(CountCreated(cart, "", 0.0), 2U) << "another class";
+  EXPECT_EQ(CountCreated(cart, "class_weight", 0.0), 1U);
 }
 
 // A change of more than tau / 2 discards the observation: it neither becomes an object nor surface.
