@@ -88,7 +88,7 @@ class FrameClustering {
     return points_world;
   }
 
-  /// Finds planes, the largest one first, and votes on the class of each.
+  /// Finds planes, the largest one first, and votes on the class of each connected part of them.
   void VoteOnPlanes() {
     std::vector<std::size_t> rest;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -99,12 +99,20 @@ class FrameClustering {
       Eigen::Vector3f normal = Eigen::Vector3f::Zero();
       const std::vector<std::size_t> found = TakePlane(&rest, &normal);
       if (found.size() < parameters_.min_plane_samples) return;
-      const bool is_ceiling = IsCeiling(found.front(), normal);
-      const std::uint16_t label = MajorityLabel(found);
-      for (const std::size_t index : found) {
-        if (is_ceiling) association_.owner[index] = kBackgroundOwner;
-        if (samples_[index].instance == 0) label_of_[index] = label;
+      if (IsCeiling(found.front(), normal)) {
+        for (const std::size_t index : found) association_.owner[index] = kBackgroundOwner;
+        continue;
       }
+      for (const std::vector<std::size_t>& part : EuclideanClusters(found)) {
+        if (part.size() >= parameters_.min_plane_samples) VoteOn(part);
+      }
+    }
+  }
+
+  void VoteOn(const std::vector<std::size_t>& part) {
+    const std::uint16_t label = MajorityLabel(part);
+    for (const std::size_t index : part) {
+      if (samples_[index].instance == 0) label_of_[index] = label;
     }
   }
 
@@ -181,7 +189,19 @@ class FrameClustering {
   void AddClusters(std::uint16_t instance,
                    const std::vector<std::size_t>& indices,
                    std::vector<Observation>* clusters) {
-    if (indices.size() < parameters_.min_cluster_samples) return;
+    for (std::vector<std::size_t>& cluster : EuclideanClusters(indices)) {
+      if (cluster.size() < parameters_.min_cluster_samples) continue;
+      Observation observation;
+      observation.instance = instance;
+      observation.samples = std::move(cluster);
+      Complete(&observation);
+      clusters->push_back(std::move(observation));
+    }
+  }
+
+  /// Divides samples into groups that are farther apart than the cluster distance.
+  std::vector<std::vector<std::size_t>> EuclideanClusters(
+      const std::vector<std::size_t>& indices) const {
     // The samples of a cell, whose first one stands for it.
     std::vector<std::vector<std::size_t>> cells;
     ClusterPoints::Ptr points(new ClusterPoints);
@@ -207,17 +227,14 @@ class FrameClustering {
     search.setInputCloud(points);
     std::vector<pcl::PointIndices> found;
     search.extract(found);
-    for (const pcl::PointIndices& cluster : found) {
-      Observation observation;
-      observation.instance = instance;
-      for (const pcl::index_t place : cluster.indices) {
+    std::vector<std::vector<std::size_t>> clusters(found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      for (const pcl::index_t place : found[i].indices) {
         const std::vector<std::size_t>& cell = cells[static_cast<std::size_t>(place)];
-        observation.samples.insert(observation.samples.end(), cell.begin(), cell.end());
+        clusters[i].insert(clusters[i].end(), cell.begin(), cell.end());
       }
-      if (observation.samples.size() < parameters_.min_cluster_samples) continue;
-      Complete(&observation);
-      clusters->push_back(std::move(observation));
     }
+    return clusters;
   }
 
   /// Sets what follows from the samples, and their order.

@@ -33,8 +33,8 @@ struct ClusterParameters {
 /// Divides a frame into observations in the way of Qian et al., RSS 2022, whatever the map knows:
 ///
 /// 1. The ground and ceilings belong to the background.
-/// 2. All samples of a plane get the class of most of them, since walls and racks are planar and
-///    labels are noisy. RANSAC finds the planes, the largest one first.
+/// 2. All samples of a connected part of a plane get the class of most of them, since walls and
+///    racks are planar and labels are noisy. RANSAC finds the planes, the largest one first.
 /// 3. Euclidean clusters of one class are observations, if the class forms objects; small ones are
 ///    outliers. Samples with an instance id are clustered by instance, and keep their class.
 /// 4. Clusters with overlapping cuboids merge. The class is that of most samples. Cuboids have the

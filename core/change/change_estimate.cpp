@@ -1,7 +1,6 @@
 #include "core/change/change_estimate.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
 namespace steadymap {
@@ -40,19 +39,6 @@ void ChangeSum::AddRay(double object_depth_m, double observed_depth_m) {
 std::optional<double> ChangeSum::Change() const {
   if (!(voxels_ > 0.0)) return std::nullopt;
   return parameters_.change_scale * difference_ / voxels_;
-}
-
-std::optional<double> EstimateChange(const Image<float>& object_depth_m,
-                                     const Image<float>& observed_depth_m,
-                                     const ChangeParameters& parameters) {
-  assert(object_depth_m.width_px() == observed_depth_m.width_px());
-  assert(object_depth_m.height_px() == observed_depth_m.height_px());
-  ChangeSum sum(parameters);
-  for (std::size_t i = 0; i < object_depth_m.size(); ++i) {
-    sum.AddRay(static_cast<double>(object_depth_m.data()[i]),
-               static_cast<double>(observed_depth_m.data()[i]));
-  }
-  return sum.Change();
 }
 
 }  // namespace steadymap

@@ -2,8 +2,6 @@
 
 #include <optional>
 
-#include "core/frame/frame.h"
-
 namespace steadymap {
 
 /// How the change between an object and its observation is measured.
@@ -45,12 +43,5 @@ class ChangeSum {
   double voxels_ = 0.0;
   double difference_ = 0.0;  ///< Of |observed distance - object distance|.
 };
-
-/// The change between an object's surface, as drawn into the picture of a small camera, and an
-/// observation by the same camera: two images of depth along z in metres, 0 where nothing is, of
-/// the same size. Magnitude, scale and empty Omega as for `ChangeSum`. About 10 ns a pixel.
-std::optional<double> EstimateChange(const Image<float>& object_depth_m,
-                                     const Image<float>& observed_depth_m,
-                                     const ChangeParameters& parameters);
 
 }  // namespace steadymap

@@ -7,29 +7,11 @@
 
 #include "core/association/class_votes.h"
 #include "core/geometry/assignment.h"
+#include "core/geometry/cuboid.h"
+#include "core/volume/tsdf_raycast.h"
+#include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
-namespace {
-
-/// Draws points into a picture with a pixel a sample: the nearest depth, 0 where there is none.
-Image<float> DrawDepth(const std::vector<Eigen::Vector3d>& points_world,
-                       const SemanticCloud& cloud,
-                       const SampleGrid& samples) {
-  Image<float> depth_m(samples.width(), samples.height(), 0.0F);
-  const Eigen::Isometry3d T_camera_world = cloud.T_world_camera().inverse();
-  for (const Eigen::Vector3d& point_world : points_world) {
-    const Eigen::Vector3f point_camera = (T_camera_world * point_world).cast<float>();
-    if (point_camera.z() <= 0.0F) continue;
-    const std::optional<SamplePlace> place = samples.FindPlace(cloud.camera(), point_camera);
-    if (!place) continue;
-    float& pixel_m = depth_m.At(place->column, place->row);
-    if (pixel_m == 0.0F || point_camera.z() < pixel_m) pixel_m = point_camera.z();
-  }
-  return depth_m;
-}
-
-}  // namespace
-
 PaperMapper::PaperMapper(const MapConfig& config, const PaperParameters& parameters)
     : config_(config),
       parameters_(parameters),
@@ -120,13 +102,23 @@ void PaperMapper::UpdateMatched(std::size_t place, const SemanticCloud& cloud) {
 std::optional<double> PaperMapper::MeasureChange(std::size_t place,
                                                  const SemanticCloud& cloud) const {
   const TrackedObject& object = *segments_.in_view()[place].object;
-  const SampleGrid& samples = segments_.samples();
-  const std::optional<double> magnitude_m =
-      EstimateChange(DrawDepth(object.SurfaceInWorld(), cloud, samples),
-                     DrawDepth(segments_.PointsOf(place), cloud, samples),
-                     parameters_.change);
-  if (!magnitude_m.has_value()) return std::nullopt;
+  const Eigen::Vector3d camera_world = cloud.T_world_camera().translation();
   const Eigen::Vector3d forward_world = cloud.T_world_camera().linear().col(2);
+  const Eigen::Isometry3d T_object_world = object.state().T_world_object.ToIsometry().inverse();
+  TsdfSampler sampler(object.volume(), map_->scale());
+  ChangeSum sum(parameters_.change);
+  for (const Eigen::Vector3d& point_world : segments_.PointsOf(place)) {
+    const Eigen::Vector3d ray_world = (point_world - camera_world).normalized();
+    const double depth_per_m = ray_world.dot(forward_world);
+    const RayHit object_hit = CastRay(sampler,
+                                      T_object_world * camera_world,
+                                      T_object_world.linear() * ray_world,
+                                      config_.max_depth_m / depth_per_m);
+    if (!object_hit.hit) continue;
+    sum.AddRay(object_hit.range_m * depth_per_m, forward_world.dot(point_world - camera_world));
+  }
+  const std::optional<double> magnitude_m = sum.Change();
+  if (!magnitude_m.has_value()) return std::nullopt;
   return std::copysign(*magnitude_m, shift_of_[place].dot(forward_world));
 }
 
