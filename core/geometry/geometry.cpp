@@ -106,6 +106,14 @@ absl::StatusOr<Eigen::Isometry3d> MakePose(const Eigen::Vector3d& position_m,
   return pose;
 }
 
+Eigen::Isometry3d TransformOf(const Eigen::Vector3d& translation,
+                              const Eigen::Vector3d& rotation_vector) {
+  const double angle_rad = rotation_vector.norm();
+  Eigen::Isometry3d transform(Eigen::Translation3d{translation});
+  if (angle_rad > 0.0) transform.rotate(Eigen::AngleAxisd(angle_rad, rotation_vector / angle_rad));
+  return transform;
+}
+
 double YawOf(const Eigen::Isometry3d& transform) {
   const Eigen::Vector3d x_axis = transform.linear().col(0);
   return std::atan2(x_axis.y(), x_axis.x());

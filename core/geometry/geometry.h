@@ -85,6 +85,10 @@ absl::Status CheckPosition(const char* field, const Eigen::Vector3d& position_m)
 absl::StatusOr<Eigen::Isometry3d> MakePose(const Eigen::Vector3d& position_m,
                                            const Eigen::Vector4d& quaternion_xyzw);
 
+/// Returns the transform with a translation and a rotation vector (axis times angle, radians).
+Eigen::Isometry3d TransformOf(const Eigen::Vector3d& translation,
+                              const Eigen::Vector3d& rotation_vector);
+
 /// Returns the heading of the transform's x axis in the xy plane of the destination, radians in
 /// (-pi, pi].
 double YawOf(const Eigen::Isometry3d& transform);

@@ -24,6 +24,10 @@ struct CameraPlace {
   /// From the camera frame to the world frame: axis times angle, radians.
   Eigen::Vector3f rotation_world = Eigen::Vector3f::Zero();
 
+  static CameraPlace FromIsometry(const Eigen::Isometry3d& T_world_camera);
+
+  Eigen::Isometry3d ToIsometry() const;
+
   friend bool operator==(const CameraPlace&, const CameraPlace&) = default;
 };
 
@@ -34,6 +38,23 @@ struct MovingCell {
   bool is_confirmed = false;  ///< True if two frames within the memory observed it.
 
   friend bool operator==(const MovingCell&, const MovingCell&) = default;
+};
+
+/// The error of the poses of a session, found by the known objects that the robot saw in place. A
+/// claimed point `p` is at `center + R_z(yaw) (p - center) + shift`.
+struct PoseOffset {
+  Timestamp time;  ///< Capture time of the last frame of the session.
+  Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  ///< Of the known objects, metres.
+  Eigen::Vector3d shift_world = Eigen::Vector3d::Zero();   ///< Metres.
+  double yaw_rad = 0.0;
+  /// Of the shift (x, y, z) and the yaw; metres and radians.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  std::uint32_t anchors = 0;  ///< Known objects that agree with it, at least one.
+
+  /// Returns the motion of claimed points onto the map, world frame.
+  Eigen::Isometry3d ToIsometry() const;
+
+  friend bool operator==(const PoseOffset&, const PoseOffset&) = default;
 };
 
 /// The state of a robot in a map: for the detection of wrong poses (`localization_monitor.h`), for
@@ -56,6 +77,8 @@ struct RobotState {
   std::vector<MovingCell> moving;  ///< By increasing cell, without duplicates.
   /// Capture time of the first frame of its session; none if its session has ended.
   std::optional<Timestamp> session_start;
+  /// Of its last session that ended; none if that showed no known object in place.
+  std::optional<PoseOffset> offset;
 
   friend bool operator==(const RobotState&, const RobotState&) = default;
 };

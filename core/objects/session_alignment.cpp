@@ -34,6 +34,25 @@ AnchorMatches MatchesOf(const TrackedObject& seen,
   return matches;
 }
 
+/// Returns the offset that an alignment found. Where the anchors tell nothing, its covariance is
+/// that of poses which are off by `max_offset_m` at three standard deviations.
+PoseOffset OffsetOf(const AnchorAlignment& alignment, double anchor_sigma_m, double max_offset_m) {
+  const double prior_sigma_m = max_offset_m / 3.0;
+  Eigen::Vector4d prior_information =
+      Eigen::Vector4d::Constant(1.0 / (prior_sigma_m * prior_sigma_m));
+  prior_information[3] *= alignment.lever_m * alignment.lever_m;
+  Eigen::Matrix4d information = alignment.information / (anchor_sigma_m * anchor_sigma_m);
+  information += prior_information.asDiagonal();
+  PoseOffset offset;
+  offset.center_world = alignment.center_world;
+  offset.shift_world = alignment.motion * alignment.center_world - alignment.center_world;
+  offset.yaw_rad = std::atan2(alignment.motion.linear()(1, 0), alignment.motion.linear()(0, 0));
+  const Eigen::Matrix4d covariance = information.inverse();
+  offset.covariance = 0.5 * (covariance + covariance.transpose());  // Symmetric to the last bit.
+  offset.anchors = static_cast<std::uint32_t>(alignment.agreeing);
+  return offset;
+}
+
 }  // namespace
 
 std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
@@ -55,10 +74,11 @@ bool FitsAtRest(const Registration& registration, const SessionIdentityParameter
          registration.known_loss_at_rest <= registration.known_loss;
 }
 
-Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,
-                               const std::vector<const TrackedObject*>& known,
-                               const SessionIdentityParameters& parameters,
-                               const VoxelScale& scale) {
+std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,
+                                       const std::vector<const TrackedObject*>& known,
+                                       const Eigen::Isometry3d& prior,
+                                       const SessionIdentityParameters& parameters,
+                                       const VoxelScale& scale) {
   std::vector<AnchorMatches> anchors;
   std::vector<Eigen::Isometry3d> starts;
   for (const TrackedObject* object : seen) {
@@ -73,9 +93,11 @@ Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,
       starts.push_back(registration->T_correction);
     }
   }
-  if (anchors.empty()) return Eigen::Isometry3d::Identity();
   const double vote_scale_m = std::max(parameters.vote_scale_m, 0.5 * scale.voxel_size_m);
-  return AlignToAnchors(anchors, starts, vote_scale_m, parameters.claim_votes);
+  const AnchorAlignment alignment =
+      AlignToAnchors(anchors, starts, vote_scale_m, {prior, parameters.claim_votes});
+  if (alignment.agreeing == 0) return std::nullopt;
+  return OffsetOf(alignment, vote_scale_m, parameters.max_session_offset_m);
 }
 
 }  // namespace steadymap

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/map/robot_state.h"
 #include "core/objects/session_parameters.h"
 #include "core/registration/registration.h"
 #include "core/working/tracked_object.h"
@@ -26,11 +27,13 @@ double DisplacementOf(const Registration& registration, const TrackedObject& obj
 /// then only makes more of its surface known.
 bool FitsAtRest(const Registration& registration, const SessionIdentityParameters& parameters);
 
-/// Returns the motion of the objects of a session onto the known objects in place, world frame; the
-/// identity if there are none.
-Eigen::Isometry3d AlignSession(const std::vector<const TrackedObject*>& seen,
-                               const std::vector<const TrackedObject*>& known,
-                               const SessionIdentityParameters& parameters,
-                               const VoxelScale& scale);
+/// Finds the offset of the poses of a session by the known objects in place. `prior`: the offset
+/// that the poses would have without them. None if there are no known objects in place; the time of
+/// the result is not set.
+std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,
+                                       const std::vector<const TrackedObject*>& known,
+                                       const Eigen::Isometry3d& prior,
+                                       const SessionIdentityParameters& parameters,
+                                       const VoxelScale& scale);
 
 }  // namespace steadymap

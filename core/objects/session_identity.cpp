@@ -69,10 +69,11 @@ class SessionDecision {
   SessionDecision(const MapConfig& config,
                   const SessionIdentityParameters& parameters,
                   const SensorName& source,
+                  const Eigen::Isometry3d& prior,
                   WorkingMap* map)
-      : config_(config), parameters_(parameters), source_(source), map_(map) {}
+      : config_(config), parameters_(parameters), source_(source), map_(map), motion_(prior) {}
 
-  void Run() {
+  std::optional<PoseOffset> Run() {
     CompleteSessionObjects(parameters_.parts, source_, map_);
     EndVanished();
     for (TrackedObject* object : map_->TentativeObjectsOf(source_)) CutGoneCells(object, map_);
@@ -90,6 +91,7 @@ class SessionDecision {
     for (TrackedObject* object : map_->AllObjects()) {
       if (object->state().status != ObjectStatus::kTentative) Settle(object);
     }
+    return offset_;
   }
 
  private:
@@ -136,8 +138,9 @@ class SessionDecision {
   WorkingMap* map_;
   std::deque<SeenObject> seen_;  ///< Not moved in memory when it grows.
   std::deque<KnownObject> known_;
-  std::vector<std::pair<SeenObject*, KnownObject*>> rests_;   ///< Parts of structures.
-  Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  ///< Onto the map, of the session.
+  std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
+  std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
+  Eigen::Isometry3d motion_;                                 ///< Of the session onto the map.
   std::vector<PlaceMatch> doubted_;  ///< In place, but much of the known object is gone.
 };
 
@@ -204,7 +207,8 @@ void SessionDecision::Align() {
   for (const KnownObject& known : known_) {
     if (!known.object->is_archived()) known_objects.push_back(known.object);
   }
-  motion_ = AlignSession(seen_objects, known_objects, parameters_, map_->scale());
+  offset_ = AlignSession(seen_objects, known_objects, motion_, parameters_, map_->scale());
+  if (offset_) motion_ = offset_->ToIsometry();
   for (const SeenObject& seen : seen_) Move(motion_, seen.object);
 }
 
@@ -652,11 +656,12 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
 
 }  // namespace
 
-void DecideSession(const MapConfig& config,
-                   const SessionIdentityParameters& parameters,
-                   const SensorName& source,
-                   WorkingMap* map) {
-  SessionDecision(config, parameters, source, map).Run();
+std::optional<PoseOffset> DecideSession(const MapConfig& config,
+                                        const SessionIdentityParameters& parameters,
+                                        const SensorName& source,
+                                        const Eigen::Isometry3d& prior,
+                                        WorkingMap* map) {
+  return SessionDecision(config, parameters, source, prior, map).Run();
 }
 
 }  // namespace steadymap

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "core/map/robot_state.h"
 #include "core/objects/session_parameters.h"
 #include "core/types/map_config.h"
 #include "core/working/working_map.h"
@@ -11,9 +16,14 @@ namespace steadymap {
 /// objects are gone, by the looks of all sources since the last session ended. Reports one event
 /// per change. Afterwards no object of the session is tentative, and of the evidence for a known
 /// object only the sums are left. Objects of other sessions are not touched.
-void DecideSession(const MapConfig& config,
-                   const SessionIdentityParameters& parameters,
-                   const SensorName& source,
-                   WorkingMap* map);
+///
+/// Returns the offset of the poses of the session, which its objects were corrected by; its time is
+/// not set. `prior`: the offset to expect, and to correct by if there are no known objects in
+/// place; then returns none.
+std::optional<PoseOffset> DecideSession(const MapConfig& config,
+                                        const SessionIdentityParameters& parameters,
+                                        const SensorName& source,
+                                        const Eigen::Isometry3d& prior,
+                                        WorkingMap* map);
 
 }  // namespace steadymap

@@ -90,12 +90,30 @@ bool EvidenceMapper::IsSessionOver(const Frame& next, const WorkingMap& map) con
 }
 
 void EvidenceMapper::EndSession(const SensorName& sensor, WorkingMap* map) {
-  if (const RobotState* known = map->FindRobot(sensor); known != nullptr) {
-    RobotState robot = *known;
-    robot.session_start.reset();
-    map->StoreRobot(sensor, robot);
-  }
-  DecideSession(config_, parameters_.identity, sensor, map);
+  RobotState robot;
+  if (const RobotState* known = map->FindRobot(sensor); known != nullptr) robot = *known;
+  const std::optional<PoseOffset> prior = ExpectedOffset(robot);
+  std::optional<PoseOffset> offset =
+      DecideSession(config_,
+                    parameters_.identity,
+                    sensor,
+                    prior ? prior->ToIsometry() : Eigen::Isometry3d::Identity(),
+                    map);
+  if (!robot.session_start) return;
+  if (!offset) offset = prior;
+  if (offset) offset->time = robot.last_capture_time;
+  robot.offset = offset;
+  robot.session_start.reset();
+  map->StoreRobot(sensor, robot);
+}
+
+/// Returns the offset that the poses of an open session have if they continue those of the last
+/// one: a drive that lasts longer than a session keeps its offset.
+std::optional<PoseOffset> EvidenceMapper::ExpectedOffset(const RobotState& robot) const {
+  if (!robot.session_start || !robot.offset) return std::nullopt;
+  const Duration pause = *robot.session_start - robot.offset->time;
+  if (std::abs(pause.seconds()) > parameters_.sessions.max_pause_s) return std::nullopt;
+  return robot.offset;
 }
 
 void EvidenceMapper::LookAtObjects() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/association/association.h"
@@ -60,6 +61,7 @@ class EvidenceMapper final : public MapUpdater {
 
  private:
   void BeginSession(const Frame& frame);
+  std::optional<PoseOffset> ExpectedOffset(const RobotState& robot) const;
   void LookAtObjects();
   void FindSurfaces();
   void FindSurfaceOf(std::size_t place);

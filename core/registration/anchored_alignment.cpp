@@ -11,8 +11,8 @@ constexpr double kNegligibleStepM = 1e-5;
 /// Votes of anchors on a motion; all of one set of anchors.
 class AnchorVotes {
  public:
-  AnchorVotes(std::span<const AnchorMatches> anchors, double scale_m, double claim_votes)
-      : anchors_(anchors), scale_m_(scale_m), claim_votes_(claim_votes) {
+  AnchorVotes(std::span<const AnchorMatches> anchors, double scale_m, const AlignmentPrior& prior)
+      : anchors_(anchors), scale_m_(scale_m), prior_(prior) {
     std::size_t count = 0;
     for (const AnchorMatches& anchor : anchors_) {
       for (const PlaneMatch& match : anchor) {
@@ -29,9 +29,22 @@ class AnchorVotes {
     lever_m_ = count > 0 ? std::sqrt(lever_m_ / static_cast<double>(count)) : 1.0;
   }
 
+  AnchorAlignment AlignmentAt(const Eigen::Isometry3d& motion) const {
+    AnchorAlignment alignment{motion, center_world_, lever_m_};
+    for (const AnchorMatches& anchor : anchors_) {
+      if (anchor.empty() || MeanSquare(anchor, motion) >= scale_m_ * scale_m_) continue;
+      ++alignment.agreeing;
+      for (const PlaneMatch& match : anchor) {
+        const Eigen::Vector4d jacobian = JacobianOf(match, motion);
+        alignment.information += jacobian * jacobian.transpose() / CountOf(anchor);
+      }
+    }
+    return alignment;
+  }
+
   /// Returns the loss of all votes at a motion: 0 to the number of votes.
   double LossAt(const Eigen::Isometry3d& motion) const {
-    double loss = claim_votes_ * Loss(ClaimSquare(motion));
+    double loss = prior_.votes * Loss(PriorSquare(motion));
     for (const AnchorMatches& anchor : anchors_) loss += Loss(MeanSquare(anchor, motion));
     return loss;
   }
@@ -41,15 +54,12 @@ class AnchorVotes {
     for (int i = 0; i < kMaxIterations; ++i) {
       Eigen::Matrix4d information = Eigen::Matrix4d::Identity() * 1e-9;
       Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
-      AddClaim(motion, &information, &gradient);
+      AddPrior(motion, &information, &gradient);
       for (const AnchorMatches& anchor : anchors_) {
         const double weight = Weight(MeanSquare(anchor, motion)) / CountOf(anchor);
         for (const PlaneMatch& match : anchor) {
           const Eigen::Vector3d point = motion * match.point_world;
-          const Eigen::Vector3d arm = motion.linear() * (match.point_world - center_world_);
-          Eigen::Vector4d jacobian;
-          jacobian << match.normal_world,
-              match.normal_world.dot(Eigen::Vector3d::UnitZ().cross(arm));
+          const Eigen::Vector4d jacobian = JacobianOf(match, motion);
           const double residual = match.normal_world.dot(point - match.target_world);
           information += weight * jacobian * jacobian.transpose();
           gradient += weight * residual * jacobian;
@@ -82,25 +92,38 @@ class AnchorVotes {
     return anchor.empty() ? 0.0 : sum / CountOf(anchor);
   }
 
+  Eigen::Vector4d JacobianOf(const PlaneMatch& match, const Eigen::Isometry3d& motion) const {
+    const Eigen::Vector3d arm = motion.linear() * (match.point_world - center_world_);
+    Eigen::Vector4d jacobian;
+    jacobian << match.normal_world, match.normal_world.dot(Eigen::Vector3d::UnitZ().cross(arm));
+    return jacobian;
+  }
+
   static double YawOfMotion(const Eigen::Isometry3d& motion) {
     return std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
   }
 
-  double ClaimSquare(const Eigen::Isometry3d& motion) const {
-    const double turn_m = lever_m_ * YawOfMotion(motion);
-    return (motion * center_world_ - center_world_).squaredNorm() + turn_m * turn_m;
+  /// Returns the shift of the centre and the yaw beyond those of the prior.
+  Eigen::Vector4d BeyondPrior(const Eigen::Isometry3d& motion) const {
+    Eigen::Vector4d beyond;
+    beyond << motion * center_world_ - prior_.motion * center_world_,
+        YawOfMotion(prior_.motion.inverse() * motion);
+    return beyond;
   }
 
-  void AddClaim(const Eigen::Isometry3d& motion,
+  double PriorSquare(const Eigen::Isometry3d& motion) const {
+    Eigen::Vector4d beyond = BeyondPrior(motion);
+    beyond[3] *= lever_m_;
+    return beyond.squaredNorm();
+  }
+
+  void AddPrior(const Eigen::Isometry3d& motion,
                 Eigen::Matrix4d* information,
                 Eigen::Vector4d* gradient) const {
-    const double weight = claim_votes_ * Weight(ClaimSquare(motion));
-    const Eigen::Vector3d shift = motion * center_world_ - center_world_;
-    Eigen::Vector4d scale(weight, weight, weight, weight * lever_m_ * lever_m_);
+    const double weight = prior_.votes * Weight(PriorSquare(motion));
+    const Eigen::Vector4d scale(weight, weight, weight, weight * lever_m_ * lever_m_);
     *information += scale.asDiagonal();
-    Eigen::Vector4d offset;
-    offset << shift, YawOfMotion(motion);
-    *gradient += scale.cwiseProduct(offset);
+    *gradient += scale.cwiseProduct(BeyondPrior(motion));
   }
 
   /// Turns the moved points about their moved centre, then shifts them.
@@ -114,19 +137,19 @@ class AnchorVotes {
 
   std::span<const AnchorMatches> anchors_;
   double scale_m_;
-  double claim_votes_;
+  AlignmentPrior prior_;
   Eigen::Vector3d center_world_ = Eigen::Vector3d::Zero();
   double lever_m_ = 0.0;
 };
 
 }  // namespace
 
-Eigen::Isometry3d AlignToAnchors(std::span<const AnchorMatches> anchors,
-                                 std::span<const Eigen::Isometry3d> starts,
-                                 double scale_m,
-                                 double claim_votes) {
-  const AnchorVotes votes(anchors, scale_m, claim_votes);
-  Eigen::Isometry3d best = votes.Descend(Eigen::Isometry3d::Identity());
+AnchorAlignment AlignToAnchors(std::span<const AnchorMatches> anchors,
+                               std::span<const Eigen::Isometry3d> starts,
+                               double scale_m,
+                               const AlignmentPrior& prior) {
+  const AnchorVotes votes(anchors, scale_m, prior);
+  Eigen::Isometry3d best = votes.Descend(prior.motion);
   double least_loss = votes.LossAt(best);
   for (const Eigen::Isometry3d& start : starts) {
     const Eigen::Isometry3d motion = votes.Descend(start);
@@ -135,7 +158,7 @@ Eigen::Isometry3d AlignToAnchors(std::span<const AnchorMatches> anchors,
     best = motion;
     least_loss = loss;
   }
-  return best;
+  return votes.AlignmentAt(best);
 }
 
 }  // namespace steadymap

@@ -6,26 +6,10 @@ namespace {
 // Between frames that are closer there is no telling how fast a robot moves.
 constexpr double kMinElapsedS = 0.005;
 
-CameraPlace PlaceOf(const Eigen::Isometry3d& T_world_camera) {
-  const Eigen::AngleAxisd turn(T_world_camera.linear());
-  return {T_world_camera.translation(), (turn.angle() * turn.axis()).cast<float>()};
-}
-
-Eigen::Isometry3d PoseOf(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotation) {
-  const double angle_rad = rotation.norm();
-  Eigen::Isometry3d pose(Eigen::Translation3d{translation});
-  if (angle_rad > 0.0) pose.rotate(Eigen::AngleAxisd(angle_rad, rotation / angle_rad));
-  return pose;
-}
-
-Eigen::Isometry3d PoseOf(const CameraPlace& place) {
-  return PoseOf(place.position_world, place.rotation_world.cast<double>());
-}
-
 /// How the camera moved, in its own frame, if `robot` moved on as before.
 Eigen::Isometry3d MotionOf(const RobotState& robot, double elapsed_s) {
-  return PoseOf(elapsed_s * robot.velocity_m_per_s.cast<double>(),
-                elapsed_s * robot.turn_rad_per_s.cast<double>());
+  return TransformOf(elapsed_s * robot.velocity_m_per_s.cast<double>(),
+                     elapsed_s * robot.turn_rad_per_s.cast<double>());
 }
 
 }  // namespace
@@ -37,7 +21,7 @@ bool LocalizationMonitor::Accept(const Frame& frame,
   const RobotState* known = map->FindRobot(frame.source);
   RobotState robot;
   if (known == nullptr) {
-    robot.claimed = PlaceOf(frame.T_world_camera);
+    robot.claimed = CameraPlace::FromIsometry(frame.T_world_camera);
     robot.likely = robot.claimed;
   } else {
     robot = *known;
@@ -64,16 +48,17 @@ void LocalizationMonitor::FollowMotion(const Frame& frame, RobotState* robot) co
   const double since_s = (frame.capture_time - robot->last_capture_time).seconds();
   const bool is_moving = since_s >= kMinElapsedS && since_s <= parameters_.motion_s;
   const double elapsed_s = is_moving ? since_s : 0.0;
-  const Eigen::Isometry3d T_world_before = PoseOf(robot->claimed);
+  const Eigen::Isometry3d T_world_before = robot->claimed.ToIsometry();
   const Eigen::Isometry3d T_before_expected = MotionOf(*robot, elapsed_s);
   const Eigen::Isometry3d T_before_now = T_world_before.inverse() * frame.T_world_camera;
   const bool is_jump = IsJump(T_world_before * T_before_expected, frame.T_world_camera, elapsed_s);
-  robot->claimed = PlaceOf(frame.T_world_camera);
+  robot->claimed = CameraPlace::FromIsometry(frame.T_world_camera);
   if (is_jump && robot->trust == Trust::kTrusted) robot->trust = Trust::kDoubted;
   if (robot->trust == Trust::kTrusted) {
     robot->likely = robot->claimed;
   } else {
-    robot->likely = PlaceOf(PoseOf(robot->likely) * (is_jump ? T_before_expected : T_before_now));
+    robot->likely = CameraPlace::FromIsometry(robot->likely.ToIsometry() *
+                                              (is_jump ? T_before_expected : T_before_now));
   }
   if (is_jump) return;
   if (!is_moving) {
@@ -81,7 +66,7 @@ void LocalizationMonitor::FollowMotion(const Frame& frame, RobotState* robot) co
     robot->turn_rad_per_s.setZero();
     return;
   }
-  const CameraPlace motion = PlaceOf(T_before_now);
+  const CameraPlace motion = CameraPlace::FromIsometry(T_before_now);
   robot->velocity_m_per_s = (motion.position_world / elapsed_s).cast<float>();
   robot->turn_rad_per_s = motion.rotation_world / static_cast<float>(elapsed_s);
 }
@@ -89,8 +74,8 @@ void LocalizationMonitor::FollowMotion(const Frame& frame, RobotState* robot) co
 LocalizationMonitor::Verdict LocalizationMonitor::Judge(const FrameSurface& surface,
                                                         const RobotState& robot,
                                                         const WorkingMap& map) const {
-  const Eigen::Isometry3d T_world_claimed = PoseOf(robot.claimed);
-  const Eigen::Isometry3d T_world_likely = PoseOf(robot.likely);
+  const Eigen::Isometry3d T_world_claimed = robot.claimed.ToIsometry();
+  const Eigen::Isometry3d T_world_likely = robot.likely.ToIsometry();
   if (!IsJump(T_world_likely, T_world_claimed, 0.0)) return Verdict::kAgrees;
   const PoseConsistency here = CompareFrame(surface, T_world_claimed, map);
   const auto min_patches =

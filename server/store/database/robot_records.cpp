@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t kTrusts = static_cast<std::uint32_t>(Trust::kLost) + 1;
 constexpr int kMotionNumbers = 6;
+constexpr int kCovarianceNumbers = 10;
 
 using Floats = google::protobuf::RepeatedField<float>;
 
@@ -54,6 +55,43 @@ MovingCell MovingFromProto(const storage::v1::MovingCell& proto) {
           proto.is_confirmed()};
 }
 
+void OffsetToProto(const PoseOffset& offset, storage::v1::PoseOffset* proto) {
+  proto->set_time_ns(offset.time.nanoseconds());
+  for (const double number : offset.center_world) proto->add_center(number);
+  for (const double number : offset.shift_world) proto->add_shift(number);
+  proto->set_yaw(offset.yaw_rad);
+  for (int row = 0; row < 4; ++row) {
+    for (int column = row; column < 4; ++column)
+      proto->add_covariance(offset.covariance(row, column));
+  }
+  proto->set_anchors(offset.anchors);
+}
+
+absl::StatusOr<PoseOffset> OffsetFromProto(const storage::v1::PoseOffset& proto) {
+  if (proto.center_size() != 3 || proto.shift_size() != 3 ||
+      proto.covariance_size() != kCovarianceNumbers || proto.anchors() == 0) {
+    return CorruptRecord("a robot record does not contain a pose offset");
+  }
+  PoseOffset offset;
+  offset.time = Timestamp::FromNanoseconds(proto.time_ns());
+  offset.center_world = {proto.center(0), proto.center(1), proto.center(2)};
+  offset.shift_world = {proto.shift(0), proto.shift(1), proto.shift(2)};
+  offset.yaw_rad = proto.yaw();
+  int next = 0;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = row; column < 4; ++column) {
+      offset.covariance(row, column) = proto.covariance(next++);
+      offset.covariance(column, row) = offset.covariance(row, column);
+    }
+  }
+  offset.anchors = proto.anchors();
+  if (!offset.center_world.allFinite() || !offset.shift_world.allFinite() ||
+      !std::isfinite(offset.yaw_rad) || !offset.covariance.allFinite()) {
+    return CorruptRecord("a robot record contains a pose offset that is not finite");
+  }
+  return offset;
+}
+
 }  // namespace
 
 storage::v1::RobotRecord ToProto(const RobotState& state) {
@@ -70,6 +108,7 @@ storage::v1::RobotRecord ToProto(const RobotState& state) {
   }
   for (const MovingCell& moving : state.moving) MovingToProto(moving, record.add_moving());
   if (state.session_start) record.set_session_start_ns(state.session_start->nanoseconds());
+  if (state.offset) OffsetToProto(*state.offset, record.mutable_offset());
   return record;
 }
 
@@ -105,6 +144,11 @@ absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
   }
   if (record.has_session_start_ns()) {
     state.session_start = Timestamp::FromNanoseconds(record.session_start_ns());
+  }
+  if (record.has_offset()) {
+    absl::StatusOr<PoseOffset> offset = OffsetFromProto(record.offset());
+    if (!offset.ok()) return offset.status();
+    state.offset = *std::move(offset);
   }
   return state;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -32,8 +34,8 @@ TrackedObject BoxAt(std::uint64_t id, double x_m, double y_m) {
   return object;
 }
 
-/// Returns the shift of a session that sees three boxes, all displaced along x.
-double ShiftOf(double displacement_m) {
+/// Returns the offset of a session that sees three boxes, all displaced along x.
+std::optional<PoseOffset> OffsetOf(double displacement_m) {
   std::vector<TrackedObject> known;
   std::vector<TrackedObject> seen;
   for (std::uint64_t i = 0; i < 3; ++i) {
@@ -43,18 +45,33 @@ double ShiftOf(double displacement_m) {
   }
   return AlignSession({&seen[0], &seen[1], &seen[2]},
                       {&known[0], &known[1], &known[2]},
+                      Eigen::Isometry3d::Identity(),
                       SessionIdentityParameters(),
-                      kScale)
-      .translation()
-      .x();
+                      kScale);
 }
 
-TEST(AlignSession, FollowsThePosesOfARobot) { EXPECT_NEAR(ShiftOf(0.08), -0.08, 0.01); }
+TEST(AlignSession, FollowsThePosesOfARobot) {
+  const std::optional<PoseOffset> offset = OffsetOf(0.08);
+  ASSERT_TRUE(offset.has_value());
+  EXPECT_EQ(offset->anchors, 3U);
+  EXPECT_NEAR(offset->shift_world.x(), -0.08, 0.01);
+  EXPECT_NEAR(offset->yaw_rad, 0.0, 0.01);
+  EXPECT_NEAR(offset->center_world.y(), 2.0, 0.05);
+  const Eigen::Vector3d point = Eigen::Vector3d(0.08, 4.0, 0.1);
+  EXPECT_LT((offset->ToIsometry() * point - Eigen::Vector3d(0.0, 4.0, 0.1)).norm(), 0.02);
+  // The offset is known better than without objects, but not better than three of them allow.
+  const Eigen::Matrix4d& covariance = offset->covariance;
+  EXPECT_EQ(covariance, covariance.transpose().eval());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_LT(std::sqrt(covariance(i, i)), 0.05) << i;
+    EXPECT_GT(std::sqrt(covariance(i, i)), 0.02 / std::sqrt(3.0)) << i;
+  }
+}
 
 TEST(AlignSession, ThingsThatMovedAlikeAreNoPoseError) {
   const double limit_m = SessionIdentityParameters().max_session_offset_m;
   for (const double displacement_m : {1.3 * limit_m, 1.6 * limit_m, 1.9 * limit_m}) {
-    EXPECT_NEAR(ShiftOf(displacement_m), 0.0, 0.01) << displacement_m;
+    EXPECT_EQ(OffsetOf(displacement_m), std::nullopt) << displacement_m;
   }
 }
 

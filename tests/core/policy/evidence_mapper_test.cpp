@@ -3,6 +3,7 @@
 #include "core/policy/evidence_mapper.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -111,6 +112,60 @@ TEST_F(EvidenceMapperTest, TheStateOfARobotTellsWhetherItsSessionIsOpen) {
   EXPECT_EQ(story_.map().robots.at(sensor).session_start, frames.front().capture_time);
   story_.EndSession(sensor);
   EXPECT_EQ(story_.map().robots.at(sensor).session_start, std::nullopt);
+}
+
+/// Returns the frames of a robot whose poses are off.
+std::vector<Frame> WithOffset(const Eigen::Vector3d& shift_world, std::vector<Frame> frames) {
+  for (Frame& frame : frames) frame.T_world_camera.pretranslate(shift_world);
+  return frames;
+}
+
+TEST_F(EvidenceMapperTest, TheOffsetOfASessionIsStateOfItsSensor) {
+  const Scene scene = {FarWall(), Goods(-0.7), Goods(0.7)};
+  story_.Play(TakenBy(kOne, LookAtScene(scene, 0, kFrames)));
+  story_.EndSession(kOne);
+  EXPECT_EQ(story_.map().robots.at(kOne).offset, std::nullopt) << "nothing was known";
+  const Eigen::Vector3d error_m(-0.05, 0.0, 0.0);
+  const std::vector<Frame> frames =
+      TakenBy(kOther, WithOffset(error_m, LookAtScene(scene, kFrames, kFrames, 1)));
+  story_.Play(frames);
+  story_.EndSession(kOther);
+  const std::optional<PoseOffset>& offset = story_.map().robots.at(kOther).offset;
+  ASSERT_TRUE(offset.has_value());
+  EXPECT_EQ(offset->time, frames.back().capture_time);
+  EXPECT_GE(offset->anchors, 2U);
+  EXPECT_NEAR(offset->shift_world.x(), -error_m.x(), 3.0 * std::sqrt(offset->covariance(0, 0)));
+  EXPECT_NEAR(offset->shift_world.x(), -error_m.x(), 0.015);
+  EXPECT_EQ(story_.map().robots.at(kOne).offset, std::nullopt);
+  EXPECT_EQ(story_.told().robots.at(kOther).offset, offset);
+
+  // The next session finds its own.
+  story_.Play(TakenBy(kOther, LookAtScene(scene, 2 * kFrames, kFrames, 2)));
+  story_.EndSession(kOther);
+  ASSERT_TRUE(story_.map().robots.at(kOther).offset.has_value());
+  EXPECT_NEAR(story_.map().robots.at(kOther).offset->shift_world.x(), 0.0, 0.015);
+}
+
+TEST_F(EvidenceMapperTest, ADriveThatGoesOnKeepsItsOffset) {
+  const Scene scene = {FarWall(), Goods(-0.7), Goods(0.7)};
+  MapConfig config = PocdConfig();
+  config.parameters = {{"max_session_s", 4.0}};
+  MapStory story(config);
+  story.Play(TakenBy(kOne, LookAtScene(scene, 0, kFrames)));
+  story.EndSession(kOne);
+  const std::vector<Frame> drive =
+      WithOffset({-0.05, 0.0, 0.0}, LookAtScene(scene, kFrames, 2 * kFrames, 1));
+  story.Play(TakenBy(kOther, {drive.begin(), drive.begin() + kFrames}));
+  const std::optional<PoseOffset> first = story.map().robots.at(kOther).offset;
+  ASSERT_TRUE(first.has_value());
+  // The rest of the drive shows nothing that is known.
+  std::vector<Frame> away = {drive.begin() + kFrames, drive.end()};
+  for (Frame& frame : away) frame.T_world_camera.pretranslate(Eigen::Vector3d(0.0, 0.0, 50.0));
+  story.Play(TakenBy(kOther, away));
+  const std::optional<PoseOffset> kept = story.map().robots.at(kOther).offset;
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_EQ(kept->shift_world, first->shift_world);
+  EXPECT_GT(kept->time, first->time);
 }
 
 TEST_F(EvidenceMapperTest, TheEndOfASessionLeavesWhatOtherRobotsHaveSeen) {

@@ -10,7 +10,7 @@ namespace steadymap {
 namespace {
 
 constexpr double kScaleM = 0.03;
-constexpr double kClaimVotes = 1.5;
+const AlignmentPrior kClaim;
 
 Eigen::Isometry3d Motion(const Eigen::Vector3d& shift_m, double yaw_rad) {
   return Eigen::Translation3d(shift_m) * Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ());
@@ -67,7 +67,7 @@ TEST(AnchoredAlignmentTest, FindsTheOffsetOfADriveThatAllThingsShare) {
                                               SeenBox({0.3, 1.2, 0.25}, offset),
                                               SeenWall(offset)};
   const Eigen::Isometry3d starts[] = {offset};
-  EXPECT_LT(Difference(AlignToAnchors(anchors, starts, kScaleM, kClaimVotes), offset), 0.005);
+  EXPECT_LT(Difference(AlignToAnchors(anchors, starts, kScaleM, kClaim).motion, offset), 0.005);
 }
 
 TEST(AnchoredAlignmentTest, DoesNotFollowTheOneThingThatMoved) {
@@ -78,7 +78,7 @@ TEST(AnchoredAlignmentTest, DoesNotFollowTheOneThingThatMoved) {
                                               SeenBox({0.3, 0.2, 0.25}, moved),
                                               SeenWall(offset)};
   const Eigen::Isometry3d starts[] = {moved, offset};
-  EXPECT_LT(Difference(AlignToAnchors(anchors, starts, kScaleM, kClaimVotes), offset), 0.006);
+  EXPECT_LT(Difference(AlignToAnchors(anchors, starts, kScaleM, kClaim).motion, offset), 0.006);
 }
 
 TEST(AnchoredAlignmentTest, BelievesTheClaimedPoseIfOneThingAloneContradicts) {
@@ -86,13 +86,45 @@ TEST(AnchoredAlignmentTest, BelievesTheClaimedPoseIfOneThingAloneContradicts) {
   const std::vector<AnchorMatches> anchors = {SeenBox({-0.4, 0.0, 0.25}, moved),
                                               SeenWall(Eigen::Isometry3d::Identity())};
   const Eigen::Isometry3d starts[] = {moved};
-  const Eigen::Isometry3d motion = AlignToAnchors(anchors, starts, kScaleM, kClaimVotes);
+  const Eigen::Isometry3d motion = AlignToAnchors(anchors, starts, kScaleM, kClaim).motion;
   EXPECT_LT(Difference(motion, Eigen::Isometry3d::Identity()), 0.02);
 }
 
 TEST(AnchoredAlignmentTest, StaysWithoutAnchors) {
-  const Eigen::Isometry3d motion = AlignToAnchors({}, {}, kScaleM, kClaimVotes);
+  const Eigen::Isometry3d motion = AlignToAnchors({}, {}, kScaleM, kClaim).motion;
   EXPECT_LT(Difference(motion, Eigen::Isometry3d::Identity()), 1e-12);
+}
+
+TEST(AnchoredAlignmentTest, CountsTheAnchorsThatAgree) {
+  const Eigen::Isometry3d offset = Motion({0.03, 0.04, 0.0}, -0.01);
+  const Eigen::Isometry3d moved = offset * Motion({0.1, 0.0, 0.0}, 0.0);
+  const std::vector<AnchorMatches> anchors = {SeenBox({-1.0, 0.5, 0.25}, offset),
+                                              SeenBox({1.5, 1.0, 0.25}, offset),
+                                              SeenBox({0.3, 0.2, 0.25}, moved)};
+  const Eigen::Isometry3d starts[] = {moved, offset};
+  EXPECT_EQ(AlignToAnchors(anchors, starts, kScaleM, kClaim).agreeing, 2U);
+  EXPECT_EQ(AlignToAnchors({}, {}, kScaleM, kClaim).agreeing, 0U);
+}
+
+TEST(AnchoredAlignmentTest, KnowsWhatTheAnchorsTell) {
+  // Of five equal sides, two face along x, two along y, and one up.
+  const std::vector<AnchorMatches> box = {SeenBox({1.0, 0.5, 0.25}, Motion({0, 0, 0}, 0.0))};
+  const AnchorAlignment by_box = AlignToAnchors(box, {}, kScaleM, kClaim);
+  EXPECT_TRUE(by_box.information.diagonal().head<3>().isApprox(Eigen::Vector3d(0.4, 0.4, 0.2)));
+  EXPECT_NEAR((by_box.center_world - Eigen::Vector3d(1.0, 0.5, 0.3)).norm(), 0.0, 0.03);
+
+  // A wall tells nothing about the shift along it, so that the prior does.
+  const std::vector<AnchorMatches> wall = {SeenWall(Motion({0.0, 0.04, 0.0}, 0.0))};
+  const AnchorAlignment by_wall =
+      AlignToAnchors(wall, {}, kScaleM, {Motion({0.05, 0.04, 0.0}, 0.0), 1.5});
+  EXPECT_NEAR(by_wall.information(0, 0), 0.0, 1e-9);
+  EXPECT_NEAR(by_wall.information(1, 1), 1.0, 1e-9);
+  EXPECT_LT(Difference(by_wall.motion, Motion({0.05, 0.04, 0.0}, 0.0)), 0.002);
+}
+
+TEST(AnchoredAlignmentTest, WithoutAnchorsFollowsThePrior) {
+  const Eigen::Isometry3d prior = Motion({0.05, -0.02, 0.01}, 0.01);
+  EXPECT_LT(Difference(AlignToAnchors({}, {}, kScaleM, {prior, 1.5}).motion, prior), 1e-9);
 }
 
 }  // namespace

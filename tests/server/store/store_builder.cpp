@@ -181,6 +181,13 @@ RobotState MakeRobot(Trust trust, std::uint32_t seed) {
     state.streak = static_cast<std::uint32_t>(random());
     state.likely = {vector(), vector().cast<float>()};
   }
+  if (trust != Trust::kTrusted) {
+    PoseOffset offset{state.last_capture_time, vector(), vector(), number(random)};
+    const Eigen::Matrix4d root = Eigen::Matrix4d::NullaryExpr([&] { return number(random); });
+    offset.covariance = root.selfadjointView<Eigen::Upper>();
+    offset.anchors = 1 + seed;
+    state.offset = offset;
+  }
   if (trust != Trust::kLost) {
     state.velocity_m_per_s = vector().cast<float>();
     state.turn_rad_per_s = vector().cast<float>();

@@ -210,6 +210,18 @@ TEST(RobotRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::RobotRecord* robot) { robot->mutable_motion()->RemoveLast(); });
   refuse([=](storage::v1::RobotRecord* robot) { robot->set_motion(5, not_a_number); });
   refuse([](storage::v1::RobotRecord* robot) { *robot->add_moving() = robot->moving(0); });
+  refuse([](storage::v1::RobotRecord* robot) { robot->mutable_offset()->add_center(1.0); });
+  refuse([](storage::v1::RobotRecord* robot) { robot->mutable_offset()->clear_shift(); });
+  refuse([](storage::v1::RobotRecord* robot) { robot->mutable_offset()->set_anchors(0); });
+  refuse([](storage::v1::RobotRecord* robot) {
+    robot->mutable_offset()->mutable_covariance()->RemoveLast();
+  });
+  refuse([=](storage::v1::RobotRecord* robot) {
+    robot->mutable_offset()->set_covariance(9, static_cast<double>(not_a_number));
+  });
+  refuse([=](storage::v1::RobotRecord* robot) {
+    robot->mutable_offset()->set_yaw(static_cast<double>(not_a_number));
+  });
 }
 
 TEST(FreeBlockRecords, RefuseWhatCannotHaveBeenWritten) {
