@@ -15,6 +15,7 @@
 #include "client/cli/query/objects_command.h"
 #include "client/cli/query/query_command.h"
 #include "client/cli/query/render_command.h"
+#include "client/cli/query/robots_command.h"
 #include "client/cli/text/error_line.h"
 #include "client/cli/upload/upload_command.h"
 #include "client/cli/watch/mirror_command.h"
@@ -93,6 +94,7 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const SimulateCommand simulate(&app, context);
   const ObjectsCommand objects(&app, context);
   const EventsCommand events(&app, context);
+  const RobotsCommand robots(&app, context);
   const WatchCommand watch(&app, context);
   const MirrorCommand mirror(&app, context);
   const ExportCommand exporting(&app, context);

@@ -1,6 +1,7 @@
 #include "client/map/map_client.h"
 
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -295,6 +296,16 @@ absl::StatusOr<std::vector<v1::FramePose>> MapClient::ListFramePoses(const MapNa
     request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty());
   return poses;
+}
+
+absl::StatusOr<MapList<v1::Robot>> MapClient::ListRobots(const MapName& name) {
+  v1::ListRobotsRequest request;
+  request.set_map(name.ToString());
+  auto answer = Call(queries_.get(), &QueryStub::ListRobots, request, options_.call_timeout);
+  if (!answer.ok()) return answer.status();
+  return MapList<v1::Robot>{Revision(answer->revision()),
+                            {std::make_move_iterator(answer->mutable_robots()->begin()),
+                             std::make_move_iterator(answer->mutable_robots()->end())}};
 }
 
 }  // namespace steadymap

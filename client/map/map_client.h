@@ -157,6 +157,9 @@ class MapClient {
   /// Returns the camera poses of the integrated frames in map_seq order. Reads all pages.
   absl::StatusOr<std::vector<v1::FramePose>> ListFramePoses(const MapName& name);
 
+  /// Returns the robots that a map knows, by robot and sensor.
+  absl::StatusOr<MapList<v1::Robot>> ListRobots(const MapName& name);
+
  private:
   MapClientOptions options_;
   std::unique_ptr<v1::MapService::StubInterface> maps_;

@@ -9,6 +9,7 @@
 #include "core/query/map_sampler.h"
 #include "core/types/error.h"
 #include "proto/convert_geometry.h"
+#include "proto/convert_robot.h"
 #include "server/rpc/page_token.h"
 
 namespace steadymap {
@@ -180,6 +181,12 @@ absl::Status AnswerCastRays(const MapSnapshot& snapshot,
         MakeMessage(sampler.CastRay(FromProto(request.rays(i).origin_m()), unit, *max_range_m));
   }
   return StatusOf(sampler.work(), "rays");
+}
+
+absl::Status AnswerListRobots(const MapSnapshot& snapshot, v1::ListRobotsResponse* response) {
+  response->set_revision(snapshot.revision.value());
+  for (const auto& [name, state] : snapshot.robots) *response->add_robots() = ToProto(name, state);
+  return absl::OkStatus();
 }
 
 absl::Status AnswerListFramePoses(Store& store,

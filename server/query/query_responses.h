@@ -35,6 +35,9 @@ absl::Status AnswerCastRays(const MapSnapshot& snapshot,
                             v1::CastRaysResponse* response,
                             std::uint64_t max_steps = kMaxQuerySteps);
 
+/// Lists the robots that a snapshot knows.
+absl::Status AnswerListRobots(const MapSnapshot& snapshot, v1::ListRobotsResponse* response);
+
 /// Fills a page with the poses of a map's frames up to the revision of the snapshot, read from
 /// `store`. Errors: those of an invalid request; `Cancelled`; those of the store.
 absl::Status AnswerListFramePoses(Store& store,

@@ -205,4 +205,17 @@ grpc::ServerUnaryReactor* QueryService::ListFramePoses(grpc::CallbackServerConte
       });
 }
 
+grpc::ServerUnaryReactor* QueryService::ListRobots(grpc::CallbackServerContext* /*context*/,
+                                                   const grpc::ByteBuffer* request,
+                                                   grpc::ByteBuffer* response) {
+  return AnswerFromMap<v1::ListRobotsRequest, v1::ListRobotsResponse>(
+      dependencies_,
+      *request,
+      response,
+      kPlainRequestLimits,
+      [](const MapRuntime& map, const auto& call, const Cancellation&) {
+        return AnswerListRobots(*map.snapshot(), call.response());
+      });
+}
+
 }  // namespace steadymap

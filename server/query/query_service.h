@@ -18,7 +18,8 @@ using RawQueryService = v1::QueryService::WithRawCallbackMethod_GetObject<
                     v1::QueryService::WithRawCallbackMethod_GetMapSection<
                         v1::QueryService::WithRawCallbackMethod_ExportMap<
                             v1::QueryService::WithRawCallbackMethod_ListFramePoses<
-                                v1::QueryService::Service>>>>>>>>;
+                                v1::QueryService::WithRawCallbackMethod_ListRobots<
+                                    v1::QueryService::Service>>>>>>>>>;
 
 /// The query service for maps; see proto/steadymap/v1/query_service.proto. Each call uses the
 /// snapshot that was current at its start, and runs on the pool `readers`, so that queries do not
@@ -57,6 +58,9 @@ class QueryService final : public RawQueryService {
   grpc::ServerUnaryReactor* ListFramePoses(grpc::CallbackServerContext* context,
                                            const grpc::ByteBuffer* request,
                                            grpc::ByteBuffer* response) override;
+  grpc::ServerUnaryReactor* ListRobots(grpc::CallbackServerContext* context,
+                                       const grpc::ByteBuffer* request,
+                                       grpc::ByteBuffer* response) override;
 
  private:
   const Dependencies dependencies_;

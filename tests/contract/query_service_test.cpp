@@ -142,6 +142,7 @@ TEST_P(QueryServiceTest, ReadsOfThePastAreNotPossibleYet) {
   check(v1::SampleDistanceRequest(), v1::SampleDistanceResponse(), &Stub::SampleDistance);
   check(v1::CastRaysRequest(), v1::CastRaysResponse(), &Stub::CastRays);
   check(v1::ListFramePosesRequest(), v1::ListFramePosesResponse(), &Stub::ListFramePoses);
+  check(v1::ListRobotsRequest(), v1::ListRobotsResponse(), &Stub::ListRobots);
   v1::GetMapSectionRequest section;
   section.set_map(map_);
   section.mutable_as_of()->set_revision(3);
@@ -273,6 +274,33 @@ TEST_P(QueryServiceTest, PosesComeInPagesInTheOrderOfTheLog) {
   }
   request.set_page_token("AAAA");
   EXPECT_THAT(Call(list), IsError(StatusCode::kInvalidArgument, "BAD_PAGE_TOKEN", "page_token"));
+}
+
+TEST_P(QueryServiceTest, RobotsAreListedWhereTheMapKnowsThem) {
+  v1::ListRobotsRequest request;
+  v1::ListRobotsResponse response;
+  const auto list = [&](auto* context) {
+    return service_.queries().ListRobots(context, request, &response);
+  };
+  request.set_map(map_);
+  ASSERT_TRUE(Call(list).ok());
+  EXPECT_EQ(response.revision(), 8U);
+  EXPECT_EQ(response.robots_size(), 0) << "a map of the static policy knows none";
+
+  const std::string depot = service_.CreatePocdMap("depot");
+  const absl::Status status = UploadAndClose(&service_, {depot}, MakeBatch(1, 8));
+  ASSERT_TRUE(status.ok()) << status;
+  request.set_map(depot);
+  ASSERT_TRUE(Call(list).ok());
+  ASSERT_EQ(response.robots_size(), 1);
+  const v1::Robot& robot = response.robots(0);
+  EXPECT_EQ(robot.robot(), "robot-1");
+  EXPECT_EQ(robot.sensor(), "camera");
+  EXPECT_EQ(robot.trust(), v1::ROBOT_TRUST_TRUSTED);
+  EXPECT_EQ(robot.last_capture_time().seconds(), 108);
+  EXPECT_NEAR(robot.world_from_camera().position_m().y(), 0.08, 1e-12);
+  request.set_map("tenants/test/maps/nowhere");
+  EXPECT_THAT(Call(list), IsError(StatusCode::kNotFound, "NOT_FOUND", "map"));
 }
 
 TEST_P(QueryServiceTest, RestartShowsTheSameMapBitForBit) {

@@ -62,15 +62,27 @@ void TestService::Start(std::unique_ptr<Store> store) {
 }
 
 std::string TestService::CreateMap(const std::string& id, std::uint64_t byte_budget) {
+  v1::Map map;
+  map.set_byte_budget(byte_budget);
+  return CreateMap(id, map);
+}
+
+std::string TestService::CreatePocdMap(const std::string& id) {
+  v1::Map map;
+  map.mutable_config()->set_policy(v1::UPDATE_POLICY_POCD);
+  return CreateMap(id, map);
+}
+
+std::string TestService::CreateMap(const std::string& id, const v1::Map& map) {
   v1::CreateMapRequest request;
   request.set_parent("tenants/test");
   request.set_map_id(id);
-  request.mutable_map()->set_byte_budget(byte_budget);
-  v1::Map map;
+  *request.mutable_map() = map;
+  v1::Map created;
   const absl::Status status =
-      Call([&](auto* context) { return maps().CreateMap(context, request, &map); });
+      Call([&](auto* context) { return maps().CreateMap(context, request, &created); });
   if (!status.ok()) throw std::runtime_error(status.ToString());
-  return map.name();
+  return created.name();
 }
 
 absl::StatusOr<v1::Map> TestService::GetMap(const std::string& name) {

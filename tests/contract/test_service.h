@@ -58,6 +58,9 @@ class TestService {
   /// Creates `tenants/test/maps/{id}`, with a byte budget unless it is 0; returns its name.
   std::string CreateMap(const std::string& id, std::uint64_t byte_budget = 0);
 
+  /// Creates `tenants/test/maps/{id}` with the policy POCD; returns its name.
+  std::string CreatePocdMap(const std::string& id);
+
   /// Returns the current map.
   absl::StatusOr<v1::Map> GetMap(const std::string& name);
 
@@ -69,6 +72,7 @@ class TestService {
   absl::StatusOr<std::string> Export(const v1::ExportMapRequest& request);
 
  private:
+  std::string CreateMap(const std::string& id, const v1::Map& map);
   void Start(std::unique_ptr<Store> store);
 
   Transport transport_;

@@ -27,8 +27,6 @@ double StationarityOf(const v1::Belief& belief) {
   return sum > 0.0 ? belief.alpha() / sum : 0.0;
 }
 
-Json PointJson(const v1::Vector3& point) { return VectorJson(point.x(), point.y(), point.z()); }
-
 Json PoseJson(const v1::UprightPose& pose) {
   return {{"position", PointJson(pose.position_m())}, {"yaw", pose.yaw_rad()}};
 }
@@ -134,6 +132,8 @@ void WriteObjectTable(const std::vector<v1::Object>& objects,
          << TimeText(object.last_seen()) << '\n';
   }
 }
+
+Json PointJson(const v1::Vector3& point) { return VectorJson(point.x(), point.y(), point.z()); }
 
 double SecondsOf(const google::protobuf::Timestamp& moment) {
   return static_cast<double>(moment.seconds()) + static_cast<double>(moment.nanos()) * 1e-9;

@@ -16,6 +16,7 @@
 
 #include "google/protobuf/timestamp.pb.h"
 #include "steadymap/v1/event.pb.h"
+#include "steadymap/v1/geometry.pb.h"
 #include "steadymap/v1/map.pb.h"
 #include "steadymap/v1/object.pb.h"
 
@@ -52,6 +53,9 @@ void WriteObjectTable(const std::vector<v1::Object>& objects,
 
 /// Returns an object as one line, without a line feed.
 std::string ObjectText(const v1::Object& object, const ClassNames& classes);
+
+/// Returns a point as an array of its coordinates.
+Json PointJson(const v1::Vector3& point);
 
 /// Converts a time to seconds since 1970.
 double SecondsOf(const google::protobuf::Timestamp& moment);

@@ -32,6 +32,7 @@ from steadymap.maps import (
 )
 from steadymap.mesh import Mesh
 from steadymap.objects import Belief, Cuboid, Event, EventReason, EventType, Object, ObjectStanding
+from steadymap.robots import PoseOffset, Robot, RobotTrust
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
 from steadymap.upload_queue import LostFrames, RefusedFrame, UploadProgress
@@ -72,10 +73,13 @@ __all__ = [
     "PixelEncoding",
     "PointState",
     "Pose",
+    "PoseOffset",
     "Progress",
     "RayHits",
     "RefusedFrame",
     "Resync",
+    "Robot",
+    "RobotTrust",
     "Section",
     "SemanticClass",
     "Snapshot",

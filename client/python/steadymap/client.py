@@ -51,6 +51,7 @@ from steadymap.objects import (
     event_type_to_proto,
     object_from_proto,
 )
+from steadymap.robots import Robot, robot_from_proto
 from steadymap.upload import Uploader
 from steadymap.upload_options import UploadOptions, UploadSummary
 from steadymap.volumes import Section, take_section
@@ -293,6 +294,12 @@ class Client:
             return (page.revision, [event_from_proto(e) for e in page.events], page.next_page_token)
 
         return Listing(fetch)
+
+    def robots(self, map_name: str) -> List[Robot]:
+        """Returns the robots that a map of the policy POCD knows, by robot and sensor."""
+        request = query_service_pb2.ListRobotsRequest(map=full_map_name(map_name))
+        response = self._connection.call(self._queries.ListRobots, request)
+        return [robot_from_proto(message) for message in response.robots]
 
     def sample_distance(self, map_name: str, points_m: Any) -> DistanceSamples:
         """Returns state and signed distance at points of shape (N, 3); at most 100 000 points."""

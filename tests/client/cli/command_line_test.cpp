@@ -215,6 +215,39 @@ TEST_F(CommandLineTest, ObjectsAndEventsSendTheirFilters) {
   EXPECT_EQ(queries_.events_request.object_ids(0), 3U);
 }
 
+TEST_F(CommandLineTest, RobotsAreListedWithTheirOffsets) {
+  v1::Robot& robot = queries_.robots.emplace_back();
+  robot.set_robot("dolly");
+  robot.set_sensor("left");
+  robot.set_trust(v1::ROBOT_TRUST_TRUSTED);
+  robot.mutable_last_capture_time()->set_seconds(1'714'564'800);
+  robot.mutable_world_from_camera()->mutable_orientation()->set_w(1.0);
+  v1::PoseOffset& offset = *robot.mutable_pose_offset();
+  offset.mutable_time()->set_seconds(1'714'564'700);
+  offset.mutable_shift_m()->set_x(0.05);
+  offset.set_yaw_rad(0.0175);
+  for (int i = 0; i < 16; ++i) offset.add_covariance(i % 5 == 0 ? 1e-4 : 0.0);
+  offset.set_anchors(3);
+  queries_.robots.push_back(robot);
+  queries_.robots[1].set_trust(v1::ROBOT_TRUST_LOST);
+  queries_.robots[1].clear_pose_offset();
+  queries_.robots[1].mutable_session_start()->set_seconds(1'714'564'790);
+
+  EXPECT_EQ(Run({"robots", "kitchen"}).out,
+            "dolly/left  trusted, last frame 2024-05-01T12:00:00Z, offset (0.050, 0.000, 0.000) m, "
+            "1.00 degrees +- (0.010, 0.010, 0.010) m, 0.57 degrees, by 3 objects\n"
+            "dolly/left  lost, last frame 2024-05-01T12:00:00Z, session since "
+            "2024-05-01T11:59:50Z\n");
+  const Json document = Run({"robots", "kitchen", "--json"}).Document();
+  EXPECT_EQ(document.at("revision"), 12);
+  EXPECT_EQ(document.at("robots").at(0).at("offset").at("shift").at(0), 0.05);
+  EXPECT_EQ(document.at("robots").at(0).at("offset").at("covariance").size(), 16U);
+  EXPECT_EQ(document.at("robots").at(0).at("orientation").at(3), 1.0);
+  EXPECT_FALSE(document.at("robots").at(1).contains("offset"));
+  EXPECT_EQ(document.at("robots").at(1).at("session_start"), 1'714'564'790.0);
+  ExpectFailure({"robots", "nowhere"}, 1, "NOT_FOUND");
+}
+
 TEST_F(CommandLineTest, FiltersThatMakeNoSenseAreErrorsOfOneLine) {
   ASSERT_EQ(Run({"map", "create", "kitchen"}).exit_code, 0);
   ExpectFailure({"objects", "kitchen", "--class", "dragon"}, 1, "\"dragon\"");

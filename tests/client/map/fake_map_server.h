@@ -83,6 +83,7 @@ class FakeQueryService final : public v1::QueryService::Service {
   std::vector<v1::FramePose> poses;
   std::vector<v1::Object> objects;
   std::vector<v1::ObjectEvent> events;
+  std::vector<v1::Robot> robots;
   v1::CastRaysResponse hits;
 
   v1::SampleDistanceRequest sample_request;
@@ -162,6 +163,15 @@ class FakeQueryService final : public v1::QueryService::Service {
                               const v1::ListFramePosesRequest* request,
                               v1::ListFramePosesResponse* answer) override {
     AnswerPage(poses, request->page_token(), answer->mutable_poses(), answer);
+    return grpc::Status::OK;
+  }
+
+  grpc::Status ListRobots(grpc::ServerContext*,
+                          const v1::ListRobotsRequest* request,
+                          v1::ListRobotsResponse* answer) override {
+    if (request->map() != kKitchen.ToString()) return NoSuchMap(request->map());
+    answer->set_revision(12);
+    for (const v1::Robot& robot : robots) *answer->add_robots() = robot;
     return grpc::Status::OK;
   }
 

@@ -1,0 +1,47 @@
+#include "proto/convert_robot.h"
+
+#include "proto/convert_geometry.h"
+
+namespace steadymap {
+namespace {
+
+v1::RobotTrust ToProto(Trust trust) {
+  switch (trust) {
+    case Trust::kTrusted:
+      return v1::ROBOT_TRUST_TRUSTED;
+    case Trust::kDoubted:
+      return v1::ROBOT_TRUST_DOUBTED;
+    case Trust::kLost:
+      return v1::ROBOT_TRUST_LOST;
+  }
+  return v1::ROBOT_TRUST_UNSPECIFIED;
+}
+
+v1::PoseOffset ToProto(const PoseOffset& offset) {
+  v1::PoseOffset message;
+  *message.mutable_time() = steadymap::ToProto(offset.time);
+  *message.mutable_center_m() = steadymap::ToProto(offset.center_world);
+  *message.mutable_shift_m() = steadymap::ToProto(offset.shift_world);
+  message.set_yaw_rad(offset.yaw_rad);
+  for (const double number : offset.covariance.reshaped<Eigen::RowMajor>()) {
+    message.add_covariance(number);
+  }
+  message.set_anchors(offset.anchors);
+  return message;
+}
+
+}  // namespace
+
+v1::Robot ToProto(const SensorName& name, const RobotState& state) {
+  v1::Robot message;
+  message.set_robot(name.robot);
+  message.set_sensor(name.sensor);
+  message.set_trust(ToProto(state.trust));
+  *message.mutable_last_capture_time() = ToProto(state.last_capture_time);
+  *message.mutable_world_from_camera() = ToProto(state.claimed.ToIsometry());
+  if (state.session_start) *message.mutable_session_start() = ToProto(*state.session_start);
+  if (state.offset) *message.mutable_pose_offset() = ToProto(*state.offset);
+  return message;
+}
+
+}  // namespace steadymap
