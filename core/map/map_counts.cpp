@@ -25,6 +25,9 @@ MapCounts MapCounter::Count(const MapSnapshot& snapshot) {
     CountedVolume& counted = objects[id] = std::move(objects_[id]);
     Update(object->volume, &counted);
     counts.memory_bytes += object->evidence.leaves.capacity() * sizeof(LeafEvidence);
+    for (const SessionLooks& looks : object->looks) {
+      counts.memory_bytes += looks.leaves.capacity() * sizeof(LeafEvidence);
+    }
     const bool is_present = object->status == ObjectStatus::kPresent;
     add(counted, is_present);
     counts.present_objects += is_present ? 1 : 0;

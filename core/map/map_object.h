@@ -67,7 +67,8 @@ struct ObjectState {
   Cuboid cuboid;  ///< Around the surface, world frame.
   Belief belief;
   ObjectEvidence evidence;
-  Timestamp first_seen;  ///< Capture time of the first frame that observed it.
+  std::vector<SessionLooks> looks;  ///< Of open sessions, by increasing source; not `kTentative`.
+  Timestamp first_seen;             ///< Capture time of the first frame that observed it.
   /// Start of its presence at its current place; later than `first_seen` if it was removed or moved
   /// in between. For an archived object, the time of its removal.
   Timestamp in_place_since;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "core/map/object_surface.h"
+#include "core/types/identifiers.h"
 #include "core/types/timestamp.h"
 #include "core/volume/voxel_leaf.h"
 
@@ -21,7 +23,8 @@ struct LeafEvidence {
   friend bool operator==(const LeafEvidence&, const LeafEvidence&) = default;
 };
 
-/// The evidence for an object: of the open session by leaf, and of the last session in sums.
+/// The evidence for an object: by leaf of its own session or, of a known object, of the session
+/// that is decided; of the last session in sums.
 struct ObjectEvidence {
   double present_cells = 0.0;        ///< Evidence cells that were found in the last session.
   double absent_cells = 0.0;         ///< Evidence cells that were gone in the last session.
@@ -35,5 +38,29 @@ struct ObjectEvidence {
 
   friend bool operator==(const ObjectEvidence&, const ObjectEvidence&) = default;
 };
+
+/// The evidence of one open session for a known object.
+struct SessionLooks {
+  SensorName source;
+  std::vector<LeafEvidence> leaves;  ///< By increasing origin.
+
+  /// Returns the capture time of its last look.
+  Timestamp last_look() const;
+
+  friend bool operator==(const SessionLooks&, const SessionLooks&) = default;
+};
+
+/// Largest number of open sessions whose looks at one object are kept; of more, those with the
+/// oldest last looks are dropped. Bounds the memory that sessions without an end take.
+inline constexpr std::size_t kMaxLookingSessions = 8;
+
+/// Returns the leaves of a source and removes them; none if it has not looked. `looks`: by
+/// increasing source.
+std::vector<LeafEvidence> TakeLooks(const SensorName& source, std::vector<SessionLooks>* looks);
+
+/// Stores the leaves of a source, which has none in `looks`.
+void StoreLooks(const SensorName& source,
+                std::vector<LeafEvidence> leaves,
+                std::vector<SessionLooks>* looks);
 
 }  // namespace steadymap

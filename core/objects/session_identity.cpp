@@ -74,6 +74,7 @@ class SessionDecision {
       : config_(config), parameters_(parameters), source_(source), map_(map), motion_(prior) {}
 
   std::optional<PoseOffset> Run() {
+    TakeSessionLooks();
     CompleteSessionObjects(parameters_.parts, source_, map_);
     EndVanished();
     for (TrackedObject* object : map_->TentativeObjectsOf(source_)) CutGoneCells(object, map_);
@@ -95,6 +96,7 @@ class SessionDecision {
   }
 
  private:
+  void TakeSessionLooks();
   void Settle(TrackedObject* object);
   void ListObjects();
   void AddSeen(TrackedObject* object, bool is_new_region);
@@ -117,6 +119,7 @@ class SessionDecision {
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
   void EndVanished();
+  static bool IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known);
   bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
   bool AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const;
   std::vector<MoveCandidate> ListMoves();
@@ -143,6 +146,19 @@ class SessionDecision {
   Eigen::Isometry3d motion_;                                 ///< Of the session onto the map.
   std::vector<PlaceMatch> doubted_;  ///< In place, but much of the known object is gone.
 };
+
+/// Makes the looks of the session the evidence for each known object. Looks from before another
+/// session saw the object in place are out of date.
+void SessionDecision::TakeSessionLooks() {
+  for (TrackedObject* object : map_->AllObjects()) {
+    if (object->state().looks.empty()) continue;
+    ObjectEdit edit = map_->Edit(object);
+    ObjectState& state = edit.state();
+    for (const LeafEvidence& leaf : TakeLooks(source_, &state.looks)) {
+      if (leaf.last_look >= state.last_seen) state.evidence.MutableLeaf(leaf.origin) = leaf;
+    }
+  }
+}
 
 /// Makes known objects of those that were seen and then found gone in the same session.
 void SessionDecision::EndVanished() {
@@ -291,6 +307,13 @@ void SessionDecision::MatchInPlace() {
                  is_archived ? 0.0 : NewShareOf(*match.known->object, *match.seen->object, *map_));
     const double displacement_m =
         match.fits_at_rest && doubt < parameters_.doubted_share ? 0.0 : match.displacement_m;
+    if (IsOlderThanRemoval(*match.seen, *match.known)) {
+      // Another session has found it gone since.
+      if (displacement_m > InPlaceLimit(matches, *match.seen)) continue;
+      match.seen->is_decided = true;
+      map_->Delete(match.seen->object);
+      continue;
+    }
     // What was gone is back where it stood, if not to the centimetre.
     if (!is_archived && displacement_m > InPlaceLimit(matches, *match.seen)) continue;
     const bool is_displaced = displacement_m > parameters_.max_displacement_m;
@@ -352,7 +375,7 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
       state.in_place_since = seen->object->state().first_seen;
       state.belief = InitialBelief(parameters_.initial_stationarity);
     }
-    state.last_seen = seen->object->state().last_seen;
+    state.last_seen = std::max(state.last_seen, seen->object->state().last_seen);
     state.supporting_frames += seen->object->state().supporting_frames;
   }
   if (is_back) {
@@ -470,10 +493,17 @@ bool SessionDecision::IsPushed(const KnownObject& known, const ShapeMatch& match
   return overlap.known_share * overlap.fit_share >= 1.0 - parameters_.max_dissimilarity;
 }
 
+/// True if an object of the session was last seen before a known one was removed.
+bool SessionDecision::IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known) {
+  return known.object->is_archived() &&
+         seen.object->state().last_seen < known.object->state().in_place_since;
+}
+
 /// True if a known object is not where it was, or if it was pushed to where an object of the
 /// session hides its place.
 bool SessionDecision::MayHaveMoved(const SeenObject& seen, const KnownObject& known) const {
-  if (known.object->is_archived() || known.standing == Standing::kGone) return true;
+  if (known.object->is_archived()) return !IsOlderThanRemoval(seen, known);
+  if (known.standing == Standing::kGone) return true;
   return known.standing == Standing::kUnverified &&
          DistanceBetween(known.object->cuboid(), seen.object->cuboid()) <= 0.0;
 }
@@ -582,6 +612,7 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
     ObjectState& state = edit.state();
     state.status = ObjectStatus::kPresent;
     state.evidence = {};  // Of the old place.
+    state.looks.clear();
     state.belief = InitialBelief(parameters_.initial_stationarity);
     state.in_place_since = after->state().first_seen;
     state.last_seen = after->state().last_seen;
@@ -640,6 +671,7 @@ void SessionDecision::EndGone() {
     ObjectEdit edit = map_->Edit(known.object);
     edit.state().status = ObjectStatus::kArchived;
     edit.state().in_place_since = map_->now();
+    edit.state().looks.clear();
   }
 }
 

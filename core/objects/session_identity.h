@@ -13,9 +13,9 @@ namespace steadymap {
 
 /// Decides what the objects of the session of a source (status `kTentative`) are: known objects in
 /// place, known objects at a new place, removed objects that are back, or new ones; and which known
-/// objects are gone, by the looks of all sources since the last session ended. Reports one event
-/// per change. Afterwards no object of the session is tentative, and of the evidence for a known
-/// object only the sums are left. Objects of other sessions are not touched.
+/// objects are gone, by the looks of the session. Reports one event per change. What another
+/// session saw later prevails. Afterwards no object of the session is tentative, and of the
+/// evidence for a known object only the sums are left. Objects of other sessions are not touched.
 ///
 /// Returns the offset of the poses of the session, which its objects were corrected by; its time is
 /// not set. `prior`: the offset to expect, and to correct by if there are no known objects in

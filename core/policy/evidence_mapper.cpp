@@ -50,7 +50,7 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   });
   has_labels_ = !frame.labels.empty() || !frame.instances.empty();
   stages_.Enter(MapperStage::kLooks);
-  LookAtObjects();
+  LookAtObjects(frame.source);
   stages_.Enter(MapperStage::kSegments);
   FindSurfaces();
   segments_ = has_labels_ ? FindFrameSegments(*cloud, samples_, uses_, parameters_.continuity)
@@ -116,11 +116,15 @@ std::optional<PoseOffset> EvidenceMapper::ExpectedOffset(const RobotState& robot
   return robot.offset;
 }
 
-void EvidenceMapper::LookAtObjects() {
+void EvidenceMapper::LookAtObjects(const SensorName& source) {
   LookParameters looks = parameters_.looks;
   looks.labels_decide = looks.labels_decide && has_labels_;
   for (const ObjectInView& view : in_view_) {
-    ObjectEvidence evidence = view.object->state().evidence;
+    const ObjectState& state = view.object->state();
+    const bool is_of_session = state.status == ObjectStatus::kTentative;
+    std::vector<SessionLooks> all_looks = state.looks;
+    ObjectEvidence evidence = state.evidence;
+    if (!is_of_session) evidence.leaves = TakeLooks(source, &all_looks);
     if (!AddLook({*cloud_, samples_, tiles_},
                  looks,
                  map_->scale(),
@@ -130,7 +134,12 @@ void EvidenceMapper::LookAtObjects() {
       continue;
     }
     ObjectEdit edit = map_->Edit(view.object);
-    edit.state().evidence = std::move(evidence);
+    if (is_of_session) {
+      edit.state().evidence = std::move(evidence);
+    } else {
+      StoreLooks(source, std::move(evidence.leaves), &all_looks);
+      edit.state().looks = std::move(all_looks);
+    }
   }
 }
 

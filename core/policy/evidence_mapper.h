@@ -62,7 +62,7 @@ class EvidenceMapper final : public MapUpdater {
  private:
   void BeginSession(const Frame& frame);
   std::optional<PoseOffset> ExpectedOffset(const RobotState& robot) const;
-  void LookAtObjects();
+  void LookAtObjects(const SensorName& source);
   void FindSurfaces();
   void FindSurfaceOf(std::size_t place);
   double LimitAt(float depth_m) const;

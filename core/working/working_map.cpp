@@ -157,6 +157,7 @@ TrackedObject& WorkingMap::AddPart(const TrackedObject& whole) {
   part.state_ = whole.state();
   part.state_.id = id;
   part.state_.evidence = {};
+  part.state_.looks.clear();
   MarkChanged(&part);
   return part;
 }

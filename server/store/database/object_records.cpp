@@ -77,20 +77,42 @@ absl::StatusOr<LeafEvidence> LeafFromProto(const storage::v1::LeafEvidence& prot
   return leaf;
 }
 
+absl::Status ReadLeaves(const google::protobuf::RepeatedPtrField<storage::v1::LeafEvidence>& proto,
+                        std::vector<LeafEvidence>* leaves) {
+  leaves->reserve(static_cast<std::size_t>(proto.size()));
+  for (const storage::v1::LeafEvidence& leaf : proto) {
+    absl::StatusOr<LeafEvidence> read = LeafFromProto(leaf);
+    if (!read.ok()) return read.status();
+    if (!leaves->empty() && !(leaves->back().origin < read->origin)) {
+      return CorruptRecord("the evidence leaves of an object record are not sorted");
+    }
+    leaves->push_back(*std::move(read));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ReadEvidence(const storage::v1::ObjectState& proto, ObjectEvidence* evidence) {
   evidence->present_cells = proto.evidence_cells(0);
   evidence->absent_cells = proto.evidence_cells(1);
   if (!std::isfinite(evidence->present_cells) || !std::isfinite(evidence->absent_cells)) {
     return CorruptRecord("an object record contains a number of cells that is not finite");
   }
-  evidence->leaves.reserve(static_cast<std::size_t>(proto.evidence_size()));
-  for (const storage::v1::LeafEvidence& leaf : proto.evidence()) {
-    absl::StatusOr<LeafEvidence> read = LeafFromProto(leaf);
-    if (!read.ok()) return read.status();
-    if (!evidence->leaves.empty() && !(evidence->leaves.back().origin < read->origin)) {
-      return CorruptRecord("the evidence leaves of an object record are not sorted");
+  return ReadLeaves(proto.evidence(), &evidence->leaves);
+}
+
+absl::Status ReadLooks(const storage::v1::ObjectState& proto, std::vector<SessionLooks>* looks) {
+  if (static_cast<std::size_t>(proto.looks_size()) > kMaxLookingSessions) {
+    return CorruptRecord("an object record contains the looks of too many sessions");
+  }
+  for (const storage::v1::SessionLooks& session : proto.looks()) {
+    SessionLooks read{{session.robot(), session.sensor()}, {}};
+    if (!looks->empty() && !(looks->back().source < read.source)) {
+      return CorruptRecord("the sessions of an object record are not sorted");
     }
-    evidence->leaves.push_back(*std::move(read));
+    if (absl::Status status = ReadLeaves(session.evidence(), &read.leaves); !status.ok()) {
+      return status;
+    }
+    looks->push_back(std::move(read));
   }
   return absl::OkStatus();
 }
@@ -116,6 +138,12 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   proto.add_evidence_cells(state.evidence.present_cells);
   proto.add_evidence_cells(state.evidence.absent_cells);
   for (const LeafEvidence& leaf : state.evidence.leaves) LeafToProto(leaf, proto.add_evidence());
+  for (const SessionLooks& looks : state.looks) {
+    storage::v1::SessionLooks& session = *proto.add_looks();
+    session.set_robot(looks.source.robot);
+    session.set_sensor(looks.source.sensor);
+    for (const LeafEvidence& leaf : looks.leaves) LeafToProto(leaf, session.add_evidence());
+  }
   proto.set_first_seen_ns(state.first_seen.nanoseconds());
   proto.set_standing_since_ns(state.in_place_since.nanoseconds());
   proto.set_last_seen_ns(state.last_seen.nanoseconds());
@@ -155,6 +183,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   if (!IsPossible(state.belief))
     return CorruptRecord("an object record contains an invalid belief");
   if (absl::Status status = ReadEvidence(proto, &state.evidence); !status.ok()) return status;
+  if (absl::Status status = ReadLooks(proto, &state.looks); !status.ok()) return status;
   state.first_seen = Timestamp::FromNanoseconds(proto.first_seen_ns());
   state.in_place_since = Timestamp::FromNanoseconds(proto.standing_since_ns());
   state.last_seen = Timestamp::FromNanoseconds(proto.last_seen_ns());

@@ -181,6 +181,44 @@ TEST_F(EvidenceMapperTest, TheEndOfASessionLeavesWhatOtherRobotsHaveSeen) {
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
 }
 
+TEST_F(EvidenceMapperTest, KnownObjectsAreJudgedByTheLooksOfTheSessionAlone) {
+  Visit({FarWall(), Goods(0.0)});
+  // What one robot saw in place before is gone when the other one looks.
+  story_.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 20, kFrames, 1)));
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall()}, 40, kFrames, 2)));
+  ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).front()->looks.size(), 2U);
+  story_.EndSession(kOther);
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  EXPECT_TRUE(story_.Present(kGoodsClass).empty());
+  // The first robot saw it before it was removed.
+  const std::size_t told = story_.events().size();
+  story_.EndSession(kOne);
+  EXPECT_EQ(story_.events().size(), told);
+  EXPECT_TRUE(story_.Present(kGoodsClass).empty());
+}
+
+TEST_F(EvidenceMapperTest, WhatWasSeenSinceIsNotRemovedByOlderLooks) {
+  Visit({FarWall(), Goods(0.0)});
+  story_.Play(TakenBy(kOne, LookAtScene({FarWall()}, 20, kFrames, 1)));
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, 40, kFrames, 2)));
+  story_.EndSession(kOther);
+  story_.EndSession(kOne);
+  EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
+  ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+  EXPECT_TRUE(story_.Present(kGoodsClass).front()->looks.empty());
+  EXPECT_TRUE(story_.Present(kGoodsClass).front()->evidence.leaves.empty());
+}
+
+TEST_F(EvidenceMapperTest, ADriveOfThePastRemovesNothingThatWasSeenSince) {
+  story_.Play(LookAtScene({FarWall(), Goods(0.0)}, 20, kFrames, 1));
+  story_.EndSession();
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall()}, 0, kFrames)));
+  story_.EndSession(kOther);
+  EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
 TEST_F(EvidenceMapperTest, ARobotWhoseClockIsAheadEndsNoOtherSession) {
   story_.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
   story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, kFrames, kFrames, 10)));

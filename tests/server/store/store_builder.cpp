@@ -128,6 +128,10 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
     leaf.last_look = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   }
   state.evidence.leaves.back().score = {};
+  for (const char* robot : {"robot-1", "robot-2"}) {
+    state.looks.push_back({{robot, "camera"}, state.evidence.leaves});
+    state.looks.back().leaves.resize(2);
+  }
   state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3}};
   state.source = {"robot-" + std::to_string(random() % 9), "left"};
   state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));

@@ -160,6 +160,14 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   });
   refuse([](storage::v1::ObjectState* state) { state->mutable_evidence(0)->set_x(1 << 30); });
   refuse([](storage::v1::ObjectState* state) { *state->add_evidence() = state->evidence(0); });
+  refuse([](storage::v1::ObjectState* state) { *state->add_looks() = state->looks(0); });
+  refuse([](storage::v1::ObjectState* state) {
+    storage::v1::SessionLooks* looks = state->mutable_looks(0);
+    *looks->add_evidence() = looks->evidence(0);
+  });
+  refuse([](storage::v1::ObjectState* state) {
+    for (int i = 3; i < 10; ++i) state->add_looks()->set_robot("robot-" + std::to_string(i));
+  });
 }
 
 TEST(ObjectRecords, MayHaveTheFurtherNumbersOfOlderOnes) {
