@@ -1,6 +1,5 @@
 #include "core/policy/paper_mapper.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
+
 PaperMapper::PaperMapper(const MapConfig& config, const PaperParameters& parameters)
     : config_(config),
       parameters_(parameters),

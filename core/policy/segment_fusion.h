@@ -50,20 +50,18 @@ class SegmentFusion {
   /// The objects that may be in view, by rising id.
   std::vector<TrackedObject*> Candidates(const SemanticCloud& cloud, WorkingMap* map) const;
 
-  /// Parts the frame into segments, none of them matched, and sees which candidates are in view.
+  /// Divides the frame into segments, none of them matched, and sees which candidates are in view.
   /// All three must outlive the frame.
   void Part(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);
 
   /// Says for each segment with which object in view it is matched.
   void SetMatches(std::vector<std::optional<std::size_t>> matches);
 
-  /// Parts the frame, and matches the segments with the candidates that they overlap.
+  /// Divides the frame, and matches the segments with the candidates that they overlap.
   void Match(const std::vector<TrackedObject*>& candidates, SemanticCloud* cloud, WorkingMap* map);
 
   /// The candidates in view, and after `AddObjects` the new ones behind them.
   const std::vector<ObjectInView>& in_view() const { return in_view_; }
-
-  const SampleGrid& samples() const { return samples_; }
 
   const std::vector<Observation>& segments() const { return segments_; }
 

@@ -63,12 +63,12 @@ TEST(PaperMapper, DoubtsABoxThatIsOnlyHidden) {
   }
 }
 
-/// Returns the number of goods and carts created after 10 frames of a box and one of `next`.
+/// Returns the number of goods and carts created after 4 frames of a box and one of `next`.
 std::size_t CountCreated(const SceneBody& next, const std::string& parameter, double value) {
   MapConfig config = ConfigOf(UpdatePolicy::kPocdPaper);
   if (!parameter.empty()) config.parameters[parameter] = value;
   MapStory story(config);
-  story.Look({FarWall(), Goods(0.0)}, 10);
+  story.Look({FarWall(), Goods(0.0)}, 4);
   story.Look({FarWall(), next}, 1);
   return story.EventsOf(EventType::kCreated, kGoodsClass).size() +
          story.EventsOf(EventType::kCreated, kCartClass).size();
