@@ -50,7 +50,9 @@ std::string TimeText(const google::protobuf::Timestamp& moment) {
 }
 
 std::string FixedText(double value, int decimals) {
-  return absl::StrFormat("%.*f", decimals, value);
+  std::string text = absl::StrFormat("%.*f", decimals, value);
+  if (text.find_first_not_of("-0.") == std::string::npos && text.front() == '-') text.erase(0, 1);
+  return text;
 }
 
 }  // namespace steadymap

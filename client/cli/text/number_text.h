@@ -23,7 +23,7 @@ std::string DurationText(double seconds);
 /// Formats a time in UTC: `2024-05-01T12:00:00Z`, with a fraction if it is not zero.
 std::string TimeText(const google::protobuf::Timestamp& moment);
 
-/// Formats `value` with `decimals` digits after the decimal point.
+/// Formats `value` with `decimals` digits after the decimal point, and zero without a sign.
 std::string FixedText(double value, int decimals);
 
 }  // namespace steadymap

@@ -280,5 +280,12 @@ TEST(ProgressReport, OfNoFramesInNoTimeShowsCountsWithoutARate) {
   }
 }
 
+TEST(FixedText, HasNoNegativeZero) {
+  EXPECT_EQ(FixedText(-0.0004, 2), "0.00");
+  EXPECT_EQ(FixedText(-0.0, 0), "0");
+  EXPECT_EQ(FixedText(-0.006, 2), "-0.01");
+  EXPECT_EQ(FixedText(-10.0, 1), "-10.0");
+}
+
 }  // namespace
 }  // namespace steadymap
