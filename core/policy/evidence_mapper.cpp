@@ -15,6 +15,14 @@ namespace {
 // Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
 constexpr double kMinFacingCosine = 0.4;
 
+std::vector<LeafEvidence> LooksOf(const SensorName& source,
+                                  const std::vector<SessionLooks>& looks) {
+  const auto found = std::find_if(looks.begin(), looks.end(), [&](const SessionLooks& entry) {
+    return entry.source == source;
+  });
+  return found == looks.end() ? std::vector<LeafEvidence>() : found->leaves;
+}
+
 }  // namespace
 
 EvidenceMapper::EvidenceMapper(const MapConfig& config,
@@ -122,9 +130,8 @@ void EvidenceMapper::LookAtObjects(const SensorName& source) {
   for (const ObjectInView& view : in_view_) {
     const ObjectState& state = view.object->state();
     const bool is_of_session = state.status == ObjectStatus::kTentative;
-    std::vector<SessionLooks> all_looks = state.looks;
     ObjectEvidence evidence = state.evidence;
-    if (!is_of_session) evidence.leaves = TakeLooks(source, &all_looks);
+    if (!is_of_session) evidence.leaves = LooksOf(source, state.looks);
     if (!AddLook({*cloud_, samples_, tiles_},
                  looks,
                  map_->scale(),
@@ -137,8 +144,8 @@ void EvidenceMapper::LookAtObjects(const SensorName& source) {
     if (is_of_session) {
       edit.state().evidence = std::move(evidence);
     } else {
-      StoreLooks(source, std::move(evidence.leaves), &all_looks);
-      edit.state().looks = std::move(all_looks);
+      TakeLooks(source, &edit.state().looks);
+      StoreLooks(source, std::move(evidence.leaves), &edit.state().looks);
     }
   }
 }
