@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/core/policy/map_story.h"
+#include "tests/core/policy/room_drive.h"
 
 namespace steadymap {
 namespace {
@@ -144,6 +145,21 @@ TEST_F(EvidenceMapperTest, TheOffsetOfASessionIsStateOfItsSensor) {
   story_.EndSession(kOther);
   ASSERT_TRUE(story_.map().robots.at(kOther).offset.has_value());
   EXPECT_NEAR(story_.map().robots.at(kOther).offset->shift_world.x(), 0.0, 0.015);
+}
+
+TEST_F(EvidenceMapperTest, ARobotWithAConstantOffsetOfTenCentimetresChangesNothing) {
+  story_.Play(testing::From("one", testing::Drive(testing::Room(), 0, 60)));
+  story_.EndSession(kOne);
+  const std::size_t told = story_.events().size();
+  story_.Play(testing::From(
+      "other", testing::Mislead(testing::Drive(testing::Room(), 0, 60, 60.0), 0.1, 0.0)));
+  story_.EndSession(kOther);
+  for (std::size_t i = told; i < story_.events().size(); ++i) {
+    const ObjectEvent& event = story_.events()[i];
+    ADD_FAILURE() << "event of type " << static_cast<int>(event.type) << " of object "
+                  << event.object.value() << " of class " << event.class_id.value() << " at "
+                  << event.center_world.transpose();
+  }
 }
 
 TEST_F(EvidenceMapperTest, ADriveThatGoesOnKeepsItsOffset) {
