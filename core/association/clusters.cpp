@@ -24,7 +24,7 @@ namespace {
 
 using ClusterPoints = pcl::PointCloud<pcl::PointXYZ>;
 
-// Bounds the time of a frame. Frames of routes have at most four planes.
+// Bounds the time of a frame.
 constexpr int kMaxPlanes = 8;
 
 // Finds a plane of a fifth of all points with a probability of 98 %.

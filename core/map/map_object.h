@@ -70,7 +70,7 @@ struct ObjectState {
   std::vector<SessionLooks> looks;  ///< Of open sessions, by increasing source; not `kTentative`.
   Timestamp first_seen;             ///< Capture time of the first frame that observed it.
   /// Start of its presence at its current place; later than `first_seen` if it was removed or moved
-  /// in between. For an archived object, the time of its removal.
+  /// in between. For an archived object, the time of the last look, which found it gone.
   Timestamp in_place_since;
   Timestamp last_seen;                     ///< Capture time of the last frame that supports it.
   std::uint64_t supporting_frames = 0;     ///< Number of frames that support it.

@@ -30,7 +30,7 @@ LeafEvidence& ObjectEvidence::MutableLeaf(LeafOrigin origin) {
   return *leaves.insert(place, LeafEvidence{origin, {}, {}});
 }
 
-Timestamp SessionLooks::last_look() const {
+Timestamp LastLook(const std::vector<LeafEvidence>& leaves) {
   Timestamp last;
   for (const LeafEvidence& leaf : leaves) last = std::max(last, leaf.last_look);
   return last;
@@ -50,7 +50,7 @@ void StoreLooks(const SensorName& source,
   if (looks->size() >= kMaxLookingSessions) {
     looks->erase(std::min_element(
         looks->begin(), looks->end(), [](const SessionLooks& a, const SessionLooks& b) {
-          return a.last_look() < b.last_look();
+          return LastLook(a.leaves) < LastLook(b.leaves);
         }));
   }
   looks->insert(PlaceOf(source, looks), SessionLooks{source, std::move(leaves)});

@@ -44,11 +44,11 @@ struct SessionLooks {
   SensorName source;
   std::vector<LeafEvidence> leaves;  ///< By increasing origin.
 
-  /// Returns the capture time of its last look.
-  Timestamp last_look() const;
-
   friend bool operator==(const SessionLooks&, const SessionLooks&) = default;
 };
+
+/// Returns the capture time of the last look at any of the leaves; 1970 without leaves.
+Timestamp LastLook(const std::vector<LeafEvidence>& leaves);
 
 /// Largest number of open sessions whose looks at one object are kept; of more, those with the
 /// oldest last looks are dropped. Bounds the memory that sessions without an end take.

@@ -96,6 +96,7 @@ class SessionDecision {
   }
 
  private:
+  Timestamp LastLookAt(const TrackedObject& known) const;
   void TakeSessionLooks();
   void Settle(TrackedObject* object);
   void ListObjects();
@@ -146,6 +147,13 @@ class SessionDecision {
   Eigen::Isometry3d motion_;                                 ///< Of the session onto the map.
   std::vector<PlaceMatch> doubted_;  ///< In place, but much of the known object is gone.
 };
+
+/// Returns when the session last looked at a known object. The time of the map is that of another
+/// robot's frame, if such a frame came last.
+Timestamp SessionDecision::LastLookAt(const TrackedObject& known) const {
+  const Timestamp last_look = LastLook(known.state().evidence.leaves);
+  return last_look > Timestamp() ? last_look : map_->now();
+}
 
 /// Makes the looks of the session the evidence for each known object. Looks from before another
 /// session saw the object in place are out of date.
@@ -473,7 +481,7 @@ void SessionDecision::ConfirmStructure(TrackedObject* object) {
   if (CountLooks(*object).found == 0) return;
   UpdateBeliefOf(0.0, object);
   ObjectEdit edit = map_->Edit(object);
-  edit.state().last_seen = map_->now();
+  edit.state().last_seen = std::max(object->state().last_seen, LastLookAt(*object));
 }
 
 /// True if an object of the session that may be a known one in place rather is that one at a new
@@ -670,7 +678,7 @@ void SessionDecision::EndGone() {
     map_->RecordEvent(event);
     ObjectEdit edit = map_->Edit(known.object);
     edit.state().status = ObjectStatus::kArchived;
-    edit.state().in_place_since = map_->now();
+    edit.state().in_place_since = LastLookAt(*known.object);
     edit.state().looks.clear();
   }
 }

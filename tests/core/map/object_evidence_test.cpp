@@ -22,7 +22,8 @@ TEST(SessionLooks, AreKeptBySource) {
   }
   ASSERT_EQ(looks.size(), 3U);
   for (std::size_t i = 0; i < looks.size(); ++i) EXPECT_EQ(looks[i].source, SensorOf(i + 1));
-  EXPECT_EQ(looks[1].last_look(), Timestamp::FromSeconds(20.0));
+  EXPECT_EQ(LastLook(looks[1].leaves), Timestamp::FromSeconds(20.0));
+  EXPECT_EQ(LastLook({}), Timestamp());
   EXPECT_EQ(TakeLooks(SensorOf(2), &looks), LookAt(20.0));
   EXPECT_TRUE(TakeLooks(SensorOf(2), &looks).empty());
   EXPECT_EQ(looks.size(), 2U);

@@ -226,6 +226,20 @@ TEST_F(EvidenceMapperTest, WhatWasSeenSinceIsNotRemovedByOlderLooks) {
   EXPECT_TRUE(story_.Present(kGoodsClass).front()->evidence.leaves.empty());
 }
 
+TEST_F(EvidenceMapperTest, WhatWasSeenAfterItWasFoundGoneIsBack) {
+  Visit({FarWall(), Goods(0.0)});
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall()}, 20, kFrames, 1)));
+  story_.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 40, kFrames, 2)));
+  // The clock of a robot elsewhere does not date what the others see.
+  story_.Play(TakenBy({"third", SensorName::kDefaultSensor},
+                      WithOffset({0.0, 0.0, 50.0}, LookAtScene({FarWall()}, 60, 1, 9))));
+  story_.EndSession(kOther);
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  story_.EndSession(kOne);
+  EXPECT_EQ(story_.EventsOf(EventType::kReturned, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
 TEST_F(EvidenceMapperTest, ADriveOfThePastRemovesNothingThatWasSeenSince) {
   story_.Play(LookAtScene({FarWall(), Goods(0.0)}, 20, kFrames, 1));
   story_.EndSession();
