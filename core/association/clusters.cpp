@@ -222,8 +222,7 @@ class FrameClustering {
     pcl::EuclideanClusterExtraction<pcl::PointXYZ> search;
     search.setClusterTolerance(parameters_.cluster_distance_m);
     search.setMinClusterSize(1);
-    search.setSearchMethod(
-        pcl::search::KdTree<pcl::PointXYZ>::Ptr(new pcl::search::KdTree<pcl::PointXYZ>));
+    search.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
     search.setInputCloud(points);
     std::vector<pcl::PointIndices> found;
     search.extract(found);
