@@ -82,10 +82,15 @@ void Mapper::EndSession(MapSequence sequence, const SensorName& sensor) {
   ++uncommitted_entries_;
 }
 
-/// Ends the session of a robot, at the time of the last frame.
+/// Ends the session of a robot, at the time of its last frame.
 void Mapper::DecideSession(Revision revision, const SensorName& sensor) {
+  const RobotState* robot = map_.FindRobot(sensor);
+  if (robot == nullptr) {
+    map_.Advance(revision);
+    return;
+  }
   stages_.Enter(MapperStage::kSessionEnd);
-  map_.BeginFrame(revision, map_.now());
+  map_.BeginSessionEnd(revision, robot->last_capture_time);
   updater_->EndSession(sensor, &map_);
   map_.EndFrame();
   stages_.Leave();

@@ -55,6 +55,12 @@ void WorkingMap::Restore(const MapSnapshot& snapshot) {
 void WorkingMap::BeginFrame(Revision revision, Timestamp capture_time) {
   map_.revision = revision;
   map_.last_capture_time = capture_time;
+  now_ = capture_time;
+}
+
+void WorkingMap::BeginSessionEnd(Revision revision, Timestamp last_capture_time) {
+  map_.revision = revision;
+  now_ = last_capture_time;
 }
 
 void WorkingMap::AddClasses(Revision revision, const std::vector<SemanticClass>& classes) {

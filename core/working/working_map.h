@@ -51,6 +51,10 @@ class WorkingMap {
   /// Starts the frame of `revision`. Subsequent changes have its capture time.
   void BeginFrame(Revision revision, Timestamp capture_time);
 
+  /// Starts the end of a session, which has no frame: subsequent changes have the capture time of
+  /// the last frame of the session.
+  void BeginSessionEnd(Revision revision, Timestamp last_capture_time);
+
   /// Ends the frame: deletes the objects passed to `Delete` in it.
   void EndFrame();
 
@@ -66,7 +70,8 @@ class WorkingMap {
   /// Returns the revision of the current frame, or of the last one.
   Revision revision() const { return map_.revision; }
 
-  Timestamp now() const { return map_.last_capture_time; }
+  /// Returns the capture time of the current frame.
+  Timestamp now() const { return now_; }
 
   const VoxelScale& scale() const { return map_.scale; }
 
@@ -170,6 +175,7 @@ class WorkingMap {
   void CommitFreeSpace(MapDelta* delta);
   void CommitRobots(MapDelta* delta);
 
+  Timestamp now_;
   MapSnapshot map_;  ///< Newer than the last commit, except `objects`, which are as published.
   std::map<ObjectId, TrackedObject> objects_;
   ObjectIndex places_;            ///< Of all objects, as last marked.

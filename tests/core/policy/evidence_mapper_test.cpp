@@ -273,6 +273,19 @@ TEST_F(EvidenceMapperTest, AThingThatTwoRobotsSeeAtOnceIsOneObject) {
   EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
 }
 
+TEST_F(EvidenceMapperTest, EventsAreDatedByTheFramesOfTheirOwnSession) {
+  const std::vector<Frame> frames = TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames));
+  story_.Play(frames);
+  // A clock that is an hour ahead, of a robot elsewhere.
+  story_.Play(
+      TakenBy(kOther, WithOffset({0.0, 0.0, 50.0}, LookAtScene({FarWall()}, kFrames, 1, 60))));
+  story_.EndSession(kOne);
+  const std::vector<ObjectEvent> created = story_.EventsOf(EventType::kCreated, kGoodsClass);
+  ASSERT_EQ(created.size(), 1U);
+  EXPECT_EQ(created[0].time, frames.back().capture_time);
+  EXPECT_GT(story_.map().last_capture_time, frames.back().capture_time);
+}
+
 TEST_F(EvidenceMapperTest, AnotherVisitToAnUnchangedPlaceTellsNothing) {
   Visit({FarWall(), Goods(0.0)});
   const std::size_t told = story_.events().size();
