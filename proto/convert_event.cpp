@@ -15,7 +15,7 @@
 namespace steadymap {
 namespace {
 
-constexpr std::array<std::pair<EventType, v1::EventType>, 9> kTypes = {{
+constexpr std::array<std::pair<EventType, v1::EventType>, 10> kTypes = {{
     {EventType::kCreated, v1::EVENT_TYPE_CREATED},
     {EventType::kUpdated, v1::EVENT_TYPE_UPDATED},
     {EventType::kMoved, v1::EVENT_TYPE_MOVED},
@@ -25,6 +25,7 @@ constexpr std::array<std::pair<EventType, v1::EventType>, 9> kTypes = {{
     {EventType::kSplit, v1::EVENT_TYPE_SPLIT},
     {EventType::kRobotLost, v1::EVENT_TYPE_ROBOT_LOST},
     {EventType::kRobotFound, v1::EVENT_TYPE_ROBOT_FOUND},
+    {EventType::kContradicted, v1::EVENT_TYPE_CONTRADICTED},
 }};
 
 constexpr std::array<std::pair<EventReason, v1::EventReason>, 9> kReasons = {{

@@ -136,6 +136,41 @@ absl::Status ReadParts(const v1::Object& message, ObjectState* object) {
   return absl::OkStatus();
 }
 
+v1::Contradiction ContradictionToProto(const Contradiction& contradiction) {
+  v1::Contradiction message;
+  message.set_present_robot(contradiction.present.robot);
+  message.set_present_sensor(contradiction.present.sensor);
+  message.set_absent_robot(contradiction.absent.robot);
+  message.set_absent_sensor(contradiction.absent.sensor);
+  *message.mutable_since() = ToProto(contradiction.since);
+  *message.mutable_last() = ToProto(contradiction.last);
+  message.set_sessions(contradiction.sessions);
+  return message;
+}
+
+absl::StatusOr<Contradiction> ReadContradiction(const v1::Contradiction& message) {
+  const absl::StatusOr<Timestamp> since = FromProto(message.since());
+  if (!since.ok()) return WithFieldPrefix(since.status(), "since");
+  const absl::StatusOr<Timestamp> last = FromProto(message.last());
+  if (!last.ok()) return WithFieldPrefix(last.status(), "last");
+  return Contradiction{.absent = {message.absent_robot(), message.absent_sensor()},
+                       .present = {message.present_robot(), message.present_sensor()},
+                       .since = *since,
+                       .last = *last,
+                       .sessions = message.sessions()};
+}
+
+absl::Status ReadContradictions(const v1::Object& message, ObjectState* object) {
+  for (int i = 0; i < message.contradictions_size(); ++i) {
+    absl::StatusOr<Contradiction> read = ReadContradiction(message.contradictions(i));
+    if (!read.ok()) {
+      return WithFieldPrefix(read.status(), absl::StrCat("contradictions[", i, "]"));
+    }
+    object->contradictions.push_back(*std::move(read));
+  }
+  return absl::OkStatus();
+}
+
 /// Share of the object's class in all votes; 0 without votes.
 double ClassConfidence(const ObjectState& object) {
   double all = 0.0;
@@ -227,6 +262,7 @@ absl::StatusOr<ObjectState> FromProto(const v1::Object& message) {
   if (!votes.ok()) return votes.status();
   object.votes = *std::move(votes);
   absl::Status status = ReadParts(message, &object);
+  if (status.ok()) status = ReadContradictions(message, &object);
   if (!status.ok()) return status;
   status = CheckNotNegative(
       {{"present_cells", message.present_cells()}, {"absent_cells", message.absent_cells()}});
@@ -262,6 +298,11 @@ v1::Object ToProto(const MapObject& object) {
   message.set_absent_cells(object.evidence.absent_cells);
   message.set_revision(object.revision.value());
   if (object.volume != nullptr) message.set_leaves(object.volume->leaf_count());
+  for (const Contradiction& contradiction : object.contradictions) {
+    if (contradiction.is_confirmed()) {
+      *message.add_contradictions() = ContradictionToProto(contradiction);
+    }
+  }
   return message;
 }
 

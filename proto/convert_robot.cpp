@@ -44,4 +44,13 @@ v1::Robot ToProto(const SensorName& name, const RobotState& state) {
   return message;
 }
 
+v1::SensorContradiction ToProto(const SensorContradiction& contradiction) {
+  v1::SensorContradiction message;
+  message.set_robot(contradiction.other.robot);
+  message.set_sensor(contradiction.other.sensor);
+  message.set_objects(contradiction.objects);
+  *message.mutable_since() = ToProto(contradiction.since);
+  return message;
+}
+
 }  // namespace steadymap

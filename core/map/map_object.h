@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry/cuboid.h"
+#include "core/map/contradiction.h"
 #include "core/map/object_evidence.h"
 #include "core/map/stationarity.h"
 #include "core/types/identifiers.h"
@@ -76,7 +77,10 @@ struct ObjectState {
   std::uint64_t supporting_frames = 0;     ///< Number of frames that support it.
   std::uint64_t contradicted_updates = 0;  ///< Number of belief updates with evidence against it.
   std::vector<PartVotes> parts;  ///< By increasing id, without duplicates; of status `kTentative`.
-  SensorName source;  ///< Of status `kTentative`: whose session it is of; without a robot, of any.
+  /// Of status `kTentative`: whose session it is of; without a robot, of any. Else: which sensor
+  /// saw it last.
+  SensorName source;
+  std::vector<Contradiction> contradictions;  ///< Of sensors about its presence.
 
   friend bool operator==(const ObjectState&, const ObjectState&) = default;
 };

@@ -22,6 +22,8 @@ std::string_view NameOf(EventType type) {
       return "robot_lost";
     case EventType::kRobotFound:
       return "robot_found";
+    case EventType::kContradicted:
+      return "contradicted";
   }
   return "unknown";
 }

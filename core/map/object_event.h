@@ -25,6 +25,8 @@ enum class EventType {
   kSplit,       ///< A part of the object `related` became an object.
   kRobotLost,   ///< A robot's frames disagree with the map; they are ignored.
   kRobotFound,  ///< A lost robot's frames agree with the map again.
+  /// A sensor, `source`, finds the object gone time and again, while another one sees it. It stays.
+  kContradicted,
 };
 
 /// The reason of an event.
@@ -67,10 +69,10 @@ struct ObjectEvent {
   std::uint64_t supporting_frames = 0;     ///< Number of frames that supported it.
   std::uint64_t contradicted_updates = 0;  ///< Number of belief updates with evidence against it.
   ObjectId related;                        ///< The other object of a move, merge or split; else 0.
-  SensorName source;                       ///< The sensor, for events of robots; else empty.
+  SensorName source;  ///< The sensor, for events of robots and `kContradicted`; else empty.
 
   /// True for an event of a robot.
-  bool IsOfRobot() const { return !source.robot.empty(); }
+  bool IsOfRobot() const { return object == kBackgroundId && !source.robot.empty(); }
 
   friend bool operator==(const ObjectEvent&, const ObjectEvent&) = default;
 };

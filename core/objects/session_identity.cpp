@@ -9,6 +9,7 @@
 
 #include "core/change/surface_looks.h"
 #include "core/geometry/assignment.h"
+#include "core/map/contradiction.h"
 #include "core/objects/changed_regions.h"
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_parts.h"
@@ -119,6 +120,7 @@ class SessionDecision {
   bool IsPushed(const KnownObject& known, const ShapeMatch& match) const;
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
+  bool IsContradicted(TrackedObject* object);
   void EndVanished();
   static bool IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known);
   bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
@@ -186,7 +188,7 @@ void SessionDecision::Create(TrackedObject* object) {
   {
     ObjectEdit edit = map_->Edit(object);
     edit.state().status = ObjectStatus::kPresent;
-    edit.state().source = {};
+    edit.state().source = source_;
     edit.state().in_place_since = object->state().first_seen;
   }
   map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
@@ -383,7 +385,7 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
       state.in_place_since = seen->object->state().first_seen;
       state.belief = InitialBelief(parameters_.initial_stationarity);
     }
-    state.last_seen = std::max(state.last_seen, seen->object->state().last_seen);
+    ReportPresence(source_, seen->object->state().last_seen, &state);
     state.supporting_frames += seen->object->state().supporting_frames;
   }
   if (is_back) {
@@ -414,7 +416,33 @@ void SessionDecision::JudgeKnown() {
       }
     }
     known.standing = JudgeStanding(*known.object, others, parameters_, map_->scale());
+    if (known.standing == Standing::kGone && IsContradicted(known.object)) {
+      known.standing = Standing::kContradicted;
+    }
   }
+}
+
+/// Takes in that the session found a known object gone. True if another sensor insists that it
+/// stands: then it stays, and the contradiction is told once.
+bool SessionDecision::IsContradicted(TrackedObject* object) {
+  const Timestamp last_look = LastLookAt(*object);
+  std::uint32_t sessions = 0;
+  {
+    ObjectEdit edit = map_->Edit(object);
+    const Contradiction* contradiction =
+        ReportAbsence(source_, last_look, parameters_.contradiction_window_s, &edit.state());
+    if (contradiction == nullptr || !contradiction->is_confirmed()) return false;
+    sessions = contradiction->sessions;
+  }
+  const Belief before = object->state().belief;
+  UpdateBeliefOf(parameters_.belief.max_change_m, object);
+  if (sessions > kConfirmingSessions) return true;
+  ObjectEvent event =
+      map_->MakeEvent(EventType::kContradicted, EventReason::kDisagreement, *object);
+  event.before = before;
+  event.source = source_;
+  map_->RecordEvent(event);
+  return true;
 }
 
 /// Separates what is new on structures from what had not been seen of them.
@@ -480,8 +508,9 @@ void SessionDecision::AddRestsToStructures() {
 void SessionDecision::ConfirmStructure(TrackedObject* object) {
   if (CountLooks(*object).found == 0) return;
   UpdateBeliefOf(0.0, object);
+  const Timestamp last_look = LastLookAt(*object);
   ObjectEdit edit = map_->Edit(object);
-  edit.state().last_seen = std::max(object->state().last_seen, LastLookAt(*object));
+  ReportPresence(source_, last_look, &edit.state());
 }
 
 /// True if an object of the session that may be a known one in place rather is that one at a new
@@ -624,6 +653,7 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
     state.belief = InitialBelief(parameters_.initial_stationarity);
     state.in_place_since = after->state().first_seen;
     state.last_seen = after->state().last_seen;
+    state.source = source_;
     state.supporting_frames += after->state().supporting_frames;
   }
   ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kShapeMatched, *before);

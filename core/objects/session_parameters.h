@@ -46,6 +46,9 @@ struct SessionIdentityParameters {
   /// Fewest evidence cells, and smallest share of the looked-at ones, of a part that is gone.
   std::size_t min_part_cells = 25;
   double min_part_share = 0.1;
+  /// A sensor that finds an object gone so soon after another one saw it contradicts it, seconds:
+  /// so soon a thing may leave, but does not come back and leave again.
+  double contradiction_window_s = 300.0;
   /// Share of the smaller of two cuboids in which only one of both can be.
   double max_overlap_share = 0.3;
   StationarityParameters belief;

@@ -14,6 +14,7 @@ enum class Standing {
   kStands,
   kUnverified,  ///< What was found of it is the surface of an object that hides the rest.
   kGone,
+  kContradicted,  ///< It is gone for this sensor, and stands for another one.
 };
 
 /// Returns the share of the looked-at surface that is gone; 0 without looks.

@@ -174,6 +174,13 @@ constexpr PolicyParameter kPocd[] = {
      86'400.0,
      false,
      "pause between two frames of a robot that ends its session"},
+    {"contradiction_window_s",
+     300.0,
+     0.0,
+     86'400.0,
+     false,
+     "time after a robot has seen an object within which another robot that finds it gone, more "
+     "than once, contradicts it"},
     kInitialStationarity,
     kMaxStationarity,
     kChangeNoise,

@@ -6,6 +6,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "core/map/contradiction.h"
 #include "core/query/map_sampler.h"
 #include "core/types/error.h"
 #include "proto/convert_geometry.h"
@@ -185,7 +186,16 @@ absl::Status AnswerCastRays(const MapSnapshot& snapshot,
 
 absl::Status AnswerListRobots(const MapSnapshot& snapshot, v1::ListRobotsResponse* response) {
   response->set_revision(snapshot.revision.value());
-  for (const auto& [name, state] : snapshot.robots) *response->add_robots() = ToProto(name, state);
+  const auto contradictions = FindContradictions(snapshot);
+  for (const auto& [name, state] : snapshot.robots) {
+    v1::Robot* robot = response->add_robots();
+    *robot = ToProto(name, state);
+    const auto found = contradictions.find(name);
+    if (found == contradictions.end()) continue;
+    for (const SensorContradiction& other : found->second) {
+      *robot->add_contradictions() = ToProto(other);
+    }
+  }
   return absl::OkStatus();
 }
 

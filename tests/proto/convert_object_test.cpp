@@ -46,6 +46,13 @@ MapObject RandomObject(std::mt19937* random) {
   object.last_seen = Timestamp::FromNanoseconds(time(*random));
   object.supporting_frames = large(*random);
   object.contradicted_updates = large(*random);
+  for (int i = 0; i < small(*random); ++i) {
+    object.contradictions.push_back({{"robot-" + std::to_string(i), "left"},
+                                     {"robot-9", "right"},
+                                     Timestamp::FromNanoseconds(time(*random)),
+                                     Timestamp::FromNanoseconds(time(*random)),
+                                     2 + static_cast<std::uint32_t>(i)});
+  }
   return object;
 }
 
@@ -67,6 +74,12 @@ TEST(ConvertObject, TheEvidenceOfSingleLeavesStaysAtHome) {
   ASSERT_TRUE(read.ok()) << read.status();
   object.evidence.leaves.clear();
   EXPECT_EQ(*read, static_cast<const ObjectState&>(object));
+}
+
+TEST(ConvertObject, OneAbsenceIsNoContradiction) {
+  MapObject object;
+  object.contradictions = {{{"other", "camera"}, {"one", "camera"}, {}, {}, 1}};
+  EXPECT_EQ(ToProto(object).contradictions_size(), 0);
 }
 
 TEST(ConvertObject, WhatFollowsFromTheStateIsToldToo) {

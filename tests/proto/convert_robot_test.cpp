@@ -38,6 +38,15 @@ TEST(ConvertRobot, StatesTrustPoseSessionAndOffset) {
   EXPECT_EQ(robot.pose_offset().anchors(), 8U);
 }
 
+TEST(ConvertRobot, StatesWithWhomItDisagrees) {
+  const v1::SensorContradiction message =
+      ToProto(SensorContradiction{{"dolly", "left"}, 3, Timestamp::FromSeconds(7.5)});
+  EXPECT_EQ(message.robot(), "dolly");
+  EXPECT_EQ(message.sensor(), "left");
+  EXPECT_EQ(message.objects(), 3U);
+  EXPECT_EQ(message.since().nanos(), 500'000'000);
+}
+
 TEST(ConvertRobot, StatesNothingThatIsUnknown) {
   const v1::Robot robot = ToProto(SensorName{"dolly", "left"}, RobotState());
   EXPECT_EQ(robot.trust(), v1::ROBOT_TRUST_TRUSTED);

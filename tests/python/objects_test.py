@@ -137,6 +137,29 @@ class ARoom(DaemonTest):
             self.client.events("room", types=["vanished"])
 
 
+class ARoomOfTwoOpinions(DaemonTest):
+    def test_shows_who_says_what(self):
+        name = self.new_map(steadymap.MapOptions(policy="pocd"))
+        for i in range(3):
+            for robot, boxes_m in (("seer", (0.0,)), ("doubter", ())):
+                first = 40 * (2 * i + (robot == "doubter"))
+                frames = [room_frame(first + k, boxes_m) for k in range(20)]
+                self.client.upload(name, frames, steadymap.UploadOptions(robot=robot))
+        (box,) = self.client.objects(name, class_ids=[BOX_CLASS])
+        (contradiction,) = box.contradictions
+        self.assertEqual(contradiction.present, ("seer", "camera"))
+        self.assertEqual(contradiction.absent, ("doubter", "camera"))
+        self.assertEqual(contradiction.sessions, 3)
+        self.assertLess(contradiction.since_ns, contradiction.last_ns)
+        (event,) = self.client.events(name, types=["contradicted"])
+        self.assertEqual((event.object_id, event.robot), (box.id, "doubter"))
+        doubter, seer = self.client.robots(name)
+        for robot, other in ((doubter, seer), (seer, doubter)):
+            (found,) = robot.contradictions
+            self.assertEqual((found.robot, found.sensor), (other.robot, other.sensor))
+            self.assertEqual((found.objects, found.since_ns), (1, contradiction.since_ns))
+
+
 class FromProto(unittest.TestCase):
     def test_knows_every_enumerator_of_the_wire(self):
         for kind, prefix, known in (

@@ -47,10 +47,15 @@ class AnOffset(unittest.TestCase):
         offset.yaw_rad = np.pi / 2
         offset.covariance.extend(float(i) for i in range(16))
         offset.anchors = 4
+        message.contradictions.add(robot="cart", sensor="left", objects=3).since.seconds = 80
         robot = robot_from_proto(message)
         self.assertEqual((robot.robot, robot.sensor), ("dolly", "left"))
         self.assertEqual(robot.trust, steadymap.RobotTrust.LOST)
         self.assertEqual(robot.session_start_ns, 90_000_000_000)
+        self.assertEqual(
+            robot.contradictions,
+            (steadymap.SensorContradiction("cart", "left", 3, 80_000_000_000),),
+        )
         self.assertEqual((robot.offset.time_ns, robot.offset.anchors), (5, 4))
         moved = robot.offset.T_map_robot @ (11.0, 20.0, 3.0, 1.0)
         np.testing.assert_allclose(moved, (10.5, 21.0, 3.0, 1.0), atol=1e-12)
@@ -61,6 +66,7 @@ class AnOffset(unittest.TestCase):
         robot = robot_from_proto(robot_pb2.Robot(robot="dolly", trust=9))
         self.assertEqual(robot.trust, steadymap.RobotTrust.UNSPECIFIED)
         self.assertIsNone(robot.offset)
+        self.assertEqual(robot.contradictions, ())
         self.assertIsNone(robot.session_start_ns)
 
 

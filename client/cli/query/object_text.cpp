@@ -39,10 +39,18 @@ Json BeliefJson(const v1::Belief& belief) {
           {"change_std_m", belief.change_std_m()}};
 }
 
+Json ContradictionJson(const v1::Contradiction& contradiction) {
+  return {{"present", {contradiction.present_robot(), contradiction.present_sensor()}},
+          {"absent", {contradiction.absent_robot(), contradiction.absent_sensor()}},
+          {"since", SecondsOf(contradiction.since())},
+          {"last", SecondsOf(contradiction.last())},
+          {"sessions", contradiction.sessions()}};
+}
+
 // Returns the part of an event's line after its type: the object or robot and the change.
 std::string EventText(const v1::ObjectEvent& event, const ClassNames& classes) {
-  if (!event.robot().empty()) return absl::StrCat("robot ", event.robot(), "/", event.sensor());
-  if (event.object_id() == 0) return "";
+  const std::string sensor = absl::StrCat(event.robot(), "/", event.sensor());
+  if (event.object_id() == 0) return event.robot().empty() ? "" : absl::StrCat("robot ", sensor);
   std::string text =
       absl::StrCat("object ", event.object_id(), " (", classes.NameOf(event.class_id()), ")");
   if (event.has_old_center_m()) {
@@ -57,6 +65,7 @@ std::string EventText(const v1::ObjectEvent& event, const ClassNames& classes) {
   if (event.related_object_id() != 0) {
     absl::StrAppend(&text, ", related to object ", event.related_object_id());
   }
+  if (!event.robot().empty()) absl::StrAppend(&text, ", gone for robot ", sensor);
   absl::StrAppend(&text,
                   ", E[v] ",
                   FixedText(StationarityOf(event.before()), 2),
@@ -129,7 +138,8 @@ void WriteObjectTable(const std::vector<v1::Object>& objects,
          << PointText(object.cuboid().size_m(), 2) << std::setw(7)
          << FixedText(object.stationarity(), 2) << std::setw(7) << object.views() << std::setw(11)
          << WordOf(v1::ObjectStanding_descriptor(), object.standing())
-         << TimeText(object.last_seen()) << '\n';
+         << TimeText(object.last_seen())
+         << (object.contradictions().empty() ? "" : "  contradicted") << '\n';
   }
 }
 
@@ -155,7 +165,8 @@ std::string ObjectText(const v1::Object& object, const ClassNames& classes) {
                       ", ",
                       CountText(object.views()),
                       " views, revision ",
-                      object.revision());
+                      object.revision(),
+                      object.contradictions().empty() ? "" : ", contradicted");
 }
 
 Json ObjectJson(const v1::Object& object, const ClassNames& classes) {
@@ -174,6 +185,10 @@ Json ObjectJson(const v1::Object& object, const ClassNames& classes) {
   json["absences"] = object.absences();
   json["revision"] = object.revision();
   json["leaves"] = object.leaves();
+  json["contradictions"] = Json::array();
+  for (const v1::Contradiction& entry : object.contradictions()) {
+    json["contradictions"].push_back(ContradictionJson(entry));
+  }
   return json;
 }
 

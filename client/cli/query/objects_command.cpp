@@ -19,7 +19,9 @@ constexpr char kObjectsFooter[] =
     "JSON: {\"revision\", \"objects\": [{\"id\", \"class\", \"class_name\",\n"
     "\"class_confidence\", \"standing\", \"center\" and \"size\" [x, y, z] and \"yaw\" of its\n"
     "cuboid, \"stationarity\", \"alpha\", \"beta\", \"change_mean_m\", \"change_std_m\",\n"
-    "\"first_seen\", \"last_seen\", \"views\", \"absences\", \"revision\", \"leaves\"}]}.\n"
+    "\"first_seen\", \"last_seen\", \"views\", \"absences\", \"revision\", \"leaves\",\n"
+    "\"contradictions\": [{\"present\" and \"absent\" [robot, sensor]: one sees the object, the\n"
+    "other one finds it gone; \"since\", \"last\", \"sessions\"}]}]}.\n"
     "`class` is the id in the map's class table. Lengths are metres in the world frame, angles\n"
     "radians, times seconds since 1970.";
 

@@ -20,13 +20,15 @@ constexpr char kRobotsFooter[] =
     "One line for each sensor of a robot. A robot is `doubted` after a jump of its pose and\n"
     "`lost` if its frames then contradict the map; such frames are ignored. The offset is the\n"
     "error of the poses of its last session, which the map has corrected, with one standard\n"
-    "deviation: by how much known objects were off for the robot. Only maps of the pocd policy\n"
-    "know robots.\n\n"
+    "deviation: by how much known objects were off for the robot. Two sensors contradict each\n"
+    "other about objects that one of them sees and the other one finds gone, again and again.\n"
+    "Only maps of the pocd policy know robots.\n\n"
     "JSON: {\"revision\", \"robots\": [{\"robot\", \"sensor\", \"trust\", \"last_capture_time\",\n"
     "\"position\" [x, y, z] and \"orientation\" [x, y, z, w] of the camera, \"session_start\" if\n"
     "a session is open, \"offset\" if known: {\"time\", \"center\", \"shift\", \"yaw\",\n"
     "\"covariance\" of shift and yaw (16 numbers, row by row), \"anchors\", the number of known\n"
-    "objects that agree}}]}. Lengths are metres in the world frame, angles radians, times\n"
+    "objects that agree}, \"contradictions\": [{\"robot\", \"sensor\", \"objects\" (their\n"
+    "number), \"since\"}]}]}. Lengths are metres in the world frame, angles radians, times\n"
     "seconds since 1970.";
 
 constexpr int kCovarianceRows = 4;
@@ -85,6 +87,18 @@ std::string RobotText(const v1::Robot& robot) {
     absl::StrAppend(&text, ", session since ", TimeText(robot.session_start()));
   }
   if (robot.has_pose_offset()) absl::StrAppend(&text, ", ", OffsetText(robot.pose_offset()));
+  for (const v1::SensorContradiction& other : robot.contradictions()) {
+    absl::StrAppend(&text,
+                    ", contradicts ",
+                    other.robot(),
+                    "/",
+                    other.sensor(),
+                    " about ",
+                    other.objects(),
+                    other.objects() == 1 ? " object" : " objects",
+                    " since ",
+                    TimeText(other.since()));
+  }
   return text;
 }
 
@@ -98,6 +112,13 @@ Json RobotJson(const v1::Robot& robot) {
                {"orientation", Json::array({turn.x(), turn.y(), turn.z(), turn.w()})}};
   if (robot.has_session_start()) json["session_start"] = SecondsOf(robot.session_start());
   if (robot.has_pose_offset()) json["offset"] = OffsetJson(robot.pose_offset());
+  json["contradictions"] = Json::array();
+  for (const v1::SensorContradiction& other : robot.contradictions()) {
+    json["contradictions"].push_back({{"robot", other.robot()},
+                                      {"sensor", other.sensor()},
+                                      {"objects", other.objects()},
+                                      {"since", SecondsOf(other.since())}});
+  }
   return json;
 }
 

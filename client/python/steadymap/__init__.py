@@ -31,8 +31,17 @@ from steadymap.maps import (
     WorldFrame,
 )
 from steadymap.mesh import Mesh
-from steadymap.objects import Belief, Cuboid, Event, EventReason, EventType, Object, ObjectStanding
-from steadymap.robots import PoseOffset, Robot, RobotTrust
+from steadymap.objects import (
+    Belief,
+    Contradiction,
+    Cuboid,
+    Event,
+    EventReason,
+    EventType,
+    Object,
+    ObjectStanding,
+)
+from steadymap.robots import PoseOffset, Robot, RobotTrust, SensorContradiction
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
 from steadymap.upload_queue import LostFrames, RefusedFrame, UploadProgress
@@ -46,6 +55,7 @@ __all__ = [
     "Belief",
     "ClassMotion",
     "Client",
+    "Contradiction",
     "Created",
     "Cuboid",
     "Delta",

@@ -2,7 +2,7 @@
 
 import dataclasses
 import enum
-from typing import Dict, Optional
+from typing import Dict, Optional, Tuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ class ObjectStanding(str, enum.Enum):
 
 
 class EventType(str, enum.Enum):
-    """Type of an event. The last two concern robots, all others objects.
+    """Type of an event. ROBOT_LOST and ROBOT_FOUND concern robots, all others objects.
 
     UNSPECIFIED: a type of a newer server, unknown to this package.
     """
@@ -40,6 +40,7 @@ class EventType(str, enum.Enum):
     SPLIT = "split"
     ROBOT_LOST = "robot_lost"
     ROBOT_FOUND = "robot_found"
+    CONTRADICTED = "contradicted"
 
 
 class EventReason(str, enum.Enum):
@@ -107,6 +108,25 @@ class Cuboid:
 _CORNERS_FROM_ABOVE = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
+@dataclasses.dataclass(frozen=True)
+class Contradiction:
+    """Two sensors that disagree about an object, which stays in the map.
+
+    Attributes:
+        present: (robot, sensor) that saw the object.
+        absent: (robot, sensor) that finds it gone, shortly after the other one has seen it.
+        since_ns, last_ns: Capture times of the first and the last look that found it gone,
+            nanoseconds since 1970.
+        sessions: Number of sessions that found it gone, at least 2.
+    """
+
+    present: Tuple[str, str]
+    absent: Tuple[str, str]
+    since_ns: int
+    last_ns: int
+    sessions: int
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Object:
     """State of an object, except its volume, at one revision.
@@ -127,6 +147,7 @@ class Object:
         absences: Number of updates with evidence of absence.
         revision: Revision of the last frame that changed it.
         leaves: Size of its volume, 8 x 8 x 8 blocks of voxels.
+        contradictions: Sensors that disagree about the object.
     """
 
     id: int
@@ -144,6 +165,7 @@ class Object:
     absences: int
     revision: int
     leaves: int
+    contradictions: Tuple[Contradiction, ...]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -168,7 +190,8 @@ class Event:
         related_object_id: The other object of a move, merge or split; None: none.
         views: Number of supporting frames at the time of the event.
         absences: Number of updates with evidence of absence at the time of the event.
-        robot, sensor: For events of robots: ids of the robot and its sensor; else "".
+        robot, sensor: For events of robots: ids of the robot and its sensor. CONTRADICTED: of those
+            that find the object gone. Else "".
     """
 
     number: int
@@ -207,6 +230,16 @@ def belief_from_proto(message: object_pb2.Belief) -> Belief:
     return Belief(message.change_mean_m, message.change_std_m, message.alpha, message.beta)
 
 
+def _contradiction_from_proto(message: object_pb2.Contradiction) -> Contradiction:
+    return Contradiction(
+        present=(message.present_robot, message.present_sensor),
+        absent=(message.absent_robot, message.absent_sensor),
+        since_ns=time_ns_from_proto(message, "since"),
+        last_ns=time_ns_from_proto(message, "last"),
+        sessions=message.sessions,
+    )
+
+
 def object_from_proto(message: object_pb2.Object) -> Object:
     """Converts an object from the service."""
     cuboid = message.cuboid
@@ -228,6 +261,7 @@ def object_from_proto(message: object_pb2.Object) -> Object:
         absences=message.absences,
         revision=message.revision,
         leaves=message.leaves,
+        contradictions=tuple(map(_contradiction_from_proto, message.contradictions)),
     )
 
 

@@ -2,7 +2,7 @@
 
 import dataclasses
 import enum
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -49,6 +49,22 @@ class PoseOffset:
     anchors: int
 
 
+@dataclasses.dataclass(frozen=True)
+class SensorContradiction:
+    """A sensor that disagrees with another one about present objects.
+
+    Attributes:
+        robot, sensor: Ids of the sensor that disagrees.
+        objects: Number of objects that one of both sees and the other one finds gone.
+        since_ns: Capture time since which they disagree, nanoseconds since 1970.
+    """
+
+    robot: str
+    sensor: str
+    objects: int
+    since_ns: int
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Robot:
     """A sensor of a robot, as a map knows it.
@@ -63,6 +79,7 @@ class Robot:
             open.
         offset: Error of the poses of its last session that ended; None if that showed no known
             object in place, or none has ended yet.
+        contradictions: Sensors that disagree with this one.
     """
 
     robot: str
@@ -72,6 +89,7 @@ class Robot:
     T_world_camera: np.ndarray
     session_start_ns: Optional[int]
     offset: Optional[PoseOffset]
+    contradictions: Tuple[SensorContradiction, ...]
 
 
 _TRUSTS = dict(enumerate(RobotTrust))
@@ -108,4 +126,10 @@ def robot_from_proto(message: robot_pb2.Robot) -> Robot:
         ),
         session_start_ns=time_ns_from_proto(message, "session_start"),
         offset=_offset_from_proto(message.pose_offset) if message.HasField("pose_offset") else None,
+        contradictions=tuple(
+            SensorContradiction(
+                other.robot, other.sensor, other.objects, time_ns_from_proto(other, "since")
+            )
+            for other in message.contradictions
+        ),
     )

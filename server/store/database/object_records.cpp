@@ -13,7 +13,7 @@ namespace steadymap {
 namespace {
 
 constexpr std::uint32_t kStandings = 3;
-constexpr std::uint32_t kEventTypes = static_cast<std::uint32_t>(EventType::kRobotFound) + 1;
+constexpr std::uint32_t kEventTypes = static_cast<std::uint32_t>(EventType::kContradicted) + 1;
 constexpr std::uint32_t kEventReasons = static_cast<std::uint32_t>(EventReason::kAgreement) + 1;
 constexpr std::uint32_t kMaxClassId = 0xFFFF;
 constexpr std::int32_t kMaxLeafIndex = 1 << 27;
@@ -117,6 +117,31 @@ absl::Status ReadLooks(const storage::v1::ObjectState& proto, std::vector<Sessio
   return absl::OkStatus();
 }
 
+void ContradictionToProto(const Contradiction& contradiction, storage::v1::Contradiction* proto) {
+  proto->set_present_robot(contradiction.present.robot);
+  proto->set_present_sensor(contradiction.present.sensor);
+  proto->set_absent_robot(contradiction.absent.robot);
+  proto->set_absent_sensor(contradiction.absent.sensor);
+  proto->set_since_ns(contradiction.since.nanoseconds());
+  proto->set_last_ns(contradiction.last.nanoseconds());
+  proto->set_sessions(contradiction.sessions);
+}
+
+absl::Status ReadContradictions(const storage::v1::ObjectState& proto,
+                                std::vector<Contradiction>* contradictions) {
+  if (static_cast<std::size_t>(proto.contradictions_size()) > kMaxContradictions) {
+    return CorruptRecord("an object record contains too many contradictions");
+  }
+  for (const storage::v1::Contradiction& read : proto.contradictions()) {
+    contradictions->push_back({.absent = {read.absent_robot(), read.absent_sensor()},
+                               .present = {read.present_robot(), read.present_sensor()},
+                               .since = Timestamp::FromNanoseconds(read.since_ns()),
+                               .last = Timestamp::FromNanoseconds(read.last_ns()),
+                               .sessions = read.sessions()});
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 storage::v1::ObjectState ToProto(const ObjectState& state) {
@@ -157,6 +182,9 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
   }
   proto.set_robot(state.source.robot);
   proto.set_sensor(state.source.sensor);
+  for (const Contradiction& contradiction : state.contradictions) {
+    ContradictionToProto(contradiction, proto.add_contradictions());
+  }
   return proto;
 }
 
@@ -194,6 +222,9 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
     state.parts.push_back({ObjectId(votes.other()), votes.connected(), votes.apart()});
   }
   state.source = {proto.robot(), proto.sensor()};
+  if (absl::Status status = ReadContradictions(proto, &state.contradictions); !status.ok()) {
+    return status;
+  }
   return state;
 }
 

@@ -232,12 +232,18 @@ TEST_F(CommandLineTest, RobotsAreListedWithTheirOffsets) {
   queries_.robots[1].set_trust(v1::ROBOT_TRUST_LOST);
   queries_.robots[1].clear_pose_offset();
   queries_.robots[1].mutable_session_start()->set_seconds(1'714'564'790);
+  v1::SensorContradiction& other = *queries_.robots[1].add_contradictions();
+  other.set_robot("cart");
+  other.set_sensor("left");
+  other.set_objects(2);
+  other.mutable_since()->set_seconds(1'714'564'795);
 
   EXPECT_EQ(Run({"robots", "kitchen"}).out,
             "dolly/left  trusted, last frame 2024-05-01T12:00:00Z, offset (0.050, 0.000, 0.000) m, "
             "1.00 degrees +- (0.010, 0.010, 0.010) m, 0.57 degrees, by 3 objects\n"
             "dolly/left  lost, last frame 2024-05-01T12:00:00Z, session since "
-            "2024-05-01T11:59:50Z\n");
+            "2024-05-01T11:59:50Z, contradicts cart/left about 2 objects since "
+            "2024-05-01T11:59:55Z\n");
   const Json document = Run({"robots", "kitchen", "--json"}).Document();
   EXPECT_EQ(document.at("revision"), 12);
   EXPECT_EQ(document.at("robots").at(0).at("offset").at("shift").at(0), 0.05);
@@ -245,6 +251,8 @@ TEST_F(CommandLineTest, RobotsAreListedWithTheirOffsets) {
   EXPECT_EQ(document.at("robots").at(0).at("orientation").at(3), 1.0);
   EXPECT_FALSE(document.at("robots").at(1).contains("offset"));
   EXPECT_EQ(document.at("robots").at(1).at("session_start"), 1'714'564'790.0);
+  EXPECT_TRUE(document.at("robots").at(0).at("contradictions").empty());
+  EXPECT_EQ(document.at("robots").at(1).at("contradictions").at(0).at("objects"), 2);
   ExpectFailure({"robots", "nowhere"}, 1, "NOT_FOUND");
 }
 

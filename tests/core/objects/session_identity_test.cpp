@@ -402,7 +402,7 @@ TEST_F(SessionIdentityTest, ObjectsOfOtherSessionsWaitForTheirOwnEnd) {
   DecideSession(
       MapConfig(), SessionIdentityParameters(), one, Eigen::Isometry3d::Identity(), &map_);
   EXPECT_EQ(seen->state().status, ObjectStatus::kPresent);
-  EXPECT_EQ(seen->state().source, SensorName());
+  EXPECT_EQ(seen->state().source, one);
   EXPECT_EQ(waiting->state().status, ObjectStatus::kTentative);
   EXPECT_FALSE(waiting->state().evidence.leaves.empty());
   DecideSession(

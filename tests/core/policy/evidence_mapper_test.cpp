@@ -48,6 +48,13 @@ class EvidenceMapperTest : public ::testing::Test {
     story_.EndSession();
   }
 
+  /// The same by a robot.
+  void VisitBy(const SensorName& source, const testing::Scene& scene) {
+    story_.Play(TakenBy(source, LookAtScene(scene, visit_ * kFrames, kFrames, visit_)));
+    story_.EndSession(source);
+    ++visit_;
+  }
+
   void VisitWithoutLabels(const testing::Scene& scene) {
     std::vector<Frame> frames =
         testing::LookAtScene(scene, visit_ * (kFrames + 1), kFrames, visit_);
@@ -271,6 +278,64 @@ TEST_F(EvidenceMapperTest, AThingThatTwoRobotsSeeAtOnceIsOneObject) {
     EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
   }
   EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
+}
+
+TEST_F(EvidenceMapperTest, ARobotThatAlwaysFindsGoneWhatAnotherOneSeesContradictsIt) {
+  for (int round = 0; round < 4; ++round) {
+    VisitBy(kOne, {FarWall(), Goods(0.0)});
+    VisitBy(kOther, {FarWall()});
+    story_.Restart();
+  }
+  // The first time, it may have been taken away and put back.
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.EventsOf(EventType::kReturned, kGoodsClass).size(), 1U);
+  const std::vector<ObjectEvent> contradicted =
+      story_.EventsOf(EventType::kContradicted, kGoodsClass);
+  ASSERT_EQ(contradicted.size(), 1U);
+  EXPECT_EQ(contradicted[0].reason, EventReason::kDisagreement);
+  EXPECT_EQ(contradicted[0].source, kOther);
+  EXPECT_FALSE(contradicted[0].IsOfRobot());
+  EXPECT_LT(contradicted[0].after.stationarity(), contradicted[0].before.stationarity());
+  ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+  const MapObject& goods = *story_.Present(kGoodsClass)[0];
+  ASSERT_EQ(goods.contradictions.size(), 1U);
+  EXPECT_EQ(goods.contradictions[0].absent, kOther);
+  EXPECT_EQ(goods.contradictions[0].present, kOne);
+  EXPECT_EQ(goods.contradictions[0].sessions, 4U);
+}
+
+TEST_F(EvidenceMapperTest, AContradictionEndsWhenBothRobotsAgree) {
+  for (const bool is_there : {true, false}) {
+    SCOPED_TRACE(is_there);
+    for (int round = 0; round < 3; ++round) {
+      VisitBy(kOne, {FarWall(), Goods(0.0)});
+      VisitBy(kOther, {FarWall()});
+    }
+    ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+    if (is_there) {
+      VisitBy(kOther, {FarWall(), Goods(0.0)});
+      ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+      EXPECT_TRUE(story_.Present(kGoodsClass)[0]->contradictions.empty());
+    } else {
+      VisitBy(kOne, {FarWall()});
+      EXPECT_TRUE(story_.Present(kGoodsClass).empty());
+    }
+  }
+}
+
+TEST_F(EvidenceMapperTest, RobotsThatSeeAThingInTwoPlacesStopMovingIt) {
+  std::size_t told = 0;
+  for (int round = 0; round < 6; ++round) {
+    VisitBy(kOne, {FarWall(), Goods(-0.4)});
+    VisitBy(kOther, {FarWall(), Goods(0.4)});
+    if (round == 3) told = story_.events().size();
+  }
+  EXPECT_EQ(story_.events().size(), told);
+  EXPECT_EQ(story_.EventsOf(EventType::kMoved, kGoodsClass).size(), 2U);
+  ASSERT_EQ(story_.Present(kGoodsClass).size(), 2U);
+  for (const auto& goods : story_.Present(kGoodsClass)) {
+    EXPECT_EQ(goods->contradictions.size(), 1U);
+  }
 }
 
 TEST_F(EvidenceMapperTest, EventsAreDatedByTheFramesOfTheirOwnSession) {

@@ -141,6 +141,7 @@ void MapStory::Replay(const ObjectEvent& event) {
     case EventType::kUpdated:
     case EventType::kRobotLost:
     case EventType::kRobotFound:
+    case EventType::kContradicted:
       break;
   }
 }

@@ -134,6 +134,11 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   }
   state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3}};
   state.source = {"robot-" + std::to_string(random() % 9), "left"};
+  state.contradictions = {{{"robot-2", "camera"},
+                           {"robot-1", "camera"},
+                           Timestamp::FromNanoseconds(static_cast<std::int64_t>(random())),
+                           Timestamp::FromNanoseconds(static_cast<std::int64_t>(random())),
+                           static_cast<std::uint32_t>(random())}};
   state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
   state.in_place_since = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   state.last_seen = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));

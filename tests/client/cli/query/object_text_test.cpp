@@ -52,8 +52,25 @@ TEST(ObjectJson, HasTheDocumentedKeys) {
     "id": 12, "class": 9, "class_name": "cart/pallet jack", "class_confidence": 1,
     "standing": "present", "center": [1, -2, 0.5], "yaw": 0.125, "size": [0.5, 0.25, 1],
     "stationarity": 0.75, "alpha": 3, "beta": 1, "change_mean_m": 0.25, "change_std_m": 0.5,
-    "first_seen": 100.5, "last_seen": 200, "views": 7, "absences": 2, "revision": 42, "leaves": 0
+    "first_seen": 100.5, "last_seen": 200, "views": 7, "absences": 2, "revision": 42, "leaves": 0,
+    "contradictions": []
   })"));
+}
+
+MapObject ContradictedCart() {
+  MapObject object = Cart();
+  object.contradictions = {{{"dolly", "left"},
+                            {"forklift-2", "front"},
+                            Timestamp::FromSeconds(120.0),
+                            Timestamp::FromSeconds(180.0),
+                            3}};
+  return object;
+}
+
+TEST(ObjectJson, NamesTheSensorsThatDisagree) {
+  EXPECT_EQ(ObjectJson(ToProto(ContradictedCart()), Torwic()).at("contradictions"), Json::parse(R"([
+    {"present": ["forklift-2", "front"], "absent": ["dolly", "left"], "since": 120, "last": 180,
+     "sessions": 3}])"));
 }
 
 TEST(EventJson, AMoveHasBothCentresAndItsConfidence) {
@@ -108,12 +125,33 @@ TEST(ObjectTable, HasALineAnObject) {
             "present    1970-01-01T00:03:20Z\n");
 }
 
+TEST(ObjectTable, MarksWhatRobotsDisagreeAbout) {
+  std::ostringstream out;
+  WriteObjectTable({ToProto(ContradictedCart())}, Torwic(), &out);
+  EXPECT_NE(out.str().find("1970-01-01T00:03:20Z  contradicted\n"), std::string::npos);
+}
+
 TEST(EventLines, SayWhatHappenedToWhom) {
   std::ostringstream out;
   WriteEventLines({ToProto(EventNumber(5), CartMoved())}, Torwic(), &out);
   EXPECT_EQ(out.str(),
             "     5  1970-01-01T00:02:30Z  revision 40  moved (shape_matched)  object 12 "
             "(cart/pallet jack) from (4.00, 5.00, 0.50) to (1.00, -2.00, 0.50), confidence 0.75, "
+            "E[v] 0.50 -> 0.75\n");
+}
+
+TEST(EventLines, SayForWhomAnObjectIsGone) {
+  ObjectEvent event = CartMoved();
+  event.type = EventType::kContradicted;
+  event.reason = EventReason::kDisagreement;
+  event.old_center_world.reset();
+  event.confidence.reset();
+  event.source = {"dolly", "left"};
+  std::ostringstream out;
+  WriteEventLines({ToProto(EventNumber(8), event)}, Torwic(), &out);
+  EXPECT_EQ(out.str(),
+            "     8  1970-01-01T00:02:30Z  revision 40  contradicted (disagreement)  object 12 "
+            "(cart/pallet jack) at (1.00, -2.00, 0.50), gone for robot dolly/left, "
             "E[v] 0.50 -> 0.75\n");
 }
 
