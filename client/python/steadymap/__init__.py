@@ -92,6 +92,7 @@ __all__ = [
     "RobotTrust",
     "Section",
     "SemanticClass",
+    "SensorContradiction",
     "Snapshot",
     "UpdatePolicy",
     "UploadOptions",
