@@ -1,68 +1,28 @@
 #include "core/objects/session_identity.h"
 
 #include <algorithm>
-#include <deque>
-#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/change/surface_looks.h"
-#include "core/geometry/assignment.h"
 #include "core/map/contradiction.h"
 #include "core/objects/changed_regions.h"
+#include "core/objects/place_matches.h"
 #include "core/objects/session_alignment.h"
+#include "core/objects/session_moves.h"
+#include "core/objects/session_objects.h"
 #include "core/objects/session_parts.h"
 #include "core/objects/shape_match.h"
 #include "core/objects/standing.h"
 #include "core/objects/surface_relations.h"
-#include "core/registration/registration.h"
-#include "core/types/parallel.h"
 #include "core/working/object_split.h"
 
 namespace steadymap {
 namespace {
 
-// Standard deviation of a normal distribution, in medians of its magnitude.
-constexpr double kSigmasOfMedian = 1.4826;
-
-// How much more likely a push is than a move from elsewhere, in margins between rivals.
-constexpr double kPushMargins = 2.0;
-
 // A motion below this share of a voxel is lost in its interpolation.
 constexpr double kNegligibleMotionVoxels = 0.1;
-
-struct KnownObject {
-  TrackedObject* object = nullptr;
-  std::size_t index = 0;
-  Standing standing = Standing::kUnknown;
-  bool is_taken = false;  ///< By an object of the session.
-};
-
-/// An object of the session.
-struct SeenObject {
-  TrackedObject* object = nullptr;
-  std::size_t index = 0;
-  bool is_new_region = false;  ///< Was not there when a known object beside it was seen.
-  bool is_decided = false;
-};
-
-/// An object of the session on the surface of a known one.
-struct PlaceMatch {
-  SeenObject* seen = nullptr;
-  KnownObject* known = nullptr;
-  double displacement_m = 0.0;
-  double fit = 0.0;           ///< Share of the surface that agrees.
-  bool fits_at_rest = false;  ///< Agrees as well without the displacement.
-};
-
-/// An object of the session that has the shape of a known one.
-struct MoveCandidate {
-  SeenObject* seen = nullptr;
-  KnownObject* known = nullptr;
-  ShapeMatch match;
-  double distance_m = 0.0;  ///< Between both places.
-};
 
 /// The decision on one session.
 class SessionDecision {
@@ -72,7 +32,9 @@ class SessionDecision {
                   const SensorName& source,
                   const Eigen::Isometry3d& prior,
                   WorkingMap* map)
-      : config_(config), parameters_(parameters), source_(source), map_(map), motion_(prior) {}
+      : config_(config), parameters_(parameters), source_(source), map_(map) {
+    objects_.motion = prior;
+  }
 
   std::optional<PoseOffset> Run() {
     TakeSessionLooks();
@@ -101,8 +63,6 @@ class SessionDecision {
   void TakeSessionLooks();
   void Settle(TrackedObject* object);
   void ListObjects();
-  void AddSeen(TrackedObject* object, bool is_new_region);
-  void AddKnown(TrackedObject* object, Standing standing);
   void SeparateNew();
   void SeparateNewOn(KnownObject* structure, SeenObject* seen);
   void SeparateGone();
@@ -110,25 +70,12 @@ class SessionDecision {
   void ConfirmStructure(TrackedObject* object);
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
-  double InPlaceLimit(const std::vector<PlaceMatch>& matches, const SeenObject& seen) const;
-  std::vector<PlaceMatch> FindPlaceMatches();
   void MatchInPlace();
-  double DoubtOf(const TrackedObject& known) const;
   void MatchDoubted();
-  double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
-  bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
-  bool IsPushed(const KnownObject& known, const ShapeMatch& match) const;
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
   bool IsContradicted(TrackedObject* object);
   void EndVanished();
-  static bool IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known);
-  bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
-  bool AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const;
-  std::vector<MoveCandidate> ListMoves();
-  void DropPushed(const std::vector<MoveCandidate>& candidates);
-  double LikelihoodOf(const MoveCandidate& candidate) const;
-  std::vector<MoveCandidate> FindClearMoves(const std::vector<MoveCandidate>& candidates) const;
   void FindMoves();
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
   void Create(TrackedObject* object);
@@ -142,16 +89,13 @@ class SessionDecision {
   const SessionIdentityParameters& parameters_;
   const SensorName& source_;
   WorkingMap* map_;
-  std::deque<SeenObject> seen_;  ///< Not moved in memory when it grows.
-  std::deque<KnownObject> known_;
+  SessionObjects objects_;
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
-  Eigen::Isometry3d motion_;                                 ///< Of the session onto the map.
-  std::vector<PlaceMatch> doubted_;  ///< In place, but much of the known object is gone.
 };
 
-/// Returns when the session last looked at a known object. The time of the map is that of another
-/// robot's frame, if such a frame came last.
+/// Returns when the session last looked at a known object; without looks, the time of its last
+/// frame.
 Timestamp SessionDecision::LastLookAt(const TrackedObject& known) const {
   const Timestamp last_look = LastLook(known.state().evidence.leaves);
   return last_look > Timestamp() ? last_look : map_->now();
@@ -210,32 +154,24 @@ void SessionDecision::ListObjects() {
   for (TrackedObject* object : map_->AllObjects()) {
     if (object->is_deleted()) continue;
     if (IsInSession(object->state(), source_)) {
-      AddSeen(object, /*is_new_region=*/false);
+      objects_.AddSeen(object, /*is_new_region=*/false);
     } else if (object->state().status != ObjectStatus::kTentative) {
-      AddKnown(object, Standing::kUnknown);
+      objects_.AddKnown(object, Standing::kUnknown);
     }
   }
-}
-
-void SessionDecision::AddSeen(TrackedObject* object, bool is_new_region) {
-  seen_.push_back({object, seen_.size(), is_new_region});
-}
-
-void SessionDecision::AddKnown(TrackedObject* object, Standing standing) {
-  known_.push_back({object, known_.size(), standing});
 }
 
 /// Corrects the offset of the session by the objects that stand where they stood.
 void SessionDecision::Align() {
   std::vector<const TrackedObject*> seen_objects;
-  for (const SeenObject& seen : seen_) seen_objects.push_back(seen.object);
+  for (const SeenObject& seen : objects_.seen) seen_objects.push_back(seen.object);
   std::vector<const TrackedObject*> known_objects;
-  for (const KnownObject& known : known_) {
+  for (const KnownObject& known : objects_.known) {
     if (!known.object->is_archived()) known_objects.push_back(known.object);
   }
-  offset_ = AlignSession(seen_objects, known_objects, motion_, parameters_, map_->scale());
-  if (offset_) motion_ = offset_->ToIsometry();
-  for (const SeenObject& seen : seen_) Move(motion_, seen.object);
+  offset_ = AlignSession(seen_objects, known_objects, objects_.motion, parameters_, map_->scale());
+  if (offset_) objects_.motion = offset_->ToIsometry();
+  for (const SeenObject& seen : objects_.seen) Move(objects_.motion, seen.object);
 }
 
 void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* object) {
@@ -246,122 +182,42 @@ void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* objec
   edit.state().T_world_object = UprightPoseOf(motion * object->state().T_world_object.ToIsometry());
 }
 
-bool SessionDecision::IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const {
-  return std::any_of(doubted_.begin(), doubted_.end(), [&](const PlaceMatch& match) {
-    return match.seen == &seen && match.known == &known;
-  });
-}
-
-/// Returns the displacement up to which an object of the session stands where it stood: most things
-/// do, so that the displacements of the others tell the error of the poses.
-double SessionDecision::InPlaceLimit(const std::vector<PlaceMatch>& matches,
-                                     const SeenObject& seen) const {
-  std::map<const SeenObject*, double> least_m;
-  for (const PlaceMatch& match : matches) {
-    if (match.seen == &seen || match.known->object->is_archived() ||
-        IsFragmentOf(*match.seen->object, *match.known->object, parameters_.parts)) {
-      continue;
-    }
-    const auto [entry, is_new] = least_m.emplace(match.seen, match.displacement_m);
-    if (!is_new) entry->second = std::min(entry->second, match.displacement_m);
-  }
-  if (least_m.empty()) return parameters_.max_displacement_m;
-  std::vector<double> others_m;
-  others_m.reserve(least_m.size());
-  for (const auto& [other, displacement_m] : least_m) others_m.push_back(displacement_m);
-  const auto middle = others_m.begin() + static_cast<std::ptrdiff_t>((others_m.size() - 1) / 2);
-  std::nth_element(others_m.begin(), middle, others_m.end());
-  return std::clamp(parameters_.max_pose_sigmas * kSigmasOfMedian * *middle,
-                    parameters_.max_displacement_m,
-                    parameters_.max_session_offset_m);
-}
-
-/// Returns the known objects that each object of the session may be, in place or almost.
-std::vector<PlaceMatch> SessionDecision::FindPlaceMatches() {
-  std::vector<PlaceMatch> matches;
-  for (SeenObject& seen : seen_) {
-    if (seen.is_decided) continue;
-    for (KnownObject& known : known_) {
-      const std::optional<Registration> registration =
-          RegisterToKnown(*seen.object, *known.object, map_->scale());
-      if (!registration || registration->dissimilarity > parameters_.max_dissimilarity) continue;
-      const double displacement_m = DisplacementOf(*registration, *seen.object);
-      // Less of its shape need be known of what is just where it stood.
-      const bool is_back = known.object->is_archived();
-      const double least_known = is_back && displacement_m > parameters_.max_displacement_m
-                                     ? parameters_.min_shape_known_share
-                                     : parameters_.min_known_share;
-      if (registration->known_share < least_known) continue;
-      const double fit = registration->known_share * (1.0 - registration->dissimilarity);
-      matches.push_back(
-          {&seen, &known, displacement_m, fit, FitsAtRest(*registration, parameters_)});
-    }
-  }
-  // What stands there is more likely than what left.
-  std::stable_sort(matches.begin(), matches.end(), [](const PlaceMatch& a, const PlaceMatch& b) {
-    if (a.known->object->is_archived() != b.known->object->is_archived()) {
-      return b.known->object->is_archived();
-    }
-    return a.fit > b.fit;
-  });
-  return matches;
-}
-
 void SessionDecision::MatchInPlace() {
-  const std::vector<PlaceMatch> matches = FindPlaceMatches();
+  const std::vector<PlaceMatch> matches = FindPlaceMatches(parameters_, map_->scale(), &objects_);
   for (const PlaceMatch& match : matches) {
     if (match.seen->is_decided) continue;
     const bool is_archived = match.known->object->is_archived();
     const double doubt =
-        std::max(DoubtOf(*match.known->object),
+        std::max(DoubtOf(*match.known->object, objects_, parameters_),
                  is_archived ? 0.0 : NewShareOf(*match.known->object, *match.seen->object, *map_));
     const double displacement_m =
         match.fits_at_rest && doubt < parameters_.doubted_share ? 0.0 : match.displacement_m;
     if (IsOlderThanRemoval(*match.seen, *match.known)) {
       // Another session has found it gone since.
-      if (displacement_m > InPlaceLimit(matches, *match.seen)) continue;
+      if (displacement_m > InPlaceLimit(matches, *match.seen, parameters_)) continue;
       match.seen->is_decided = true;
       map_->Delete(match.seen->object);
       continue;
     }
     // What was gone is back where it stood, if not to the centimetre.
-    if (!is_archived && displacement_m > InPlaceLimit(matches, *match.seen)) continue;
+    if (!is_archived && displacement_m > InPlaceLimit(matches, *match.seen, parameters_)) continue;
     const bool is_displaced = displacement_m > parameters_.max_displacement_m;
     if (doubt >= (is_displaced ? parameters_.gone_share : 1.0 - parameters_.doubted_share)) {
       continue;
     }
     if (doubt >= (is_displaced ? parameters_.doubted_share : parameters_.gone_share)) {
-      doubted_.push_back(match);
+      objects_.doubted.push_back(match);
     } else {
       Confirm(match.seen, match.known);
     }
   }
 }
 
-/// Returns the share of the looked-at surface that is gone; 0 if the looks were from wrong poses.
-double SessionDecision::DoubtOf(const TrackedObject& known) const {
-  const Eigen::Vector3d& center_world = known.cuboid().center_world;
-  const double displacement_m = (motion_ * center_world - center_world).norm();
-  return displacement_m > parameters_.max_displacement_m ? 0.0 : GoneShareOf(known);
-}
-
 /// Confirms the doubted matches in place that no move explains better.
 void SessionDecision::MatchDoubted() {
-  for (const PlaceMatch& match : doubted_) {
+  for (const PlaceMatch& match : objects_.doubted) {
     if (!match.seen->is_decided && !match.known->is_taken) Confirm(match.seen, match.known);
   }
-}
-
-/// Returns how well an object of the session, or a known object, agrees with standing in place
-/// despite what is gone, in [0, 1].
-double SessionDecision::DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const {
-  double best = 0.0;
-  for (const PlaceMatch& match : doubted_) {
-    if (match.seen->is_decided || match.known->is_taken) continue;
-    if (match.seen != &seen && match.known != &known) continue;
-    best = std::max(best, match.fit * (1.0 - DoubtOf(*match.known->object)));
-  }
-  return best;
 }
 
 void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
@@ -373,7 +229,7 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   if (object->state().class_id == kNoClass && !is_back) {
     for (TrackedObject* region :
          SeparateNewRegions(parameters_.parts, *object, seen->object, map_)) {
-      AddSeen(region, /*is_new_region=*/true);
+      objects_.AddSeen(region, /*is_new_region=*/true);
     }
   }
   AddVoxels(*seen->object, map_, object);
@@ -405,11 +261,11 @@ void SessionDecision::UpdateBeliefOf(double change_m, TrackedObject* object) {
 }
 
 void SessionDecision::JudgeKnown() {
-  for (KnownObject& known : known_) {
+  for (KnownObject& known : objects_.known) {
     if (known.standing != Standing::kUnknown || known.object->is_archived()) continue;
     std::vector<const TrackedObject*> others;
     const bool is_structure = IsStructure(*known.object, parameters_.parts.scene);
-    for (const SeenObject& seen : seen_) {
+    for (const SeenObject& seen : objects_.seen) {
       // A thing on a structure does not replace it.
       if (!seen.is_decided && !is_structure && IsOfOneClass(*seen.object, *known.object)) {
         others.push_back(seen.object);
@@ -447,12 +303,13 @@ bool SessionDecision::IsContradicted(TrackedObject* object) {
 
 /// Separates what is new on structures from what had not been seen of them.
 void SessionDecision::SeparateNew() {
-  for (KnownObject& known : known_) {
+  for (KnownObject& known : objects_.known) {
     if (!IsStructure(*known.object, parameters_.parts.scene)) continue;
-    const std::size_t count = seen_.size();
+    const std::size_t count = objects_.seen.size();
     for (std::size_t i = 0; i < count; ++i) {
-      if (seen_[i].object->state().class_id != kNoClass || seen_[i].is_decided) continue;
-      SeparateNewOn(&known, &seen_[i]);
+      SeenObject& seen = objects_.seen[i];
+      if (seen.object->state().class_id != kNoClass || seen.is_decided) continue;
+      SeparateNewOn(&known, &seen);
     }
   }
 }
@@ -463,7 +320,7 @@ void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
   if (seen->is_new_region) return;
   for (TrackedObject* region :
        SeparateNewRegions(parameters_.parts, *structure->object, seen->object, map_)) {
-    AddSeen(region, /*is_new_region=*/true);
+    objects_.AddSeen(region, /*is_new_region=*/true);
   }
   const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
   const bool is_rest = seen->object->surface().point_count() > 0;
@@ -478,16 +335,16 @@ void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
 
 /// Ends the regions of standing objects without a label that are gone.
 void SessionDecision::SeparateGone() {
-  const std::size_t count = known_.size();
+  const std::size_t count = objects_.known.size();
   for (std::size_t i = 0; i < count; ++i) {
-    TrackedObject* object = known_[i].object;
-    if (known_[i].standing != Standing::kStands || object->is_archived() ||
+    TrackedObject* object = objects_.known[i].object;
+    if (objects_.known[i].standing != Standing::kStands || object->is_archived() ||
         object->state().class_id != kNoClass) {
       continue;
     }
     if (IsStructure(*object, parameters_.parts.scene)) ConfirmStructure(object);
     for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
-      AddKnown(region, Standing::kGone);
+      objects_.AddKnown(region, Standing::kGone);
     }
   }
 }
@@ -513,124 +370,13 @@ void SessionDecision::ConfirmStructure(TrackedObject* object) {
   ReportPresence(source_, last_look, &edit.state());
 }
 
-/// True if an object of the session that may be a known one in place rather is that one at a new
-/// place: all surface that was known is there.
-bool SessionDecision::IsPushed(const KnownObject& known, const ShapeMatch& match) const {
-  const Eigen::Isometry3d T_object_world =
-      known.object->state().T_world_object.ToIsometry().inverse();
-  const Eigen::Vector3d center_world = known.object->cuboid().center_world;
-  const Eigen::Vector3d moved_world = match.T_world_object * (T_object_world * center_world);
-  const SurfaceOverlap self = CompareSurfaces(
-      *known.object, *known.object, T_object_world * match.T_world_object, map_->scale());
-  if ((moved_world - center_world).norm() <= parameters_.max_displacement_m &&
-      self.known_share * self.fit_share >= 1.0 - parameters_.max_dissimilarity) {
-    return false;
-  }
-  const SurfaceOverlap& overlap = match.reverse_overlap;
-  return overlap.known_share * overlap.fit_share >= 1.0 - parameters_.max_dissimilarity;
-}
-
-/// True if an object of the session was last seen before a known one was removed.
-bool SessionDecision::IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known) {
-  return known.object->is_archived() &&
-         seen.object->state().last_seen < known.object->state().in_place_since;
-}
-
-/// True if a known object is not where it was, or if it was pushed to where an object of the
-/// session hides its place.
-bool SessionDecision::MayHaveMoved(const SeenObject& seen, const KnownObject& known) const {
-  if (known.object->is_archived()) return !IsOlderThanRemoval(seen, known);
-  if (known.standing == Standing::kGone) return true;
-  return known.standing == Standing::kUnverified &&
-         DistanceBetween(known.object->cuboid(), seen.object->cuboid()) <= 0.0;
-}
-
-/// True if the surfaces of two objects are large enough to be of one.
-bool SessionDecision::AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const {
-  return seen.SurfaceAreaM2() >= parameters_.min_moved_area_share * known.SurfaceAreaM2() &&
-         known.SurfaceAreaM2() >= parameters_.min_shape_known_share * seen.SurfaceAreaM2();
-}
-
-/// Returns the known objects that each undecided object of the session may be, at a new place.
-std::vector<MoveCandidate> SessionDecision::ListMoves() {
-  std::vector<MoveCandidate> candidates;
-  for (SeenObject& seen : seen_) {
-    if (seen.is_decided) continue;
-    for (KnownObject& known : known_) {
-      if (known.is_taken || !IsOfOneClass(*seen.object, *known.object) ||
-          !MayHaveMoved(seen, known) || !AreOfOneSize(*seen.object, *known.object)) {
-        continue;
-      }
-      const double distance_m = DistanceBetween(known.object->cuboid(), seen.object->cuboid());
-      candidates.push_back({&seen, &known, {}, distance_m});
-    }
-  }
-  // The cuboids, which are computed at the first use, are known from here on.
-  ParallelFor(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      MoveCandidate& candidate = candidates[i];
-      candidate.match =
-          MatchShapes(*candidate.known->object, *candidate.seen->object, map_->scale());
-    }
-  });
-  std::erase_if(candidates, [&](const MoveCandidate& candidate) {
-    return candidate.match.overlap.known_share < parameters_.min_shape_known_share ||
-           candidate.match.fit_share() < parameters_.min_shape_fit_share ||
-           (IsDoubtedMatch(*candidate.seen, *candidate.known) &&
-            !IsPushed(*candidate.known, candidate.match));
-  });
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.match.confidence() > b.match.confidence();
-  });
-  return candidates;
-}
-
-/// Gives up matches in place that a push explains better, also if several objects may be pushed.
-void SessionDecision::DropPushed(const std::vector<MoveCandidate>& candidates) {
-  std::erase_if(doubted_, [&](const PlaceMatch& doubted) {
-    return std::any_of(candidates.begin(), candidates.end(), [&](const MoveCandidate& candidate) {
-      return doubted.seen == candidate.seen && doubted.known == candidate.known &&
-             doubted.fit * (1.0 - DoubtOf(*doubted.known->object)) < candidate.match.confidence();
-    });
-  });
-}
-
-/// Returns how likely a move is, on the scale of `rival_margin`. What is not known of a shape does
-/// not tell it from another one. Of two equal shapes, the one whose place overlaps was pushed.
-double SessionDecision::LikelihoodOf(const MoveCandidate& candidate) const {
-  const bool is_pushed = candidate.distance_m <= 0.0 && IsPushed(*candidate.known, candidate.match);
-  return candidate.match.fit_share() + (is_pushed ? kPushMargins * parameters_.rival_margin : 0.0);
-}
-
-/// Returns the moves without which the best explanation of all changes would be clearly worse.
-std::vector<MoveCandidate> SessionDecision::FindClearMoves(
-    const std::vector<MoveCandidate>& candidates) const {
-  std::vector<AssignmentPair> pairs;
-  pairs.reserve(candidates.size());
-  for (const MoveCandidate& candidate : candidates) {
-    pairs.push_back({candidate.seen->index, candidate.known->index, -LikelihoodOf(candidate)});
-  }
-  const std::vector<std::optional<std::size_t>> columns =
-      AssignClearColumns(seen_.size(), known_.size(), pairs, 0.0, parameters_.rival_margin);
-  std::vector<MoveCandidate> clear;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (columns[pairs[i].row] == pairs[i].column) clear.push_back(candidates[i]);
-  }
-  return clear;
-}
-
 /// Joins objects of the session with the gone or archived objects whose shape they have.
 void SessionDecision::FindMoves() {
-  std::vector<MoveCandidate> candidates = ListMoves();
-  DropPushed(candidates);
-  std::erase_if(candidates, [&](const MoveCandidate& candidate) {
-    return DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence();
-  });
-  for (const MoveCandidate& candidate : FindClearMoves(candidates)) {
-    Join(candidate.known->object, candidate.seen->object, candidate.match);
-    candidate.seen->is_decided = true;
-    candidate.known->standing = Standing::kStands;
-    candidate.known->is_taken = true;
+  for (const SessionMove& move : FindSessionMoves(parameters_, map_->scale(), &objects_)) {
+    Join(move.known->object, move.seen->object, move.match);
+    move.seen->is_decided = true;
+    move.known->standing = Standing::kStands;
+    move.known->is_taken = true;
   }
 }
 
@@ -669,7 +415,7 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
 /// True if an object of the session continues a standing object, which then has its surface.
 bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
   const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
-  for (const KnownObject& known : known_) {
+  for (const KnownObject& known : objects_.known) {
     if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
     if (!IsFragmentOf(seen, *known.object, parameters_.parts) &&
         !IsThinPartOf(seen, *known.object, parameters_.parts, *map_) &&
@@ -685,7 +431,7 @@ bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
 }
 
 void SessionDecision::AddRest() {
-  for (SeenObject& seen : seen_) {
+  for (SeenObject& seen : objects_.seen) {
     if (seen.is_decided) continue;
     if (!seen.is_new_region && IsPartOfStanding(*seen.object)) {
       map_->Delete(seen.object);
@@ -696,7 +442,7 @@ void SessionDecision::AddRest() {
 }
 
 void SessionDecision::EndGone() {
-  for (const KnownObject& known : known_) {
+  for (const KnownObject& known : objects_.known) {
     if (known.object->is_archived()) continue;
     if (known.standing == Standing::kStands) CutGoneParts(known.object);
     if (known.standing != Standing::kGone) continue;

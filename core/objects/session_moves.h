@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "core/objects/session_objects.h"
+#include "core/objects/session_parameters.h"
+#include "core/objects/shape_match.h"
+#include "core/volume/tsdf_grid.h"
+
+/// Which known object an object of a session is if that one is at a new place.
+namespace steadymap {
+
+/// An object of the session that has the shape of a known one, which is gone or was removed.
+struct SessionMove {
+  SeenObject* seen = nullptr;
+  KnownObject* known = nullptr;
+  ShapeMatch match;
+  double distance_m = 0.0;  ///< Between both places.
+};
+
+/// Returns the moves of undecided objects of the session without which the best explanation of all
+/// changes would be clearly worse; twins are not guessed. Drops the doubted matches in place that a
+/// push explains better.
+std::vector<SessionMove> FindSessionMoves(const SessionIdentityParameters& parameters,
+                                          const VoxelScale& scale,
+                                          SessionObjects* objects);
+
+}  // namespace steadymap

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/objects/session_parameters.h"
+#include "core/objects/standing.h"
+#include "core/working/tracked_object.h"
+
+/// What is known of the objects of a session, and of the known ones, while the session is decided.
+namespace steadymap {
+
+/// An object that was known before the session.
+struct KnownObject {
+  TrackedObject* object = nullptr;
+  std::size_t index = 0;
+  Standing standing = Standing::kUnknown;
+  bool is_taken = false;  ///< By an object of the session.
+};
+
+/// An object of the session.
+struct SeenObject {
+  TrackedObject* object = nullptr;
+  std::size_t index = 0;
+  bool is_new_region = false;  ///< Was not there when a known object beside it was seen.
+  bool is_decided = false;
+};
+
+/// An object of the session on the surface of a known one.
+struct PlaceMatch {
+  SeenObject* seen = nullptr;
+  KnownObject* known = nullptr;
+  double displacement_m = 0.0;
+  double fit = 0.0;           ///< Share of the surface that agrees.
+  bool fits_at_rest = false;  ///< Agrees as well without the displacement.
+};
+
+/// The objects of one decision.
+struct SessionObjects {
+  std::deque<SeenObject> seen;  ///< Not moved in memory when it grows.
+  std::deque<KnownObject> known;
+  std::vector<PlaceMatch> doubted;  ///< In place, but much of the known object is gone.
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  ///< Of the session onto the map.
+
+  void AddSeen(TrackedObject* object, bool is_new_region) {
+    seen.push_back({object, seen.size(), is_new_region});
+  }
+
+  void AddKnown(TrackedObject* object, Standing standing) {
+    known.push_back({object, known.size(), standing});
+  }
+};
+
+/// Returns the share of the looked-at surface of a known object that is gone; 0 if the looks were
+/// from wrong poses.
+double DoubtOf(const TrackedObject& known,
+               const SessionObjects& objects,
+               const SessionIdentityParameters& parameters);
+
+/// True if an object of the session was last seen before a known one was removed.
+bool IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known);
+
+}  // namespace steadymap
