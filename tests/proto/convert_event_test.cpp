@@ -13,7 +13,7 @@ namespace {
 
 using ::steadymap::testing::kNan;
 
-constexpr int kTypeCount = 9;
+constexpr int kTypeCount = 10;
 constexpr int kReasonCount = 9;
 
 ObjectEvent RandomEvent(std::mt19937* random) {
@@ -40,7 +40,9 @@ ObjectEvent RandomEvent(std::mt19937* random) {
     event.after = {place(*random), positive(*random), positive(*random), positive(*random)};
     event.supporting_frames = large(*random);
     event.contradicted_updates = large(*random);
-  } else {
+  }
+  if (event.type == EventType::kRobotLost || event.type == EventType::kRobotFound ||
+      event.type == EventType::kContradicted) {
     event.source = {"robot-" + std::to_string(large(*random) % 100), "left"};
   }
   event.related = ObjectId(large(*random));

@@ -171,7 +171,10 @@ ObjectEvent MakeEvent(EventType type, std::uint64_t object, std::uint32_t seed) 
   event.related = ObjectId{random()};
   event.supporting_frames = random();
   event.contradicted_updates = random();
-  if (type == EventType::kRobotLost || type == EventType::kRobotFound) event.source = kStoreSensor;
+  if (type == EventType::kRobotLost || type == EventType::kRobotFound ||
+      type == EventType::kContradicted) {
+    event.source = kStoreSensor;
+  }
   return event;
 }
 

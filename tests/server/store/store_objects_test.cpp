@@ -168,6 +168,9 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::ObjectState* state) {
     for (int i = 3; i < 10; ++i) state->add_looks()->set_robot("robot-" + std::to_string(i));
   });
+  refuse([](storage::v1::ObjectState* state) {
+    for (int i = 1; i < 9; ++i) *state->add_contradictions() = state->contradictions(0);
+  });
 }
 
 TEST(ObjectRecords, MayHaveTheFurtherNumbersOfOlderOnes) {
@@ -176,6 +179,12 @@ TEST(ObjectRecords, MayHaveTheFurtherNumbersOfOlderOnes) {
   older.add_evidence_cells(3.0);
   older.add_evidence_cells(0.5);
   EXPECT_EQ(FromProto(ObjectId{5}, older).value(), state);
+}
+
+TEST(EventRecords, NameTheSensorOfAContradiction) {
+  const ObjectEvent event = MakeEvent(EventType::kContradicted, 4, 1);
+  ASSERT_FALSE(event.source.robot.empty());
+  EXPECT_EQ(FromProto(ToProto(event)).value(), event);
 }
 
 TEST(EventRecords, RefuseWhatCannotHaveBeenWritten) {
@@ -188,7 +197,7 @@ TEST(EventRecords, RefuseWhatCannotHaveBeenWritten) {
         << bad.ShortDebugString();
   };
   refuse([](storage::v1::EventRecord* event) { event->set_type(0); });
-  refuse([](storage::v1::EventRecord* event) { event->set_type(10); });
+  refuse([](storage::v1::EventRecord* event) { event->set_type(11); });
   refuse([](storage::v1::EventRecord* event) { event->set_reason(10); });
   refuse([](storage::v1::EventRecord* event) { event->set_class_id(65536); });
   refuse([](storage::v1::EventRecord* event) { event->clear_center(); });
