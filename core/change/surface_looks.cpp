@@ -168,11 +168,12 @@ LookCount CountLooks(const TrackedObject& object) {
   LookCount count;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
-    if (evidence == nullptr) continue;
     std::array<bool, kEvidenceCells> has_surface{};
     for (const SurfaceVoxel& point : leaf.points) has_surface[point.cell] = true;
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if (!has_surface[cell]) continue;
+      ++count.cells;
+      if (evidence == nullptr) continue;
       if (evidence->score[cell] > 0) ++count.found;
       if (evidence->score[cell] < 0) ++count.gone;
     }

@@ -40,6 +40,7 @@ struct LookParameters {
 
 /// The number of evidence cells of an object by the balance of their looks.
 struct LookCount {
+  std::size_t cells = 0;  ///< All of them, looked at or not.
   std::size_t found = 0;  ///< More looks found surface than not.
   std::size_t gone = 0;   ///< More looks found none, or surface of another class.
 

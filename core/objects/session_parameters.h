@@ -41,8 +41,10 @@ struct SessionIdentityParameters {
   /// ... or share of that object's surface that must be known of the shape, if it was displaced by
   /// less than can be seen through.
   double min_displaced_known_share = 0.6;
-  /// Fewest looked-at evidence cells that decide.
+  /// Fewest looked-at evidence cells that decide, and smallest looked-at area, square metres; of a
+  /// smaller object, `min_known_share` of its cells.
   std::size_t min_looked_at_cells = 4;
+  double min_looked_at_area_m2 = 0.04;
   /// Fewest evidence cells, and smallest share of the looked-at ones, of a part that is gone.
   std::size_t min_part_cells = 25;
   double min_part_share = 0.1;

@@ -10,6 +10,17 @@
 namespace steadymap {
 namespace {
 
+/// Returns how many looked-at cells decide on an object: of small voxels more, since noise and pose
+/// errors let looks pass the outline of an object by centimetres.
+std::size_t DecidingCells(const LookCount& looks,
+                          const SessionIdentityParameters& parameters,
+                          const VoxelScale& scale) {
+  const double cell_m = kEvidenceSide * scale.voxel_size_m;
+  const double cells = std::min(parameters.min_looked_at_area_m2 / (cell_m * cell_m),
+                                parameters.min_known_share * static_cast<double>(looks.cells));
+  return std::max(parameters.min_looked_at_cells, static_cast<std::size_t>(cells));
+}
+
 /// True if another object is where the known one was, so that it cannot be there.
 bool Replaces(const TrackedObject& other,
               const TrackedObject& known,
@@ -50,7 +61,7 @@ Standing JudgeStanding(const TrackedObject& known,
                        const SessionIdentityParameters& parameters,
                        const VoxelScale& scale) {
   const LookCount looks = CountLooks(known);
-  if (looks.looked_at() < parameters.min_looked_at_cells) return Standing::kUnknown;
+  if (looks.looked_at() < DecidingCells(looks, parameters, scale)) return Standing::kUnknown;
   const bool is_doubted = GoneShareOf(known) >= parameters.doubted_share;
   const std::size_t verified = looks.looked_at() - CountExplainedCells(known, others, scale);
   if (is_doubted &&

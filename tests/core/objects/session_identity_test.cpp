@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/change/surface_looks.h"
 #include "core/objects/part_votes.h"
 #include "core/types/map_config.h"
 #include "tests/support/analytic_map.h"
@@ -34,7 +35,9 @@ const Box kFirstPart(Eigen::Vector3d(-10.0, -10.0, -10.0), Eigen::Vector3d(10.0,
 
 class SessionIdentityTest : public ::testing::Test {
  protected:
-  SessionIdentityTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
+  explicit SessionIdentityTest(const MapConfig& config = MapConfig()) : map_(config) {
+    map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0));
+  }
 
   TrackedObject* Put(ObjectStatus status,
                      const Eigen::Vector3d& place,
@@ -136,7 +139,20 @@ class SessionIdentityTest : public ::testing::Test {
     edit.state().source = source;
   }
 
-  WorkingMap map_{MapConfig()};
+  WorkingMap map_;
+};
+
+MapConfig TwoCentimetreConfig() {
+  MapConfig config;
+  config.voxel_size_m = 0.02;
+  config.truncation_m = 0.06;
+  return config;
+}
+
+/// A map with voxels of 2 cm.
+class FineSessionIdentityTest : public SessionIdentityTest {
+ protected:
+  FineSessionIdentityTest() : SessionIdentityTest(TwoCentimetreConfig()) {}
 };
 
 TEST_F(SessionIdentityTest, WhatNoKnownObjectExplainsIsNew) {
@@ -408,6 +424,29 @@ TEST_F(SessionIdentityTest, ObjectsOfOtherSessionsWaitForTheirOwnEnd) {
   DecideSession(
       MapConfig(), SessionIdentityParameters(), other, Eigen::Isometry3d::Identity(), &map_);
   EXPECT_NE(waiting->state().status, ObjectStatus::kTentative);
+}
+
+TEST_F(FineSessionIdentityTest, AFewSmallCellsDoNotDecide) {
+  TrackedObject* known = PutKnown(0.0, 0);
+  // The lowest slice of one side, as thick as it takes for a few cells of 4 cm.
+  Box slice(Eigen::Vector3d(1.9, -0.1, -0.1), Eigen::Vector3d(2.1, 0.0, 0.05));
+  while (CountLooks(*known).gone < 10) {
+    slice.max().y() += 0.02;
+    SetScores(slice, -2, known);
+  }
+  ASSERT_LT(CountLooks(*known).gone, 20U);
+  EXPECT_TRUE(Decide().empty());
+  SetScores(Box(Eigen::Vector3d(1.9, -1.0, -1.0), Eigen::Vector3d(2.1, 1.0, 1.0)), -2, known);
+  EXPECT_EQ(Decide().size(), 1U) << "a whole side";
+}
+
+TEST_F(FineSessionIdentityTest, AThirdOfASmallThingDecides) {
+  TrackedObject* known = PutKnown(0.0, 0, {0.08, 0.08, 0.1});
+  SetScores(Box(Eigen::Vector3d(1.9, -1.0, -1.0), Eigen::Vector3d(2.06, 1.0, 1.0)), -2, known);
+  const LookCount looks = CountLooks(*known);
+  ASSERT_LT(looks.gone, 25U) << "0.04 square metres";
+  ASSERT_GT(3 * looks.gone, looks.cells);
+  EXPECT_EQ(Decide().size(), 1U);
 }
 
 TEST_F(SessionIdentityTest, ASurfaceOfOneFrameIsNoObject) {
