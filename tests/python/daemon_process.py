@@ -68,10 +68,15 @@ class DaemonProcess:
             stderr=subprocess.DEVNULL,
         )
 
-    def send_signal(self, number: int) -> None:
-        """Sends a signal to the daemon."""
+    def pause(self) -> None:
+        """Stops the threads of the daemon; its connections stay. Waits until all have stopped."""
+        self._process.send_signal(signal.SIGSTOP)
+        os.waitpid(self._process.pid, os.WUNTRACED)
+
+    def go_on(self) -> None:
+        """Lets a paused daemon run again."""
         if self._process is not None:
-            self._process.send_signal(number)
+            self._process.send_signal(signal.SIGCONT)
 
     def restart(self) -> None:
         """Starts the daemon again, with the same store and port."""

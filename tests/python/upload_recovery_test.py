@@ -1,6 +1,5 @@
 """Uploads that continue after a restart of the daemon."""
 
-import signal
 import tempfile
 import threading
 import unittest
@@ -82,8 +81,8 @@ class UploadOverRestarts(unittest.TestCase):
         options = steadymap.UploadOptions(
             backoff=steadymap.BackoffOptions(0.01, 0.01, give_up_after_s=0.02)
         )
-        self.daemon.send_signal(signal.SIGSTOP)
-        self.addCleanup(self.daemon.send_signal, signal.SIGCONT)
+        self.daemon.pause()
+        self.addCleanup(self.daemon.go_on)
         with self.assertRaises(errors.UnavailableError):
             self.client.upload("hall", [wall_frame()], options)
 
