@@ -84,13 +84,8 @@ void Mapper::EndSession(MapSequence sequence, const SensorName& sensor) {
 
 /// Ends the session of a robot, at the time of its last frame.
 void Mapper::DecideSession(Revision revision, const SensorName& sensor) {
-  const RobotState* robot = map_.FindRobot(sensor);
-  if (robot == nullptr) {
-    map_.Advance(revision);
-    return;
-  }
   stages_.Enter(MapperStage::kSessionEnd);
-  map_.BeginSessionEnd(revision, robot->last_capture_time);
+  map_.BeginSessionEnd(revision, sensor);
   updater_->EndSession(sensor, &map_);
   map_.EndFrame();
   stages_.Leave();

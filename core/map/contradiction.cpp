@@ -55,8 +55,9 @@ const Contradiction* ReportAbsence(const SensorName& source,
 }
 
 void ReportPresence(const SensorName& source, Timestamp time, ObjectState* object) {
-  std::erase_if(object->contradictions,
-                [&](const Contradiction& known) { return known.absent == source; });
+  std::erase_if(object->contradictions, [&](const Contradiction& known) {
+    return known.absent == source && known.last <= time;
+  });
   if (time < object->last_seen) return;
   object->last_seen = time;
   object->source = source;

@@ -44,7 +44,8 @@ const Contradiction* ReportAbsence(const SensorName& source,
                                    double window_s,
                                    ObjectState* object);
 
-/// Takes in that a session of `source` saw the object in its place, the last time at `time`.
+/// Takes in that a session of `source` saw the object in its place, the last time at `time`. Ends
+/// its contradiction unless it found the object gone since.
 void ReportPresence(const SensorName& source, Timestamp time, ObjectState* object);
 
 /// Objects about which two sensors contradict each other.

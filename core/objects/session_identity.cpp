@@ -75,6 +75,7 @@ class SessionDecision {
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
   bool IsContradicted(TrackedObject* object);
+  void KeepContradicted(TrackedObject* object);
   void EndVanished();
   void FindMoves();
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
@@ -279,26 +280,30 @@ void SessionDecision::JudgeKnown() {
 }
 
 /// Takes in that the session found a known object gone. True if another sensor insists that it
-/// stands: then it stays, and the contradiction is told once.
+/// stands.
 bool SessionDecision::IsContradicted(TrackedObject* object) {
   const Timestamp last_look = LastLookAt(*object);
-  std::uint32_t sessions = 0;
-  {
-    ObjectEdit edit = map_->Edit(object);
-    const Contradiction* contradiction =
-        ReportAbsence(source_, last_look, parameters_.contradiction_window_s, &edit.state());
-    if (contradiction == nullptr || !contradiction->is_confirmed()) return false;
-    sessions = contradiction->sessions;
-  }
+  ObjectEdit edit = map_->Edit(object);
+  const Contradiction* contradiction =
+      ReportAbsence(source_, last_look, parameters_.contradiction_window_s, &edit.state());
+  return contradiction != nullptr && contradiction->is_confirmed();
+}
+
+/// Keeps an object that is gone for the session alone. The contradiction is told once.
+void SessionDecision::KeepContradicted(TrackedObject* object) {
   const Belief before = object->state().belief;
   UpdateBeliefOf(parameters_.belief.max_change_m, object);
-  if (sessions > kConfirmingSessions) return true;
+  const std::vector<Contradiction>& all = object->state().contradictions;
+  if (std::none_of(all.begin(), all.end(), [&](const Contradiction& contradiction) {
+        return contradiction.absent == source_ && contradiction.sessions == kConfirmingSessions;
+      })) {
+    return;
+  }
   ObjectEvent event =
       map_->MakeEvent(EventType::kContradicted, EventReason::kDisagreement, *object);
   event.before = before;
   event.source = source_;
   map_->RecordEvent(event);
-  return true;
 }
 
 /// Separates what is new on structures from what had not been seen of them.
@@ -445,6 +450,7 @@ void SessionDecision::EndGone() {
   for (const KnownObject& known : objects_.known) {
     if (known.object->is_archived()) continue;
     if (known.standing == Standing::kStands) CutGoneParts(known.object);
+    if (known.standing == Standing::kContradicted) KeepContradicted(known.object);
     if (known.standing != Standing::kGone) continue;
     const Belief before = known.object->state().belief;
     UpdateBeliefOf(parameters_.belief.max_change_m, known.object);

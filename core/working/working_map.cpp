@@ -58,9 +58,10 @@ void WorkingMap::BeginFrame(Revision revision, Timestamp capture_time) {
   now_ = capture_time;
 }
 
-void WorkingMap::BeginSessionEnd(Revision revision, Timestamp last_capture_time) {
+void WorkingMap::BeginSessionEnd(Revision revision, const SensorName& sensor) {
   map_.revision = revision;
-  now_ = last_capture_time;
+  const RobotState* robot = FindRobot(sensor);
+  now_ = robot == nullptr ? map_.last_capture_time : robot->last_capture_time;
 }
 
 void WorkingMap::AddClasses(Revision revision, const std::vector<SemanticClass>& classes) {

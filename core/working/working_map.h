@@ -52,8 +52,8 @@ class WorkingMap {
   void BeginFrame(Revision revision, Timestamp capture_time);
 
   /// Starts the end of a session, which has no frame: subsequent changes have the capture time of
-  /// the last frame of the session.
-  void BeginSessionEnd(Revision revision, Timestamp last_capture_time);
+  /// the last frame of the sensor; of an unknown one, of the last frame of the map.
+  void BeginSessionEnd(Revision revision, const SensorName& sensor);
 
   /// Ends the frame: deletes the objects passed to `Delete` in it.
   void EndFrame();
@@ -70,7 +70,7 @@ class WorkingMap {
   /// Returns the revision of the current frame, or of the last one.
   Revision revision() const { return map_.revision; }
 
-  /// Returns the capture time of the current frame.
+  /// Returns the capture time of the current frame, or that of the current end of a session.
   Timestamp now() const { return now_; }
 
   const VoxelScale& scale() const { return map_.scale; }

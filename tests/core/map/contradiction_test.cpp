@@ -62,6 +62,13 @@ TEST(Contradiction, EndsWhenTheOtherSensorSeesTheObject) {
   EXPECT_EQ(object.last_seen, Second(30.0));
 }
 
+TEST(Contradiction, DoesNotEndByAnOlderSight) {
+  ObjectState object = SeenAt(10.0);
+  ReportAbsence(kDoubter, Second(20.0), kWindowS, &object);
+  ReportPresence(kDoubter, Second(15.0), &object);
+  EXPECT_EQ(object.contradictions.size(), 1U) << "a drive that was uploaded late";
+}
+
 TEST(Contradiction, NeedsAFreshSight) {
   ObjectState object = SeenAt(10.0);
   ReportAbsence(kDoubter, Second(20.0), kWindowS, &object);
