@@ -30,6 +30,18 @@ v1::PoseOffset ToProto(const PoseOffset& offset) {
   return message;
 }
 
+v1::PoseError ToProto(const PoseErrorEstimate& estimate) {
+  const PoseError error = estimate.Combined();
+  v1::PoseError message;
+  *message.mutable_time() = steadymap::ToProto(estimate.time);
+  *message.mutable_shift_m() = steadymap::ToProto(Eigen::Vector3d(error.mean.head<3>()));
+  *message.mutable_rotation_rad() = steadymap::ToProto(Eigen::Vector3d(error.mean.tail<3>()));
+  for (const double number : error.covariance.reshaped<Eigen::RowMajor>()) {
+    message.add_covariance(number);
+  }
+  return message;
+}
+
 }  // namespace
 
 v1::Robot ToProto(const SensorName& name, const RobotState& state) {
@@ -41,6 +53,7 @@ v1::Robot ToProto(const SensorName& name, const RobotState& state) {
   *message.mutable_world_from_camera() = ToProto(state.claimed.ToIsometry());
   if (state.session_start) *message.mutable_session_start() = ToProto(*state.session_start);
   if (state.offset) *message.mutable_pose_offset() = ToProto(*state.offset);
+  if (state.pose_error) *message.mutable_pose_error() = ToProto(*state.pose_error);
   return message;
 }
 

@@ -32,6 +32,9 @@ class SemanticCloud {
   /// Computes the cloud of a frame that passed `ValidateFrame`. Every cell gets owner 0.
   void Compute(const Frame& frame);
 
+  /// Moves the cloud to a corrected pose of the camera.
+  void SetPose(const Eigen::Isometry3d& T_world_camera) { T_world_camera_ = T_world_camera; }
+
   int cells_wide() const { return cells_wide_; }
 
   int cells_high() const { return cells_high_; }

@@ -76,7 +76,6 @@ bool FitsAtRest(const Registration& registration, const SessionIdentityParameter
 
 std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,
                                        const std::vector<const TrackedObject*>& known,
-                                       const Eigen::Isometry3d& prior,
                                        const SessionIdentityParameters& parameters,
                                        const VoxelScale& scale) {
   std::vector<AnchorMatches> anchors;
@@ -94,8 +93,8 @@ std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& 
     }
   }
   const double vote_scale_m = std::max(parameters.vote_scale_m, 0.5 * scale.voxel_size_m);
-  const AnchorAlignment alignment =
-      AlignToAnchors(anchors, starts, vote_scale_m, {prior, parameters.claim_votes});
+  const AlignmentPrior prior{Eigen::Isometry3d::Identity(), parameters.claim_votes};
+  const AnchorAlignment alignment = AlignToAnchors(anchors, starts, vote_scale_m, prior);
   if (alignment.agreeing == 0) return std::nullopt;
   return OffsetOf(alignment, vote_scale_m, parameters.max_session_offset_m);
 }

@@ -27,12 +27,10 @@ double DisplacementOf(const Registration& registration, const TrackedObject& obj
 /// then only makes more of its surface known.
 bool FitsAtRest(const Registration& registration, const SessionIdentityParameters& parameters);
 
-/// Finds the offset of the poses of a session by the known objects in place. `prior`: the offset
-/// that the poses would have without them. None if there are no known objects in place; the time of
-/// the result is not set.
+/// Finds the offset of the poses of a session by the known objects in place. None if there are
+/// none; the time of the result is not set.
 std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,
                                        const std::vector<const TrackedObject*>& known,
-                                       const Eigen::Isometry3d& prior,
                                        const SessionIdentityParameters& parameters,
                                        const VoxelScale& scale);
 

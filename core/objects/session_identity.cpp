@@ -30,11 +30,8 @@ class SessionDecision {
   SessionDecision(const MapConfig& config,
                   const SessionIdentityParameters& parameters,
                   const SensorName& source,
-                  const Eigen::Isometry3d& prior,
                   WorkingMap* map)
-      : config_(config), parameters_(parameters), source_(source), map_(map) {
-    objects_.motion = prior;
-  }
+      : config_(config), parameters_(parameters), source_(source), map_(map) {}
 
   std::optional<PoseOffset> Run() {
     TakeSessionLooks();
@@ -170,7 +167,7 @@ void SessionDecision::Align() {
   for (const KnownObject& known : objects_.known) {
     if (!known.object->is_archived()) known_objects.push_back(known.object);
   }
-  offset_ = AlignSession(seen_objects, known_objects, objects_.motion, parameters_, map_->scale());
+  offset_ = AlignSession(seen_objects, known_objects, parameters_, map_->scale());
   if (offset_) objects_.motion = offset_->ToIsometry();
   for (const SeenObject& seen : objects_.seen) Move(objects_.motion, seen.object);
 }
@@ -481,9 +478,8 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
 std::optional<PoseOffset> DecideSession(const MapConfig& config,
                                         const SessionIdentityParameters& parameters,
                                         const SensorName& source,
-                                        const Eigen::Isometry3d& prior,
                                         WorkingMap* map) {
-  return SessionDecision(config, parameters, source, prior, map).Run();
+  return SessionDecision(config, parameters, source, map).Run();
 }
 
 }  // namespace steadymap

@@ -2,8 +2,6 @@
 
 #include <optional>
 
-#include <Eigen/Geometry>
-
 #include "core/map/robot_state.h"
 #include "core/objects/session_parameters.h"
 #include "core/types/map_config.h"
@@ -18,12 +16,10 @@ namespace steadymap {
 /// evidence for a known object only the sums are left. Objects of other sessions are not touched.
 ///
 /// Returns the offset of the poses of the session, which its objects were corrected by; its time is
-/// not set. `prior`: the offset to expect, and to correct by if there are no known objects in
-/// place; then returns none.
+/// not set. None if there are no known objects in place.
 std::optional<PoseOffset> DecideSession(const MapConfig& config,
                                         const SessionIdentityParameters& parameters,
                                         const SensorName& source,
-                                        const Eigen::Isometry3d& prior,
                                         WorkingMap* map);
 
 }  // namespace steadymap

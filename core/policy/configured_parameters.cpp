@@ -85,6 +85,9 @@ EvidenceMapperParameters EvidenceParametersOf(const MapConfig& config) {
   EvidenceMapperParameters parameters;
   parameters.sessions.max_pause_s = ParameterValue(config, "max_pause_s");
   parameters.sessions.max_duration_s = ParameterValue(config, "max_session_s");
+  parameters.poses.sigma_m = ParameterValue(config, "pose_error_m");
+  parameters.poses.sigma_rad = ParameterValue(config, "pose_error_rad");
+  parameters.poses.correlation_s = ParameterValue(config, "pose_error_time_s");
   SessionIdentityParameters& identity = parameters.identity;
   identity.initial_stationarity = ParameterValue(config, "initial_stationarity");
   ReadStationarity(config, &identity.belief);

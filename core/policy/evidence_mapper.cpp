@@ -23,6 +23,19 @@ std::vector<LeafEvidence> LooksOf(const SensorName& source,
   return found == looks.end() ? std::vector<LeafEvidence>() : found->leaves;
 }
 
+/// Adds the offset that the known objects show, after the registration of each frame, to the pose
+/// error of a robot, with which its drive goes on. Afterwards it is the offset of the claimed
+/// poses.
+void AddToPoseError(PoseOffset* offset, RobotState* robot) {
+  if (!robot->pose_error) return;
+  const Eigen::Isometry3d T_world_claimed = robot->claimed.ToIsometry();
+  robot->pose_error->Move(offset->ToIsometry(), T_world_claimed.translation());
+  const Eigen::Isometry3d motion =
+      robot->pose_error->Combined().Correct(T_world_claimed) * T_world_claimed.inverse();
+  offset->shift_world = motion * offset->center_world - offset->center_world;
+  offset->yaw_rad = YawOf(motion);
+}
+
 }  // namespace
 
 EvidenceMapper::EvidenceMapper(const MapConfig& config,
@@ -32,6 +45,7 @@ EvidenceMapper::EvidenceMapper(const MapConfig& config,
       parameters_(parameters),
       stages_(stages),
       guard_(parameters.guard),
+      poses_(parameters.poses),
       moving_(config, parameters.moving),
       integrator_(config) {}
 
@@ -45,17 +59,11 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   const bool counts = guard_.Accept(frame, {*cloud, samples_, tiles_}, map);
   BeginSession(frame);
   if (!counts) return;
+  stages_.Enter(MapperStage::kRegistration);
+  if (parameters_.poses.sigma_m > 0.0) CorrectPose(frame);
   moving_.Record(frame.source, *cloud, map);
   stages_.Enter(MapperStage::kAssociation);
-  in_view_ = FindObjectsInView(map->ObjectsNear(ReachOfView(*cloud, config_.max_depth_m)),
-                               *cloud,
-                               samples_,
-                               config_.max_depth_m);
-  // Another robot may be wrong about its pose.
-  std::erase_if(in_view_, [&](const ObjectInView& view) {
-    const ObjectState& state = view.object->state();
-    return state.status == ObjectStatus::kTentative && !IsInSession(state, frame.source);
-  });
+  FindObjects(frame.source);
   has_labels_ = !frame.labels.empty() || !frame.instances.empty();
   stages_.Enter(MapperStage::kLooks);
   LookAtObjects(frame.source);
@@ -88,6 +96,34 @@ void EvidenceMapper::BeginSession(const Frame& frame) {
   if (known == nullptr || robot != *known) map_->StoreRobot(frame.source, robot);
 }
 
+/// Registers the frame to the map.
+void EvidenceMapper::CorrectPose(const Frame& frame) {
+  RobotState robot = *map_->FindRobot(frame.source);
+  if (robot.pose_error) {
+    const Duration pause = frame.capture_time - robot.pose_error->time;
+    if (std::abs(pause.seconds()) > parameters_.sessions.max_pause_s) robot.pose_error.reset();
+  }
+  FindObjects(frame.source);
+  robot.pose_error =
+      poses_.Update(robot.pose_error, frame.capture_time, {*cloud_, samples_, in_view_}, *map_);
+  map_->StoreRobot(frame.source, robot);
+  cloud_->SetPose(robot.pose_error->Combined().Correct(frame.T_world_camera));
+  samples_.Compute(*cloud_);
+}
+
+/// Finds the objects that the frame may see.
+void EvidenceMapper::FindObjects(const SensorName& source) {
+  in_view_ = FindObjectsInView(map_->ObjectsNear(ReachOfView(*cloud_, config_.max_depth_m)),
+                               *cloud_,
+                               samples_,
+                               config_.max_depth_m);
+  // Another robot may be wrong about its pose.
+  std::erase_if(in_view_, [&](const ObjectInView& view) {
+    const ObjectState& state = view.object->state();
+    return state.status == ObjectStatus::kTentative && !IsInSession(state, source);
+  });
+}
+
 bool EvidenceMapper::IsSessionOver(const Frame& next, const WorkingMap& map) const {
   const RobotState* robot = map.FindRobot(next.source);
   if (robot == nullptr || !robot->session_start) return false;
@@ -100,28 +136,15 @@ bool EvidenceMapper::IsSessionOver(const Frame& next, const WorkingMap& map) con
 void EvidenceMapper::EndSession(const SensorName& sensor, WorkingMap* map) {
   RobotState robot;
   if (const RobotState* known = map->FindRobot(sensor); known != nullptr) robot = *known;
-  const std::optional<PoseOffset> prior = ExpectedOffset(robot);
-  std::optional<PoseOffset> offset =
-      DecideSession(config_,
-                    parameters_.identity,
-                    sensor,
-                    prior ? prior->ToIsometry() : Eigen::Isometry3d::Identity(),
-                    map);
+  std::optional<PoseOffset> offset = DecideSession(config_, parameters_.identity, sensor, map);
   if (!robot.session_start) return;
-  if (!offset) offset = prior;
-  if (offset) offset->time = robot.last_capture_time;
+  if (offset) {
+    offset->time = robot.last_capture_time;
+    AddToPoseError(&*offset, &robot);
+  }
   robot.offset = offset;
   robot.session_start.reset();
   map->StoreRobot(sensor, robot);
-}
-
-/// Returns the offset that the poses of an open session have if they continue those of the last
-/// one: a drive that lasts longer than a session keeps its offset.
-std::optional<PoseOffset> EvidenceMapper::ExpectedOffset(const RobotState& robot) const {
-  if (!robot.session_start || !robot.offset) return std::nullopt;
-  const Duration pause = *robot.session_start - robot.offset->time;
-  if (std::abs(pause.seconds()) > parameters_.sessions.max_pause_s) return std::nullopt;
-  return robot.offset;
 }
 
 void EvidenceMapper::LookAtObjects(const SensorName& source) {

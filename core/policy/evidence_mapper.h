@@ -18,6 +18,7 @@
 #include "core/policy/stage_observer.h"
 #include "core/robot/dynamic_mask.h"
 #include "core/robot/localization_monitor.h"
+#include "core/robot/pose_filter.h"
 #include "core/types/map_config.h"
 #include "core/volume/tsdf_sample.h"
 #include "core/working/working_map.h"
@@ -36,6 +37,7 @@ struct SessionLimits {
 struct EvidenceMapperParameters {
   SessionLimits sessions;
   LocalizationMonitorParameters guard;
+  PoseFilterParameters poses;
   DynamicMaskParameters moving;
   ContinuityParameters continuity;
   LookParameters looks;
@@ -61,7 +63,8 @@ class EvidenceMapper final : public MapUpdater {
 
  private:
   void BeginSession(const Frame& frame);
-  std::optional<PoseOffset> ExpectedOffset(const RobotState& robot) const;
+  void CorrectPose(const Frame& frame);
+  void FindObjects(const SensorName& source);
   void LookAtObjects(const SensorName& source);
   void FindSurfaces();
   void FindSurfaceOf(std::size_t place);
@@ -77,6 +80,7 @@ class EvidenceMapper final : public MapUpdater {
   EvidenceMapperParameters parameters_;
   StageTimer stages_;
   LocalizationMonitor guard_;
+  PoseFilter poses_;
   DynamicMask moving_;
   TsdfIntegrator integrator_;
 

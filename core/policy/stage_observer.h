@@ -10,22 +10,24 @@ namespace steadymap {
 
 /// The stages of a frame, in order of execution.
 enum class MapperStage {
-  kCloud,        ///< Computation of the semantic cloud.
-  kGuard,        ///< Dynamic mask, samples, localization monitor.
-  kAssociation,  ///< Objects in view.
-  kLooks,        ///< Looks at the surface of the objects in view.
-  kSegments,     ///< Segments of the image and their objects.
-  kIntegration,  ///< Fusion into background and objects.
-  kFreeSpace,    ///< Free-space carving.
-  kPolicy,       ///< All stages between cloud and frame end, for policies that do not report them.
-  kFrameEnd,     ///< Deletion of forgotten objects.
-  kSessionEnd,   ///< Decisions at the end of a session.
-  kCommit,       ///< Packing of the changes since the last commit.
+  kCloud,         ///< Computation of the semantic cloud.
+  kGuard,         ///< Dynamic mask, samples, localization monitor.
+  kRegistration,  ///< Registration of the frame to the map.
+  kAssociation,   ///< Objects in view.
+  kLooks,         ///< Looks at the surface of the objects in view.
+  kSegments,      ///< Segments of the image and their objects.
+  kIntegration,   ///< Fusion into background and objects.
+  kFreeSpace,     ///< Free-space carving.
+  kPolicy,        ///< All stages between cloud and frame end, for policies that do not report them.
+  kFrameEnd,      ///< Deletion of forgotten objects.
+  kSessionEnd,    ///< Decisions at the end of a session.
+  kCommit,        ///< Packing of the changes since the last commit.
 };
 
 /// Names of the stages in tables.
-inline constexpr std::array<std::string_view, 11> kMapperStageNames = {"cloud",
+inline constexpr std::array<std::string_view, 12> kMapperStageNames = {"cloud",
                                                                        "guard",
+                                                                       "registration",
                                                                        "association",
                                                                        "looks",
                                                                        "segments",

@@ -20,6 +20,12 @@ TEST(ConvertRobot, StatesTrustPoseSessionAndOffset) {
   offset.covariance(1, 2) = 7.0;
   offset.anchors = 8;
   state.offset = offset;
+  PoseErrorEstimate error{Timestamp::FromSeconds(102.0), {}};
+  error.hypotheses[0].probability = 1.0;
+  error.hypotheses[1].probability = error.hypotheses[2].probability = 0.0;
+  error.hypotheses[0].error.mean << 0.1, 0.2, 0.3, 0.4, 0.5, 0.6;
+  error.hypotheses[0].error.covariance(1, 2) = 9.0;
+  state.pose_error = error;
 
   const v1::Robot robot = ToProto(SensorName{"dolly", "left"}, state);
   EXPECT_EQ(robot.robot(), "dolly");
@@ -36,6 +42,11 @@ TEST(ConvertRobot, StatesTrustPoseSessionAndOffset) {
   ASSERT_EQ(robot.pose_offset().covariance_size(), 16);
   EXPECT_EQ(robot.pose_offset().covariance(6), 7.0) << "row 1, column 2";
   EXPECT_EQ(robot.pose_offset().anchors(), 8U);
+  EXPECT_EQ(robot.pose_error().time().seconds(), 102);
+  EXPECT_EQ(robot.pose_error().shift_m().y(), 0.2);
+  EXPECT_EQ(robot.pose_error().rotation_rad().z(), 0.6);
+  ASSERT_EQ(robot.pose_error().covariance_size(), 36);
+  EXPECT_EQ(robot.pose_error().covariance(8), 9.0) << "row 1, column 2";
 }
 
 TEST(ConvertRobot, StatesWithWhomItDisagrees) {
@@ -52,6 +63,7 @@ TEST(ConvertRobot, StatesNothingThatIsUnknown) {
   EXPECT_EQ(robot.trust(), v1::ROBOT_TRUST_TRUSTED);
   EXPECT_FALSE(robot.has_session_start());
   EXPECT_FALSE(robot.has_pose_offset());
+  EXPECT_FALSE(robot.has_pose_error());
 }
 
 }  // namespace

@@ -25,6 +25,9 @@ class AMap(DaemonTest):
             robot.T_world_camera, frames[-1].T_world_camera.matrix(), atol=1e-6
         )
         self.assertIsNone(robot.session_start_ns, "the end of an upload ends the session")
+        self.assertEqual(robot.pose_error.time_ns, frames[-1].capture_time_ns)
+        np.testing.assert_allclose(robot.pose_error.shift_m, 0.0, atol=0.005)
+        self.assertTrue((np.linalg.eigvalsh(robot.pose_error.covariance) > 0.0).all())
 
     def test_without_objects_knows_no_robots(self):
         name = self.new_map()
@@ -47,6 +50,10 @@ class AnOffset(unittest.TestCase):
         offset.yaw_rad = np.pi / 2
         offset.covariance.extend(float(i) for i in range(16))
         offset.anchors = 4
+        error = message.pose_error
+        error.time.nanos = 7
+        error.shift_m.y, error.rotation_rad.z = 0.25, 0.5
+        error.covariance.extend(float(i) for i in range(36))
         message.contradictions.add(robot="cart", sensor="left", objects=3).since.seconds = 80
         robot = robot_from_proto(message)
         self.assertEqual((robot.robot, robot.sensor), ("dolly", "left"))
@@ -57,6 +64,9 @@ class AnOffset(unittest.TestCase):
             (steadymap.SensorContradiction("cart", "left", 3, 80_000_000_000),),
         )
         self.assertEqual((robot.offset.time_ns, robot.offset.anchors), (5, 4))
+        self.assertEqual(robot.pose_error.time_ns, 7)
+        self.assertEqual((robot.pose_error.shift_m[1], robot.pose_error.rotation_rad[2]), (0.25, 0.5))
+        self.assertEqual(robot.pose_error.covariance[1, 2], 8.0)
         moved = robot.offset.T_map_robot @ (11.0, 20.0, 3.0, 1.0)
         np.testing.assert_allclose(moved, (10.5, 21.0, 3.0, 1.0), atol=1e-12)
         self.assertEqual(robot.offset.covariance[1, 2], 6.0)
@@ -66,6 +76,7 @@ class AnOffset(unittest.TestCase):
         robot = robot_from_proto(robot_pb2.Robot(robot="dolly", trust=9))
         self.assertEqual(robot.trust, steadymap.RobotTrust.UNSPECIFIED)
         self.assertIsNone(robot.offset)
+        self.assertIsNone(robot.pose_error)
         self.assertEqual(robot.contradictions, ())
         self.assertIsNone(robot.session_start_ns)
 

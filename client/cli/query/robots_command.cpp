@@ -18,25 +18,35 @@ namespace {
 
 constexpr char kRobotsFooter[] =
     "One line for each sensor of a robot. A robot is `doubted` after a jump of its pose and\n"
-    "`lost` if its frames then contradict the map; such frames are ignored. The offset is the\n"
-    "error of the poses of its last session, which the map has corrected, with one standard\n"
-    "deviation: by how much known objects were off for the robot. Two sensors contradict each\n"
-    "other about objects that one of them sees and the other one finds gone, again and again.\n"
+    "`lost` if its frames then contradict the map; such frames are ignored. The pose error is\n"
+    "that of its last used frame, by registration to the map, the offset that of its last\n"
+    "session at its end, by the known objects in place, each with one standard deviation. The\n"
+    "map has corrected both. Two sensors contradict each other about objects that one of them\n"
+    "sees and the other one finds gone, again and again.\n"
     "Only maps of the pocd policy know robots.\n\n"
     "JSON: {\"revision\", \"robots\": [{\"robot\", \"sensor\", \"trust\", \"last_capture_time\",\n"
     "\"position\" [x, y, z] and \"orientation\" [x, y, z, w] of the camera, \"session_start\" if\n"
-    "a session is open, \"offset\" if known: {\"time\", \"center\", \"shift\", \"yaw\",\n"
+    "a session is open, \"pose_error\" if known: {\"time\", \"shift\", \"rotation\" (axis times\n"
+    "angle), \"covariance\" of both (36 numbers, row by row)}, \"offset\" if known: {\"time\",\n"
+    "\"center\", \"shift\", \"yaw\",\n"
     "\"covariance\" of shift and yaw (16 numbers, row by row), \"anchors\", the number of known\n"
     "objects that agree}, \"contradictions\": [{\"robot\", \"sensor\", \"objects\" (their\n"
     "number), \"since\"}]}]}. Lengths are metres in the world frame, angles radians, times\n"
     "seconds since 1970.";
 
-constexpr int kCovarianceRows = 4;
+using Covariance = google::protobuf::RepeatedField<double>;
 
-/// Returns the standard deviation of entry `i` of an offset; 0 without a covariance.
-double SigmaOf(const v1::PoseOffset& offset, int i) {
-  const int place = i * (kCovarianceRows + 1);
-  return place < offset.covariance_size() ? std::sqrt(offset.covariance(place)) : 0.0;
+/// Returns the standard deviation of entry `i` of a covariance with `rows` rows, row by row; 0
+/// without a covariance.
+double SigmaOf(const Covariance& covariance, int rows, int i) {
+  const int place = i * (rows + 1);
+  return place < covariance.size() ? std::sqrt(covariance[place]) : 0.0;
+}
+
+Json CovarianceJson(const Covariance& covariance) {
+  Json numbers = Json::array();
+  for (const double number : covariance) numbers.push_back(number);
+  return numbers;
 }
 
 std::string TripleText(double x, double y, double z) {
@@ -47,29 +57,52 @@ std::string DegreesText(double angle_rad) {
   return absl::StrCat(FixedText(angle_rad * 180.0 / std::numbers::pi, 2), " degrees");
 }
 
+double NormOf(const v1::Vector3& vector) { return std::hypot(vector.x(), vector.y(), vector.z()); }
+
+std::string ErrorText(const v1::PoseError& error) {
+  constexpr int kRows = 6;
+  const v1::Vector3& shift = error.shift_m();
+  const auto sigma = [&](int i) { return SigmaOf(error.covariance(), kRows, i); };
+  return absl::StrCat("pose error ",
+                      TripleText(shift.x(), shift.y(), shift.z()),
+                      ", ",
+                      DegreesText(NormOf(error.rotation_rad())),
+                      " +- ",
+                      TripleText(sigma(0), sigma(1), sigma(2)),
+                      ", ",
+                      DegreesText(std::hypot(sigma(3), sigma(4), sigma(5))));
+}
+
+Json ErrorJson(const v1::PoseError& error) {
+  return {{"time", SecondsOf(error.time())},
+          {"shift", PointJson(error.shift_m())},
+          {"rotation", PointJson(error.rotation_rad())},
+          {"covariance", CovarianceJson(error.covariance())}};
+}
+
 std::string OffsetText(const v1::PoseOffset& offset) {
+  constexpr int kRows = 4;
   const v1::Vector3& shift = offset.shift_m();
+  const auto sigma = [&](int i) { return SigmaOf(offset.covariance(), kRows, i); };
   return absl::StrCat("offset ",
                       TripleText(shift.x(), shift.y(), shift.z()),
                       ", ",
                       DegreesText(offset.yaw_rad()),
                       " +- ",
-                      TripleText(SigmaOf(offset, 0), SigmaOf(offset, 1), SigmaOf(offset, 2)),
+                      TripleText(sigma(0), sigma(1), sigma(2)),
                       ", ",
-                      DegreesText(SigmaOf(offset, 3)),
+                      DegreesText(sigma(3)),
                       ", by ",
                       offset.anchors(),
                       offset.anchors() == 1 ? " object" : " objects");
 }
 
 Json OffsetJson(const v1::PoseOffset& offset) {
-  Json covariance = Json::array();
-  for (const double number : offset.covariance()) covariance.push_back(number);
   return {{"time", SecondsOf(offset.time())},
           {"center", PointJson(offset.center_m())},
           {"shift", PointJson(offset.shift_m())},
           {"yaw", offset.yaw_rad()},
-          {"covariance", std::move(covariance)},
+          {"covariance", CovarianceJson(offset.covariance())},
           {"anchors", offset.anchors()}};
 }
 
@@ -86,6 +119,7 @@ std::string RobotText(const v1::Robot& robot) {
   if (robot.has_session_start()) {
     absl::StrAppend(&text, ", session since ", TimeText(robot.session_start()));
   }
+  if (robot.has_pose_error()) absl::StrAppend(&text, ", ", ErrorText(robot.pose_error()));
   if (robot.has_pose_offset()) absl::StrAppend(&text, ", ", OffsetText(robot.pose_offset()));
   for (const v1::SensorContradiction& other : robot.contradictions()) {
     absl::StrAppend(&text,
@@ -111,6 +145,7 @@ Json RobotJson(const v1::Robot& robot) {
                {"position", PointJson(robot.world_from_camera().position_m())},
                {"orientation", Json::array({turn.x(), turn.y(), turn.z(), turn.w()})}};
   if (robot.has_session_start()) json["session_start"] = SecondsOf(robot.session_start());
+  if (robot.has_pose_error()) json["pose_error"] = ErrorJson(robot.pose_error());
   if (robot.has_pose_offset()) json["offset"] = OffsetJson(robot.pose_offset());
   json["contradictions"] = Json::array();
   for (const v1::SensorContradiction& other : robot.contradictions()) {

@@ -41,7 +41,7 @@ from steadymap.objects import (
     Object,
     ObjectStanding,
 )
-from steadymap.robots import PoseOffset, Robot, RobotTrust, SensorContradiction
+from steadymap.robots import PoseError, PoseOffset, Robot, RobotTrust, SensorContradiction
 from steadymap.upload import Uploader
 from steadymap.upload_options import AckLevel, UploadOptions, UploadSummary
 from steadymap.upload_queue import LostFrames, RefusedFrame, UploadProgress
@@ -83,6 +83,7 @@ __all__ = [
     "PixelEncoding",
     "PointState",
     "Pose",
+    "PoseError",
     "PoseOffset",
     "Progress",
     "RayHits",

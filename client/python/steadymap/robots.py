@@ -49,6 +49,23 @@ class PoseOffset:
     anchors: int
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class PoseError:
+    """Error of the pose of a frame, by registration to the map.
+
+    Attributes:
+        time_ns: Capture time of the frame, nanoseconds since 1970.
+        shift_m: float64 (3,), shift of the camera that corrects its pose, world frame, metres.
+        rotation_rad: float64 (3,), rotation about the camera, axis times angle, world frame.
+        covariance: float64 (6, 6), of shift and rotation; metres and radians.
+    """
+
+    time_ns: int
+    shift_m: np.ndarray
+    rotation_rad: np.ndarray
+    covariance: np.ndarray
+
+
 @dataclasses.dataclass(frozen=True)
 class SensorContradiction:
     """A sensor that disagrees with another one about present objects.
@@ -77,8 +94,10 @@ class Robot:
         T_world_camera: float64 (4, 4), camera pose of that frame, as the robot stated it, metres.
         session_start_ns: Capture time of the first frame of its open session; None if no session is
             open.
-        offset: Error of the poses of its last session that ended; None if that showed no known
-            object in place, or none has ended yet.
+        pose_error: Error of the pose of its last used frame; None if no frame was used yet, or the
+            policy of the map does not register frames.
+        offset: Error of the poses of its last session that ended, at its end; None if that showed
+            no known object in place, or none has ended yet.
         contradictions: Sensors that disagree with this one.
     """
 
@@ -88,6 +107,7 @@ class Robot:
     last_capture_time_ns: int
     T_world_camera: np.ndarray
     session_start_ns: Optional[int]
+    pose_error: Optional[PoseError]
     offset: Optional[PoseOffset]
     contradictions: Tuple[SensorContradiction, ...]
 
@@ -112,6 +132,15 @@ def _offset_from_proto(message: robot_pb2.PoseOffset) -> PoseOffset:
     )
 
 
+def _error_from_proto(message: robot_pb2.PoseError) -> PoseError:
+    return PoseError(
+        time_ns=time_ns_from_proto(message, "time"),
+        shift_m=vector_from_proto(message.shift_m),
+        rotation_rad=vector_from_proto(message.rotation_rad),
+        covariance=read_only(np.array(message.covariance).reshape(6, 6)),
+    )
+
+
 def robot_from_proto(message: robot_pb2.Robot) -> Robot:
     """Converts a robot from the service."""
     pose = message.world_from_camera
@@ -125,6 +154,7 @@ def robot_from_proto(message: robot_pb2.Robot) -> Robot:
             Pose(vector_from_proto(pose.position_m), (turn.x, turn.y, turn.z, turn.w)).matrix()
         ),
         session_start_ns=time_ns_from_proto(message, "session_start"),
+        pose_error=_error_from_proto(message.pose_error) if message.HasField("pose_error") else None,
         offset=_offset_from_proto(message.pose_offset) if message.HasField("pose_offset") else None,
         contradictions=tuple(
             SensorContradiction(

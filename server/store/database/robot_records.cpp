@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::uint32_t kTrusts = static_cast<std::uint32_t>(Trust::kLost) + 1;
 constexpr int kMotionNumbers = 6;
-constexpr int kCovarianceNumbers = 10;
 
 using Floats = google::protobuf::RepeatedField<float>;
+using Doubles = google::protobuf::RepeatedField<double>;
 
 void Add(const Eigen::Vector3f& vector, Floats* numbers) {
   for (const float number : vector) numbers->Add(number);
@@ -55,21 +55,45 @@ MovingCell MovingFromProto(const storage::v1::MovingCell& proto) {
           proto.is_confirmed()};
 }
 
+/// Adds the upper triangle of a symmetric matrix, row by row.
+template <int Size>
+void AddTriangle(const Eigen::Matrix<double, Size, Size>& matrix, Doubles* numbers) {
+  for (int row = 0; row < Size; ++row) {
+    for (int column = row; column < Size; ++column) numbers->Add(matrix(row, column));
+  }
+}
+
+template <int Size>
+bool HasTriangle(const Doubles& numbers) {
+  return numbers.size() == Size * (Size + 1) / 2;
+}
+
+/// Returns the symmetric matrix of a triangle. `HasTriangle` must hold.
+template <int Size>
+Eigen::Matrix<double, Size, Size> MatrixOf(const Doubles& numbers) {
+  Eigen::Matrix<double, Size, Size> matrix;
+  int next = 0;
+  for (int row = 0; row < Size; ++row) {
+    for (int column = row; column < Size; ++column) {
+      matrix(row, column) = numbers[next++];
+      matrix(column, row) = matrix(row, column);
+    }
+  }
+  return matrix;
+}
+
 void OffsetToProto(const PoseOffset& offset, storage::v1::PoseOffset* proto) {
   proto->set_time_ns(offset.time.nanoseconds());
   for (const double number : offset.center_world) proto->add_center(number);
   for (const double number : offset.shift_world) proto->add_shift(number);
   proto->set_yaw(offset.yaw_rad);
-  for (int row = 0; row < 4; ++row) {
-    for (int column = row; column < 4; ++column)
-      proto->add_covariance(offset.covariance(row, column));
-  }
+  AddTriangle<4>(offset.covariance, proto->mutable_covariance());
   proto->set_anchors(offset.anchors);
 }
 
 absl::StatusOr<PoseOffset> OffsetFromProto(const storage::v1::PoseOffset& proto) {
-  if (proto.center_size() != 3 || proto.shift_size() != 3 ||
-      proto.covariance_size() != kCovarianceNumbers || proto.anchors() == 0) {
+  if (proto.center_size() != 3 || proto.shift_size() != 3 || !HasTriangle<4>(proto.covariance()) ||
+      proto.anchors() == 0) {
     return CorruptRecord("a robot record does not contain a pose offset");
   }
   PoseOffset offset;
@@ -77,19 +101,47 @@ absl::StatusOr<PoseOffset> OffsetFromProto(const storage::v1::PoseOffset& proto)
   offset.center_world = {proto.center(0), proto.center(1), proto.center(2)};
   offset.shift_world = {proto.shift(0), proto.shift(1), proto.shift(2)};
   offset.yaw_rad = proto.yaw();
-  int next = 0;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = row; column < 4; ++column) {
-      offset.covariance(row, column) = proto.covariance(next++);
-      offset.covariance(column, row) = offset.covariance(row, column);
-    }
-  }
+  offset.covariance = MatrixOf<4>(proto.covariance());
   offset.anchors = proto.anchors();
   if (!offset.center_world.allFinite() || !offset.shift_world.allFinite() ||
       !std::isfinite(offset.yaw_rad) || !offset.covariance.allFinite()) {
     return CorruptRecord("a robot record contains a pose offset that is not finite");
   }
   return offset;
+}
+
+void PoseErrorToProto(const PoseErrorEstimate& estimate, storage::v1::PoseErrorEstimate* proto) {
+  proto->set_time_ns(estimate.time.nanoseconds());
+  for (const PoseErrorHypothesis& hypothesis : estimate.hypotheses) {
+    storage::v1::PoseErrorHypothesis* entry = proto->add_hypotheses();
+    for (const double number : hypothesis.error.mean) entry->add_mean(number);
+    AddTriangle<6>(hypothesis.error.covariance, entry->mutable_covariance());
+    entry->set_probability(hypothesis.probability);
+  }
+}
+
+absl::StatusOr<PoseErrorEstimate> PoseErrorFromProto(const storage::v1::PoseErrorEstimate& proto) {
+  PoseErrorEstimate estimate;
+  estimate.time = Timestamp::FromNanoseconds(proto.time_ns());
+  if (proto.hypotheses_size() != static_cast<int>(kPoseErrorHypotheses)) {
+    return CorruptRecord("a robot record does not contain the hypotheses of a pose error");
+  }
+  for (int i = 0; i < proto.hypotheses_size(); ++i) {
+    const storage::v1::PoseErrorHypothesis& entry = proto.hypotheses(i);
+    if (entry.mean_size() != PoseErrorVector::RowsAtCompileTime ||
+        !HasTriangle<6>(entry.covariance())) {
+      return CorruptRecord("a robot record does not contain a pose error");
+    }
+    PoseErrorHypothesis& hypothesis = estimate.hypotheses[static_cast<std::size_t>(i)];
+    hypothesis.error.mean = Eigen::Map<const PoseErrorVector>(entry.mean().data());
+    hypothesis.error.covariance = MatrixOf<6>(entry.covariance());
+    hypothesis.probability = entry.probability();
+    if (!hypothesis.error.mean.allFinite() || !hypothesis.error.covariance.allFinite() ||
+        !(hypothesis.probability >= 0.0 && hypothesis.probability <= 1.0)) {
+      return CorruptRecord("a robot record contains a pose error that is not valid");
+    }
+  }
+  return estimate;
 }
 
 }  // namespace
@@ -109,6 +161,7 @@ storage::v1::RobotRecord ToProto(const RobotState& state) {
   for (const MovingCell& moving : state.moving) MovingToProto(moving, record.add_moving());
   if (state.session_start) record.set_session_start_ns(state.session_start->nanoseconds());
   if (state.offset) OffsetToProto(*state.offset, record.mutable_offset());
+  if (state.pose_error) PoseErrorToProto(*state.pose_error, record.mutable_pose_error());
   return record;
 }
 
@@ -149,6 +202,11 @@ absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
     absl::StatusOr<PoseOffset> offset = OffsetFromProto(record.offset());
     if (!offset.ok()) return offset.status();
     state.offset = *std::move(offset);
+  }
+  if (record.has_pose_error()) {
+    absl::StatusOr<PoseErrorEstimate> estimate = PoseErrorFromProto(record.pose_error());
+    if (!estimate.ok()) return estimate.status();
+    state.pose_error = *std::move(estimate);
   }
   return state;
 }

@@ -228,7 +228,13 @@ TEST_F(CommandLineTest, RobotsAreListedWithTheirOffsets) {
   offset.set_yaw_rad(0.0175);
   for (int i = 0; i < 16; ++i) offset.add_covariance(i % 5 == 0 ? 1e-4 : 0.0);
   offset.set_anchors(3);
+  v1::PoseError& error = *robot.mutable_pose_error();
+  error.mutable_shift_m()->set_y(-0.02);
+  error.mutable_rotation_rad()->set_x(0.003);
+  error.mutable_rotation_rad()->set_z(0.004);
+  for (int i = 0; i < 36; ++i) error.add_covariance(i % 7 == 0 ? 4e-6 : 0.0);
   queries_.robots.push_back(robot);
+  queries_.robots[1].clear_pose_error();
   queries_.robots[1].set_trust(v1::ROBOT_TRUST_LOST);
   queries_.robots[1].clear_pose_offset();
   queries_.robots[1].mutable_session_start()->set_seconds(1'714'564'790);
@@ -239,7 +245,9 @@ TEST_F(CommandLineTest, RobotsAreListedWithTheirOffsets) {
   other.mutable_since()->set_seconds(1'714'564'795);
 
   EXPECT_EQ(Run({"robots", "kitchen"}).out,
-            "dolly/left  trusted, last frame 2024-05-01T12:00:00Z, offset (0.050, 0.000, 0.000) m, "
+            "dolly/left  trusted, last frame 2024-05-01T12:00:00Z, pose error (0.000, -0.020, "
+            "0.000) m, 0.29 degrees +- (0.002, 0.002, 0.002) m, 0.20 degrees, "
+            "offset (0.050, 0.000, 0.000) m, "
             "1.00 degrees +- (0.010, 0.010, 0.010) m, 0.57 degrees, by 3 objects\n"
             "dolly/left  lost, last frame 2024-05-01T12:00:00Z, session since "
             "2024-05-01T11:59:50Z, contradicts cart/left about 2 objects since "
@@ -248,6 +256,9 @@ TEST_F(CommandLineTest, RobotsAreListedWithTheirOffsets) {
   EXPECT_EQ(document.at("revision"), 12);
   EXPECT_EQ(document.at("robots").at(0).at("offset").at("shift").at(0), 0.05);
   EXPECT_EQ(document.at("robots").at(0).at("offset").at("covariance").size(), 16U);
+  EXPECT_EQ(document.at("robots").at(0).at("pose_error").at("rotation").at(2), 0.004);
+  EXPECT_EQ(document.at("robots").at(0).at("pose_error").at("covariance").size(), 36U);
+  EXPECT_FALSE(document.at("robots").at(1).contains("pose_error"));
   EXPECT_EQ(document.at("robots").at(0).at("orientation").at(3), 1.0);
   EXPECT_FALSE(document.at("robots").at(1).contains("offset"));
   EXPECT_EQ(document.at("robots").at(1).at("session_start"), 1'714'564'790.0);

@@ -45,7 +45,6 @@ std::optional<PoseOffset> OffsetOf(double displacement_m) {
   }
   return AlignSession({&seen[0], &seen[1], &seen[2]},
                       {&known[0], &known[1], &known[2]},
-                      Eigen::Isometry3d::Identity(),
                       SessionIdentityParameters(),
                       kScale);
 }

@@ -123,8 +123,7 @@ class SessionIdentityTest : public ::testing::Test {
   }
 
   std::vector<ObjectEvent> Decide() {
-    DecideSession(
-        MapConfig(), SessionIdentityParameters(), {}, Eigen::Isometry3d::Identity(), &map_);
+    DecideSession(MapConfig(), SessionIdentityParameters(), {}, &map_);
     map_.EndFrame();
     for (const auto& [id, object] : map_.objects()) {
       EXPECT_NE(object.state().status, ObjectStatus::kTentative);
@@ -415,14 +414,12 @@ TEST_F(SessionIdentityTest, ObjectsOfOtherSessionsWaitForTheirOwnEnd) {
   TrackedObject* waiting = PutSeen(0.0, kOtherSizeM);
   SetSource(other, waiting);
   SetScores(kEverywhere, 2, waiting);
-  DecideSession(
-      MapConfig(), SessionIdentityParameters(), one, Eigen::Isometry3d::Identity(), &map_);
+  DecideSession(MapConfig(), SessionIdentityParameters(), one, &map_);
   EXPECT_EQ(seen->state().status, ObjectStatus::kPresent);
   EXPECT_EQ(seen->state().source, one);
   EXPECT_EQ(waiting->state().status, ObjectStatus::kTentative);
   EXPECT_FALSE(waiting->state().evidence.leaves.empty());
-  DecideSession(
-      MapConfig(), SessionIdentityParameters(), other, Eigen::Isometry3d::Identity(), &map_);
+  DecideSession(MapConfig(), SessionIdentityParameters(), other, &map_);
   EXPECT_NE(waiting->state().status, ObjectStatus::kTentative);
 }
 

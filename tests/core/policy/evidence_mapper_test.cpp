@@ -179,16 +179,20 @@ TEST_F(EvidenceMapperTest, ADriveThatGoesOnKeepsItsOffset) {
   const std::vector<Frame> drive =
       WithOffset({-0.05, 0.0, 0.0}, LookAtScene(scene, kFrames, 2 * kFrames, 1));
   story.Play(TakenBy(kOther, {drive.begin(), drive.begin() + kFrames}));
-  const std::optional<PoseOffset> first = story.map().robots.at(kOther).offset;
+  const std::optional<PoseErrorEstimate> first = story.map().robots.at(kOther).pose_error;
   ASSERT_TRUE(first.has_value());
-  // The rest of the drive shows nothing that is known.
+  EXPECT_NEAR(first->Combined().mean.x(), 0.05, 0.015);
+  // The rest of the drive shows nothing.
   std::vector<Frame> away = {drive.begin() + kFrames, drive.end()};
-  for (Frame& frame : away) frame.T_world_camera.pretranslate(Eigen::Vector3d(0.0, 0.0, 50.0));
+  for (Frame& frame : away) {
+    const Image<std::uint16_t>& seen = frame.depth.units;
+    frame.depth.units = Image<std::uint16_t>(seen.width_px(), seen.height_px(), kNoDepth);
+  }
   story.Play(TakenBy(kOther, away));
-  const std::optional<PoseOffset> kept = story.map().robots.at(kOther).offset;
+  const std::optional<PoseErrorEstimate> kept = story.map().robots.at(kOther).pose_error;
   ASSERT_TRUE(kept.has_value());
-  EXPECT_EQ(kept->shift_world, first->shift_world);
-  EXPECT_GT(kept->time, first->time);
+  EXPECT_NEAR(kept->Combined().mean.x(), 0.05, 0.015);
+  EXPECT_EQ(kept->time, drive.back().capture_time);
 }
 
 TEST_F(EvidenceMapperTest, TheEndOfASessionLeavesWhatOtherRobotsHaveSeen) {
@@ -386,8 +390,8 @@ TEST_F(EvidenceMapperTest, AMovedThingKeepsItsIdentityAndItsShape) {
   const MapObject& after = *story_.Present(kGoodsClass).front();
   EXPECT_EQ(after.id, before.id);
   EXPECT_EQ(after.first_seen, before.first_seen);
-  // One side was seen in the first place, the other one in the second.
-  EXPECT_GT(CountSurfaceIn(story_.map(), Around(Goods(0.4), 0.1)), surface_before);
+  // All that was known of it, but for a row of voxels at the border that resampling loses.
+  EXPECT_GT(CountSurfaceIn(story_.map(), Around(Goods(0.4), 0.1)), 9 * surface_before / 10);
   EXPECT_FALSE(story_.map().objects.contains(moved[0].related));
 }
 

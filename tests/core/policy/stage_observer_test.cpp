@@ -47,6 +47,7 @@ TEST(StageObserver, HearsEveryStageOfPocdOnceInOrder) {
   const Stages expected = {MapperStage::kCloud,
                            MapperStage::kPolicy,
                            MapperStage::kGuard,
+                           MapperStage::kRegistration,
                            MapperStage::kAssociation,
                            MapperStage::kLooks,
                            MapperStage::kSegments,

@@ -199,6 +199,14 @@ RobotState MakeRobot(Trust trust, std::uint32_t seed) {
     offset.covariance = root.selfadjointView<Eigen::Upper>();
     offset.anchors = 1 + seed;
     state.offset = offset;
+    PoseErrorEstimate estimate{state.last_capture_time, {}};
+    for (PoseErrorHypothesis& hypothesis : estimate.hypotheses) {
+      hypothesis.error.mean << vector(), vector();
+      hypothesis.error.covariance.diagonal() << vector().cwiseAbs(), vector().cwiseAbs();
+      hypothesis.error.covariance(0, 5) = hypothesis.error.covariance(5, 0) = number(random);
+      hypothesis.probability = 1.0 / kPoseErrorHypotheses;
+    }
+    state.pose_error = estimate;
   }
   if (trust != Trust::kLost) {
     state.velocity_m_per_s = vector().cast<float>();

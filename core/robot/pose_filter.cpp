@@ -1,0 +1,269 @@
+#include "core/robot/pose_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "core/geometry/geometry.h"
+#include "core/volume/tsdf_sample.h"
+
+namespace steadymap {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// Standard deviations of the changes that the hypotheses assume, as shares of the parameters.
+constexpr std::array<double, kPoseErrorHypotheses> kChangeScales = {1.0, 1.0 / 4.0, 1.0 / 16.0};
+
+constexpr int kMaxPoseIterations = 8;
+
+// Below these steps, metres and radians, the registration has converged.
+constexpr double kConvergedShiftM = 2e-4;
+constexpr double kConvergedTurnRad = 1e-4;
+
+// The standard deviation of a pose that defines the world frame, as a share of the prior one.
+constexpr double kDefiningShare = 0.01;
+
+// The objects in view are known at the claimed pose: so many samples around what they cover there.
+constexpr int kViewMarginSamples = 8;
+
+/// What a frame tells of the pose error, linearised at one value of it: the information matrix, and
+/// the gradient of half the sum of squared residuals.
+struct PoseMeasurement {
+  Matrix6 information = Matrix6::Zero();
+  PoseErrorVector gradient = PoseErrorVector::Zero();
+};
+
+/// The distance of a sample from the nearest surface that faces alike.
+struct SurfaceHit {
+  double distance_m = 0.0;
+  Eigen::Vector3d normal_world = Eigen::Vector3d::Zero();
+
+  bool is_none() const { return normal_world.isZero(); }
+};
+
+/// The samples of one frame, and the surfaces of the map that they may be on.
+class FrameRegistration {
+ public:
+  FrameRegistration(const PoseFilterParameters& parameters,
+                    const FrameInMap& frame,
+                    const WorkingMap& map)
+      : parameters_(parameters),
+        frame_(frame),
+        scale_(map.scale()),
+        camera_world_(frame.cloud.T_world_camera().translation()),
+        background_(map.background(), map.scale()) {
+    for (const ObjectInView& view : frame.in_view) {
+      surfaces_.push_back({view,
+                           view.object->state().T_world_object.ToIsometry().inverse(),
+                           Grow(view.object->bounds_object(), scale_.truncation_m),
+                           TsdfSampler(view.object->volume(), scale_)});
+    }
+    ChooseSamples();
+  }
+
+  /// Measures at a pose error. `covariance`: of that error.
+  PoseMeasurement Measure(const PoseErrorVector& error, const Matrix6& covariance);
+
+ private:
+  struct Surface {
+    ObjectInView view;
+    Eigen::Isometry3d T_object_world;
+    Box reach_object;
+    TsdfSampler sampler;
+  };
+
+  void ChooseSamples();
+  SurfaceHit FindSurface(const SamplePlace& place,
+                         const Eigen::Vector3d& point_world,
+                         const Eigen::Vector3d& normal_world);
+
+  const PoseFilterParameters& parameters_;
+  const FrameInMap& frame_;
+  const VoxelScale& scale_;
+  Eigen::Vector3d camera_world_;  ///< At the claimed pose.
+  TsdfSampler background_;
+  std::vector<Surface> surfaces_;
+  std::vector<SamplePlace> places_;
+};
+
+void FrameRegistration::ChooseSamples() {
+  const SampleGrid& samples = frame_.samples;
+  const double share =
+      static_cast<double>(samples.size()) / static_cast<double>(parameters_.max_samples);
+  const int stride = std::max(1, static_cast<int>(std::sqrt(share)));
+  for (int row = stride / 2; row < samples.height(); row += stride) {
+    for (int column = stride / 2; column < samples.width(); column += stride) {
+      if (samples.At(column, row).is_valid()) places_.push_back({column, row});
+    }
+  }
+}
+
+SurfaceHit FrameRegistration::FindSurface(const SamplePlace& place,
+                                          const Eigen::Vector3d& point_world,
+                                          const Eigen::Vector3d& normal_world) {
+  SurfaceHit nearest{scale_.truncation_m, Eigen::Vector3d::Zero()};
+  const auto take = [&](const DistanceSample& found, const Eigen::Matrix3d& R_world_volume) {
+    if (!found.known || found.slope > kMaxSurfaceSlope ||
+        std::abs(found.distance_m) >= std::abs(nearest.distance_m)) {
+      return;
+    }
+    const Eigen::Vector3d surface_normal_world = R_world_volume * found.gradient;
+    if (surface_normal_world.dot(normal_world) < parameters_.min_normal_cosine) return;
+    nearest = {found.distance_m, surface_normal_world};
+  };
+  take(background_.Sample(point_world), Eigen::Matrix3d::Identity());
+  for (Surface& surface : surfaces_) {
+    const ObjectInView& view = surface.view;
+    if (place.column < view.first_column - kViewMarginSamples ||
+        place.column >= view.end_column + kViewMarginSamples ||
+        place.row < view.first_row - kViewMarginSamples ||
+        place.row >= view.end_row + kViewMarginSamples) {
+      continue;
+    }
+    const Eigen::Vector3d point_object = surface.T_object_world * point_world;
+    if (!surface.reach_object.contains(point_object)) continue;
+    take(surface.sampler.Sample(point_object), surface.T_object_world.linear().transpose());
+  }
+  return nearest;
+}
+
+PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
+                                           const Matrix6& covariance) {
+  const Eigen::Matrix3d turn = TransformOf(Eigen::Vector3d::Zero(), error.tail<3>()).linear();
+  const double surface_sigma_m = parameters_.surface_sigma_voxels * scale_.voxel_size_m;
+  const double gate = parameters_.max_sigmas * parameters_.max_sigmas;
+  PoseMeasurement measurement;
+  for (const SamplePlace& place : places_) {
+    const SurfaceSample& sample = frame_.samples.At(place.column, place.row);
+    const Eigen::Vector3d ray_world = turn * (sample.position_world.cast<double>() - camera_world_);
+    const Eigen::Vector3d point_world = camera_world_ + error.head<3>() + ray_world;
+    const SurfaceHit hit =
+        FindSurface(place, point_world, turn * sample.normal_world.cast<double>());
+    if (hit.is_none()) continue;
+    PoseErrorVector jacobian;
+    jacobian << hit.normal_world, ray_world.cross(hit.normal_world);
+    const double depth_sigma_m =
+        frame_.cloud.depth_noise().SigmaM(static_cast<double>(sample.depth_m));
+    const double variance_m2 = depth_sigma_m * depth_sigma_m + surface_sigma_m * surface_sigma_m;
+    // The robust weight of Geman and McClure, at the scale of what the pose error explains.
+    const double explained_m2 = variance_m2 + jacobian.dot(covariance * jacobian);
+    const double excess = 1.0 + hit.distance_m * hit.distance_m / (gate * explained_m2);
+    const double weight = 1.0 / (variance_m2 * excess * excess);
+    measurement.information += weight * jacobian * jacobian.transpose();
+    measurement.gradient += weight * hit.distance_m * jacobian;
+  }
+  return measurement;
+}
+
+Matrix6 SymmetricInverse(const Eigen::LLT<Matrix6>& factor) {
+  const Matrix6 inverse = factor.solve(Matrix6::Identity());
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+double LogDeterminant(const Eigen::LLT<Matrix6>& factor) {
+  double sum = 0.0;
+  for (int i = 0; i < 6; ++i) sum += std::log(factor.matrixLLT()(i, i));
+  return 2.0 * sum;
+}
+
+/// Updates a hypothesis by a measurement at `error`. Returns its log likelihood, up to a constant
+/// that all hypotheses have in common.
+double UpdateHypothesis(const PoseErrorVector& error,
+                        const PoseMeasurement& measurement,
+                        PoseError* hypothesis) {
+  const Eigen::LLT<Matrix6> covariance_before(hypothesis->covariance);
+  const Matrix6 before = SymmetricInverse(covariance_before);
+  const PoseErrorVector offset = hypothesis->mean - error;
+  const PoseErrorVector pull = before * offset - measurement.gradient;
+  const Eigen::LLT<Matrix6> after(before + measurement.information);
+  const PoseErrorVector step = after.solve(pull);
+  hypothesis->mean = error + step;
+  hypothesis->covariance = SymmetricInverse(after);
+  return 0.5 * (pull.dot(step) - offset.dot(before * offset) - LogDeterminant(covariance_before) -
+                LogDeterminant(after));
+}
+
+void UpdateHypotheses(const PoseErrorVector& error,
+                      const PoseMeasurement& measurement,
+                      PoseErrorEstimate* estimate) {
+  std::array<double, kPoseErrorHypotheses> likelihoods;
+  for (std::size_t i = 0; i < likelihoods.size(); ++i) {
+    likelihoods[i] = UpdateHypothesis(error, measurement, &estimate->hypotheses[i].error);
+  }
+  const double best = *std::max_element(likelihoods.begin(), likelihoods.end());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < likelihoods.size(); ++i) {
+    estimate->hypotheses[i].probability *= std::exp(likelihoods[i] - best);
+    sum += estimate->hypotheses[i].probability;
+  }
+  for (PoseErrorHypothesis& hypothesis : estimate->hypotheses) hypothesis.probability /= sum;
+}
+
+}  // namespace
+
+PoseErrorEstimate PoseFilter::Predict(const std::optional<PoseErrorEstimate>& last,
+                                      Timestamp time) const {
+  Matrix6 prior = Matrix6::Zero();
+  prior.diagonal().head<3>().setConstant(parameters_.sigma_m * parameters_.sigma_m);
+  prior.diagonal().tail<3>().setConstant(parameters_.sigma_rad * parameters_.sigma_rad);
+  PoseErrorEstimate estimate;
+  estimate.time = time;
+  constexpr double kUniform = 1.0 / kPoseErrorHypotheses;
+  if (!last) {
+    estimate.hypotheses.fill({{PoseErrorVector::Zero(), prior}, kUniform});
+    return estimate;
+  }
+  const double elapsed_s = std::abs((time - last->time).seconds());
+  const double kept = std::exp(-elapsed_s / parameters_.correlation_s);
+  estimate.hypotheses = last->hypotheses;
+  for (std::size_t i = 0; i < kChangeScales.size(); ++i) {
+    PoseErrorHypothesis& hypothesis = estimate.hypotheses[i];
+    const double changed = (1.0 - kept * kept) * kChangeScales[i] * kChangeScales[i];
+    hypothesis.error.mean *= kept;
+    hypothesis.error.covariance = kept * kept * hypothesis.error.covariance + changed * prior;
+    hypothesis.probability = kept * hypothesis.probability + (1.0 - kept) * kUniform;
+  }
+  return estimate;
+}
+
+PoseErrorEstimate PoseFilter::Update(const std::optional<PoseErrorEstimate>& last,
+                                     Timestamp time,
+                                     const FrameInMap& frame,
+                                     const WorkingMap& map) const {
+  PoseErrorEstimate estimate = Predict(last, time);
+  if (map.background().leaf_count() == 0 && frame.in_view.empty()) {
+    for (PoseErrorHypothesis& hypothesis : estimate.hypotheses) {
+      hypothesis.error.covariance *= kDefiningShare * kDefiningShare;
+    }
+    return estimate;
+  }
+  const double elapsed_s = last ? std::abs((time - last->time).seconds()) : parameters_.look_s;
+  const double independent_share =
+      parameters_.independent_share * std::min(1.0, elapsed_s / parameters_.look_s);
+  FrameRegistration registration(parameters_, frame, map);
+  const PoseError predicted = estimate.Combined();
+  const Matrix6 prior_information = SymmetricInverse(Eigen::LLT<Matrix6>(predicted.covariance));
+  PoseErrorVector error = predicted.mean;
+  Matrix6 covariance = predicted.covariance;
+  PoseMeasurement measurement;
+  for (int i = 0; i < kMaxPoseIterations; ++i) {
+    measurement = registration.Measure(error, covariance);
+    measurement.information *= independent_share;
+    measurement.gradient *= independent_share;
+    const Eigen::LLT<Matrix6> information(prior_information + measurement.information);
+    const PoseErrorVector step =
+        information.solve(prior_information * (error - predicted.mean) + measurement.gradient);
+    covariance = SymmetricInverse(information);
+    if (step.head<3>().norm() < kConvergedShiftM && step.tail<3>().norm() < kConvergedTurnRad) {
+      break;
+    }
+    error -= step;
+  }
+  UpdateHypotheses(error, measurement, &estimate);
+  return estimate;
+}
+
+}  // namespace steadymap

@@ -1,0 +1,196 @@
+// Registers frames of a room to a map of it, with known errors of their poses.
+
+#include "core/robot/pose_filter.h"
+
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/geometry.h"
+#include "tests/core/policy/map_story.h"
+#include "tests/core/policy/room_drive.h"
+
+namespace steadymap {
+namespace {
+
+using ::steadymap::testing::Drive;
+using ::steadymap::testing::FarWall;
+using ::steadymap::testing::LookAtScene;
+using ::steadymap::testing::MapStory;
+using ::steadymap::testing::PocdConfig;
+using ::steadymap::testing::Room;
+using ::steadymap::testing::RoomWithout;
+
+constexpr double kRoomMaxDepthM = 3.0;
+
+/// Returns a frame whose pose is off by a shift and a rotation about its camera.
+Frame Displaced(Frame frame, const Eigen::Vector3d& shift_m, const Eigen::Vector3d& turn_rad) {
+  PoseError error;
+  error.mean << shift_m, turn_rad;
+  frame.T_world_camera = error.Correct(frame.T_world_camera);
+  return frame;
+}
+
+/// A map, and the filter of one sensor in it.
+class PoseFilterTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    MapStory story(PocdConfig());
+    story.Play(Drive(Room(), 0, 70), 70);
+    story.EndSession();
+    room = new MapSnapshot(story.map());
+  }
+
+  static void TearDownTestSuite() {
+    delete room;
+    room = nullptr;
+  }
+
+  PoseFilterTest() : map_(PocdConfig()), cloud_(PocdConfig()) {}
+
+  PoseError Update(const Frame& frame) {
+    cloud_.Compute(frame);
+    samples_.Compute(cloud_);
+    const std::vector<ObjectInView> in_view = FindObjectsInView(
+        map_.ObjectsNear(ReachOfView(cloud_, kRoomMaxDepthM)), cloud_, samples_, kRoomMaxDepthM);
+    last_ = filter_.Update(last_, frame.capture_time, {cloud_, samples_, in_view}, map_);
+    return last_->Combined();
+  }
+
+  static MapSnapshot* room;
+  WorkingMap map_;
+  SemanticCloud cloud_;
+  SampleGrid samples_;
+  PoseFilter filter_{PoseFilterParameters()};
+  std::optional<PoseErrorEstimate> last_;
+};
+
+MapSnapshot* PoseFilterTest::room = nullptr;
+
+TEST_F(PoseFilterTest, FindsTheErrorOfAPose) {
+  map_.Restore(*room);
+  const Eigen::Vector3d turn_rad(0.01, -0.005, 0.015);
+  for (const int index : {5, 15, 40}) {
+    for (const double sign : {-1.0, 1.0}) {
+      last_.reset();
+      const Eigen::Vector3d shift_m = sign * Eigen::Vector3d(0.05, -0.04, 0.03);
+      const Frame frame = Drive(Room(), index, 1)[0];
+      const Frame claimed = Displaced(frame, shift_m, sign * turn_rad);
+      const PoseError error = Update(claimed);
+      const Eigen::Isometry3d corrected = error.Correct(claimed.T_world_camera);
+      const Eigen::Vector3d rest_m = corrected.translation() - frame.T_world_camera.translation();
+      EXPECT_LT(rest_m.norm(), 0.5 * shift_m.norm()) << index << " " << sign;
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_LT(std::abs(rest_m[axis]), 4.0 * std::sqrt(error.covariance(axis, axis)));
+      }
+    }
+  }
+}
+
+TEST_F(PoseFilterTest, FindsAConstantErrorWithinAFewFrames) {
+  map_.Restore(*room);
+  PoseError error;
+  Frame claimed;
+  std::vector<Frame> frames = Drive(Room(), 0, 30);
+  for (const Frame& frame : frames) {
+    claimed = Displaced(frame, {0.05, -0.04, 0.03}, {0.01, -0.005, 0.015});
+    error = Update(claimed);
+  }
+  const Eigen::Isometry3d T_true_corrected =
+      frames.back().T_world_camera.inverse() * error.Correct(claimed.T_world_camera);
+  EXPECT_LT(T_true_corrected.translation().norm(), 0.012);
+  EXPECT_LT(Eigen::AngleAxisd(T_true_corrected.linear()).angle(), 0.005);
+}
+
+TEST_F(PoseFilterTest, IsNotMisledByThingsThatAreGone) {
+  map_.Restore(*room);
+  const Frame frame = Drive(RoomWithout(2), 15, 1)[0];
+  const Frame claimed = Displaced(frame, {0.04, 0.03, 0.0}, {0.0, 0.0, 0.01});
+  const PoseError error = Update(claimed);
+  EXPECT_LT(
+      (error.Correct(claimed.T_world_camera).translation() - frame.T_world_camera.translation())
+          .norm(),
+      0.02);
+}
+
+TEST_F(PoseFilterTest, KeepsThePriorAlongAWall) {
+  MapStory story(PocdConfig());
+  story.Play(LookAtScene({FarWall()}, 0, 10));
+  map_.Restore(story.map());
+  const Frame frame = LookAtScene({FarWall()}, 5, 1)[0];
+  const Frame claimed = Displaced(frame, {0.04, 0.04, 0.04}, Eigen::Vector3d::Zero());
+  const PoseError error = Update(claimed);
+  // The camera looks along x; the wall tells only its distance and two rotations.
+  const PoseFilterParameters parameters;
+  EXPECT_NEAR(error.mean[0], -0.04, 0.01);
+  EXPECT_NEAR(error.mean[1], 0.0, 0.01);
+  EXPECT_NEAR(error.mean[2], 0.0, 0.01);
+  EXPECT_LT(std::sqrt(error.covariance(0, 0)), 0.01);
+  EXPECT_GT(std::sqrt(error.covariance(1, 1)), 0.9 * parameters.sigma_m);
+  EXPECT_GT(std::sqrt(error.covariance(2, 2)), 0.9 * parameters.sigma_m);
+  EXPECT_GT(std::sqrt(error.covariance(3, 3)), 0.9 * parameters.sigma_rad);
+}
+
+TEST_F(PoseFilterTest, TheFirstFrameDefinesTheWorldFrame) {
+  const PoseError error = Update(Drive(Room(), 0, 1)[0]);
+  EXPECT_TRUE(error.mean.isZero());
+  EXPECT_LT(std::sqrt(error.covariance(0, 0)), 0.001);
+}
+
+TEST_F(PoseFilterTest, WithoutSurfaceTheErrorFadesIntoThePrior) {
+  map_.Restore(*room);
+  const Eigen::Vector3d shift_m(0.05, 0.0, 0.0);
+  Frame claimed = Displaced(Drive(Room(), 15, 1)[0], shift_m, Eigen::Vector3d::Zero());
+  const PoseError known = Update(claimed);
+  const PoseFilterParameters parameters;
+  claimed.T_world_camera.pretranslate(Eigen::Vector3d(0.0, 0.0, 50.0));
+  claimed.capture_time =
+      claimed.capture_time +
+      Duration::FromNanoseconds(static_cast<std::int64_t>(parameters.correlation_s * 1e9));
+  const PoseError faded = Update(claimed);
+  EXPECT_NEAR(faded.mean[0], known.mean[0] / std::exp(1.0), 1e-6);
+  EXPECT_GT(faded.covariance(0, 0), known.covariance(0, 0));
+}
+
+TEST_F(PoseFilterTest, LearnsHowGoodThePosesAre) {
+  map_.Restore(*room);
+  std::vector<Frame> frames = Drive(Room(), 0, 60);
+  for (const Frame& frame : frames) Update(frame);
+  EXPECT_GT(last_->hypotheses.back().probability, 0.5) << "exact poses";
+  EXPECT_LT(last_->Combined().mean.head<3>().norm(), 0.004);
+
+  // Drifts by 8 cm in 6 s.
+  last_.reset();
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double drift_m = 0.08 * static_cast<double>(i) / static_cast<double>(frames.size());
+    frames[i] = Displaced(frames[i], {drift_m, 0.0, 0.0}, Eigen::Vector3d::Zero());
+    Update(frames[i]);
+  }
+  EXPECT_GT(last_->hypotheses.front().probability, 0.5) << "drifting poses";
+  EXPECT_NEAR(last_->Combined().mean[0], -0.08, 0.02);
+  double sum = 0.0;
+  for (const PoseErrorHypothesis& hypothesis : last_->hypotheses) sum += hypothesis.probability;
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+}
+
+TEST_F(PoseFilterTest, MoreFramesOfOneLookTellNoMore) {
+  map_.Restore(*room);
+  const Frame frame = Drive(Room(), 15, 1)[0];
+  const auto sigma_after = [&](int frames, double period_s) {
+    last_.reset();
+    Frame one = frame;
+    for (int i = 0; i < frames; ++i) {
+      Update(one);
+      one.capture_time =
+          one.capture_time + Duration::FromNanoseconds(static_cast<std::int64_t>(period_s * 1e9));
+    }
+    return std::sqrt(last_->Combined().covariance(0, 0));
+  };
+  EXPECT_NEAR(sigma_after(61, 1.0 / 30.0) / sigma_after(11, 0.2), 1.0, 0.15);
+}
+
+}  // namespace
+}  // namespace steadymap
