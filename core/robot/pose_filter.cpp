@@ -204,11 +204,17 @@ void UpdateHypotheses(const PoseErrorVector& error,
 
 }  // namespace
 
-PoseErrorEstimate PoseFilter::Predict(const std::optional<PoseErrorEstimate>& last,
-                                      Timestamp time) const {
+/// Returns the covariance of the error of a claimed pose.
+Matrix6 PoseFilter::Prior() const {
   Matrix6 prior = Matrix6::Zero();
   prior.diagonal().head<3>().setConstant(parameters_.sigma_m * parameters_.sigma_m);
   prior.diagonal().tail<3>().setConstant(parameters_.sigma_rad * parameters_.sigma_rad);
+  return prior;
+}
+
+PoseErrorEstimate PoseFilter::Predict(const std::optional<PoseErrorEstimate>& last,
+                                      Timestamp time) const {
+  const Matrix6 prior = Prior();
   PoseErrorEstimate estimate;
   estimate.time = time;
   constexpr double kUniform = 1.0 / kPoseErrorHypotheses;
@@ -262,6 +268,8 @@ PoseErrorEstimate PoseFilter::Update(const std::optional<PoseErrorEstimate>& las
     }
     error -= step;
   }
+  const double prior_distance2 = error.dot(Prior().diagonal().cwiseInverse().cwiseProduct(error));
+  if (prior_distance2 > parameters_.max_prior_distance2) return estimate;
   UpdateHypotheses(error, measurement, &estimate);
   return estimate;
 }

@@ -25,6 +25,9 @@ struct PoseFilterParameters {
   /// A sample at so many standard deviations from the surface of the map has a quarter of its
   /// weight, and half of its pull.
   double max_sigmas = 3.0;
+  /// A registration that is so unlikely under the prior is on other things: the square of its
+  /// distance in standard deviations, for six degrees of freedom at 0.1 %.
+  double max_prior_distance2 = 22.5;
   /// Largest angle between a sample and the surface that it is on, as a cosine.
   double min_normal_cosine = 0.7;
   /// Number of samples, and share of them with independent errors: neighbours have one bias.
@@ -55,7 +58,8 @@ class PoseFilter {
   explicit PoseFilter(const PoseFilterParameters& parameters) : parameters_(parameters) {}
 
   /// Returns the pose error at a frame with capture time `time`. `last`: that of the sensor's last
-  /// frame; none at the start of a session. The first frame of a map defines its world frame.
+  /// frame; none at the start of a session. The first frame of a map defines its world frame. A
+  /// frame that fits only far from its claimed pose tells nothing.
   ///
   /// Cost: about 1 ms.
   PoseErrorEstimate Update(const std::optional<PoseErrorEstimate>& last,
@@ -64,6 +68,7 @@ class PoseFilter {
                            const WorkingMap& map) const;
 
  private:
+  Eigen::Matrix<double, 6, 6> Prior() const;
   PoseErrorEstimate Predict(const std::optional<PoseErrorEstimate>& last, Timestamp time) const;
 
   PoseFilterParameters parameters_;

@@ -116,6 +116,22 @@ TEST_F(PoseFilterTest, IsNotMisledByThingsThatAreGone) {
       0.02);
 }
 
+TEST_F(PoseFilterTest, FindsNoErrorThatThePriorRulesOut) {
+  map_.Restore(*room);
+  const PoseFilterParameters parameters;
+  for (const Frame& frame : Drive(Room(), 0, 20)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double shift_m : {-0.4, -0.25, 0.25, 0.4}) {
+        last_.reset();
+        const PoseError error =
+            Update(Displaced(frame, shift_m * Eigen::Vector3d::Unit(axis), {0.0, 0.0, 0.0}));
+        EXPECT_LE(error.mean.head<3>().norm(),
+                  std::sqrt(parameters.max_prior_distance2) * parameters.sigma_m);
+      }
+    }
+  }
+}
+
 TEST_F(PoseFilterTest, KeepsThePriorAlongAWall) {
   MapStory story(PocdConfig());
   story.Play(LookAtScene({FarWall()}, 0, 10));
