@@ -65,7 +65,9 @@ class AnOffset(unittest.TestCase):
         )
         self.assertEqual((robot.offset.time_ns, robot.offset.anchors), (5, 4))
         self.assertEqual(robot.pose_error.time_ns, 7)
-        self.assertEqual((robot.pose_error.shift_m[1], robot.pose_error.rotation_rad[2]), (0.25, 0.5))
+        self.assertEqual(
+            (robot.pose_error.shift_m[1], robot.pose_error.rotation_rad[2]), (0.25, 0.5)
+        )
         self.assertEqual(robot.pose_error.covariance[1, 2], 8.0)
         moved = robot.offset.T_map_robot @ (11.0, 20.0, 3.0, 1.0)
         np.testing.assert_allclose(moved, (10.5, 21.0, 3.0, 1.0), atol=1e-12)

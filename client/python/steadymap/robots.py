@@ -154,7 +154,9 @@ def robot_from_proto(message: robot_pb2.Robot) -> Robot:
             Pose(vector_from_proto(pose.position_m), (turn.x, turn.y, turn.z, turn.w)).matrix()
         ),
         session_start_ns=time_ns_from_proto(message, "session_start"),
-        pose_error=_error_from_proto(message.pose_error) if message.HasField("pose_error") else None,
+        pose_error=_error_from_proto(message.pose_error)
+        if message.HasField("pose_error")
+        else None,
         offset=_offset_from_proto(message.pose_offset) if message.HasField("pose_offset") else None,
         contradictions=tuple(
             SensorContradiction(
