@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "core/types/error.h"
 #include "server/store/database/corrupt_record.h"
 
@@ -137,6 +139,7 @@ absl::StatusOr<PoseErrorEstimate> PoseErrorFromProto(const storage::v1::PoseErro
     hypothesis.error.covariance = MatrixOf<6>(entry.covariance());
     hypothesis.probability = entry.probability();
     if (!hypothesis.error.mean.allFinite() || !hypothesis.error.covariance.allFinite() ||
+        Eigen::LLT<Eigen::MatrixXd>(hypothesis.error.covariance).info() != Eigen::Success ||
         !(hypothesis.probability >= 0.0 && hypothesis.probability <= 1.0)) {
       return CorruptRecord("a robot record contains a pose error that is not valid");
     }

@@ -202,7 +202,7 @@ RobotState MakeRobot(Trust trust, std::uint32_t seed) {
     PoseErrorEstimate estimate{state.last_capture_time, {}};
     for (PoseErrorHypothesis& hypothesis : estimate.hypotheses) {
       hypothesis.error.mean << vector(), vector();
-      hypothesis.error.covariance.diagonal() << vector().cwiseAbs(), vector().cwiseAbs();
+      hypothesis.error.covariance.diagonal().setConstant(200.0);
       hypothesis.error.covariance(0, 5) = hypothesis.error.covariance(5, 0) = number(random);
       hypothesis.probability = 1.0 / kPoseErrorHypotheses;
     }
