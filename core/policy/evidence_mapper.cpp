@@ -15,6 +15,9 @@ namespace {
 // Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
 constexpr double kMinFacingCosine = 0.4;
 
+// Poses with a smaller error are exact: registration would not improve them.
+constexpr double kExactPoseM = 1e-4;
+
 std::vector<LeafEvidence> LooksOf(const SensorName& source,
                                   const std::vector<SessionLooks>& looks) {
   const auto found = std::find_if(looks.begin(), looks.end(), [&](const SessionLooks& entry) {
@@ -60,7 +63,7 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   BeginSession(frame);
   if (!counts) return;
   stages_.Enter(MapperStage::kRegistration);
-  if (parameters_.poses.sigma_m > 0.0) CorrectPose(frame);
+  if (parameters_.poses.sigma_m >= kExactPoseM) CorrectPose(frame);
   moving_.Record(frame.source, *cloud, map);
   stages_.Enter(MapperStage::kAssociation);
   FindObjects(frame.source);

@@ -179,7 +179,8 @@ constexpr PolicyParameter kPocd[] = {
      0.0,
      1.0,
      false,
-     "standard deviation of the position of a robot's poses at the start of a session; 0: exact"},
+     "standard deviation of the position of a robot's poses at the start of a session; below "
+     "0.0001: exact, frames are not registered"},
     {"pose_error_rad",
      0.009,
      0.0001,

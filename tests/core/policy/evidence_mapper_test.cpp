@@ -154,6 +154,29 @@ TEST_F(EvidenceMapperTest, TheOffsetOfASessionIsStateOfItsSensor) {
   EXPECT_NEAR(story_.map().robots.at(kOther).offset->shift_world.x(), 0.0, 0.015);
 }
 
+TEST_F(EvidenceMapperTest, ExactPosesAreNotCorrected) {
+  for (const double sigma_m : {0.0, 1e-200}) {
+    MapConfig config = PocdConfig();
+    config.parameters = {{"pose_error_m", sigma_m}};
+    MapStory story(config);
+    story.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
+    EXPECT_EQ(story.map().robots.at(kOne).pose_error, std::nullopt);
+  }
+}
+
+TEST_F(EvidenceMapperTest, SmallErrorsOfPosesStayFinite) {
+  MapConfig config = PocdConfig();
+  config.parameters = {
+      {"pose_error_m", 1e-4}, {"pose_error_rad", 0.5}, {"pose_error_time_s", 86'400.0}};
+  MapStory story(config);
+  story.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
+  const std::optional<PoseErrorEstimate>& estimate = story.map().robots.at(kOne).pose_error;
+  ASSERT_TRUE(estimate.has_value());
+  const PoseError error = estimate->Combined();
+  EXPECT_LT(error.mean.head<3>().norm(), 0.001);
+  EXPECT_GT(error.covariance.diagonal().minCoeff(), 0.0);
+}
+
 TEST_F(EvidenceMapperTest, ARobotWithAConstantOffsetOfTenCentimetresChangesNothing) {
   story_.Play(testing::From("one", testing::Drive(testing::Room(), 0, 60)));
   story_.EndSession(kOne);
@@ -390,7 +413,8 @@ TEST_F(EvidenceMapperTest, AMovedThingKeepsItsIdentityAndItsShape) {
   const MapObject& after = *story_.Present(kGoodsClass).front();
   EXPECT_EQ(after.id, before.id);
   EXPECT_EQ(after.first_seen, before.first_seen);
-  // All that was known of it, but for a row of voxels at the border that resampling loses.
+  // Of the surface known before, what resampling keeps: it loses sides that were only seen at flat
+  // angles, since not all eight voxels around their points are observed.
   EXPECT_GT(CountSurfaceIn(story_.map(), Around(Goods(0.4), 0.1)), 9 * surface_before / 10);
   EXPECT_FALSE(story_.map().objects.contains(moved[0].related));
 }
