@@ -13,7 +13,7 @@ namespace steadymap {
 /// times angle, radians. World frame.
 using PoseErrorVector = Eigen::Matrix<double, 6, 1>;
 
-/// What the pose of a camera needs to agree with the map, with its uncertainty.
+/// The correction of a claimed camera pose to one that agrees with the map, with its uncertainty.
 struct PoseError {
   PoseErrorVector mean = PoseErrorVector::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();

@@ -41,9 +41,9 @@ struct MovingCell {
   friend bool operator==(const MovingCell&, const MovingCell&) = default;
 };
 
-/// The error of the poses of a session at its end, found by the known objects that the robot saw in
-/// place and by the registration of its frames. A claimed point `p` is at `center + R_z(yaw) (p -
-/// center) + shift`.
+/// The error of the poses of a session at its end, found by the registration of its frames and by
+/// the known objects that the robot saw in place. A claimed point `p` is at
+/// `center + R_z(yaw) (p - center) + shift`.
 struct PoseOffset {
   Timestamp time;  ///< Capture time of the last frame of the session.
   Eigen::Vector3d center_world = Eigen::Vector3d::Zero();  ///< Of the known objects, metres.
@@ -81,7 +81,7 @@ struct RobotState {
   std::optional<Timestamp> session_start;
   /// Of its last session that ended; none if that showed no known object in place.
   std::optional<PoseOffset> offset;
-  /// At its last used frame; none if the map's policy does not register frames.
+  /// At its last used frame; none if the map does not register frames.
   std::optional<PoseErrorEstimate> pose_error;
 
   friend bool operator==(const RobotState&, const RobotState&) = default;

@@ -26,7 +26,7 @@ constexpr double kConvergedTurnRad = 1e-4;
 // The standard deviation of a pose that defines the world frame, as a share of the prior one.
 constexpr double kDefiningShare = 0.01;
 
-// The objects in view are known at the claimed pose: so many samples around what they cover there.
+// Beyond what an object covers in the image at the claimed pose, since that is wrong; samples.
 constexpr int kViewMarginSamples = 8;
 
 /// What a frame tells of the pose error, linearised at one value of it: the information matrix, and
@@ -92,7 +92,7 @@ class FrameRegistration {
 void FrameRegistration::ChooseSamples() {
   const SampleGrid& samples = frame_.samples;
   const double share =
-      static_cast<double>(samples.size()) / static_cast<double>(parameters_.max_samples);
+      static_cast<double>(samples.size()) / static_cast<double>(parameters_.min_samples);
   const int stride = std::max(1, static_cast<int>(std::sqrt(share)));
   for (int row = stride / 2; row < samples.height(); row += stride) {
     for (int column = stride / 2; column < samples.width(); column += stride) {
@@ -240,7 +240,7 @@ PoseErrorEstimate PoseFilter::Update(const std::optional<PoseErrorEstimate>& las
                                      const FrameInMap& frame,
                                      const WorkingMap& map) const {
   PoseErrorEstimate estimate = Predict(last, time);
-  if (map.background().leaf_count() == 0 && frame.in_view.empty()) {
+  if (map.background().leaf_count() == 0 && map.objects().empty()) {
     for (PoseErrorHypothesis& hypothesis : estimate.hypotheses) {
       hypothesis.error.covariance *= kDefiningShare * kDefiningShare;
     }

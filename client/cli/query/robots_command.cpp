@@ -19,20 +19,20 @@ namespace {
 constexpr char kRobotsFooter[] =
     "One line for each sensor of a robot. A robot is `doubted` after a jump of its pose and\n"
     "`lost` if its frames then contradict the map; such frames are ignored. The pose error is\n"
-    "that of its last used frame, by registration to the map, the offset that of its last\n"
-    "session at its end, by the known objects in place, each with one standard deviation. The\n"
-    "map has corrected both. Two sensors contradict each other about objects that one of them\n"
+    "the correction of its last used frame, by registration to the map; the offset is that of\n"
+    "its last session at its end, by the known objects in place too; each with one standard\n"
+    "deviation. The map has applied both. Two sensors contradict each other about objects that one "
+    "of them\n"
     "sees and the other one finds gone, again and again.\n"
     "Only maps of the pocd policy know robots.\n\n"
     "JSON: {\"revision\", \"robots\": [{\"robot\", \"sensor\", \"trust\", \"last_capture_time\",\n"
     "\"position\" [x, y, z] and \"orientation\" [x, y, z, w] of the camera, \"session_start\" if\n"
     "a session is open, \"pose_error\" if known: {\"time\", \"shift\", \"rotation\" (axis times\n"
     "angle), \"covariance\" of both (36 numbers, row by row)}, \"offset\" if known: {\"time\",\n"
-    "\"center\", \"shift\", \"yaw\",\n"
-    "\"covariance\" of shift and yaw (16 numbers, row by row), \"anchors\", the number of known\n"
-    "objects that agree}, \"contradictions\": [{\"robot\", \"sensor\", \"objects\" (their\n"
-    "number), \"since\"}]}]}. Lengths are metres in the world frame, angles radians, times\n"
-    "seconds since 1970.";
+    "\"center\", \"shift\", \"yaw\", \"covariance\" of shift and yaw (16 numbers, row by row),\n"
+    "\"anchors\", the number of known objects that agree}, \"contradictions\": [{\"robot\",\n"
+    "\"sensor\", \"objects\" (their number), \"since\"}]}]}. Lengths are metres in the world\n"
+    "frame, angles radians, times seconds since 1970.";
 
 using Covariance = google::protobuf::RepeatedField<double>;
 

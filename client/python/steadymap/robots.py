@@ -51,7 +51,7 @@ class PoseOffset:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class PoseError:
-    """Error of the pose of a frame, by registration to the map.
+    """Error of the pose of a frame, as the correction that its registration to the map found.
 
     Attributes:
         time_ns: Capture time of the frame, nanoseconds since 1970.
@@ -95,7 +95,7 @@ class Robot:
         session_start_ns: Capture time of the first frame of its open session; None if no session is
             open.
         pose_error: Error of the pose of its last used frame; None if no frame was used yet, or the
-            policy of the map does not register frames.
+            map does not register frames (`pose_error_m` = 0).
         offset: Error of the poses of its last session that ended, at its end; None if that showed
             no known object in place, or none has ended yet.
         contradictions: Sensors that disagree with this one.
