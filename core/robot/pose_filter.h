@@ -14,8 +14,8 @@ namespace steadymap {
 
 /// The model of the pose errors of a sensor, and of what a frame tells of them.
 struct PoseFilterParameters {
-  /// Standard deviation of the claimed poses at the start of a session, metres and radians, at least
-  /// 0.0001.
+  /// Standard deviation of the claimed poses at the start of a session, metres and radians, at
+  /// least 0.0001.
   double sigma_m = 0.04;
   double sigma_rad = 0.009;
   /// Time in which the errors change, seconds: that of a Gauss-Markov process of first order.
