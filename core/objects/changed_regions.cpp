@@ -87,7 +87,7 @@ class ChangedSurface {
     }
     const double changed_m2 = static_cast<double>(changed) * voxel_m_ * voxel_m_;
     return changed_m2 >= parameters_.scene.min_area_m2 && resolved >= kMinResolvedPoints &&
-           PrincipalLengthsOf(surface).y() >= parameters_.scene.min_width_voxels * voxel_m_;
+           PrincipalAxesOf(surface).lengths_m.y() >= parameters_.scene.min_width_voxels * voxel_m_;
   }
 
   const SessionPartParameters& parameters_;

@@ -1,6 +1,7 @@
 #include "core/objects/outline.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/volume/tsdf_sample.h"
 
@@ -19,8 +20,15 @@ constexpr double kBesideGrains = 3.0;
 }  // namespace
 
 OutlineTest::OutlineTest(const WorkingMap& map, std::span<const Eigen::Vector3d> structure_world)
-    : map_(map), grain_m_(std::max(kMinGrainM, map.scale().voxel_size_m)) {
-  for (const Eigen::Vector3d& point : structure_world) structure_.insert(CellOf(point));
+    : map_(map),
+      grain_m_(std::max(kMinGrainM, map.scale().voxel_size_m)),
+      structure_(CellsOf(structure_world)) {}
+
+std::set<OutlineTest::Cell> OutlineTest::CellsOf(
+    std::span<const Eigen::Vector3d> points_world) const {
+  std::set<Cell> cells;
+  for (const Eigen::Vector3d& point : points_world) cells.insert(CellOf(point));
+  return cells;
 }
 
 OutlineTest::Cell OutlineTest::CellOf(const Eigen::Vector3d& point_world) const {
@@ -67,6 +75,32 @@ double OutlineTest::SeenShareOf(std::span<const OrientedPoint> surface) const {
     }
   }
   return outline == 0 ? 1.0 : static_cast<double>(seen) / static_cast<double>(outline);
+}
+
+bool OutlineTest::HasUnseenEnd(std::span<const OrientedPoint> surface,
+                               std::span<const Eigen::Vector3d> continuation_world) const {
+  const std::set<Cell> continuation = CellsOf(continuation_world);
+  const Eigen::Vector3d axis = PrincipalAxesOf(surface).axes.col(0);
+  for (const Eigen::Vector3d& outward : {axis, Eigen::Vector3d(-axis)}) {
+    double end_m = std::numeric_limits<double>::lowest();
+    for (const OrientedPoint& point : surface) {
+      end_m = std::max(end_m, outward.dot(point.position_world));
+    }
+    std::size_t unseen = 0;
+    std::size_t count = 0;
+    for (const OrientedPoint& point : surface) {
+      if (outward.dot(point.position_world) < end_m - grain_m_) continue;
+      ++count;
+      const Eigen::Vector3d beyond = point.position_world + grain_m_ * outward;
+      const bool goes_on = HasNeighbour(continuation, CellOf(beyond));
+      const bool ends =
+          IsOnStructure(beyond) ||
+          map_.free_space().IsFree(point.position_world + kBesideGrains * grain_m_ * outward);
+      if (goes_on || !ends) ++unseen;
+    }
+    if (2 * unseen > count) return true;
+  }
+  return false;
 }
 
 }  // namespace steadymap

@@ -24,10 +24,16 @@ class OutlineTest {
   /// a surface without outline.
   double SeenShareOf(std::span<const OrientedPoint> surface) const;
 
+  /// True if a slender surface has an end that was not seen: what is beyond most of it is neither
+  /// free space nor structure, or `continuation_world`, points of what it may go on as, metres.
+  bool HasUnseenEnd(std::span<const OrientedPoint> surface,
+                    std::span<const Eigen::Vector3d> continuation_world) const;
+
  private:
   using Cell = std::array<int, 3>;
 
   Cell CellOf(const Eigen::Vector3d& point_world) const;
+  std::set<Cell> CellsOf(std::span<const Eigen::Vector3d> points_world) const;
   static bool HasNeighbour(const std::set<Cell>& cells, const Cell& cell);
   bool IsOnStructure(const Eigen::Vector3d& point_world) const;
 

@@ -283,7 +283,8 @@ class SceneDivision {
   /// Drops parts that the voxels are too coarse for.
   void DropSlenderParts() {
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      return PrincipalLengthsOf(PointsOf(part)).y() < parameters_.min_width_voxels * voxel_m_;
+      return PrincipalAxesOf(PointsOf(part)).lengths_m.y() <
+             parameters_.min_width_voxels * voxel_m_;
     });
   }
 

@@ -8,6 +8,7 @@
 #include "core/change/surface_looks.h"
 #include "core/map/contradiction.h"
 #include "core/objects/changed_regions.h"
+#include "core/objects/legs.h"
 #include "core/objects/place_matches.h"
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_moves.h"
@@ -417,10 +418,11 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
 /// True if an object of the session continues a standing object, which then has its surface.
 bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
   const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
+  const bool is_leg = IsOpenLeg(seen, parameters_.parts, *map_);
   for (const KnownObject& known : objects_.known) {
     if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
     if (!IsFragmentOf(seen, *known.object, parameters_.parts) &&
-        !IsThinPartOf(seen, *known.object, parameters_.parts, *map_) &&
+        !(is_leg && MayBeLegOf(seen, *known.object, parameters_.parts)) &&
         !AreInContact(seen, *known.object, contact_m, map_->scale())) {
       continue;
     }

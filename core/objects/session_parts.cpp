@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/change/surface_looks.h"
-#include "core/objects/outline.h"
+#include "core/objects/legs.h"
 #include "core/objects/part_votes.h"
 #include "core/objects/surface_overlap.h"
 #include "core/objects/unsegmented_surface.h"
@@ -59,6 +59,7 @@ class PartCompletion {
     election_ = PartElection(map_->TentativeObjectsOf(source_));
     JoinParts();
     DropFragments();
+    JoinLegs(parameters_, source_, map_);
     JoinPieces();
     AddUnsegmentedSurface(parameters_.contact_voxels, source_, map_);
   }
@@ -115,9 +116,7 @@ void PartCompletion::DropFragments() {
 /// True if the smaller object is a part of the larger one, or a wrong label on it.
 bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject& other) const {
   if (election_.AreApart(object.id(), other.id())) return false;
-  if (IsFragmentOf(object, other, parameters_) || IsThinPartOf(object, other, parameters_, *map_)) {
-    return true;
-  }
+  if (IsFragmentOf(object, other, parameters_)) return true;
   const double voxel_m = map_->scale().voxel_size_m;
   if (!Grow(object.BoundsInWorld(), kNearVoxels * voxel_m).intersects(other.BoundsInWorld())) {
     return false;
@@ -192,24 +191,6 @@ bool IsFragmentOf(const TrackedObject& object,
   return object.SurfaceAreaM2() < parameters.fragment_share * other.SurfaceAreaM2() &&
          DistanceBetween(object.cuboid(), other.cuboid()) <
              parameters.fragment_reach * other.cuboid().size_m.maxCoeff();
-}
-
-bool IsThinPartOf(const TrackedObject& object,
-                  const TrackedObject& other,
-                  const SessionPartParameters& parameters,
-                  const WorkingMap& map) {
-  if (!IsOfOneClass(object, other) || object.SurfaceAreaM2() >= other.SurfaceAreaM2() ||
-      DistanceBetween(object.cuboid(), other.cuboid()) >=
-          parameters.fragment_reach * other.cuboid().size_m.maxCoeff()) {
-    return false;
-  }
-  const std::vector<OrientedPoint> points = OrientedSurfaceOf(object);
-  const Eigen::Vector3d lengths_m = PrincipalLengthsOf(points);
-  if (lengths_m.y() >= parameters.scene.min_width_voxels * map.scale().voxel_size_m ||
-      lengths_m.y() >= parameters.thin_share * lengths_m.x()) {
-    return false;
-  }
-  return OutlineTest(map, {}).SeenShareOf(points) >= parameters.scene.min_outline_share;
 }
 
 void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into) {

@@ -21,8 +21,12 @@ struct SessionPartParameters {
   /// it than this share of its length, is a part of it.
   double fragment_share = 0.1;
   double fragment_reach = 0.5;
-  /// A thin part is narrower than `scene.min_width_voxels` and than this share of its length.
-  double thin_share = 0.3;
+  /// A leg is narrower than this, metres, or than `scene.min_width_voxels` if that is more, and
+  /// than this share of its length.
+  double max_leg_width_m = 0.12;
+  double max_leg_share = 0.3;
+  /// Neighbouring legs of one object are closer than this, metres, and than twice their length.
+  double max_leg_gap_m = 1.0;
   SceneDivisionParameters scene;
 };
 
@@ -48,13 +52,6 @@ bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);
 bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters);
-
-/// True if an object is a thin part of another one of its class beside it, such as a leg or a post:
-/// it is slender, and the space beside it is free, so that it is not a strip of a larger surface.
-bool IsThinPartOf(const TrackedObject& object,
-                  const TrackedObject& other,
-                  const SessionPartParameters& parameters,
-                  const WorkingMap& map);
 
 /// True if several points of the surface of `a` are within `distance_m` of the surface of `b`.
 bool AreInContact(const TrackedObject& a,

@@ -181,8 +181,8 @@ std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object) {
   return points;
 }
 
-Eigen::Vector3d PrincipalLengthsOf(std::span<const OrientedPoint> points) {
-  if (points.empty()) return Eigen::Vector3d::Zero();
+PrincipalAxes PrincipalAxesOf(std::span<const OrientedPoint> points) {
+  if (points.empty()) return {};
   const auto count = static_cast<double>(points.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const OrientedPoint& point : points) mean += point.position_world;
@@ -192,10 +192,12 @@ Eigen::Vector3d PrincipalLengthsOf(std::span<const OrientedPoint> points) {
     const Eigen::Vector3d offset = point.position_world - mean;
     scatter += offset * offset.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(scatter / count),
-                                                            Eigen::EigenvaluesOnly);
-  // Points evenly spread over a length have its twelfth part as variance.
-  return (12.0 * axes.eigenvalues().reverse().cwiseMax(0.0)).cwiseSqrt();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(Eigen::Matrix3d(scatter / count));
+  PrincipalAxes axes;
+  axes.axes = solver.eigenvectors().rowwise().reverse();
+  // Points evenly spread over a length have the twelfth part of its square as variance.
+  axes.lengths_m = (12.0 * solver.eigenvalues().reverse().cwiseMax(0.0)).cwiseSqrt();
+  return axes;
 }
 
 std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const OrientedPoint> points,

@@ -21,9 +21,14 @@ struct OrientedPoint {
 /// Returns the surface points of an object, in the order of `ObjectSurface::leaves()`.
 std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object);
 
-/// Returns the lengths of points along their principal axes, metres, the longest first. They are
-/// exact for points that are evenly spread over a box.
-Eigen::Vector3d PrincipalLengthsOf(std::span<const OrientedPoint> points);
+/// The principal axes of points, world frame, in the columns, and the lengths along them, metres,
+/// the longest first. The lengths are exact for points that are evenly spread over a box.
+struct PrincipalAxes {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d lengths_m = Eigen::Vector3d::Zero();
+};
+
+PrincipalAxes PrincipalAxesOf(std::span<const OrientedPoint> points);
 
 /// Divides points into sets of which no two points are within `reach_m` of each other: Euclidean
 /// clusters. Returns indices into `points`, the largest set first, each in increasing order. Points

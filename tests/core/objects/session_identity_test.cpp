@@ -389,20 +389,26 @@ TEST_F(SessionIdentityTest, ObjectsThatFramesShowApartAreTwoEvenInContact) {
   EXPECT_EQ(map_.objects().size(), 2U);
 }
 
+const Eigen::Vector3d kPostSizeM(0.06, 0.06, 1.2);
+
 TEST_F(SessionIdentityTest, APostBesideAThingOfItsClassIsAPartOfIt) {
   PutSeen(0.0);
-  PutSeen(0.8, {0.06, 0.06, 1.2});
-  MarkFree(Box(Eigen::Vector3d(1.7, 0.55, 0.0), Eigen::Vector3d(2.3, 0.75, 1.3)));
-  MarkFree(Box(Eigen::Vector3d(1.7, 0.9, 0.0), Eigen::Vector3d(2.3, 1.1, 1.3)));
-  MarkFree(Box(Eigen::Vector3d(1.7, 0.75, 0.0), Eigen::Vector3d(1.95, 0.9, 1.3)));
-  MarkFree(Box(Eigen::Vector3d(2.1, 0.75, 0.0), Eigen::Vector3d(2.3, 0.9, 1.3)));
+  PutSeen(0.8, kPostSizeM);
   EXPECT_EQ(Decide().size(), 1U);
   EXPECT_EQ(map_.objects().size(), 1U);
 }
 
-TEST_F(SessionIdentityTest, AStripThatMayGoOnIsAnObject) {
+TEST_F(SessionIdentityTest, APostThatWasSeenFromEndToEndIsAnObject) {
   PutSeen(0.0);
-  PutSeen(0.8, {0.06, 0.06, 1.2});
+  PutSeen(0.8, kPostSizeM);
+  MarkFree(Box(Eigen::Vector3d(1.7, 0.55, -0.5), Eigen::Vector3d(2.3, 1.1, -0.02)));
+  MarkFree(Box(Eigen::Vector3d(1.7, 0.55, 1.22), Eigen::Vector3d(2.3, 1.1, 1.6)));
+  EXPECT_EQ(Decide().size(), 2U);
+}
+
+TEST_F(SessionIdentityTest, APostFarFromAThingOfItsClassIsAnObject) {
+  PutSeen(0.0);
+  PutSeen(1.6, kPostSizeM);
   EXPECT_EQ(Decide().size(), 2U);
 }
 

@@ -31,6 +31,8 @@ using ::steadymap::testing::SceneBody;
 
 constexpr int kFrames = 10;
 
+constexpr std::uint16_t kTableClass = 8;
+
 const SensorName kOne{"one", SensorName::kDefaultSensor};
 const SensorName kOther{"other", SensorName::kDefaultSensor};
 
@@ -499,6 +501,47 @@ TEST_F(EvidenceMapperTest, NeighboursOfOneClassAreTwoAndOneMayLeave) {
   EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 2U);
   Visit({FarWall(), Goods(-0.35)});
   EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+/// Returns a post 10 cm wide that stands at `y`.
+SceneBody Post(double y, double lowest_m, double highest_m) {
+  return Body(kGoodsClass, {1.6, y - 0.05, lowest_m}, {1.7, y + 0.05, highest_m});
+}
+
+TEST_F(EvidenceMapperTest, LegsOfWhatIsAboveTheViewAreOneThing) {
+  Visit({FarWall(), Post(-0.3, -0.5, 3.0), Post(0.5, -0.5, 3.0)});
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  const auto things = story_.Present(kGoodsClass);
+  ASSERT_EQ(things.size(), 1U);
+  EXPECT_GT(things.front()->cuboid.size_m.maxCoeff(), 0.8);
+}
+
+TEST_F(EvidenceMapperTest, PostsThatAreSeenFromEndToEndAreTwoThings) {
+  Visit({FarWall(), Post(-0.3, -0.5, 0.4), Post(0.5, -0.5, 0.4)});
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 2U);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 2U);
+}
+
+TEST_F(EvidenceMapperTest, APostOnAThingIsSeenFromEndToEnd) {
+  const SceneBody table = Body(kTableClass, {1.4, -1.0, -0.6}, {2.0, 1.2, -0.5});
+  Visit({FarWall(), table, Post(-0.3, -0.5, 0.4), Post(0.5, -0.5, 0.4)});
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 2U);
+}
+
+TEST_F(EvidenceMapperTest, LegsThatAreFarApartAreTwoThings) {
+  const SceneBody near = Post(-0.3, -0.5, 0.1);
+  const SceneBody hides_tops = Body(kWallClass, {1.2, -4.0, -0.05}, {1.3, 4.0, 0.4});
+  Visit({FarWall(), hides_tops, near, Post(1.0, -0.5, 0.1)});
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 2U);
+}
+
+TEST_F(EvidenceMapperTest, ALegBesideAKnownOneIsAPartOfIt) {
+  const SceneBody hides_one = Body(kWallClass, {1.2, 0.2, -3.0}, {1.3, 1.0, 3.0});
+  Visit({FarWall(), hides_one, Post(-0.3, -0.5, 3.0), Post(0.5, -0.5, 3.0)});
+  ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+  Visit({FarWall(), Post(-0.3, -0.5, 3.0), Post(0.5, -0.5, 3.0)});
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
 }
 

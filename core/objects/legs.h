@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/objects/session_parts.h"
+#include "core/working/tracked_object.h"
+#include "core/working/working_map.h"
+
+/// Legs and posts are seen apart from the object that they belong to when what connects them is out
+/// of view, or too narrow for a segment.
+namespace steadymap {
+
+/// True if an object is slender and one of its ends was not seen: it goes on there. What was seen
+/// from end to end, such as a bollard, is whole.
+bool IsOpenLeg(const TrackedObject& object,
+               const SessionPartParameters& parameters,
+               const WorkingMap& map);
+
+/// True if an open leg may belong to another object: one of its class, and not too far from it.
+bool MayBeLegOf(const TrackedObject& leg,
+                const TrackedObject& other,
+                const SessionPartParameters& parameters);
+
+/// Joins the open legs of a session, each with the nearest object that it may belong to.
+void JoinLegs(const SessionPartParameters& parameters, const SensorName& source, WorkingMap* map);
+
+}  // namespace steadymap
