@@ -98,12 +98,16 @@ double PlanOverlapM2(const Cuboid& a, const Cuboid& b) {
 /// Points in the xy plane, metres, one per column.
 using PlanPoints = Eigen::Array<float, 2, Eigen::Dynamic, Eigen::RowMajor>;
 
-// More points do not improve the estimate of the heading.
+// More points do not improve the estimate of the heading. To a degree, fewer tell it.
 constexpr std::size_t kMaxHeadingPoints = 1024;
+constexpr std::size_t kMaxCoarsePoints = 256;
 
-/// Selects evenly spaced points, relative to the first point.
-PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world) {
-  const std::size_t stride = (points_world.size() + kMaxHeadingPoints - 1) / kMaxHeadingPoints;
+// A point beyond a side by more than this share of the margin is left out.
+constexpr float kShareOfMarginBeyond = 0.25F;
+
+/// Selects at most `max_count` evenly spaced points, relative to the first point.
+PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world, std::size_t max_count) {
+  const std::size_t stride = (points_world.size() + max_count - 1) / max_count;
   const std::size_t count = (points_world.size() + stride - 1) / stride;
   PlanPoints points(2, static_cast<Eigen::Index>(count));
   for (std::size_t i = 0; i < count; ++i) {
@@ -113,25 +117,95 @@ PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world) {
   return points;
 }
 
-/// Returns the mean distance of the points from the nearest side of their bounding rectangle of the
-/// given heading, metres.
-double MeanDistanceFromSides(const PlanPoints& points, double yaw_rad) {
+/// Returns the side of a cuboid in direction `sign` (1 or -1), as a multiple of `sign`. Reorders
+/// the points, which are given by their positions along an axis, metres.
+template <typename Number>
+Number HighSide(Number sign, const CuboidMargin& margin, std::span<Number> along_m) {
+  const auto beyond =
+      static_cast<std::ptrdiff_t>(margin.max_share * static_cast<double>(along_m.size() - 1));
+  const auto side = along_m.begin() + beyond;
+  const auto is_farther = [sign](Number a, Number b) { return sign * a > sign * b; };
+  std::nth_element(along_m.begin(), side, along_m.end(), is_farther);
+  const Number farthest_m = sign * *std::min_element(along_m.begin(), side + 1, is_farther);
+  return std::max(sign * *side, farthest_m - static_cast<Number>(margin.max_m));
+}
+
+/// Two parallel sides, by their positions along the axis across them, metres.
+struct Sides {
+  float low_m = 0.0F;
+  float high_m = 0.0F;
+};
+
+/// Returns the sides of points, given by their positions along an axis.
+Sides FindSides(const Eigen::ArrayXf& along_m, const CuboidMargin& margin) {
+  if (margin.max_share <= 0.0) return {along_m.minCoeff(), along_m.maxCoeff()};
+  Eigen::ArrayXf reordered = along_m;
+  const std::span<float> span(reordered.data(), static_cast<std::size_t>(reordered.size()));
+  const float high_m = HighSide(1.0F, margin, span);
+  return {-HighSide(-1.0F, margin, span), high_m};
+}
+
+/// Returns the distances of points, given by their positions along an axis, from the nearer one of
+/// the two sides across it, metres.
+Eigen::ArrayXf DistancesFromSides(const Eigen::ArrayXf& along_m, const CuboidMargin& margin) {
+  const Sides sides = FindSides(along_m, margin);
+  return (along_m - sides.low_m).abs().min((sides.high_m - along_m).abs());
+}
+
+/// Returns the points turned by `-yaw_rad`.
+PlanPoints TurnBack(const PlanPoints& points, double yaw_rad) {
   const auto cosine = static_cast<float>(std::cos(yaw_rad));
   const auto sine = static_cast<float>(std::sin(yaw_rad));
-  const Eigen::ArrayXf x = cosine * points.row(0) + sine * points.row(1);
-  const Eigen::ArrayXf y = cosine * points.row(1) - sine * points.row(0);
-  const Eigen::ArrayXf from_x_side = (x - x.minCoeff()).min(x.maxCoeff() - x);
-  const Eigen::ArrayXf from_y_side = (y - y.minCoeff()).min(y.maxCoeff() - y);
-  return static_cast<double>(from_x_side.min(from_y_side).mean());
+  PlanPoints turned(2, points.cols());
+  turned.row(0) = cosine * points.row(0) + sine * points.row(1);
+  turned.row(1) = cosine * points.row(1) - sine * points.row(0);
+  return turned;
+}
+
+/// Returns the mean distance of the points from the nearest side of their rectangle of the given
+/// heading, metres.
+double MeanDistanceFromSides(const PlanPoints& points, double yaw_rad, const CuboidMargin& margin) {
+  const PlanPoints turned = TurnBack(points, yaw_rad);
+  const Eigen::ArrayXf x = turned.row(0);
+  const Eigen::ArrayXf y = turned.row(1);
+  return static_cast<double>(
+      DistancesFromSides(x, margin).min(DistancesFromSides(y, margin)).mean());
+}
+
+/// Returns the points that are not beyond the sides of the rectangle of `coarse` of that heading.
+PlanPoints WithoutPointsBeyond(const PlanPoints& points,
+                               const PlanPoints& coarse,
+                               double yaw_rad,
+                               const CuboidMargin& margin) {
+  const float limit_m = kShareOfMarginBeyond * static_cast<float>(margin.max_m);
+  const PlanPoints turned = TurnBack(points, yaw_rad);
+  const PlanPoints turned_coarse = TurnBack(coarse, yaw_rad);
+  const Sides x = FindSides(turned_coarse.row(0), margin);
+  const Sides y = FindSides(turned_coarse.row(1), margin);
+  PlanPoints kept(2, points.cols());
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    if (turned(0, i) < x.low_m - limit_m || turned(0, i) > x.high_m + limit_m ||
+        turned(1, i) < y.low_m - limit_m || turned(1, i) > y.high_m + limit_m) {
+      continue;
+    }
+    kept.col(count++) = points.col(i);
+  }
+  kept.conservativeResize(2, count);
+  return kept;
 }
 
 /// Returns the best of `count` headings, from `first_rad` on in steps of `step_rad`.
-double FindBestHeading(const PlanPoints& points, double first_rad, double step_rad, int count) {
+double FindBestHeading(const PlanPoints& points,
+                       const CuboidMargin& margin,
+                       double first_rad,
+                       double step_rad,
+                       int count) {
   double best_rad = first_rad;
   double least_m = std::numeric_limits<double>::infinity();
   for (int i = 0; i < count; ++i) {
     const double yaw_rad = first_rad + i * step_rad;
-    const double distance_m = MeanDistanceFromSides(points, yaw_rad);
+    const double distance_m = MeanDistanceFromSides(points, yaw_rad, margin);
     if (distance_m >= least_m) continue;
     best_rad = yaw_rad;
     least_m = distance_m;
@@ -140,25 +214,19 @@ double FindBestHeading(const PlanPoints& points, double first_rad, double step_r
 }
 
 /// Returns the heading of one of the sides, with an error of an eighth of a degree.
-double FindSideYaw(std::span<const Eigen::Vector3d> points_world) {
+double FindSideYaw(std::span<const Eigen::Vector3d> points_world, const CuboidMargin& margin) {
   if (points_world.size() < 2) return 0.0;
   constexpr double kDegree = std::numbers::pi / 180.0;
-  const PlanPoints points = ChoosePlanPoints(points_world);
-  double yaw_rad = FindBestHeading(points, 0.0, 5.0 * kDegree, 18);
-  yaw_rad = FindBestHeading(points, yaw_rad - 4.0 * kDegree, kDegree, 9);
-  return FindBestHeading(points, yaw_rad - 0.75 * kDegree, 0.25 * kDegree, 7);
-}
-
-/// Returns the side of a cuboid in direction `sign` (1 or -1), as a multiple of `sign`. Reorders
-/// the points, which are given by their positions along an axis, metres.
-double HighSide(double sign, const CuboidMargin& margin, std::vector<double>* along_m) {
-  const auto beyond =
-      static_cast<std::ptrdiff_t>(margin.max_share * static_cast<double>(along_m->size() - 1));
-  const auto side = along_m->begin() + beyond;
-  const auto is_farther = [sign](double a, double b) { return sign * a > sign * b; };
-  std::nth_element(along_m->begin(), side, along_m->end(), is_farther);
-  const double farthest_m = sign * *std::min_element(along_m->begin(), side + 1, is_farther);
-  return std::max(sign * *side, farthest_m - margin.max_m);
+  const bool has_margin = margin.max_share > 0.0;
+  const PlanPoints points = ChoosePlanPoints(points_world, kMaxHeadingPoints);
+  // A margin costs much more time for many points.
+  const PlanPoints coarse = has_margin ? ChoosePlanPoints(points_world, kMaxCoarsePoints) : points;
+  double yaw_rad = FindBestHeading(coarse, margin, 0.0, 5.0 * kDegree, 18);
+  yaw_rad = FindBestHeading(coarse, margin, yaw_rad - 4.0 * kDegree, kDegree, 9);
+  const PlanPoints kept =
+      has_margin ? WithoutPointsBeyond(points, coarse, yaw_rad, margin) : points;
+  if (kept.cols() == 0) return yaw_rad;
+  return FindBestHeading(kept, {}, yaw_rad - 0.75 * kDegree, 0.25 * kDegree, 7);
 }
 
 }  // namespace
@@ -201,7 +269,7 @@ double OverlapM3(const Cuboid& a, const Cuboid& b) {
 }
 
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, const CuboidMargin& margin) {
-  const double yaw_rad = FindSideYaw(points_world);
+  const double yaw_rad = FindSideYaw(points_world, margin);
   Cuboid cuboid = FitCuboid(points_world, yaw_rad, margin);
   if (cuboid.size_m.x() >= cuboid.size_m.y()) return cuboid;
   const double quarter_turn_rad = 0.5 * std::numbers::pi;
@@ -228,8 +296,8 @@ Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world,
     for (std::size_t i = 0; i < points_world.size(); ++i) {
       offsets_m[i] = R_world_cuboid.col(axis).dot(points_world[i] - reference_world);
     }
-    low_m[axis] = -HighSide(-1.0, margin, &offsets_m);
-    high_m[axis] = HighSide(1.0, margin, &offsets_m);
+    low_m[axis] = -HighSide(-1.0, margin, std::span<double>(offsets_m));
+    high_m[axis] = HighSide(1.0, margin, std::span<double>(offsets_m));
   }
   cuboid.center_world = reference_world + R_world_cuboid * (0.5 * (low_m + high_m));
   cuboid.size_m = (high_m - low_m).cwiseMax(0.0);

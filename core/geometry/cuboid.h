@@ -48,8 +48,8 @@ struct CuboidMargin {
 };
 
 /// Fits a cuboid to points of a surface: of all headings, the heading with the smallest mean
-/// distance of the points from the nearest side of their bounding box. x is along the longer side;
-/// yaw is in (-pi/2, pi/2] with an error of an eighth of a degree.
+/// distance of the points from the nearest side of the box, with the margin. x is along the longer
+/// side; yaw is in (-pi/2, pi/2] with an error of an eighth of a degree.
 ///
 /// If only two sides of an object are visible, its points form an L as seen from above, and the
 /// result has the heading of these sides. The major axis of the points, used by Qian et al. (RSS
@@ -59,7 +59,7 @@ struct CuboidMargin {
 ///
 /// Points must be finite. No points give zero size at the origin, a single point zero size at the
 /// point. For points without a heading (coincident, or a circle) rounding determines the heading,
-/// equally for equal points in equal order. Cost: 40 us for 1024 points; of larger sets, at most
+/// equally for equal points in equal order. Cost: 50 us for 1024 points; of larger sets, at most
 /// 1024 points determine the heading.
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, const CuboidMargin& margin = {});
 

@@ -5,10 +5,11 @@
 namespace steadymap {
 namespace {
 
-// A label that is wrong by a pixel at the border of an object, or a ray at a flat angle, puts a row
-// of voxels beside the object. It is one voxel wide and a small share of the surface.
+// A label that is wrong by a pixel at the border of an object, or a ray at a flat angle, such as to
+// the floor at its foot, puts voxels beside the object: within two voxels, and a small share of the
+// surface.
 constexpr double kMaxShareBeyond = 0.04;
-constexpr double kMaxVoxelsBeyond = 1.0;
+constexpr double kMaxVoxelsBeyond = 2.0;
 
 }  // namespace
 

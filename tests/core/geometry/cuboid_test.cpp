@@ -319,6 +319,26 @@ TEST(FitCuboid, MayLeaveOutAFewPointsBeyondASide) {
   EXPECT_TRUE(whole.size_m.isApprox(enclosing.size_m, 1e-12));
 }
 
+// A box of which the back was not seen, with floor in front of its sides.
+TEST(FitCuboid, PointsBeyondTheSidesDoNotTurnTheHeading) {
+  std::vector<Eigen::Vector3d> points;
+  for (int z = 0; z < 7; ++z) {
+    for (int y = 0; y <= 10; ++y) {
+      points.emplace_back(0.0, 0.05 * y, 0.1 * z);
+      points.emplace_back(0.7, 0.05 * y, 0.1 * z);
+    }
+    for (int x = 1; x < 14; ++x) points.emplace_back(0.05 * x, 0.0, 0.1 * z);
+  }
+  for (const double y : {0.45, 0.5}) points.emplace_back(-0.1, y, 0.0);
+  for (const double x : {0.6, 0.65}) points.emplace_back(x, -0.1, 0.0);
+  points.emplace_back(0.8, 0.0, 0.0);
+  EXPECT_GT(std::abs(FitCuboid(points).yaw_rad), 5.0 / 180.0 * M_PI);
+  const Cuboid fit = FitCuboid(points, {.max_share = 0.04, .max_m = 0.1});
+  EXPECT_NEAR(fit.yaw_rad, 0.0, 1.0 / 180.0 * M_PI);
+  EXPECT_NEAR(fit.size_m.x(), 0.7, 0.02);
+  EXPECT_NEAR(fit.size_m.y(), 0.5, 0.02);
+}
+
 TEST(FitCuboid, LeavesOutNothingBeyondTheMarginInMetres) {
   std::vector<Eigen::Vector3d> points = GridPoints(9, 7, 5);
   points.emplace_back(1.0, 0.0, 0.0);
