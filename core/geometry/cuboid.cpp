@@ -102,7 +102,7 @@ using PlanPoints = Eigen::Array<float, 2, Eigen::Dynamic, Eigen::RowMajor>;
 constexpr std::size_t kMaxHeadingPoints = 1024;
 constexpr std::size_t kMaxCoarsePoints = 256;
 
-// A point beyond a side by more than this share of the margin is left out.
+// A point that is farther beyond a side does not tell the heading, as a share of the margin.
 constexpr float kShareOfMarginBeyond = 0.25F;
 
 /// Selects at most `max_count` evenly spaced points, relative to the first point.

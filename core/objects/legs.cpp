@@ -23,13 +23,17 @@ struct Surroundings {
 Surroundings FindSurroundings(const TrackedObject& leg, const WorkingMap& map) {
   Surroundings surroundings;
   const Box reach_world = Grow(leg.BoundsInWorld(), kNearM);
-  for (const auto& [id, other] : map.objects()) {
-    if (other.is_archived() || !other.BoundsInWorld().intersects(reach_world)) continue;
-    const bool is_of_class = IsOfOneClass(other, leg);
-    if (is_of_class && !IsUnsegmented(other)) continue;
+  for (const TrackedObject* other : map.ObjectsNear(reach_world)) {
+    // What another session saw is not decided.
+    const bool is_tentative = other->state().status == ObjectStatus::kTentative;
+    if (other->is_archived() || (is_tentative && other->state().source != leg.state().source)) {
+      continue;
+    }
+    const bool is_of_class = IsOfOneClass(*other, leg);
+    if (is_of_class && !IsUnsegmented(*other)) continue;
     std::vector<Eigen::Vector3d>& points =
         is_of_class ? surroundings.continuations : surroundings.supports;
-    for (const Eigen::Vector3d& point : other.SurfaceInWorld()) {
+    for (const Eigen::Vector3d& point : other->SurfaceInWorld()) {
       if (reach_world.contains(point)) points.push_back(point);
     }
   }

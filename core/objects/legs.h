@@ -4,8 +4,8 @@
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
 
-/// Legs and posts are seen apart from the object that they belong to when what connects them is out
-/// of view, or too narrow for a segment.
+/// Legs and posts of one object look like objects of their own where what connects them is out of
+/// view, or too narrow for a segment.
 namespace steadymap {
 
 /// True if an object is slender and one of its ends was not seen: it goes on there. What was seen

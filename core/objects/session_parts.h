@@ -25,7 +25,8 @@ struct SessionPartParameters {
   /// than this share of its length.
   double max_leg_width_m = 0.12;
   double max_leg_share = 0.3;
-  /// Neighbouring legs of one object are closer than this, metres, and than twice their length.
+  /// A leg belongs to an object that is closer than this, metres, and than the length of the leg
+  /// and that of the shorter of the two.
   double max_leg_gap_m = 1.0;
   SceneDivisionParameters scene;
 };
