@@ -22,10 +22,9 @@ SemanticCloud::SemanticCloud(const MapConfig& config)
 void SemanticCloud::Compute(const Frame& frame) {
   T_world_camera_ = frame.T_world_camera;
   depth_noise_ = NoiseOf(frame.depth.sensor);
-  if (frame.depth.sensor == DepthSensorKind::kUnknown) {
-    const double scale = std::max(1.0, MeasureNoiseScale(frame.depth, depth_noise_));
-    depth_noise_ = {scale * depth_noise_.floor_m, scale * depth_noise_.growth_per_m};
-  }
+  // A camera may be noisier than is typical of its kind.
+  const double scale = std::max(1.0, MeasureNoiseScale(frame.depth, depth_noise_));
+  depth_noise_ = {scale * depth_noise_.floor_m, scale * depth_noise_.growth_per_m};
   has_color_ = !frame.color.empty();
   ComputeSurface(frame);
   TakeCorners(frame.labels, &labels_);

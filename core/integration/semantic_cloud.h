@@ -44,7 +44,7 @@ class SemanticCloud {
 
   const Eigen::Isometry3d& T_world_camera() const { return T_world_camera_; }
 
-  /// Returns the noise of the frame's depth sensor.
+  /// Returns the noise of the frame: that of its kind of sensor, more if its depth shows more.
   const DepthNoise& depth_noise() const { return depth_noise_; }
 
   bool has_color() const { return has_color_; }

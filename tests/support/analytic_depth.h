@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <random>
 
 #include "core/frame/frame.h"
 
@@ -48,6 +51,21 @@ inline RangeFunction Sphere(const Eigen::Vector3d& center, double radius) {
     const double discriminant = b * b - a * c;
     return discriminant < 0.0 ? std::nan("") : (-b - std::sqrt(discriminant)) / a;
   };
+}
+
+/// Adds Gaussian noise with the standard deviation `sigma_at(depth_m)`, metres, to each depth.
+inline void AddNoise(const std::function<double(double)>& sigma_at,
+                     std::uint64_t seed,
+                     DepthImage* depth) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < depth->units.size(); ++i) {
+    std::uint16_t& units = depth->units.data()[i];
+    if (units == 0) continue;
+    const double depth_m = units * depth->metres_per_unit;
+    const double noisy_m = depth_m + sigma_at(depth_m) * normal(random);
+    units = static_cast<std::uint16_t>(std::lround(noisy_m / depth->metres_per_unit));
+  }
 }
 
 /// Renders a surface for `camera` at `T_world_camera`. Without noise.

@@ -1,8 +1,5 @@
 #include "core/integration/noise_scale.h"
 
-#include <cmath>
-#include <random>
-
 #include <gtest/gtest.h>
 
 #include "tests/support/analytic_depth.h"
@@ -18,14 +15,8 @@ DepthImage NoisyWall(double scale) {
                                              testing::AnalyticCamera(),
                                              Eigen::Isometry3d::Identity())
                          .depth;
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal;
-  for (std::size_t i = 0; i < depth.units.size(); ++i) {
-    std::uint16_t& units = depth.units.data()[i];
-    const double depth_m = units * depth.metres_per_unit;
-    const double noisy_m = depth_m + scale * kTestedNoise.SigmaM(depth_m) * normal(random);
-    units = static_cast<std::uint16_t>(std::lround(noisy_m / depth.metres_per_unit));
-  }
+  testing::AddNoise(
+      [&](double depth_m) { return scale * kTestedNoise.SigmaM(depth_m); }, 3, &depth);
   return depth;
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/types/map_config.h"
+#include "tests/support/analytic_depth.h"
 #include "tests/support/analytic_scene.h"
 
 namespace steadymap {
@@ -71,6 +72,44 @@ TEST(SemanticCloud, AThingOfWhichLessThanHalfMovesIsFusedButForThat) {
   cloud.Compute(PersonWithSpot(0.8));
   EXPECT_GT(CountFused(cloud, kPersonInstance, kGoods), 100U);
   EXPECT_EQ(CountFused(cloud, kPersonInstance, kPerson), 0U);
+}
+
+/// Returns a frame of a wall at `depth_m` from a camera of a declared kind, with noise.
+Frame NoisyWall(double depth_m, double noise_share, DepthSensorKind sensor) {
+  Frame frame = testing::RenderAnalytic(testing::Plane({0.0, 0.0, 1.0}, depth_m),
+                                        testing::AnalyticCamera(),
+                                        Eigen::Isometry3d::Identity());
+  frame.depth.sensor = sensor;
+  testing::AddNoise([&](double z_m) { return noise_share * z_m; }, 7, &frame.depth);
+  return frame;
+}
+
+TEST(SemanticCloud, NoiseDoesNotMoveTheSurface) {
+  for (const double depth_m : {1.0, 1.6, 2.4}) {
+    for (const double noise_share : {0.005, 0.01, 0.02}) {
+      SemanticCloud cloud{MapConfig()};
+      cloud.Compute(NoisyWall(depth_m, noise_share, DepthSensorKind::kStereo));
+      double sum_m = 0.0;
+      std::size_t count = 0;
+      for (const SurfaceCell& cell : cloud.cells()) {
+        if (!(cell.weight > 0.0F)) continue;
+        sum_m += static_cast<double>(cell.depth_m);
+        ++count;
+      }
+      ASSERT_GT(count, cloud.cells().size() / 2);
+      EXPECT_NEAR(sum_m / static_cast<double>(count), depth_m, 0.02 * noise_share * depth_m)
+          << depth_m << " m, " << noise_share;
+    }
+  }
+}
+
+TEST(SemanticCloud, ACameraCanBeNoisierThanItsKind) {
+  SemanticCloud cloud{MapConfig()};
+  const double typical_m = NoiseOf(DepthSensorKind::kStereo).SigmaM(2.0);
+  cloud.Compute(NoisyWall(2.0, 0.001, DepthSensorKind::kStereo));
+  EXPECT_EQ(cloud.depth_noise().SigmaM(2.0), typical_m);
+  cloud.Compute(NoisyWall(2.0, 0.02, DepthSensorKind::kStereo));
+  EXPECT_NEAR(cloud.depth_noise().SigmaM(2.0), 0.04, 0.004);
 }
 
 TEST(SemanticCloud, WithoutInstancesASpotIsWhatItsLabelSays) {
