@@ -23,6 +23,9 @@ constexpr int kMaxPoseIterations = 8;
 constexpr double kConvergedShiftM = 2e-4;
 constexpr double kConvergedTurnRad = 1e-4;
 
+// A registration whose last step is longer, in standard deviations, has not converged.
+constexpr double kMaxLastStep2 = 1.0;
+
 // The standard deviation of a pose that defines the world frame, as a share of the prior one.
 constexpr double kDefiningShare = 0.01;
 
@@ -40,6 +43,7 @@ struct PoseMeasurement {
 struct SurfaceHit {
   double distance_m = 0.0;
   Eigen::Vector3d normal_world = Eigen::Vector3d::Zero();
+  bool is_of_session = false;  ///< Only the current session has seen it.
 
   bool is_none() const { return normal_world.isZero(); }
 };
@@ -56,7 +60,10 @@ class FrameRegistration {
         camera_world_(frame.cloud.T_world_camera().translation()),
         background_(map.background(), map.scale()) {
     for (const ObjectInView& view : frame.in_view) {
+      const bool is_of_session = view.object->state().status == ObjectStatus::kTentative;
+      is_known_place_ = is_known_place_ || !is_of_session;
       surfaces_.push_back({view,
+                           is_of_session,
                            view.object->state().T_world_object.ToIsometry().inverse(),
                            Grow(view.object->bounds_object(), scale_.truncation_m),
                            TsdfSampler(view.object->volume(), scale_)});
@@ -70,6 +77,7 @@ class FrameRegistration {
  private:
   struct Surface {
     ObjectInView view;
+    bool is_of_session;
     Eigen::Isometry3d T_object_world;
     Box reach_object;
     TsdfSampler sampler;
@@ -86,6 +94,7 @@ class FrameRegistration {
   Eigen::Vector3d camera_world_;  ///< At the claimed pose.
   TsdfSampler background_;
   std::vector<Surface> surfaces_;
+  bool is_known_place_ = false;  ///< An earlier session has seen it, and so the background.
   std::vector<SamplePlace> places_;
 };
 
@@ -104,17 +113,19 @@ void FrameRegistration::ChooseSamples() {
 SurfaceHit FrameRegistration::FindSurface(const SamplePlace& place,
                                           const Eigen::Vector3d& point_world,
                                           const Eigen::Vector3d& normal_world) {
-  SurfaceHit nearest{scale_.truncation_m, Eigen::Vector3d::Zero()};
-  const auto take = [&](const DistanceSample& found, const Eigen::Matrix3d& R_world_volume) {
-    if (!found.known || found.slope > kMaxSurfaceSlope ||
-        std::abs(found.distance_m) >= std::abs(nearest.distance_m)) {
-      return;
-    }
-    const Eigen::Vector3d surface_normal_world = R_world_volume * found.gradient;
-    if (surface_normal_world.dot(normal_world) < parameters_.min_normal_cosine) return;
-    nearest = {found.distance_m, surface_normal_world};
-  };
-  take(background_.Sample(point_world), Eigen::Matrix3d::Identity());
+  SurfaceHit nearest{.distance_m = scale_.truncation_m};
+  const auto take =
+      [&](const DistanceSample& found, const Eigen::Matrix3d& R_world_volume, bool is_of_session) {
+        const bool is_measured = found.known && found.weight > static_cast<double>(kWeightUnit);
+        if (!is_measured || found.slope > kMaxSurfaceSlope ||
+            std::abs(found.distance_m) >= std::abs(nearest.distance_m)) {
+          return;
+        }
+        const Eigen::Vector3d surface_normal_world = R_world_volume * found.gradient;
+        if (surface_normal_world.dot(normal_world) < parameters_.min_normal_cosine) return;
+        nearest = {found.distance_m, surface_normal_world, is_of_session};
+      };
+  take(background_.Sample(point_world), Eigen::Matrix3d::Identity(), !is_known_place_);
   for (Surface& surface : surfaces_) {
     const ObjectInView& view = surface.view;
     if (place.column < view.first_column - kViewMarginSamples ||
@@ -125,7 +136,9 @@ SurfaceHit FrameRegistration::FindSurface(const SamplePlace& place,
     }
     const Eigen::Vector3d point_object = surface.T_object_world * point_world;
     if (!surface.reach_object.contains(point_object)) continue;
-    take(surface.sampler.Sample(point_object), surface.T_object_world.linear().transpose());
+    take(surface.sampler.Sample(point_object),
+         surface.T_object_world.linear().transpose(),
+         surface.is_of_session);
   }
   return nearest;
 }
@@ -145,13 +158,16 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
     if (hit.is_none()) continue;
     PoseErrorVector jacobian;
     jacobian << hit.normal_world, ray_world.cross(hit.normal_world);
-    const double depth_sigma_m =
-        frame_.cloud.depth_noise().SigmaM(static_cast<double>(sample.depth_m));
-    const double variance_m2 = depth_sigma_m * depth_sigma_m + surface_sigma_m * surface_sigma_m;
+    const double depth_m = static_cast<double>(sample.depth_m);
+    // The noise is along the ray; on a surface at a flat angle it moves a sample little off it.
+    const double noise_m =
+        frame_.cloud.depth_noise().SigmaM(depth_m) * ray_world.dot(hit.normal_world) / depth_m;
+    const double variance_m2 = noise_m * noise_m + surface_sigma_m * surface_sigma_m;
     // The robust weight of Geman and McClure, at the scale of what the pose error explains.
     const double explained_m2 = variance_m2 + jacobian.dot(covariance * jacobian);
     const double excess = 1.0 + hit.distance_m * hit.distance_m / (gate * explained_m2);
-    const double weight = 1.0 / (variance_m2 * excess * excess);
+    const double share = hit.is_of_session ? parameters_.session_share : 1.0;
+    const double weight = share / (variance_m2 * excess * excess);
     measurement.information += weight * jacobian * jacobian.transpose();
     measurement.gradient += weight * hit.distance_m * jacobian;
   }
@@ -247,31 +263,35 @@ PoseErrorEstimate PoseFilter::Update(const std::optional<PoseErrorEstimate>& las
     return estimate;
   }
   const double elapsed_s = last ? std::abs((time - last->time).seconds()) : parameters_.look_s;
-  const double independent_share =
-      parameters_.independent_share * std::min(1.0, elapsed_s / parameters_.look_s);
+  const double new_share = std::min(1.0, elapsed_s / parameters_.look_s);
   FrameRegistration registration(parameters_, frame, map);
   const PoseError predicted = estimate.Combined();
   const Matrix6 prior_information = SymmetricInverse(Eigen::LLT<Matrix6>(predicted.covariance));
   PoseErrorVector error = predicted.mean;
   Matrix6 covariance = predicted.covariance;
   PoseMeasurement measurement;
+  double last_step2 = 0.0;  // Square of its Mahalanobis distance.
   for (int i = 0; i < kMaxPoseIterations; ++i) {
     measurement = registration.Measure(error, covariance);
-    measurement.information *= independent_share;
-    measurement.gradient *= independent_share;
+    measurement.information *= new_share;
+    measurement.gradient *= new_share;
     const Eigen::LLT<Matrix6> information(prior_information + measurement.information);
-    const PoseErrorVector step =
-        information.solve(prior_information * (error - predicted.mean) + measurement.gradient);
+    const PoseErrorVector gradient =
+        prior_information * (error - predicted.mean) + measurement.gradient;
+    const PoseErrorVector step = information.solve(gradient);
     covariance = SymmetricInverse(information);
+    last_step2 = step.dot(gradient);
     if (step.head<3>().norm() < kConvergedShiftM && step.tail<3>().norm() < kConvergedTurnRad) {
       break;
     }
     error -= step;
   }
-  const double prior_distance2 = error.dot(Prior().diagonal().cwiseInverse().cwiseProduct(error));
-  if (prior_distance2 > parameters_.max_prior_distance2) return estimate;
-  UpdateHypotheses(error, measurement, &estimate);
-  return estimate;
+  if (last_step2 > kMaxLastStep2) return estimate;
+  PoseErrorEstimate updated = estimate;
+  UpdateHypotheses(error, measurement, &updated);
+  const PoseErrorVector mean = updated.Combined().mean;
+  const double prior_distance2 = mean.dot(Prior().diagonal().cwiseInverse().cwiseProduct(mean));
+  return prior_distance2 > parameters_.max_prior_distance2 ? estimate : updated;
 }
 
 }  // namespace steadymap

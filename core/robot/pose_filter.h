@@ -33,8 +33,9 @@ struct PoseFilterParameters {
   /// Number of registered samples, if the frame has them; up to four times as many, since every
   /// n-th row and column is taken.
   std::size_t min_samples = 800;
-  /// Share of them with independent errors: those of neighbours are correlated.
-  double independent_share = 0.05;
+  /// Weight of surface that only the current session has seen, as a share of that of known surface:
+  /// it is off by the errors of the poses from which it was seen.
+  double session_share = 0.05;
   /// Time after which a camera shows something new, seconds. Frames in between count for less.
   double look_s = 0.2;
 };
@@ -61,7 +62,8 @@ class PoseFilter {
 
   /// Returns the pose error at a frame with capture time `time`. `last`: that of the sensor's last
   /// frame; none at the start of a session. The first frame of a map defines its world frame. A
-  /// frame that fits only far from its claimed pose tells nothing.
+  /// frame tells nothing if it fits only far from its claimed pose, or if its registration does not
+  /// converge: then it depends on which surface each sample is taken for.
   PoseErrorEstimate Update(const std::optional<PoseErrorEstimate>& last,
                            Timestamp time,
                            const FrameInMap& frame,

@@ -2,6 +2,7 @@
 
 #include "core/robot/pose_filter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "core/geometry/geometry.h"
 #include "tests/core/policy/map_story.h"
 #include "tests/core/policy/room_drive.h"
+#include "tests/support/analytic_depth.h"
 
 namespace steadymap {
 namespace {
@@ -23,6 +25,7 @@ using ::steadymap::testing::MapStory;
 using ::steadymap::testing::PocdConfig;
 using ::steadymap::testing::Room;
 using ::steadymap::testing::RoomWithout;
+using ::steadymap::testing::Scene;
 
 constexpr double kRoomMaxDepthM = 3.0;
 
@@ -150,6 +153,33 @@ TEST_F(PoseFilterTest, KeepsThePriorAlongAWall) {
   EXPECT_GT(std::sqrt(error.covariance(3, 3)), 0.9 * parameters.sigma_rad);
 }
 
+TEST_F(PoseFilterTest, ExtrapolatedVoxelsTellNothing) {
+  const Scene wall = {testing::Body(0, {2.6, -3.0, -3.0}, {2.8, 3.0, 3.0})};
+  MapStory story(PocdConfig());
+  story.Play(LookAtScene(wall, 0, 10));
+  const Frame claimed =
+      Displaced(LookAtScene(wall, 5, 1)[0], {0.04, 0.0, 0.0}, Eigen::Vector3d::Zero());
+  MapSnapshot map = story.map();
+  map_.Restore(map);
+  EXPECT_NEAR(Update(claimed).mean[0], -0.04, 0.01);
+
+  std::vector<LeafOrigin> origins;
+  map.background.VisitLeaves([&](LeafOrigin origin, const LeafView& /*leaf*/) {
+    origins.push_back(origin);
+    return true;
+  });
+  for (const LeafOrigin& origin : origins) {
+    TsdfGrid& tile = map.background.MutableTile(origin);
+    LeafVoxels voxels;
+    tile.LoadLeaf(origin, &voxels);
+    for (float& weight : voxels.weight) weight = std::min(weight, kWeightUnit);
+    tile.StoreLeaf(origin, voxels);
+  }
+  map_.Restore(map);
+  last_.reset();
+  EXPECT_TRUE(Update(claimed).mean.isZero());
+}
+
 TEST_F(PoseFilterTest, TheFirstFrameDefinesTheWorldFrame) {
   const PoseError error = Update(Drive(Room(), 0, 1)[0]);
   EXPECT_TRUE(error.mean.isZero());
@@ -190,6 +220,29 @@ TEST_F(PoseFilterTest, LearnsHowGoodThePosesAre) {
   double sum = 0.0;
   for (const PoseErrorHypothesis& hypothesis : last_->hypotheses) sum += hypothesis.probability;
   EXPECT_NEAR(sum, 1.0, 1e-12);
+}
+
+TEST_F(PoseFilterTest, NoiseDoesNotMoveExactPoses) {
+  MapStory story(PocdConfig());
+  std::vector<Frame> frames = Drive(Room(), 0, 70);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    testing::AddNoise([](double depth_m) { return 0.02 * depth_m; }, i, &frames[i].depth);
+    story.Play({frames[i]}, 1);
+    const RobotState& robot = story.map().robots.at(frames[i].source);
+    EXPECT_LT(robot.pose_error->Combined().mean.head<3>().norm(), 0.005) << i;
+  }
+}
+
+TEST_F(PoseFilterTest, AFloorAtAFlatAngleTellsTheHeight) {
+  const auto sigma_z = [&](DepthSensorKind sensor) {
+    map_.Restore(*room);
+    last_.reset();
+    Frame frame = Drive(Room(), 15, 1)[0];
+    frame.depth.sensor = sensor;
+    return std::sqrt(Update(frame).covariance(2, 2));
+  };
+  // Noise along the rays hardly moves the samples off the floor.
+  EXPECT_LT(sigma_z(DepthSensorKind::kStereo), 1.6 * sigma_z(DepthSensorKind::kTimeOfFlight));
 }
 
 TEST_F(PoseFilterTest, MoreFramesOfOneLookTellNoMore) {
