@@ -16,15 +16,8 @@ STEADYMAP_INLINE Floats PixelDepth(Words units, const SurfaceInput& input) {
   return Select(valid, depth_m, Splat(kFarM));
 }
 
-STEADYMAP_INLINE void Sort(Floats* a, Floats* b) {
-  const Floats less = Min(*a, *b);
-  *b = Max(*a, *b);
-  *a = less;
-}
-
-/// Computes the mean depth of the pixels of each of eight cells on the nearest surface. Pixels
-/// behind a gap are excluded, since a mean across a depth edge lies on neither surface. A limit of
-/// the distance from the nearest pixel would exclude the far tail of the noise alone.
+/// Computes the mean depth of the pixels near the nearest pixel of each of eight cells. Pixels
+/// further behind are excluded, since a mean across a depth edge lies on neither surface.
 STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
                                   const uint16_t* lower,
                                   const SurfaceInput& input,
@@ -33,24 +26,18 @@ STEADYMAP_INLINE void ReduceCells(const uint16_t* upper,
   Words rows[2];
   memcpy(&rows[0], upper, sizeof(Words));
   memcpy(&rows[1], lower, sizeof(Words));
-  Floats pixels[4] = {PixelDepth(rows[0] & 0xFFFFU, input),
-                      PixelDepth(rows[0] >> 16, input),
-                      PixelDepth(rows[1] & 0xFFFFU, input),
-                      PixelDepth(rows[1] >> 16, input)};
-  Sort(&pixels[0], &pixels[1]);
-  Sort(&pixels[2], &pixels[3]);
-  Sort(&pixels[0], &pixels[2]);
-  Sort(&pixels[1], &pixels[3]);
-  Sort(&pixels[1], &pixels[2]);
-  const Floats nearest = pixels[0];
+  const Floats pixels[4] = {PixelDepth(rows[0] & 0xFFFFU, input),
+                            PixelDepth(rows[0] >> 16, input),
+                            PixelDepth(rows[1] & 0xFFFFU, input),
+                            PixelDepth(rows[1] >> 16, input)};
+  const Floats nearest = Min(Min(pixels[0], pixels[1]), Min(pixels[2], pixels[3]));
   const Floats sigma_m = nearest * nearest * input.noise.growth_per_m + input.noise.floor_m;
-  const Floats max_gap_m = sigma_m * (kSigmas * kDifferenceSigma);
-  Floats sum = nearest;
-  Floats count = Splat(1.0F);
-  Integers agrees = nearest < Splat(kFarM);
-  for (int i = 1; i < 4; ++i) {
-    agrees &= pixels[i] - pixels[i - 1] <= max_gap_m;
-    sum += Select(agrees, pixels[i], Splat(0.0F));
+  const Floats limit = nearest + sigma_m * (kSigmas * kDifferenceSigma);
+  Floats sum = Splat(0.0F);
+  Floats count = Splat(0.0F);
+  for (const Floats& pixel : pixels) {
+    const Integers agrees = pixel <= limit;
+    sum += Select(agrees, pixel, Splat(0.0F));
     count += Select(agrees, Splat(1.0F), Splat(0.0F));
   }
   const Integers seen = nearest < Splat(kFarM);

@@ -84,25 +84,6 @@ Frame NoisyWall(double depth_m, double noise_share, DepthSensorKind sensor) {
   return frame;
 }
 
-TEST(SemanticCloud, NoiseDoesNotMoveTheSurface) {
-  for (const double depth_m : {1.0, 1.6, 2.4}) {
-    for (const double noise_share : {0.005, 0.01, 0.02}) {
-      SemanticCloud cloud{MapConfig()};
-      cloud.Compute(NoisyWall(depth_m, noise_share, DepthSensorKind::kStereo));
-      double sum_m = 0.0;
-      std::size_t count = 0;
-      for (const SurfaceCell& cell : cloud.cells()) {
-        if (!(cell.weight > 0.0F)) continue;
-        sum_m += static_cast<double>(cell.depth_m);
-        ++count;
-      }
-      ASSERT_GT(count, cloud.cells().size() / 2);
-      EXPECT_NEAR(sum_m / static_cast<double>(count), depth_m, 0.02 * noise_share * depth_m)
-          << depth_m << " m, " << noise_share;
-    }
-  }
-}
-
 TEST(SemanticCloud, ACameraCanBeNoisierThanItsKind) {
   SemanticCloud cloud{MapConfig()};
   const double typical_m = NoiseOf(DepthSensorKind::kStereo).SigmaM(2.0);
