@@ -32,6 +32,9 @@ constexpr double kDefiningShare = 0.01;
 // Beyond what an object covers in the image at the claimed pose, since that is wrong; samples.
 constexpr int kViewMarginSamples = 8;
 
+// Lower bound of the distance at which a turn of an object moves its samples, metres.
+constexpr double kMinLeverM = 0.1;
+
 /// What a frame tells of the pose error, linearised at one value of it: the information matrix, and
 /// the gradient of half the sum of squared residuals.
 struct PoseMeasurement {
@@ -39,11 +42,70 @@ struct PoseMeasurement {
   PoseErrorVector gradient = PoseErrorVector::Zero();
 };
 
+/// Returns the inverse of a positive definite matrix, symmetric to the last bit.
+Matrix6 SymmetricInverse(const Eigen::LLT<Matrix6>& factor) {
+  const Matrix6 inverse = factor.solve(Matrix6::Identity());
+  return 0.5 * (inverse + inverse.transpose());
+}
+
+/// What the samples on the surface of one object, or of the background, tell of the pose error. If
+/// the object was moved since its surface was mapped, they ask for its displacement instead.
+class SurfaceVote {
+ public:
+  /// Adds a sample at `ray_world` from the camera and `distance_m` from the surface.
+  void Add(const PoseErrorVector& jacobian,
+           const Eigen::Vector3d& ray_world,
+           double weight,
+           double distance_m) {
+    measurement_.information += weight * jacobian * jacobian.transpose();
+    measurement_.gradient += weight * distance_m * jacobian;
+    weight_ += weight;
+    moment_m_ += weight * ray_world;
+    square_moment_m2_ += weight * ray_world.squaredNorm();
+  }
+
+  const PoseMeasurement& measurement() const { return measurement_; }
+
+  /// Returns the robust weight of Cauchy, by the displacement that the samples ask for.
+  /// `covariance`: of the pose error.
+  double RobustWeight(double place_sigma_m, const Matrix6& covariance) const {
+    if (!(weight_ > 0.0)) return 0.0;
+    const Eigen::LLT<Matrix6> explained(PlaceCovariance(place_sigma_m) + covariance);
+    const Matrix6 prior = SymmetricInverse(explained);
+    const Eigen::LLT<Matrix6> posterior(prior + measurement_.information);
+    const PoseErrorVector displacement = posterior.solve(measurement_.gradient);
+    return 1.0 / (1.0 + displacement.dot(prior * displacement));
+  }
+
+ private:
+  /// Returns the covariance of the place of an unmoved object, in the coordinates of a pose error:
+  /// of its shift, and of a turn about its centroid that moves its samples as much.
+  Matrix6 PlaceCovariance(double place_sigma_m) const {
+    const Eigen::Vector3d center_m = moment_m_ / weight_;
+    const double lever_m2 =
+        std::max(square_moment_m2_ / weight_ - center_m.squaredNorm(), kMinLeverM * kMinLeverM);
+    Matrix6 own = Matrix6::Zero();
+    own.diagonal().head<3>().setConstant(place_sigma_m * place_sigma_m);
+    own.diagonal().tail<3>().setConstant(place_sigma_m * place_sigma_m / lever_m2);
+    Matrix6 to_camera = Matrix6::Identity();
+    for (int axis = 0; axis < 3; ++axis) {
+      to_camera.block<3, 1>(0, 3 + axis) = center_m.cross(Eigen::Vector3d::Unit(axis));
+    }
+    return to_camera * own * to_camera.transpose();
+  }
+
+  PoseMeasurement measurement_;
+  double weight_ = 0.0;
+  Eigen::Vector3d moment_m_ = Eigen::Vector3d::Zero();
+  double square_moment_m2_ = 0.0;
+};
+
 /// The distance of a sample from the nearest surface that faces alike.
 struct SurfaceHit {
   double distance_m = 0.0;
   Eigen::Vector3d normal_world = Eigen::Vector3d::Zero();
   bool is_of_session = false;  ///< Only the current session has seen it.
+  std::size_t surface = 0;     ///< 0: the background, else that of an object in view.
 
   bool is_none() const { return normal_world.isZero(); }
 };
@@ -114,19 +176,22 @@ SurfaceHit FrameRegistration::FindSurface(const SamplePlace& place,
                                           const Eigen::Vector3d& point_world,
                                           const Eigen::Vector3d& normal_world) {
   SurfaceHit nearest{.distance_m = scale_.truncation_m};
-  const auto take =
-      [&](const DistanceSample& found, const Eigen::Matrix3d& R_world_volume, bool is_of_session) {
-        const bool is_measured = found.known && found.weight > static_cast<double>(kWeightUnit);
-        if (!is_measured || found.slope > kMaxSurfaceSlope ||
-            std::abs(found.distance_m) >= std::abs(nearest.distance_m)) {
-          return;
-        }
-        const Eigen::Vector3d surface_normal_world = R_world_volume * found.gradient;
-        if (surface_normal_world.dot(normal_world) < parameters_.min_normal_cosine) return;
-        nearest = {found.distance_m, surface_normal_world, is_of_session};
-      };
-  take(background_.Sample(point_world), Eigen::Matrix3d::Identity(), !is_known_place_);
-  for (Surface& surface : surfaces_) {
+  const auto take = [&](const DistanceSample& found,
+                        const Eigen::Matrix3d& R_world_volume,
+                        bool is_of_session,
+                        std::size_t surface) {
+    const bool is_measured = found.known && found.weight > static_cast<double>(kWeightUnit);
+    if (!is_measured || found.slope > kMaxSurfaceSlope ||
+        std::abs(found.distance_m) >= std::abs(nearest.distance_m)) {
+      return;
+    }
+    const Eigen::Vector3d surface_normal_world = R_world_volume * found.gradient;
+    if (surface_normal_world.dot(normal_world) < parameters_.min_normal_cosine) return;
+    nearest = {found.distance_m, surface_normal_world, is_of_session, surface};
+  };
+  take(background_.Sample(point_world), Eigen::Matrix3d::Identity(), !is_known_place_, 0);
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    Surface& surface = surfaces_[i];
     const ObjectInView& view = surface.view;
     if (place.column < view.first_column - kViewMarginSamples ||
         place.column >= view.end_column + kViewMarginSamples ||
@@ -138,7 +203,8 @@ SurfaceHit FrameRegistration::FindSurface(const SamplePlace& place,
     if (!surface.reach_object.contains(point_object)) continue;
     take(surface.sampler.Sample(point_object),
          surface.T_object_world.linear().transpose(),
-         surface.is_of_session);
+         surface.is_of_session,
+         i + 1);
   }
   return nearest;
 }
@@ -148,7 +214,7 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
   const Eigen::Matrix3d turn = TransformOf(Eigen::Vector3d::Zero(), error.tail<3>()).linear();
   const double surface_sigma_m = parameters_.surface_sigma_voxels * scale_.voxel_size_m;
   const double gate = parameters_.max_sigmas * parameters_.max_sigmas;
-  PoseMeasurement measurement;
+  std::vector<SurfaceVote> votes(surfaces_.size() + 1);
   for (const SamplePlace& place : places_) {
     const SurfaceSample& sample = frame_.samples.At(place.column, place.row);
     const Eigen::Vector3d ray_world = turn * (sample.position_world.cast<double>() - camera_world_);
@@ -168,15 +234,15 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
     const double excess = 1.0 + hit.distance_m * hit.distance_m / (gate * explained_m2);
     const double share = hit.is_of_session ? parameters_.session_share : 1.0;
     const double weight = share / (variance_m2 * excess * excess);
-    measurement.information += weight * jacobian * jacobian.transpose();
-    measurement.gradient += weight * hit.distance_m * jacobian;
+    votes[hit.surface].Add(jacobian, ray_world, weight, hit.distance_m);
+  }
+  PoseMeasurement measurement;
+  for (const SurfaceVote& vote : votes) {
+    const double weight = vote.RobustWeight(parameters_.place_sigma_m, covariance);
+    measurement.information += weight * vote.measurement().information;
+    measurement.gradient += weight * vote.measurement().gradient;
   }
   return measurement;
-}
-
-Matrix6 SymmetricInverse(const Eigen::LLT<Matrix6>& factor) {
-  const Matrix6 inverse = factor.solve(Matrix6::Identity());
-  return 0.5 * (inverse + inverse.transpose());
 }
 
 double LogDeterminant(const Eigen::LLT<Matrix6>& factor) {

@@ -25,6 +25,10 @@ struct PoseFilterParameters {
   /// A sample at so many standard deviations from the surface of the map has a quarter of the
   /// weight of one on it.
   double max_sigmas = 3.0;
+  /// Standard deviation of the place of an object that nobody moved, metres. All samples of an
+  /// object have half their weight if they fit its surface only after a displacement by one
+  /// standard deviation of this place and the pose error together.
+  double place_sigma_m = 0.005;
   /// A registration further from the claimed pose fits the frame to other surface: the square of
   /// the Mahalanobis distance that 0.1 % of the errors exceed (chi square, six degrees of freedom).
   double max_prior_distance2 = 22.5;
@@ -34,7 +38,8 @@ struct PoseFilterParameters {
   /// n-th row and column is taken.
   std::size_t min_samples = 800;
   /// Weight of surface that only the current session has seen, as a share of that of known surface:
-  /// it is off by the errors of the poses from which it was seen.
+  /// it is off by the errors of the poses from which it was seen. The background is known where a
+  /// known object is in view.
   double session_share = 0.05;
   /// Time after which a camera shows something new, seconds. Frames in between count for less.
   double look_s = 0.2;

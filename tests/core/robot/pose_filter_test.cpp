@@ -20,6 +20,7 @@ namespace {
 
 using ::steadymap::testing::Drive;
 using ::steadymap::testing::FarWall;
+using ::steadymap::testing::kGoodsClass;
 using ::steadymap::testing::LookAtScene;
 using ::steadymap::testing::MapStory;
 using ::steadymap::testing::PocdConfig;
@@ -117,6 +118,30 @@ TEST_F(PoseFilterTest, IsNotMisledByThingsThatAreGone) {
       (error.Correct(claimed.T_world_camera).translation() - frame.T_world_camera.translation())
           .norm(),
       0.02);
+}
+
+TEST_F(PoseFilterTest, FollowsAPushedThingByNoMoreThanItsPush) {
+  const Scene rest = {Room()[0], testing::Body(kGoodsClass, {2.6, -0.6, 0.0}, {2.9, -0.2, 0.9})};
+  const auto with_rack = [&](const Eigen::Vector3d& push_m) {
+    Scene scene = rest;
+    scene.push_back(testing::Body(kGoodsClass,
+                                  push_m + Eigen::Vector3d(1.7, 0.2, 0.0),
+                                  push_m + Eigen::Vector3d(2.3, 1.4, 1.4)));
+    return scene;
+  };
+  MapStory story(PocdConfig());
+  story.Play(Drive(with_rack(Eigen::Vector3d::Zero()), 0, 70), 70);
+  story.EndSession();
+  const MapSnapshot map = story.map();
+  // The rack fills most of the view; the floor and a post tell that it alone has moved.
+  for (const Eigen::Vector3d& push_m :
+       {Eigen::Vector3d(0.08, 0.0, 0.0), Eigen::Vector3d(0.05, 0.05, 0.0)}) {
+    map_.Restore(map);
+    last_.reset();
+    for (const Frame& frame : Drive(with_rack(push_m), 0, 70)) {
+      EXPECT_LT(Update(frame).mean.head<3>().norm(), 1.2 * push_m.norm());
+    }
+  }
 }
 
 TEST_F(PoseFilterTest, FindsNoErrorThatThePriorRulesOut) {
