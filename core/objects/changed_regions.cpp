@@ -130,10 +130,9 @@ class EarlierMap {
     const Change of_known = CompareWith(&of_known_, in_known);
     const Change of_background = CompareWith(&of_background_, point);
     if (of_known == Change::kSame || of_background == Change::kSame) return Change::kSame;
-    if (of_known == Change::kChanged || of_background == Change::kChanged || WasOpenBehind(point)) {
-      return Change::kChanged;
-    }
-    return Change::kUnknown;
+    if (of_known == Change::kChanged || of_background == Change::kChanged) return Change::kChanged;
+    if (IsAtKnownSurface(in_known.position_world)) return Change::kUnknown;
+    return WasOpenBehind(point) ? Change::kChanged : Change::kUnknown;
   }
 
  private:
@@ -145,6 +144,13 @@ class EarlierMap {
     const bool is_same = sample.distance_m < -same_m ||
                          sample.gradient.dot(point.normal_world) >= kMinSameNormalCosine;
     return is_same ? Change::kSame : Change::kUnknown;
+  }
+
+  /// True if the known object has surface within a voxel. A face that both sessions saw at flat
+  /// angles is one layer of voxels, and the normals of such a layer are noise.
+  bool IsAtKnownSurface(const Eigen::Vector3d& point_known) {
+    double distance_m = 0.0;
+    return of_known_.SampleNearest(point_known, &distance_m) && std::abs(distance_m) <= voxel_m_;
   }
 
   /// True if the space behind a surface was seen to be open. Where only cells of free space tell,

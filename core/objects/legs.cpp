@@ -74,7 +74,7 @@ bool IsOpenLeg(const TrackedObject& object,
   const double max_width_m = std::max(parameters.max_leg_width_m,
                                       parameters.scene.min_width_voxels * map.scale().voxel_size_m);
   const double length_m = LengthOf(object);
-  const double width_m = std::min(max_width_m, parameters.max_leg_share * length_m);
+  const double width_m = std::min(max_width_m, parameters.scene.max_leg_share * length_m);
   if ((object.cuboid().size_m.array() > width_m).count() > 1) return false;
   const Surroundings surroundings = FindSurroundings(object, map);
   return OutlineTest(map, surroundings.supports)

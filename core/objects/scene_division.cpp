@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -82,6 +83,7 @@ class SceneDivision {
   /// wall, too.
   void FindStructure(const WorkingMap& map) {
     is_structure_ = FindPlanes(points_, parameters_.min_plane_area_m2, &planes_);
+    MarkFloor();
     TsdfSampler sampler(map.background(), map.scale());
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DistanceSample sample = sampler.Sample(points_[i].position_world);
@@ -91,6 +93,20 @@ class SceneDivision {
       }
     }
     ExtendStructure(&sampler);
+  }
+
+  /// Marks all points on the lowest of the large level planes: things divide a floor into pieces,
+  /// each of which may be small.
+  void MarkFloor() {
+    std::optional<OrientedPoint> floor;
+    for (const auto& [normal, point] : planes_) {
+      if (normal.z() < kMinUpCosine) continue;
+      if (!floor || point.z() < floor->position_world.z()) floor = OrientedPoint{point, normal};
+    }
+    if (!floor) return;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (IsOnPlane(points_[i], *floor)) is_structure_[i] = 1;
+    }
   }
 
   /// Adds the surface of known structures to the supports.
@@ -282,9 +298,14 @@ class SceneDivision {
 
   /// Drops parts that the voxels are too coarse for.
   void DropSlenderParts() {
+    const double min_width_m = parameters_.min_width_voxels * voxel_m_;
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      return PrincipalAxesOf(PointsOf(part)).lengths_m.y() <
-             parameters_.min_width_voxels * voxel_m_;
+      const PrincipalAxes axes = PrincipalAxesOf(PointsOf(part));
+      if (axes.lengths_m.y() < min_width_m) return true;
+      // Points on the outside of a leg alone are farther apart than in a box full of points.
+      const Eigen::Vector3d& extents_m = axes.extents_m;
+      return extents_m.y() < min_width_m &&
+             extents_m.y() < parameters_.max_leg_share * extents_m.x();
     });
   }
 

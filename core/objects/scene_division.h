@@ -21,6 +21,8 @@ struct SceneDivisionParameters {
   double near_voxels = 2.25;
   /// Narrower parts, such as the legs of a table, do not become objects of their own, voxels.
   double min_width_voxels = 3.0;
+  /// Largest share of the width of a leg in its length.
+  double max_leg_share = 0.3;
   /// Share of the outline of an object that must have been seen.
   double min_outline_share = 0.5;
   /// Nothing floats: a part whose lowest point is higher above the floor than this, voxels, belongs

@@ -22,9 +22,8 @@ struct SessionPartParameters {
   double fragment_share = 0.1;
   double fragment_reach = 0.5;
   /// A leg is narrower than this, metres, or than `scene.min_width_voxels` if that is more, and
-  /// than this share of its length.
+  /// than `scene.max_leg_share` of its length.
   double max_leg_width_m = 0.12;
-  double max_leg_share = 0.3;
   /// A leg belongs to an object that is closer than this, metres, and than the length of the leg
   /// and that of the shorter of the two.
   double max_leg_gap_m = 1.0;

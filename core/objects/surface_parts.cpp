@@ -197,6 +197,11 @@ PrincipalAxes PrincipalAxesOf(std::span<const OrientedPoint> points) {
   axes.axes = solver.eigenvectors().rowwise().reverse();
   // Points evenly spread over a length have the twelfth part of its square as variance.
   axes.lengths_m = (12.0 * solver.eigenvalues().reverse().cwiseMax(0.0)).cwiseSqrt();
+  Eigen::AlignedBox3d along_axes;
+  for (const OrientedPoint& point : points) {
+    along_axes.extend(axes.axes.transpose() * point.position_world);
+  }
+  axes.extents_m = along_axes.sizes();
   return axes;
 }
 

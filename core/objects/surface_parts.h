@@ -21,11 +21,14 @@ struct OrientedPoint {
 /// Returns the surface points of an object, in the order of `ObjectSurface::leaves()`.
 std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object);
 
-/// The principal axes of points, world frame, in the columns, and the lengths along them, metres,
-/// the longest first. The lengths are exact for points that are evenly spread over a box.
+/// The principal axes of points, world frame, in the columns, the longest first.
 struct PrincipalAxes {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  /// Lengths along the axes by the variance of the points, metres: exact for points that are evenly
+  /// spread over a box.
   Eigen::Vector3d lengths_m = Eigen::Vector3d::Zero();
+  /// From the first point to the last along the axes, metres.
+  Eigen::Vector3d extents_m = Eigen::Vector3d::Zero();
 };
 
 PrincipalAxes PrincipalAxesOf(std::span<const OrientedPoint> points);

@@ -2,6 +2,7 @@
 
 #include "core/objects/changed_regions.h"
 
+#include <functional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -27,6 +28,12 @@ class ChangedRegionsTest : public ::testing::Test {
 
   /// Adds what was observed of bodies, up to `end_x_m`.
   TrackedObject* Add(const Solid& bodies, double end_x_m = 2.0) {
+    return AddSeen(bodies, [=](const Eigen::Vector3d& point) { return point.x() < end_x_m; });
+  }
+
+  /// Adds what `is_observed` of bodies.
+  TrackedObject* AddSeen(const Solid& bodies,
+                         const std::function<bool(const Eigen::Vector3d&)>& is_observed) {
     TrackedObject& object = map_.AddObject(Eigen::Vector3d::Zero());
     const Box bounds(Eigen::Vector3d(-1.2, -1.2, -0.15), Eigen::Vector3d(1.2, 1.2, 0.6));
     ObjectEdit edit = map_.Edit(&object);
@@ -35,7 +42,7 @@ class ChangedRegionsTest : public ::testing::Test {
                              bounds,
                              map_.scale(),
                              [&](const Eigen::Vector3d& point) {
-                               return point.z() > -0.12 && point.x() < end_x_m;
+                               return point.z() > -0.12 && is_observed(point);
                              }),
                 &edit);
     return &object;
@@ -110,6 +117,23 @@ TEST_F(ChangedRegionsTest, ABoxThatCameIsARegion) {
 TEST_F(ChangedRegionsTest, SurfaceInSpaceThatWasNotSeenIsNotNew) {
   const TrackedObject* known = Add({kSlab}, -0.5);
   TrackedObject* seen = Add({kSlab, kBox});
+  EXPECT_TRUE(SeparateNewRegions(parameters_, *known, seen, &map_).empty());
+}
+
+TEST_F(ChangedRegionsTest, AFaceInOneLayerOfVoxelsIsNotNew) {
+  // Seen at flat angles, the face at x = 0.2 m is a layer of voxels, here with a normal that noise
+  // has turned round.
+  const TrackedObject* known = Add({kBox}, 0.22);
+  const Box turned(Eigen::Vector3d(0.2, -0.2, -0.2), Eigen::Vector3d(0.6, 0.2, 0.4));
+  TrackedObject* seen = AddSeen({turned}, [](const Eigen::Vector3d& point) {
+    return point.x() < 0.28 && std::abs(point.y()) < 0.18 && point.z() < 0.38;
+  });
+  for (int y = -2; y <= 2; ++y) {
+    for (int x = 2; x <= 4; ++x) {
+      map_.MarkFree({0.1 * x + 0.05, 0.1 * y + 0.05, 0.05}, {0.1 * x + 0.05, 0.1 * y + 0.05, 0.55});
+    }
+  }
+  EXPECT_EQ(NewShareOf(*known, *seen, map_), 0.0);
   EXPECT_TRUE(SeparateNewRegions(parameters_, *known, seen, &map_).empty());
 }
 

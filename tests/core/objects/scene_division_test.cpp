@@ -125,6 +125,15 @@ TEST_F(SceneDivisionTest, FloorThatAThingHidIsBackground) {
   EXPECT_GT(objects.front()->BoundsInWorld().min().y(), 0.12);
 }
 
+TEST_F(SceneDivisionTest, APieceOfFloorApartFromTheRestIsBackground) {
+  const Box post(Eigen::Vector3d(1.1, 0.0, -0.2), Eigen::Vector3d(1.16, 0.06, 1.8));
+  const auto is_observed = [](const Eigen::Vector3d& point) {
+    const bool is_piece = point.x() > 0.9 && point.x() < 1.4 && std::abs(point.y()) < 0.2;
+    return point.z() > -0.12 && (point.x() < 0.5 || is_piece);
+  };
+  EXPECT_TRUE(DivideSeen({FloorSlab(), post}, is_observed).empty());
+}
+
 TEST_F(SceneDivisionTest, ABoxAgainstAWallIsAnObject) {
   EXPECT_EQ(Divide({FloorSlab(), WallSlab(), StandingBox(1.25, 0.0)}).size(), 1U);
 }
@@ -144,6 +153,11 @@ TEST_F(SceneDivisionTest, AThingNarrowerThanAFewVoxelsIsBackground) {
   EXPECT_TRUE(
       Divide({FloorSlab(), Box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.05, 0.05, 0.8))})
           .empty());
+}
+
+TEST_F(SceneDivisionTest, ALegIsBackground) {
+  const Box leg(Eigen::Vector3d(0.02, 0.0, -0.2), Eigen::Vector3d(0.08, 0.12, 0.8));
+  EXPECT_TRUE(Divide({FloorSlab(), leg}).empty());
 }
 
 TEST_F(SceneDivisionTest, APieceInUnknownSpaceIsNoObject) {
