@@ -1,7 +1,8 @@
 #include "core/association/cell_ownership.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace steadymap {
 namespace {
@@ -25,28 +26,59 @@ class CellOwners {
         spacing_per_m_(static_cast<float>(SampleGrid::SpacingPerM(cell_camera))) {}
 
   std::uint32_t OwnerOf(int column, int row, const Eigen::Vector3f& position_world) const {
-    // A cell between samples has up to four around it.
-    constexpr std::array<std::array<int, 2>, 4> kCorners = {{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+    const Corners corners = CornersOf(column, row);
+    if (corners.is_empty()) return Association::kNone;
+    // Which of them is nearest does not matter where all have one owner.
+    const bool takes_first = choice_ == OwnerChoice::kFirst || HaveOneOwner(corners);
     std::uint32_t owner = Association::kNone;
     float least_off_plane_m = kMaxOffPlaneM;
-    for (const auto& [right, down] : kCorners) {
-      const int u = column / SampleGrid::kStrideCells + right * (column % SampleGrid::kStrideCells);
-      const int v = row / SampleGrid::kStrideCells + down * (row % SampleGrid::kStrideCells);
-      if (u >= samples_.width() || v >= samples_.height()) continue;
-      const SurfaceSample& sample = samples_.At(u, v);
-      if (!sample.is_valid()) continue;
-      const Eigen::Vector3f way = position_world - sample.position_world;
-      const float off_plane_m = std::abs(way.dot(sample.normal_world));
-      if (off_plane_m > least_off_plane_m) continue;
-      if (choice_ == OwnerChoice::kNearest && way.norm() > ReachOf(sample)) continue;
-      owner = association_.owner[samples_.Index(u, v)];
-      if (choice_ == OwnerChoice::kFirst) return owner;
-      least_off_plane_m = off_plane_m;
+    for (int v = corners.first_row; v <= corners.last_row; ++v) {
+      for (int u = corners.first_column; u <= corners.last_column; ++u) {
+        const SurfaceSample& sample = samples_.At(u, v);
+        if (!sample.is_valid()) continue;
+        const Eigen::Vector3f way = position_world - sample.position_world;
+        const float off_plane_m = std::abs(way.dot(sample.normal_world));
+        if (off_plane_m > least_off_plane_m) continue;
+        if (choice_ == OwnerChoice::kNearest && way.norm() > ReachOf(sample)) continue;
+        owner = association_.owner[samples_.Index(u, v)];
+        if (takes_first) return owner;
+        least_off_plane_m = off_plane_m;
+      }
     }
     return owner;
   }
 
  private:
+  /// The samples around a cell: one to four; none beyond the last of an odd number of cells.
+  struct Corners {
+    int first_column;
+    int last_column;
+    int first_row;
+    int last_row;
+
+    bool is_empty() const { return first_column > last_column || first_row > last_row; }
+  };
+
+  Corners CornersOf(int column, int row) const {
+    const int u = column / SampleGrid::kStrideCells;
+    const int v = row / SampleGrid::kStrideCells;
+    return {u,
+            std::min(u + column % SampleGrid::kStrideCells, samples_.width() - 1),
+            v,
+            std::min(v + row % SampleGrid::kStrideCells, samples_.height() - 1)};
+  }
+
+  bool HaveOneOwner(const Corners& corners) const {
+    const std::uint32_t owner =
+        association_.owner[samples_.Index(corners.first_column, corners.first_row)];
+    for (int v = corners.first_row; v <= corners.last_row; ++v) {
+      for (int u = corners.first_column; u <= corners.last_column; ++u) {
+        if (association_.owner[samples_.Index(u, v)] != owner) return false;
+      }
+    }
+    return true;
+  }
+
   /// Returns how far a cell may be from a sample on one surface: behind a silhouette, the plane of
   /// the surface in front goes on.
   float ReachOf(const SurfaceSample& sample) const {
@@ -63,11 +95,17 @@ void GiveCells(const CellOwners& owners, SemanticCloud* cloud) {
   static_assert(SampleGrid::kStrideCells == 2, "between two samples lies one cell");
   const Eigen::Matrix3f rotation = cloud->T_world_camera().linear().cast<float>();
   const Eigen::Vector3f camera_world = cloud->T_world_camera().translation().cast<float>();
+  std::vector<float> ray_x;
+  ray_x.reserve(static_cast<std::size_t>(cloud->cells_wide()));
+  for (int column = 0; column < cloud->cells_wide(); ++column) {
+    ray_x.push_back(static_cast<float>(cloud->camera().Ray(column, 0).x()));
+  }
   for (int row = 0; row < cloud->cells_high(); ++row) {
+    const auto ray_y = static_cast<float>(cloud->camera().Ray(0, row).y());
     for (int column = 0; column < cloud->cells_wide(); ++column) {
       SurfaceCell& cell = cloud->MutableAt(column, row);
       if (!(cell.weight > 0.0F)) continue;
-      const Eigen::Vector3f ray = cloud->camera().Ray(column, row).cast<float>();
+      const Eigen::Vector3f ray(ray_x[static_cast<std::size_t>(column)], ray_y, 1.0F);
       const std::uint32_t owner =
           owners.OwnerOf(column, row, camera_world + rotation * (ray * cell.depth_m));
       if (owner == Association::kNone) {

@@ -1,6 +1,8 @@
 #include "core/association/association.h"
 
 #include <algorithm>
+#include <array>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -59,6 +61,36 @@ TEST(FindObjectsInView, LeavesOutObjectsThatAreArchivedEmptyBehindOrFar) {
   EXPECT_TRUE(Look(2.0, {&second}).in_view.empty()) << "behind";
   GiveWall(5.5, &second);
   EXPECT_TRUE(Look(2.0, {&second}).in_view.empty()) << "far";
+}
+
+TEST(GiveCellsToNearestPlanes, GivesEachCellToASampleBesideIt) {
+  Look look(2.0, {});
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::uint32_t> owner(1, 3);
+  Association association;
+  for (std::size_t index = 0; index < look.samples.size(); ++index) {
+    association.owner.push_back(owner(random));
+  }
+  GiveCellsToNearestPlanes(look.samples, association, &look.cloud);
+  const auto owner_at = [&](int column, int row) {
+    return association.owner[look.samples.Index(std::min(column, look.samples.width() - 1),
+                                                std::min(row, look.samples.height() - 1))];
+  };
+  std::size_t owned = 0;
+  for (int row = 0; row < look.cloud.cells_high(); ++row) {
+    for (int column = 0; column < look.cloud.cells_wide(); ++column) {
+      const SurfaceCell& cell = look.cloud.At(column, row);
+      if (!(cell.weight > 0.0F)) continue;
+      ++owned;
+      const std::array<std::uint32_t, 4> beside = {owner_at(column / 2, row / 2),
+                                                   owner_at((column + 1) / 2, row / 2),
+                                                   owner_at(column / 2, (row + 1) / 2),
+                                                   owner_at((column + 1) / 2, (row + 1) / 2)};
+      EXPECT_NE(std::find(beside.begin(), beside.end(), cell.owner), beside.end())
+          << column << " " << row;
+    }
+  }
+  EXPECT_GT(owned, 3 * look.samples.size());
 }
 
 TEST(GiveCellsToOwners, GivesCellsToTheOwnersOfTheirSamples) {
