@@ -2,6 +2,8 @@
 
 #include "core/geometry/cuboid.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -337,6 +339,32 @@ TEST(FitCuboid, PointsBeyondTheSidesDoNotTurnTheHeading) {
   EXPECT_NEAR(fit.yaw_rad, 0.0, 1.0 / 180.0 * M_PI);
   EXPECT_NEAR(fit.size_m.x(), 0.7, 0.02);
   EXPECT_NEAR(fit.size_m.y(), 0.5, 0.02);
+}
+
+TEST(FitCuboid, ASideLeavesOutTheShareOfTheFarthestPoints) {
+  constexpr CuboidMargin kMargin = {.max_share = 0.04, .max_m = 0.1};
+  std::mt19937 random(1);
+  std::normal_distribution<double> place(0.0, 0.2);
+  for (const std::size_t count : {5U, 100U, 590U, 620U, 2000U}) {
+    std::vector<Eigen::Vector3d> points;
+    std::vector<double> x;
+    for (std::size_t i = 0; i < count; ++i) {
+      points.emplace_back(place(random), place(random), place(random));
+      x.push_back(points.back().x());
+    }
+    std::sort(x.begin(), x.end());
+    const auto beyond =
+        static_cast<std::size_t>(kMargin.max_share * static_cast<double>(count - 1));
+    const Cuboid fit = FitCuboid(points, 0.0, kMargin);
+    EXPECT_NEAR(fit.center_world.x() + 0.5 * fit.size_m.x(),
+                std::max(x[count - 1 - beyond], x.back() - kMargin.max_m),
+                1e-12)
+        << count;
+    EXPECT_NEAR(fit.center_world.x() - 0.5 * fit.size_m.x(),
+                std::min(x[beyond], x.front() + kMargin.max_m),
+                1e-12)
+        << count;
+  }
 }
 
 TEST(FitCuboid, LeavesOutNothingBeyondTheMarginInMetres) {
