@@ -59,8 +59,7 @@ TEST_F(PipelinedUpload, BatchBehindARefusedOneIsRefusedToo) {
   std::promise<void> release;
   std::shared_future<void> released = release.get_future().share();
   service_.store().SetWriteHook([released] { released.wait(); });
-  int appends = 0;
-  service_.store().SetDiskLowFor([&appends] { return ++appends == 1; });
+  service_.store().SetDiskLowFor([appends = 0]() mutable { return ++appends == 1; });
   UploadClient client(&service_);
   ASSERT_TRUE(client.Open(session_, {v1::ACK_LEVEL_RECEIVED, v1::ACK_LEVEL_DURABLE}).ok());
   ASSERT_TRUE(client.Send(MakeBatch(1, 2)));
@@ -79,9 +78,9 @@ TEST_F(PipelinedUpload, BatchBehindARefusedOneIsRefusedToo) {
 TEST_F(PipelinedUpload, AcknowledgedFramesAreInTheLogOnceWhicheverAppendsAreRefused) {
   constexpr std::uint64_t kFrames = 120;
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
-    std::mt19937 random(seed);
-    std::bernoulli_distribution refuses(0.02 * seed);
-    service_.store().SetDiskLowFor([&] { return refuses(random); });
+    service_.store().SetDiskLowFor(
+        [random = std::mt19937(seed),
+         refuses = std::bernoulli_distribution(0.02 * seed)]() mutable { return refuses(random); });
     const std::uint64_t first = LoggedFrames().size();
     std::uint64_t acknowledged = first;
     while (acknowledged < first + kFrames) {

@@ -38,7 +38,8 @@ class MemoryStore final : public Store {
   void SetDiskLow(bool low);
 
   /// Calls `is_low` (none: null) before every append; if it returns true, the append fails with
-  /// `DISK_LOW`. Called under the store's lock.
+  /// `DISK_LOW`. Called under the store's lock. The function owns its state: a server appends what
+  /// is in its queue after the streams of the test have ended.
   void SetDiskLowFor(std::function<bool()> is_low);
 
   /// Makes a map's volumes unreadable: `LoadMap` fails with `DataLoss`.
