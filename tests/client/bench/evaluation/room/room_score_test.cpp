@@ -77,6 +77,19 @@ TEST_F(ScoreRoomTest, AnEventBesideItsPlaceIsMissingAndTooMany) {
   EXPECT_EQ(Score().event_faults.size(), 2U);
 }
 
+// The event of the upper box of a stack, listed first, is also near enough to the lower box.
+TEST(ScoreRoom, MatchesStackedThingsWhateverTheOrderOfTheEvents) {
+  const BoxRoom room = MakeBoxRoom(RoomChange::kUpperRemoved, {});
+  PerfectMap map(room);
+  for (ObjectEvent& event : map.events) {
+    if (event.type == EventType::kCreated) event.center_world.z() -= 0.05;
+  }
+  std::reverse(map.events.begin(), map.events.end());
+  EXPECT_TRUE(ScoreRoom(room, map.events, map.Snapshot(), {}).is_exact());
+  std::reverse(map.events.begin(), map.events.end());
+  EXPECT_TRUE(ScoreRoom(room, map.events, map.Snapshot(), {}).is_exact());
+}
+
 TEST_F(ScoreRoomTest, PiecesThatJoinSilentlyAndPiecesOfTheWallAreNoFaults) {
   ObjectEvent piece = map_.events.back();
   piece.type = EventType::kUpdated;
