@@ -1,7 +1,7 @@
 #include "core/objects/part_votes.h"
 
 #include <algorithm>
-#include <set>
+#include <cstddef>
 
 namespace steadymap {
 namespace {
@@ -19,10 +19,6 @@ std::vector<PartVotes>::const_iterator FindVotes(const std::vector<PartVotes>& p
 /// Share of the frames that show both that must show them connected: parts of one object are hidden
 /// by others or seen at flat angles often, but two objects are rarely seen as one.
 constexpr double kMinConnectedShare = 0.2;
-
-double ConnectedShareOf(const PartVotes& votes) {
-  return static_cast<double>(votes.connected) / static_cast<double>(votes.connected + votes.apart);
-}
 
 /// True if the bounds of two objects are closer than two voxels, so that they may be connected.
 bool AreNear(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale) {
@@ -68,12 +64,17 @@ void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* m
 }
 
 PartElection::PartElection(const std::vector<TrackedObject*>& objects) {
-  std::set<ObjectId> ids;
-  for (const TrackedObject* object : objects) ids.insert(object->id());
+  std::map<ObjectId, std::size_t> sizes;
+  for (const TrackedObject* object : objects) {
+    sizes.emplace(object->id(), std::max<std::size_t>(1, object->surface().point_count()));
+  }
   for (const TrackedObject* object : objects) {
     for (const PartVotes& votes : object->state().parts) {
-      if (!ids.contains(votes.other)) continue;
-      votes_.emplace(PairOf(object->id(), votes.other), votes);
+      const auto other = sizes.find(votes.other);
+      if (other == sizes.end()) continue;
+      const auto smaller = static_cast<double>(std::min(sizes.at(object->id()), other->second));
+      votes_.emplace(PairOf(object->id(), votes.other),
+                     Votes{smaller * votes.connected, smaller * votes.apart});
     }
   }
 }
@@ -82,7 +83,7 @@ PartElection::Pair PartElection::FindPair() const {
   Pair best;
   double most = kMinConnectedShare;
   for (const auto& [pair, votes] : votes_) {
-    const double share = ConnectedShareOf(votes);
+    const double share = votes.connected_share();
     if (share <= most) continue;
     most = share;
     best = pair;
@@ -91,12 +92,12 @@ PartElection::Pair PartElection::FindPair() const {
 }
 
 void PartElection::Join(ObjectId part, ObjectId whole) {
-  std::map<Pair, PartVotes> joined;
+  std::map<Pair, Votes> joined;
   for (const auto& [pair, votes] : votes_) {
     const ObjectId first = pair.first == part ? whole : pair.first;
     const ObjectId second = pair.second == part ? whole : pair.second;
     if (first == second) continue;
-    PartVotes& sum = joined[PairOf(first, second)];
+    Votes& sum = joined[PairOf(first, second)];
     sum.connected += votes.connected;
     sum.apart += votes.apart;
   }
@@ -105,7 +106,7 @@ void PartElection::Join(ObjectId part, ObjectId whole) {
 
 bool PartElection::AreApart(ObjectId a, ObjectId b) const {
   const auto votes = votes_.find(PairOf(a, b));
-  return votes != votes_.end() && ConnectedShareOf(votes->second) <= kMinConnectedShare;
+  return votes != votes_.end() && votes->second.connected_share() <= kMinConnectedShare;
 }
 
 }  // namespace steadymap

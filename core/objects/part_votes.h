@@ -21,7 +21,8 @@ void VoteOnParts(bool is_connected, TrackedObject* a, TrackedObject* b, WorkingM
 /// support `whole` have shown both as one.
 void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* map);
 
-/// The votes on all pairs of objects of a session; the older one comes first in a key.
+/// The votes on all pairs of objects of a session, each by the surface of the smaller one: what is
+/// joined to an object tells little about the rest of it. The older one comes first in a key.
 class PartElection {
  public:
   using Pair = std::pair<ObjectId, ObjectId>;
@@ -40,7 +41,15 @@ class PartElection {
   bool AreApart(ObjectId a, ObjectId b) const;
 
  private:
-  std::map<Pair, PartVotes> votes_;
+  /// Surface points of the smaller object, added up over the frames.
+  struct Votes {
+    double connected = 0.0;
+    double apart = 0.0;
+
+    double connected_share() const { return connected / (connected + apart); }
+  };
+
+  std::map<Pair, Votes> votes_;
 };
 
 }  // namespace steadymap

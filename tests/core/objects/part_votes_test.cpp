@@ -22,12 +22,12 @@ class PartVotesTest : public ::testing::Test {
   PartVotesTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
 
   /// Adds a box of the session with its lowest corner at `x_m`.
-  TrackedObject* Put(double x_m) {
+  TrackedObject* Put(double x_m, const Eigen::Vector3d& size_m = kPartSizeM) {
     const Eigen::Vector3d place(x_m, 0.0, 0.0);
     TrackedObject& object = map_.AddObject(place);
     const Eigen::Vector3d low = place - object.state().T_world_object.position_world;
     ObjectEdit edit = map_.Edit(&object);
-    StoreVolume(MakeVolume({Box(low, low + kPartSizeM)}, map_.scale()), &edit);
+    StoreVolume(MakeVolume({Box(low, low + size_m)}, map_.scale()), &edit);
     return &object;
   }
 
@@ -91,6 +91,20 @@ TEST_F(PartVotesTest, VotesOnAJoinedPartCountForTheWhole) {
   PartElection election = Elect();
   election.Join(b->id(), a->id());
   EXPECT_TRUE(election.AreApart(a->id(), c->id()));
+  EXPECT_EQ(election.FindPair(), PartElection::Pair());
+}
+
+// At the border of two stacked boxes, each frame connects a strip with one of them.
+TEST_F(PartVotesTest, AFragmentBetweenTwoObjectsDoesNotConnectThem) {
+  TrackedObject* lower = Put(0.0);
+  TrackedObject* upper = Put(0.4);
+  TrackedObject* strip = Put(0.4, {0.05, 0.1, 0.1});
+  for (int i = 0; i < 50; ++i) VoteOnParts(false, lower, upper, &map_);
+  for (int i = 0; i < 40; ++i) VoteOnParts(true, strip, lower, &map_);
+  for (int i = 0; i < 20; ++i) VoteOnParts(true, strip, upper, &map_);
+  PartElection election = Elect();
+  election.Join(strip->id(), lower->id());
+  EXPECT_TRUE(election.AreApart(lower->id(), upper->id()));
   EXPECT_EQ(election.FindPair(), PartElection::Pair());
 }
 
