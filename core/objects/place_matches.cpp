@@ -7,6 +7,7 @@
 
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_parts.h"
+#include "core/objects/surface_overlap.h"
 #include "core/registration/registration.h"
 
 namespace steadymap {
@@ -14,6 +15,48 @@ namespace {
 
 // Standard deviation of a normal distribution, in medians of its magnitude.
 constexpr double kSigmasOfMedian = 1.4826;
+
+/// Matches two objects in place by the nearest voxels: registration interpolates between eight
+/// observed ones, which things that are thinner than two voxels hardly have.
+std::optional<PlaceMatch> MatchThin(const SessionIdentityParameters& parameters,
+                                    const VoxelScale& scale,
+                                    SeenObject* seen,
+                                    KnownObject* known) {
+  const Eigen::Isometry3d T_known_world =
+      known->object->state().T_world_object.ToIsometry().inverse();
+  const Eigen::Isometry3d T_known_seen =
+      T_known_world * seen->object->state().T_world_object.ToIsometry();
+  const SurfaceOverlap overlap =
+      CompareSurfaces(*seen->object, *known->object, T_known_seen, scale);
+  if (overlap.known_share < parameters.min_known_share ||
+      overlap.fit_share < 1.0 - parameters.max_dissimilarity) {
+    return std::nullopt;
+  }
+  return PlaceMatch{seen, known, 0.0, overlap.known_share * overlap.fit_share, true};
+}
+
+/// Matches an object of the session with a known one of its class around it, if they agree.
+std::optional<PlaceMatch> MatchPlace(const SessionIdentityParameters& parameters,
+                                     const VoxelScale& scale,
+                                     SeenObject* seen,
+                                     KnownObject* known) {
+  const std::optional<Registration> registration =
+      RegisterToKnown(*seen->object, *known->object, scale);
+  if (!registration) return std::nullopt;
+  if (registration->known_share < parameters.min_known_share) {
+    return MatchThin(parameters, scale, seen, known);
+  }
+  if (registration->dissimilarity > parameters.max_dissimilarity) return std::nullopt;
+  const double displacement_m = DisplacementOf(*registration, *seen->object);
+  // Less of its shape need be known of what is just where it stood.
+  const bool is_displaced = displacement_m > parameters.max_displacement_m;
+  if (known->object->is_archived() && is_displaced &&
+      registration->known_share < parameters.min_shape_known_share) {
+    return std::nullopt;
+  }
+  const double fit = registration->known_share * (1.0 - registration->dissimilarity);
+  return PlaceMatch{seen, known, displacement_m, fit, FitsAtRest(*registration, parameters, scale)};
+}
 
 }  // namespace
 
@@ -24,19 +67,8 @@ std::vector<PlaceMatch> FindPlaceMatches(const SessionIdentityParameters& parame
   for (SeenObject& seen : objects->seen) {
     if (seen.is_decided) continue;
     for (KnownObject& known : objects->known) {
-      const std::optional<Registration> registration =
-          RegisterToKnown(*seen.object, *known.object, scale);
-      if (!registration || registration->dissimilarity > parameters.max_dissimilarity) continue;
-      const double displacement_m = DisplacementOf(*registration, *seen.object);
-      // Less of its shape need be known of what is just where it stood.
-      const bool is_back = known.object->is_archived();
-      const double least_known = is_back && displacement_m > parameters.max_displacement_m
-                                     ? parameters.min_shape_known_share
-                                     : parameters.min_known_share;
-      if (registration->known_share < least_known) continue;
-      const double fit = registration->known_share * (1.0 - registration->dissimilarity);
-      matches.push_back(
-          {&seen, &known, displacement_m, fit, FitsAtRest(*registration, parameters)});
+      const std::optional<PlaceMatch> match = MatchPlace(parameters, scale, &seen, &known);
+      if (match) matches.push_back(*match);
     }
   }
   // What stands there is more likely than what left.

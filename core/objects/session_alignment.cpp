@@ -13,6 +13,9 @@ namespace {
 // Points of a thing that take part in the alignment of a session.
 constexpr std::size_t kMaxAnchorPoints = 400;
 
+// Standard deviation of a surface in its voxels, voxels.
+constexpr double kSurfaceSigmaVoxels = 0.1;
+
 AnchorMatches MatchesOf(const TrackedObject& seen,
                         const TrackedObject& known,
                         const Eigen::Isometry3d& T_correction,
@@ -69,9 +72,17 @@ double DisplacementOf(const Registration& registration, const TrackedObject& obj
   return std::hypot(registration.shift_world.head<2>().norm(), registration.yaw_rad * radius_m);
 }
 
-bool FitsAtRest(const Registration& registration, const SessionIdentityParameters& parameters) {
+bool FitsAtRest(const Registration& registration,
+                const SessionIdentityParameters& parameters,
+                const VoxelScale& scale) {
+  // Near the surface, the loss is the square of the distance in inlier distances.
+  const double inlier_m = RegistrationParameters().inlier_distance_voxels * scale.voxel_size_m;
+  const double gain_m2 =
+      (registration.known_loss_at_rest - registration.known_loss) * inlier_m * inlier_m;
+  const double sigma_m =
+      std::hypot(parameters.place_sigma_m, kSurfaceSigmaVoxels * scale.voxel_size_m);
   return registration.known_share_at_rest >= parameters.min_known_share &&
-         registration.known_loss_at_rest <= registration.known_loss;
+         gain_m2 <= sigma_m * sigma_m;
 }
 
 std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,

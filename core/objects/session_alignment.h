@@ -23,9 +23,11 @@ std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
 /// stands there does not rise or sink. Metres.
 double DisplacementOf(const Registration& registration, const TrackedObject& object);
 
-/// True if an object of a session fits a known one at least as well without the correction, which
-/// then only makes more of its surface known.
-bool FitsAtRest(const Registration& registration, const SessionIdentityParameters& parameters);
+/// True if an object of a session fits a known one without the correction: with it, the mean square
+/// distance of the surfaces is lower by no more than the error of two looks at a thing in place.
+bool FitsAtRest(const Registration& registration,
+                const SessionIdentityParameters& parameters,
+                const VoxelScale& scale);
 
 /// Finds the offset of the poses of a session by the known objects in place. None if there are
 /// none; the time of the result is not set.

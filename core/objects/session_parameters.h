@@ -24,6 +24,9 @@ struct SessionIdentityParameters {
   /// The same in standard deviations of the displacements of all objects, which tell the error of
   /// the poses.
   double max_pose_sigmas = 3.0;
+  /// Standard deviation of the place of a thing that was not moved, after the registration of the
+  /// frames, metres.
+  double place_sigma_m = 0.005;
   /// Share of the surface that may disagree with a known shape, and that must be known of it.
   double max_dissimilarity = 0.2;
   double min_known_share = 0.3;

@@ -79,7 +79,7 @@ TEST(FitsAtRest, TellsADisplacementThatTheSurfaceShows) {
   for (const double displacement_m : {0.03, 0.06, 0.1}) {
     const TrackedObject seen = BoxAt(std::uint64_t{2}, displacement_m, 0.0);
     const Registration registration = *RegisterToKnown(seen, known, kScale);
-    EXPECT_FALSE(FitsAtRest(registration, SessionIdentityParameters())) << displacement_m;
+    EXPECT_FALSE(FitsAtRest(registration, SessionIdentityParameters(), kScale)) << displacement_m;
   }
 }
 
@@ -89,11 +89,27 @@ TEST(FitsAtRest, NeedsEnoughKnownSurface) {
   registration.known_loss = 0.03;
   registration.known_loss_at_rest = 0.01;
   registration.known_share_at_rest = 0.9 * parameters.min_known_share;
-  EXPECT_FALSE(FitsAtRest(registration, parameters));
+  EXPECT_FALSE(FitsAtRest(registration, parameters, kScale));
   registration.known_share_at_rest = 1.1 * parameters.min_known_share;
-  EXPECT_TRUE(FitsAtRest(registration, parameters));
-  registration.known_loss_at_rest = 0.04;
-  EXPECT_FALSE(FitsAtRest(registration, parameters));
+  EXPECT_TRUE(FitsAtRest(registration, parameters, kScale));
+  registration.known_loss_at_rest = 0.08;
+  EXPECT_FALSE(FitsAtRest(registration, parameters, kScale));
+}
+
+TEST(FitsAtRest, ACorrectionWithinTheErrorOfTwoLooksTellsNothing) {
+  const SessionIdentityParameters parameters;
+  for (const double voxel_m : {0.02, 0.05, 0.1}) {
+    const VoxelScale scale{voxel_m, DefaultTruncationM(voxel_m)};
+    const double sigma_m = std::hypot(parameters.place_sigma_m, 0.1 * voxel_m);
+    Registration registration;
+    registration.known_share_at_rest = 1.0;
+    registration.known_loss = 0.01;
+    for (const double sigmas : {0.9, 1.1}) {
+      const double voxels = sigmas * sigma_m / voxel_m;
+      registration.known_loss_at_rest = 0.01 + voxels * voxels;
+      EXPECT_EQ(FitsAtRest(registration, parameters, scale), sigmas < 1.0) << voxel_m;
+    }
+  }
 }
 
 }  // namespace
