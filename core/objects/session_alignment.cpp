@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/objects/session_parts.h"
+#include "core/objects/surface_overlap.h"
 #include "core/registration/anchored_alignment.h"
 #include "core/volume/tsdf_sample.h"
 
@@ -12,9 +13,6 @@ namespace {
 
 // Points of a thing that take part in the alignment of a session.
 constexpr std::size_t kMaxAnchorPoints = 400;
-
-// Standard deviation of a surface in its voxels, voxels.
-constexpr double kSurfaceSigmaVoxels = 0.1;
 
 AnchorMatches MatchesOf(const TrackedObject& seen,
                         const TrackedObject& known,
@@ -79,8 +77,7 @@ bool FitsAtRest(const Registration& registration,
   const double inlier_m = RegistrationParameters().inlier_distance_voxels * scale.voxel_size_m;
   const double gain_m2 =
       (registration.known_loss_at_rest - registration.known_loss) * inlier_m * inlier_m;
-  const double sigma_m =
-      std::hypot(parameters.place_sigma_m, kSurfaceSigmaVoxels * scale.voxel_size_m);
+  const double sigma_m = SurfaceSigmaM(scale);
   return registration.known_share_at_rest >= parameters.min_known_share &&
          gain_m2 <= sigma_m * sigma_m;
 }

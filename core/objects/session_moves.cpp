@@ -111,7 +111,7 @@ std::vector<SessionMove> MoveSearch::ListMoves() const {
   });
   std::erase_if(candidates, [&](const SessionMove& candidate) {
     return candidate.match.overlap.known_share < parameters_.min_shape_known_share ||
-           candidate.match.fit_share() < parameters_.min_shape_fit_share ||
+           candidate.match.close_share() < parameters_.min_shape_close_share ||
            (IsDoubtedMatch(*candidate.seen, *candidate.known) &&
             !IsPushed(*candidate.known, candidate.match));
   });
@@ -149,7 +149,8 @@ double MoveSearch::DoubtedFitOf(const SeenObject& seen, const KnownObject& known
 /// not tell it from another one. Of two equal shapes, the one whose place overlaps was pushed.
 double MoveSearch::LikelihoodOf(const SessionMove& candidate) const {
   const bool is_pushed = candidate.distance_m <= 0.0 && IsPushed(*candidate.known, candidate.match);
-  return candidate.match.fit_share() + (is_pushed ? kPushMargins * parameters_.rival_margin : 0.0);
+  return candidate.match.close_share() +
+         (is_pushed ? kPushMargins * parameters_.rival_margin : 0.0);
 }
 
 /// Returns the moves without which the best explanation of all changes would be clearly worse.

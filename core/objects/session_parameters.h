@@ -24,15 +24,13 @@ struct SessionIdentityParameters {
   /// The same in standard deviations of the displacements of all objects, which tell the error of
   /// the poses.
   double max_pose_sigmas = 3.0;
-  /// Standard deviation of the place of a thing that was not moved, after the registration of the
-  /// frames, metres.
-  double place_sigma_m = 0.005;
   /// Share of the surface that may disagree with a known shape, and that must be known of it.
   double max_dissimilarity = 0.2;
   double min_known_share = 0.3;
-  /// The same to know a moved or returned object by its shape.
+  /// Share that must be known to know a moved or returned object by its shape, and of what is known
+  /// of both shapes that must agree within the error of two looks.
   double min_shape_known_share = 0.5;
-  double min_shape_fit_share = 0.85;
+  double min_shape_close_share = 0.85;
   /// Smallest surface of a moved object, as a share of the surface that was known of it.
   double min_moved_area_share = 0.25;
   /// A move is clear if without it, the best explanation of all changes agrees this much less.

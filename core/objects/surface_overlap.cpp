@@ -12,16 +12,49 @@ constexpr double kMinMatchingCosine = 0.5;
 // Pose error and noise of two looks at one surface, in voxels.
 constexpr double kFitVoxels = 1.5;
 
+// The same after registration, in standard deviations: of the place of a thing that was not moved,
+// metres, and of a surface in its voxels, voxels.
+constexpr double kCloseSigmas = 3.0;
+constexpr double kPlaceSigmaM = 0.005;
+constexpr double kVoxelSigmaVoxels = 0.1;
+
+/// True if the surface within `tolerance_m` of a point faces `normal`. Around an edge, the side
+/// that the point is of may be the one beside it.
+bool HasFace(const Eigen::Vector3d& point,
+             const Eigen::Vector3d& normal,
+             double tolerance_m,
+             TsdfSampler* sampler) {
+  if (sampler->Sample(point).gradient.dot(normal) >= kMinMatchingCosine) return true;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      Eigen::Vector3d beside = point;
+      beside[axis] += sign * sampler->scale().voxel_size_m;
+      const DistanceSample sample = sampler->Sample(beside);
+      if (sample.known && std::abs(sample.distance_m) <= tolerance_m &&
+          sample.gradient.dot(normal) >= kMinMatchingCosine) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace
+
+double SurfaceSigmaM(const VoxelScale& scale) {
+  return std::hypot(kPlaceSigmaM, kVoxelSigmaVoxels * scale.voxel_size_m);
+}
 
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
                                const VoxelScale& scale) {
   const double tolerance_m = kFitVoxels * scale.voxel_size_m;
+  const double close_m = kCloseSigmas * SurfaceSigmaM(scale);
   TsdfSampler sampler(other.volume(), scale);
   std::size_t known = 0;
   std::size_t fitting = 0;
+  SurfaceOverlap overlap;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
       const Eigen::Vector3d position = T_other_object * point.position_object.cast<double>();
@@ -29,17 +62,21 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
       const bool is_inner = sampler.SampleDistance(position, &distance_m);
       if (!is_inner && !sampler.SampleNearest(position, &distance_m)) continue;
       ++known;
+      if (distance_m >= -close_m) ++overlap.judged;
       if (std::abs(distance_m) > tolerance_m) continue;
-      if (is_inner) {
-        const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
-        if (sampler.Sample(position).gradient.dot(normal) < kMinMatchingCosine) continue;
-      }
+      const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
+      if (is_inner && !HasFace(position, normal, tolerance_m, &sampler)) continue;
       ++fitting;
+      if (std::abs(distance_m) > close_m) continue;
+      if (is_inner && !HasFace(position, normal, close_m, &sampler)) continue;
+      ++overlap.close;
     }
   }
-  if (known == 0) return {};
-  return {static_cast<double>(known) / static_cast<double>(object.surface().point_count()),
-          static_cast<double>(fitting) / static_cast<double>(known)};
+  if (known == 0) return overlap;
+  overlap.known_share =
+      static_cast<double>(known) / static_cast<double>(object.surface().point_count());
+  overlap.fit_share = static_cast<double>(fitting) / static_cast<double>(known);
+  return overlap;
 }
 
 }  // namespace steadymap

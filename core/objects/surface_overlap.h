@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include <Eigen/Geometry>
 
 #include "core/working/tracked_object.h"
@@ -10,10 +12,19 @@ namespace steadymap {
 struct SurfaceOverlap {
   double known_share = 0.0;  ///< Share of the points in what the other has observed.
   double fit_share = 0.0;    ///< Of those, the share on its surface, facing the same way.
+  /// Number of points that the other object does not hide behind its own surface, and of those
+  /// that are on its surface within the error of two looks, facing the same way.
+  std::size_t judged = 0;
+  std::size_t close = 0;
 };
 
+/// Returns the standard deviation of the distance between two looks at one surface in place,
+/// metres: the error of registered frames, and that of voxels.
+double SurfaceSigmaM(const VoxelScale& scale);
+
 /// Compares the surface of `object`, moved by `T_other_object`, with the volume of `other`. A point
-/// is on the surface within one and a half voxels. Zeros for an object without surface.
+/// is on the surface within one and a half voxels, and close to it within three standard deviations
+/// of `SurfaceSigmaM`. Zeros for an object without surface.
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/objects/surface_overlap.h"
 #include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
 #include "tests/support/object_edits.h"
@@ -100,7 +101,7 @@ TEST(FitsAtRest, ACorrectionWithinTheErrorOfTwoLooksTellsNothing) {
   const SessionIdentityParameters parameters;
   for (const double voxel_m : {0.02, 0.05, 0.1}) {
     const VoxelScale scale{voxel_m, DefaultTruncationM(voxel_m)};
-    const double sigma_m = std::hypot(parameters.place_sigma_m, 0.1 * voxel_m);
+    const double sigma_m = SurfaceSigmaM(scale);
     Registration registration;
     registration.known_share_at_rest = 1.0;
     registration.known_loss = 0.01;

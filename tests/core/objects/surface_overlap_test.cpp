@@ -63,6 +63,19 @@ TEST(CompareSurfaces, FitsNothingThatLiesTooFarInFront) {
   EXPECT_EQ(overlap.fit_share, 0.0);
 }
 
+TEST(CompareSurfaces, IsCloseWithinThreeStandardDeviations) {
+  const TrackedObject object = Front(1, 0.0, 0.8);
+  for (const double sigmas : {2.7, 3.3}) {
+    const Eigen::Isometry3d T_other_object(
+        Eigen::Translation3d(-sigmas * SurfaceSigmaM(kScale), 0.0, 0.0));
+    const SurfaceOverlap overlap =
+        CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale);
+    EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9) << sigmas;
+    EXPECT_GT(overlap.judged, 0U);
+    EXPECT_EQ(overlap.close, sigmas < 3.0 ? overlap.judged : 0U) << sigmas;
+  }
+}
+
 TEST(CompareSurfaces, FitsNothingThatFacesTheOtherWay) {
   const TrackedObject object = Front(1, 0.0, 0.8);
   // The rotation is about the centre of the front, so that the surface coincides with itself.
