@@ -16,7 +16,7 @@ std::vector<PartVotes>::const_iterator FindVotes(const std::vector<PartVotes>& p
       });
 }
 
-/// Share of the frames that show both that must show them connected: parts of one object are hidden
+/// Share of the votes on two objects that must connect them: parts of one object are hidden
 /// by others or seen at flat angles often, but two objects are rarely seen as one.
 constexpr double kMinConnectedShare = 0.2;
 

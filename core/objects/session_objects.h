@@ -35,7 +35,7 @@ struct PlaceMatch {
   KnownObject* known = nullptr;
   double displacement_m = 0.0;
   double fit = 0.0;           ///< Share of the surface that agrees.
-  bool fits_at_rest = false;  ///< Agrees as well without the displacement.
+  bool fits_at_rest = false;  ///< See `FitsAtRest`: the displacement tells nothing.
 };
 
 /// The objects of one decision.
