@@ -24,6 +24,9 @@ struct PoseError {
   friend bool operator==(const PoseError&, const PoseError&) = default;
 };
 
+/// Standard deviation of the place of a thing that nobody moved, as two looks at it tell, metres.
+inline constexpr double kPlaceSigmaM = 0.005;
+
 /// Number of assumptions on how fast pose errors change.
 inline constexpr std::size_t kPoseErrorHypotheses = 3;
 

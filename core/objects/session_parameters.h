@@ -27,14 +27,14 @@ struct SessionIdentityParameters {
   /// Share of the surface that may disagree with a known shape, and that must be known of it.
   double max_dissimilarity = 0.2;
   double min_known_share = 0.3;
-  /// Share that must be known to know a moved or returned object by its shape, and of what is known
-  /// of both shapes that must agree within the error of two looks.
+  /// Share that must be known to know a moved or returned object by its shape, and share of what is
+  /// known of a shape that must agree within the error of two looks, averaged over both shapes.
   double min_shape_known_share = 0.5;
-  double min_shape_close_share = 0.85;
+  double min_shape_close_share = 0.7;
   /// Smallest surface of a moved object, as a share of the surface that was known of it.
   double min_moved_area_share = 0.25;
   /// A move is clear if without it, the best explanation of all changes agrees this much less.
-  double rival_margin = 0.08;
+  double rival_margin = 0.12;
   /// Share of the looked-at surface that must be gone of an object that is gone.
   double gone_share = 0.5;
   /// Share that must be gone of an object in whose place another object is, ...

@@ -16,13 +16,12 @@ struct ShapeMatch {
   /// Returns the share of the surface of the other object that is known to agree, in [0, 1].
   double confidence() const { return overlap.known_share * overlap.fit_share; }
 
-  /// Returns the share of what is known of both surfaces that agrees within the error of two looks,
-  /// in [0, 1].
-  double close_share() const {
-    const std::size_t judged = overlap.judged + reverse_overlap.judged;
-    const std::size_t close = overlap.close + reverse_overlap.close;
-    return judged == 0 ? 0.0 : static_cast<double>(close) / static_cast<double>(judged);
-  }
+  /// Returns the same within the error of two looks.
+  double close_confidence() const { return overlap.known_share * overlap.close_share; }
+
+  /// Returns the share of what is known of a surface that agrees within the error of two looks,
+  /// averaged over both surfaces, in [0, 1].
+  double close_share() const { return 0.5 * (overlap.close_share + reverse_overlap.close_share); }
 };
 
 /// Returns the pose of an upright object; drops rotations about other axes than z.

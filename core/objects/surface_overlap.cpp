@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/map/pose_error.h"
 #include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
@@ -12,10 +13,8 @@ constexpr double kMinMatchingCosine = 0.5;
 // Pose error and noise of two looks at one surface, in voxels.
 constexpr double kFitVoxels = 1.5;
 
-// The same after registration, in standard deviations: of the place of a thing that was not moved,
-// metres, and of a surface in its voxels, voxels.
+// The same after registration, in standard deviations, and that of a surface in its voxels.
 constexpr double kCloseSigmas = 3.0;
-constexpr double kPlaceSigmaM = 0.005;
 constexpr double kVoxelSigmaVoxels = 0.1;
 
 /// True if the surface within `tolerance_m` of a point faces `normal`. Around an edge, the side
@@ -54,6 +53,7 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
   TsdfSampler sampler(other.volume(), scale);
   std::size_t known = 0;
   std::size_t fitting = 0;
+  std::size_t close = 0;
   SurfaceOverlap overlap;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
@@ -62,20 +62,20 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
       const bool is_inner = sampler.SampleDistance(position, &distance_m);
       if (!is_inner && !sampler.SampleNearest(position, &distance_m)) continue;
       ++known;
-      if (distance_m >= -close_m) ++overlap.judged;
       if (std::abs(distance_m) > tolerance_m) continue;
       const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
       if (is_inner && !HasFace(position, normal, tolerance_m, &sampler)) continue;
       ++fitting;
       if (std::abs(distance_m) > close_m) continue;
       if (is_inner && !HasFace(position, normal, close_m, &sampler)) continue;
-      ++overlap.close;
+      ++close;
     }
   }
   if (known == 0) return overlap;
   overlap.known_share =
       static_cast<double>(known) / static_cast<double>(object.surface().point_count());
   overlap.fit_share = static_cast<double>(fitting) / static_cast<double>(known);
+  overlap.close_share = static_cast<double>(close) / static_cast<double>(known);
   return overlap;
 }
 

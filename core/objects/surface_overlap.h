@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-
 #include <Eigen/Geometry>
 
 #include "core/working/tracked_object.h"
@@ -12,10 +10,7 @@ namespace steadymap {
 struct SurfaceOverlap {
   double known_share = 0.0;  ///< Share of the points in what the other has observed.
   double fit_share = 0.0;    ///< Of those, the share on its surface, facing the same way.
-  /// Number of points that the other object does not hide behind its own surface, and of those
-  /// that are on its surface within the error of two looks, facing the same way.
-  std::size_t judged = 0;
-  std::size_t close = 0;
+  double close_share = 0.0;  ///< Of those, the share on it within the error of two looks.
 };
 
 /// Returns the standard deviation of the distance between two looks at one surface in place,

@@ -28,7 +28,7 @@ struct PoseFilterParameters {
   /// Standard deviation of the place of an object that nobody moved, metres. All samples of an
   /// object have half their weight if they fit its surface only after a displacement by one
   /// standard deviation of this place and the pose error together.
-  double place_sigma_m = 0.005;
+  double place_sigma_m = kPlaceSigmaM;
   /// A registration further from the claimed pose fits the frame to other surface: the square of
   /// the Mahalanobis distance that 0.1 % of the errors exceed (chi square, six degrees of freedom).
   double max_prior_distance2 = 22.5;

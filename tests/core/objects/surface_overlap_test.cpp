@@ -71,8 +71,7 @@ TEST(CompareSurfaces, IsCloseWithinThreeStandardDeviations) {
     const SurfaceOverlap overlap =
         CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale);
     EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9) << sigmas;
-    EXPECT_GT(overlap.judged, 0U);
-    EXPECT_EQ(overlap.close, sigmas < 3.0 ? overlap.judged : 0U) << sigmas;
+    EXPECT_NEAR(overlap.close_share, sigmas < 3.0 ? 1.0 : 0.0, 1e-9) << sigmas;
   }
 }
 
