@@ -79,12 +79,6 @@ constexpr float kMinCosine = 0.17F;
 constexpr float kPlaneCells = 5.0F;
 constexpr float kLineCells = 3.0F;
 
-constexpr float kPixelsPerCell = 4.0F;
-
-// Three standard deviations of an averaged depth must fit this share of the truncation distance:
-// the voxels of the band cannot average noise that leaves it.
-constexpr float kNoiseShare = 1.0F / 3.0F;
-
 /// Slope of the inverse depth along one axis.
 struct Slope {
   Floats per_cell;  ///< 0 if unknown: the surface is assumed to face the camera.
@@ -182,14 +176,10 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Floats support = Load(output.support + at);
   Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * support *
                   cells_averaged * (1.0F / kPlaneCells);
-  const Floats pixels_averaged = cells_averaged * support * kPixelsPerCell;
-  const Floats noise = sigma * kSigmas;
-  const Floats band = inverse * inverse * (input.truncation_m * kNoiseShare);
-  const Integers in_band = noise * noise <= band * band * pixels_averaged;
   // The depth limit applies to cells, not pixels. A limit per pixel would bias the last cells of an
   // oblique surface towards the camera.
   const Integers near = centre * input.max_depth_m >= Splat(1.0F);
-  weight = Select(near & in_band & (cosine > Splat(kMinCosine)), weight, zero);
+  weight = Select(near & (cosine > Splat(kMinCosine)), weight, zero);
   const Integers seen = (centre > zero) & ~flying;
   weight = Select(seen, weight, zero);
 

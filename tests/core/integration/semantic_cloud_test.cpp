@@ -93,6 +93,18 @@ TEST(SemanticCloud, ACameraCanBeNoisierThanItsKind) {
   EXPECT_NEAR(cloud.depth_noise().SigmaM(2.0), 0.04, 0.004);
 }
 
+TEST(SemanticCloud, NoisyDepthIsFusedInMapsOfSmallVoxels) {
+  MapConfig config;
+  config.voxel_size_m = 0.01;
+  config.truncation_m = DefaultTruncationM(config.voxel_size_m);
+  config.max_depth_m = 5.0;
+  SemanticCloud cloud{config};
+  cloud.Compute(NoisyWall(4.0, 0.01, DepthSensorKind::kStereo));
+  ASSERT_GT(cloud.depth_noise().SigmaM(4.0), config.truncation_m);
+  const auto cells = static_cast<std::size_t>(cloud.cells_wide() * cloud.cells_high());
+  EXPECT_GT(CountFused(cloud, 0, 0), cells * 9 / 10);
+}
+
 TEST(SemanticCloud, WithoutInstancesASpotIsWhatItsLabelSays) {
   Frame frame = PersonWithSpot(0.3);
   frame.instances = {};
