@@ -71,11 +71,11 @@ std::pair<std::size_t, double> FindWhole(const std::vector<Part>& parts,
 bool IsOpenLeg(const TrackedObject& object,
                const SessionPartParameters& parameters,
                const WorkingMap& map) {
-  const double max_width_m = std::max(parameters.max_leg_width_m,
-                                      parameters.scene.min_width_voxels * map.scale().voxel_size_m);
-  const double length_m = LengthOf(object);
-  const double width_m = std::min(max_width_m, parameters.scene.max_leg_share * length_m);
-  if ((object.cuboid().size_m.array() > width_m).count() > 1) return false;
+  const Eigen::Vector3d lengths_m = PrincipalAxesOf(OrientedSurfaceOf(object)).lengths_m;
+  if (lengths_m.y() >
+      std::min(parameters.max_leg_width_m, parameters.scene.max_leg_share * lengths_m.x())) {
+    return false;
+  }
   const Surroundings surroundings = FindSurroundings(object, map);
   return OutlineTest(map, surroundings.supports)
       .HasUnseenEnd(OrientedSurfaceOf(object), surroundings.continuations);

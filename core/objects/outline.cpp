@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include "core/objects/point_grid.h"
 #include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
@@ -99,6 +102,46 @@ bool OutlineTest::HasUnseenEnd(std::span<const OrientedPoint> surface,
       if (goes_on || !ends) ++unseen;
     }
     if (2 * unseen > count) return true;
+  }
+  return false;
+}
+
+bool OutlineTest::MayGoOnAs(std::span<const OrientedPoint> surface,
+                            std::span<const OrientedPoint> other,
+                            double max_gap_m) const {
+  const PointGrid grid(other, max_gap_m);
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> gaps;
+  double smallest_m = max_gap_m;
+  for (const OrientedPoint& point : surface) {
+    Eigen::Vector3d nearest = point.position_world;
+    double nearest_m = std::numeric_limits<double>::max();
+    grid.ForEachNear(point.position_world, [&](std::size_t i) {
+      const double distance_m = (other[i].position_world - point.position_world).norm();
+      if (distance_m >= nearest_m) return;
+      nearest = other[i].position_world;
+      nearest_m = distance_m;
+    });
+    if (nearest_m > max_gap_m) continue;
+    gaps.emplace_back(point.position_world, nearest);
+    smallest_m = std::min(smallest_m, nearest_m);
+  }
+  std::size_t seen = 0;
+  std::size_t count = 0;
+  for (const auto& [from, to] : gaps) {
+    if ((to - from).norm() > smallest_m + kNextGrains * grain_m_) continue;
+    ++count;
+    if (IsSeenThrough(from, to)) ++seen;
+  }
+  return count > 0 && 2 * seen < count;
+}
+
+/// True if a part of the way between two points of surfaces is free space.
+bool OutlineTest::IsSeenThrough(const Eigen::Vector3d& from_world,
+                                const Eigen::Vector3d& to_world) const {
+  const double length_m = (to_world - from_world).norm();
+  const Eigen::Vector3d direction = (to_world - from_world) / length_m;
+  for (double at_m = grain_m_; at_m <= length_m - grain_m_; at_m += grain_m_) {
+    if (map_.free_space().IsFree(from_world + at_m * direction)) return true;
   }
   return false;
 }

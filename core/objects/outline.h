@@ -29,12 +29,19 @@ class OutlineTest {
   bool HasUnseenEnd(std::span<const OrientedPoint> surface,
                     std::span<const Eigen::Vector3d> continuation_world) const;
 
+  /// True if a surface may go on as `other`: most of what is nearest to it, within `max_gap_m`, has
+  /// no free space in between.
+  bool MayGoOnAs(std::span<const OrientedPoint> surface,
+                 std::span<const OrientedPoint> other,
+                 double max_gap_m) const;
+
  private:
   using Cell = std::array<int, 3>;
 
   Cell CellOf(const Eigen::Vector3d& point_world) const;
   std::set<Cell> CellsOf(std::span<const Eigen::Vector3d> points_world) const;
   static bool HasNeighbour(const std::set<Cell>& cells, const Cell& cell);
+  bool IsSeenThrough(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) const;
   bool IsOnStructure(const Eigen::Vector3d& point_world) const;
 
   const WorkingMap& map_;

@@ -38,7 +38,7 @@ class SessionDecision {
     TakeSessionLooks();
     CompleteSessionObjects(parameters_.parts, source_, map_);
     EndVanished();
-    for (TrackedObject* object : map_->TentativeObjectsOf(source_)) CutGoneCells(object, map_);
+    CutGone();
     ListObjects();
     Align();
     SeparateNew();
@@ -75,6 +75,7 @@ class SessionDecision {
   bool IsContradicted(TrackedObject* object);
   void KeepContradicted(TrackedObject* object);
   void EndVanished();
+  void CutGone();
   void FindMoves();
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
   void Create(TrackedObject* object);
@@ -123,6 +124,14 @@ void SessionDecision::EndVanished() {
       continue;
     }
     Create(object);
+  }
+}
+
+/// Deletes what the session saw and then found gone, and what is too small without it.
+void SessionDecision::CutGone() {
+  for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
+    CutGoneCells(object, map_);
+    if (object->SurfaceAreaM2() < parameters_.parts.min_area_m2) map_->Delete(object);
   }
 }
 
@@ -421,7 +430,7 @@ bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
   const bool is_leg = IsOpenLeg(seen, parameters_.parts, *map_);
   for (const KnownObject& known : objects_.known) {
     if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
-    if (!IsFragmentOf(seen, *known.object, parameters_.parts) &&
+    if (!IsPartOf(seen, *known.object, parameters_.parts, *map_) &&
         !(is_leg && MayBeLegOf(seen, *known.object, parameters_.parts)) &&
         !AreInContact(seen, *known.object, contact_m, map_->scale())) {
       continue;

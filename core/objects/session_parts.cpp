@@ -7,8 +7,10 @@
 
 #include "core/change/surface_looks.h"
 #include "core/objects/legs.h"
+#include "core/objects/outline.h"
 #include "core/objects/part_votes.h"
 #include "core/objects/surface_overlap.h"
+#include "core/objects/surface_parts.h"
 #include "core/objects/unsegmented_surface.h"
 #include "core/volume/tsdf_sample.h"
 #include "core/working/object_split.h"
@@ -46,6 +48,23 @@ std::size_t CountContacts(const TrackedObject& a,
     }
   }
   return count;
+}
+
+/// Returns the length of the side of an object's cuboid that is neither the longest nor the
+/// shortest.
+double WidthOf(const TrackedObject& object) {
+  const Eigen::Vector3d& size_m = object.cuboid().size_m;
+  return size_m.sum() - size_m.maxCoeff() - size_m.minCoeff();
+}
+
+/// True if most of an object is in a cuboid, or within `margin_m` of it.
+bool IsInside(const TrackedObject& object, const Cuboid& cuboid, double margin_m) {
+  const std::vector<Eigen::Vector3d> points_world = object.SurfaceInWorld();
+  const auto inside =
+      std::count_if(points_world.begin(), points_world.end(), [&](const Eigen::Vector3d& point) {
+        return DistanceTo(cuboid, point) <= margin_m;
+      });
+  return 2 * inside > std::ssize(points_world);
 }
 
 /// The completion of the objects of one session.
@@ -115,8 +134,10 @@ void PartCompletion::DropFragments() {
 
 /// True if the smaller object is a part of the larger one, or a wrong label on it.
 bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject& other) const {
-  if (election_.AreApart(object.id(), other.id())) return false;
-  if (IsFragmentOf(object, other, parameters_)) return true;
+  const bool is_of_one_class = IsOfOneClass(object, other);
+  // Frames that show a wrong label show it apart from the rest of the object.
+  if (is_of_one_class && election_.AreApart(object.id(), other.id())) return false;
+  if (IsPartOf(object, other, parameters_, *map_)) return true;
   const double voxel_m = map_->scale().voxel_size_m;
   if (!Grow(object.BoundsInWorld(), kNearVoxels * voxel_m).intersects(other.BoundsInWorld())) {
     return false;
@@ -124,9 +145,8 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
                                            object.state().T_world_object.ToIsometry();
   const SurfaceOverlap overlap = CompareSurfaces(object, other, T_other_object, map_->scale());
-  const double shared = overlap.known_share * overlap.fit_share;
-  if (!IsOfOneClass(object, other)) return shared > kMinRelabelledShare;
-  return shared > kMinSharedPartShare &&
+  if (!is_of_one_class) return overlap.known_share * overlap.close_share > kMinRelabelledShare;
+  return overlap.known_share * overlap.fit_share > kMinSharedPartShare &&
          CountContacts(object, other, parameters_.contact_voxels * voxel_m, map_->scale()) >=
              kMinContactPoints;
 }
@@ -191,6 +211,20 @@ bool IsFragmentOf(const TrackedObject& object,
   return object.SurfaceAreaM2() < parameters.fragment_share * other.SurfaceAreaM2() &&
          DistanceBetween(object.cuboid(), other.cuboid()) <
              parameters.fragment_reach * other.cuboid().size_m.maxCoeff();
+}
+
+bool IsPartOf(const TrackedObject& object,
+              const TrackedObject& other,
+              const SessionPartParameters& parameters,
+              const WorkingMap& map) {
+  if (IsFragmentOf(object, other, parameters)) return true;
+  if (!IsOfOneClass(object, other) || object.state().class_id == kNoClass) return false;
+  if (IsInside(object, other.cuboid(), map.scale().voxel_size_m)) return true;
+  const double max_gap_m =
+      std::max(map.scale().voxel_size_m, parameters.max_hidden_gap_share * WidthOf(object));
+  if (!Grow(object.BoundsInWorld(), max_gap_m).intersects(other.BoundsInWorld())) return false;
+  return OutlineTest(map, {}).MayGoOnAs(
+      OrientedSurfaceOf(object), OrientedSurfaceOf(other), max_gap_m);
 }
 
 void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into) {

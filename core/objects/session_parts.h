@@ -21,9 +21,10 @@ struct SessionPartParameters {
   /// it than this share of its length, is a part of it.
   double fragment_share = 0.1;
   double fragment_reach = 0.5;
-  /// A leg is narrower than this, metres, or than `scene.min_width_voxels` if that is more, and
-  /// than `scene.max_leg_share` of its length.
-  double max_leg_width_m = 0.12;
+  /// An object goes on behind what hides it for no more than this share of its width.
+  double max_hidden_gap_share = 0.5;
+  /// A leg is narrower than this, metres, and than `scene.max_leg_share` of its length.
+  double max_leg_width_m = 0.25;
   /// A leg belongs to an object that is closer than this, metres, and than the length of the leg
   /// and that of the shorter of the two.
   double max_leg_gap_m = 1.0;
@@ -52,6 +53,13 @@ bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);
 bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters);
+
+/// True if an object is a part of another one of its class: a fragment of it, inside its cuboid, or
+/// near it with nothing seen of what is between them.
+bool IsPartOf(const TrackedObject& object,
+              const TrackedObject& other,
+              const SessionPartParameters& parameters,
+              const WorkingMap& map);
 
 /// True if several points of the surface of `a` are within `distance_m` of the surface of `b`.
 bool AreInContact(const TrackedObject& a,

@@ -389,6 +389,43 @@ TEST_F(SessionIdentityTest, ObjectsThatFramesShowApartAreTwoEvenInContact) {
   EXPECT_EQ(map_.objects().size(), 2U);
 }
 
+TEST_F(SessionIdentityTest, AWrongLabelOnAnObjectIsNoObjectThoughFramesShowBothApart) {
+  TrackedObject* whole = PutSeen(0.0);
+  TrackedObject* patch = PutSeen(0.0, {0.4, 0.4, 0.6});
+  {
+    ObjectEdit edit = map_.Edit(patch);
+    edit.state().class_id = ClassId(9);
+  }
+  VoteOnParts(/*is_connected=*/false, whole, patch, &map_);
+  EXPECT_EQ(Decide().size(), 1U);
+  EXPECT_EQ(map_.objects().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, PartsWithNothingSeenBetweenThemAreOneObject) {
+  PutSeen(0.0);
+  PutSeen(0.7);
+  EXPECT_EQ(Decide().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, ThingsWithFreeSpaceBetweenThemAreTwoObjects) {
+  PutSeen(0.0);
+  PutSeen(0.7);
+  MarkFree(Box(Eigen::Vector3d(1.9, 0.5, 0.0), Eigen::Vector3d(2.6, 0.7, 0.8)));
+  EXPECT_EQ(Decide().size(), 2U);
+}
+
+TEST_F(SessionIdentityTest, ThingsFarFromEachOtherAreTwoObjects) {
+  PutSeen(0.0);
+  PutSeen(0.9);
+  EXPECT_EQ(Decide().size(), 2U);
+}
+
+TEST_F(SessionIdentityTest, APartInsideAnObjectOfItsClassBelongsToIt) {
+  PutSeen(0.0, {0.4, 1.2, 0.9});
+  Put(ObjectStatus::kTentative, {2.12, 0.3, 0.12}, {0.16, 0.6, 0.66});
+  EXPECT_EQ(Decide().size(), 1U);
+}
+
 const Eigen::Vector3d kPostSizeM(0.06, 0.06, 1.2);
 
 TEST_F(SessionIdentityTest, APostBesideAThingOfItsClassIsAPartOfIt) {
@@ -450,6 +487,15 @@ TEST_F(FineSessionIdentityTest, AThirdOfASmallThingDecides) {
   ASSERT_LT(looks.gone, 25U) << "0.04 square metres";
   ASSERT_GT(3 * looks.gone, looks.cells);
   EXPECT_EQ(Decide().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, WhatIsLeftOfNothingIsNoObject) {
+  TrackedObject* seen = PutSeen(0.0, {0.06, 0.06, 0.06});
+  SetScores(kEverywhere, -2, seen);
+  const LookCount looks = CountLooks(*seen);
+  ASSERT_EQ(looks.gone, looks.cells);
+  ASSERT_LT(looks.gone, SessionIdentityParameters().min_looked_at_cells) << "told as removed";
+  EXPECT_TRUE(Decide().empty());
 }
 
 TEST_F(SessionIdentityTest, ASurfaceOfOneFrameIsNoObject) {
