@@ -140,8 +140,9 @@ bool OutlineTest::IsSeenThrough(const Eigen::Vector3d& from_world,
                                 const Eigen::Vector3d& to_world) const {
   const double length_m = (to_world - from_world).norm();
   const Eigen::Vector3d direction = (to_world - from_world) / length_m;
-  for (double at_m = grain_m_; at_m <= length_m - grain_m_; at_m += grain_m_) {
-    if (map_.free_space().IsFree(from_world + at_m * direction)) return true;
+  const int grains = static_cast<int>(length_m / grain_m_);
+  for (int i = 1; i < grains; ++i) {
+    if (map_.free_space().IsFree(from_world + i * grain_m_ * direction)) return true;
   }
   return false;
 }

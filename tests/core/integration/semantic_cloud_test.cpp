@@ -101,7 +101,8 @@ TEST(SemanticCloud, NoisyDepthIsFusedInMapsOfSmallVoxels) {
   SemanticCloud cloud{config};
   cloud.Compute(NoisyWall(4.0, 0.01, DepthSensorKind::kStereo));
   ASSERT_GT(cloud.depth_noise().SigmaM(4.0), config.truncation_m);
-  const auto cells = static_cast<std::size_t>(cloud.cells_wide() * cloud.cells_high());
+  const std::size_t cells =
+      static_cast<std::size_t>(cloud.cells_wide()) * static_cast<std::size_t>(cloud.cells_high());
   EXPECT_GT(CountFused(cloud, 0, 0), cells * 9 / 10);
 }
 
