@@ -9,7 +9,9 @@
 namespace steadymap {
 
 SemanticCloud::SemanticCloud(const MapConfig& config)
-    : max_depth_m_(static_cast<float>(config.max_depth_m)), is_dynamic_(config.label_limit(), 0) {
+    : max_depth_m_(static_cast<float>(config.max_depth_m)),
+      truncation_m_(static_cast<float>(config.truncation_m)),
+      is_dynamic_(config.label_limit(), 0) {
   for (const SemanticClass& row : config.classes) {
     if (row.motion != ClassMotion::kDynamic) continue;
     is_dynamic_[row.id.value()] = 1;
@@ -60,6 +62,7 @@ void SemanticCloud::ComputeSurface(const Frame& frame) {
                             height_px,
                             static_cast<float>(frame.depth.metres_per_unit),
                             max_depth_m_,
+                            truncation_m_,
                             ForKernel(depth_noise_),
                             static_cast<float>(cell_camera_.fx),
                             static_cast<float>(cell_camera_.fy),

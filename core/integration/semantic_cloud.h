@@ -96,6 +96,7 @@ class SemanticCloud {
 
   const TsdfKernels& kernels_ = SelectKernels();
   float max_depth_m_;
+  float truncation_m_;
   std::vector<std::uint8_t> is_dynamic_;  ///< By class.
   bool any_dynamic_ = false;
 

@@ -79,6 +79,12 @@ constexpr float kMinCosine = 0.17F;
 constexpr float kPlaneCells = 5.0F;
 constexpr float kLineCells = 3.0F;
 
+constexpr float kPixelsPerCell = 4.0F;
+
+// Three standard deviations of a cell that is on no plane must fit this share of the truncation
+// distance: no neighbour tells that it is surface.
+constexpr float kNoiseShare = 1.0F / 3.0F;
+
 /// Slope of the inverse depth along one axis.
 struct Slope {
   Floats per_cell;  ///< 0 if unknown: the surface is assumed to face the camera.
@@ -176,10 +182,14 @@ STEADYMAP_INLINE void FitCells(const SurfaceInput& input,
   const Floats support = Load(output.support + at);
   Floats weight = Min(inverse * inverse, Splat(kMaxLookWeight)) * cosine * support *
                   cells_averaged * (1.0F / kPlaneCells);
+  const Floats noise = sigma * kSigmas;
+  const Floats band = inverse * inverse * (input.truncation_m * kNoiseShare);
+  const Integers is_sure =
+      along_u.planar | along_v.planar | (noise * noise <= band * band * (support * kPixelsPerCell));
   // The depth limit applies to cells, not pixels. A limit per pixel would bias the last cells of an
   // oblique surface towards the camera.
   const Integers near = centre * input.max_depth_m >= Splat(1.0F);
-  weight = Select(near & (cosine > Splat(kMinCosine)), weight, zero);
+  weight = Select(near & is_sure & (cosine > Splat(kMinCosine)), weight, zero);
   const Integers seen = (centre > zero) & ~flying;
   weight = Select(seen, weight, zero);
 

@@ -56,6 +56,7 @@ struct SurfaceInput {
   int height_px;               ///< At least 2.
   float metres_per_unit;
   float max_depth_m;
+  float truncation_m;  ///< Of the map; limits the noise of cells that are on no plane.
   KernelNoise noise;
   /// Intrinsics of the cell grid, at half the resolution of the pixels.
   float fx;

@@ -93,17 +93,42 @@ TEST(SemanticCloud, ACameraCanBeNoisierThanItsKind) {
   EXPECT_NEAR(cloud.depth_noise().SigmaM(2.0), 0.04, 0.004);
 }
 
-TEST(SemanticCloud, NoisyDepthIsFusedInMapsOfSmallVoxels) {
+MapConfig SmallVoxels() {
   MapConfig config;
   config.voxel_size_m = 0.01;
   config.truncation_m = DefaultTruncationM(config.voxel_size_m);
   config.max_depth_m = 5.0;
+  return config;
+}
+
+TEST(SemanticCloud, ANoisyPlaneIsFusedInMapsOfSmallVoxels) {
+  const MapConfig config = SmallVoxels();
   SemanticCloud cloud{config};
   cloud.Compute(NoisyWall(4.0, 0.01, DepthSensorKind::kStereo));
   ASSERT_GT(cloud.depth_noise().SigmaM(4.0), config.truncation_m);
   const std::size_t cells =
       static_cast<std::size_t>(cloud.cells_wide()) * static_cast<std::size_t>(cloud.cells_high());
   EXPECT_GT(CountFused(cloud, 0, 0), cells * 9 / 10);
+}
+
+TEST(SemanticCloud, ANoisyCellOnNoPlaneIsFusedOnlyIfItsNoiseFitsTheVoxels) {
+  Frame frame;
+  frame.camera = testing::AnalyticCamera();
+  frame.depth.units = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px);
+  frame.depth.sensor = DepthSensorKind::kStereo;
+  const int u = frame.camera.width_px / 4 * 2;
+  const int v = frame.camera.height_px / 4 * 2;
+  for (int row = v; row < v + 2; ++row) {
+    for (int column = u; column < u + 2; ++column) frame.depth.units.At(column, row) = 3000;
+  }
+  SemanticCloud fine{SmallVoxels()};
+  fine.Compute(frame);
+  EXPECT_EQ(CountFused(fine, 0, 0), 0U);
+  MapConfig config;
+  config.max_depth_m = 5.0;
+  SemanticCloud coarse{config};
+  coarse.Compute(frame);
+  EXPECT_EQ(CountFused(coarse, 0, 0), 1U);
 }
 
 TEST(SemanticCloud, WithoutInstancesASpotIsWhatItsLabelSays) {

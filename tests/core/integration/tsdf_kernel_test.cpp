@@ -64,7 +64,8 @@ Surface ComputeSurface(const TsdfKernels& kernels, const SurfaceInput& input) {
 }
 
 SurfaceInput InputFor(const std::vector<std::uint16_t>& depth, int width_px, int height_px) {
-  return {depth.data(), width_px, height_px, 0.001F, 3.0F, kNoise, 120.0F, 121.0F, 30.0F, 20.0F};
+  return {
+      depth.data(), width_px, height_px, 0.001F, 3.0F, 0.15F, kNoise, 120.0F, 121.0F, 30.0F, 20.0F};
 }
 
 LeafKernelFrame FrameFor(const Surface& surface, int cells_wide, int cells_high) {
