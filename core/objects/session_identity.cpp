@@ -16,6 +16,7 @@
 #include "core/objects/session_parts.h"
 #include "core/objects/shape_match.h"
 #include "core/objects/standing.h"
+#include "core/objects/surface_overlap.h"
 #include "core/objects/surface_relations.h"
 #include "core/working/object_split.h"
 
@@ -69,6 +70,7 @@ class SessionDecision {
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   void MatchInPlace();
+  bool MayBeMoved(const PlaceMatch& match) const;
   void MatchDoubted();
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
@@ -192,7 +194,10 @@ void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* objec
 
 void SessionDecision::MatchInPlace() {
   const std::vector<PlaceMatch> matches = FindPlaceMatches(parameters_, map_->scale(), &objects_);
-  for (const PlaceMatch& match : matches) {
+  for (SeenObject& seen : objects_.seen) {
+    seen.pose_error_m = InPlaceLimit(matches, seen, parameters_);
+  }
+  for (PlaceMatch match : matches) {
     if (match.seen->is_decided) continue;
     const bool is_archived = match.known->object->is_archived();
     const double doubt =
@@ -202,23 +207,39 @@ void SessionDecision::MatchInPlace() {
         match.fits_at_rest && doubt < parameters_.doubted_share ? 0.0 : match.displacement_m;
     if (IsOlderThanRemoval(*match.seen, *match.known)) {
       // Another session has found it gone since.
-      if (displacement_m > InPlaceLimit(matches, *match.seen, parameters_)) continue;
+      if (displacement_m > match.seen->pose_error_m) continue;
       match.seen->is_decided = true;
       map_->Delete(match.seen->object);
       continue;
     }
     // What was gone is back where it stood, if not to the centimetre.
-    if (!is_archived && displacement_m > InPlaceLimit(matches, *match.seen, parameters_)) continue;
+    if (!is_archived && displacement_m > match.seen->pose_error_m) continue;
     const bool is_displaced = displacement_m > parameters_.max_displacement_m;
     if (doubt >= (is_displaced ? parameters_.gone_share : 1.0 - parameters_.doubted_share)) {
       continue;
     }
-    if (doubt >= (is_displaced ? parameters_.doubted_share : parameters_.gone_share)) {
+    if (!is_archived) {
+      match.close_share =
+          CloseShareInPlace(*match.seen->object, *match.known->object, map_->scale());
+    }
+    if (doubt >= (is_displaced ? parameters_.doubted_share : parameters_.gone_share) ||
+        MayBeMoved(match)) {
       objects_.doubted.push_back(match);
     } else {
       Confirm(match.seen, match.known);
     }
   }
+}
+
+/// True if a move could explain the surface of a match in place clearly better, or one of both
+/// objects is in a better match of which that is true.
+bool SessionDecision::MayBeMoved(const PlaceMatch& match) const {
+  if (match.close_share < 1.0 - parameters_.rival_margin) return true;
+  return std::any_of(
+      objects_.doubted.begin(), objects_.doubted.end(), [&](const PlaceMatch& doubted) {
+        return (doubted.seen == match.seen || doubted.known == match.known) &&
+               DoubtOf(*doubted.known->object, objects_, parameters_) < parameters_.gone_share;
+      });
 }
 
 /// Confirms the doubted matches in place that no move explains better.

@@ -1,6 +1,7 @@
 #include "core/objects/session_moves.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -26,6 +27,8 @@ class MoveSearch {
 
   std::vector<SessionMove> Run() {
     std::vector<SessionMove> candidates = ListMoves();
+    std::erase_if(candidates,
+                  [&](const SessionMove& candidate) { return IsOfStanding(candidate); });
     DropPushed(candidates);
     std::erase_if(candidates, [&](const SessionMove& candidate) {
       return DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence();
@@ -34,11 +37,13 @@ class MoveSearch {
   }
 
  private:
-  bool IsPushed(const KnownObject& known, const ShapeMatch& match) const;
-  static bool MayHaveMoved(const SeenObject& seen, const KnownObject& known);
+  bool IsPushed(const SeenObject& seen, const KnownObject& known, const ShapeMatch& match) const;
+  bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
+  bool MayStand(const SeenObject& seen, const KnownObject& known) const;
   bool AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const;
   bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
   std::vector<SessionMove> ListMoves() const;
+  bool IsOfStanding(const SessionMove& candidate) const;
   void DropPushed(const std::vector<SessionMove>& candidates);
   double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
   double LikelihoodOf(const SessionMove& candidate) const;
@@ -49,30 +54,36 @@ class MoveSearch {
   SessionObjects* objects_;
 };
 
-/// True if an object of the session that may be a known one in place rather is that one at a new
-/// place: all surface that was known is there.
-bool MoveSearch::IsPushed(const KnownObject& known, const ShapeMatch& match) const {
-  const Eigen::Isometry3d T_object_world =
-      known.object->state().T_world_object.ToIsometry().inverse();
-  const Eigen::Vector3d center_world = known.object->cuboid().center_world;
-  const Eigen::Vector3d moved_world = match.T_world_object * (T_object_world * center_world);
-  const SurfaceOverlap self =
-      CompareSurfaces(*known.object, *known.object, T_object_world * match.T_world_object, scale_);
-  if ((moved_world - center_world).norm() <= parameters_.max_displacement_m &&
-      self.known_share * self.fit_share >= 1.0 - parameters_.max_dissimilarity) {
-    return false;
-  }
-  const SurfaceOverlap& overlap = match.reverse_overlap;
-  return overlap.known_share * overlap.fit_share >= 1.0 - parameters_.max_dissimilarity;
+/// True if an object of the session that may be a known one in place rather is that one, displaced
+/// or turned: its surface then agrees clearly better.
+bool MoveSearch::IsPushed(const SeenObject& seen,
+                          const KnownObject& known,
+                          const ShapeMatch& match) const {
+  const UprightPose& pose = known.object->state().T_world_object;
+  const Eigen::Isometry3d motion = match.T_world_object * pose.ToIsometry().inverse();
+  const Cuboid& cuboid = known.object->cuboid();
+  const Eigen::Vector3d shift_world = motion * cuboid.center_world - cuboid.center_world;
+  const double yaw_rad = std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
+  const double turned_m = yaw_rad * 0.5 * cuboid.size_m.head<2>().norm();
+  const double displacement_m = std::hypot(shift_world.head<2>().norm(), turned_m);
+  if (displacement_m <= std::max(seen.pose_error_m, 0.5 * scale_.voxel_size_m)) return false;
+  return match.close_share() >=
+         CloseShareInPlace(*seen.object, *known.object, scale_) + parameters_.rival_margin;
 }
 
-/// True if a known object is not where it was, or if it was pushed to where an object of the
-/// session hides its place.
-bool MoveSearch::MayHaveMoved(const SeenObject& seen, const KnownObject& known) {
+/// True if a known object is not where it was, or if it may have been pushed or turned to where an
+/// object of the session is.
+bool MoveSearch::MayHaveMoved(const SeenObject& seen, const KnownObject& known) const {
   if (known.object->is_archived()) return !IsOlderThanRemoval(seen, known);
-  if (known.standing == Standing::kGone) return true;
-  return known.standing == Standing::kUnverified &&
+  return known.standing == Standing::kGone || IsDoubtedMatch(seen, known) ||
          DistanceBetween(known.object->cuboid(), seen.object->cuboid()) <= 0.0;
+}
+
+/// True if an object of the session may be a known one that nobody moved.
+bool MoveSearch::MayStand(const SeenObject& seen, const KnownObject& known) const {
+  return IsDoubtedMatch(seen, known) ||
+         (!known.object->is_archived() && known.standing != Standing::kGone &&
+          known.standing != Standing::kUnverified);
 }
 
 /// True if the surfaces of two objects are large enough to be of one.
@@ -112,13 +123,23 @@ std::vector<SessionMove> MoveSearch::ListMoves() const {
   std::erase_if(candidates, [&](const SessionMove& candidate) {
     return candidate.match.overlap.known_share < parameters_.min_shape_known_share ||
            candidate.match.close_share() < parameters_.min_shape_close_share ||
-           (IsDoubtedMatch(*candidate.seen, *candidate.known) &&
-            !IsPushed(*candidate.known, candidate.match));
+           (MayStand(*candidate.seen, *candidate.known) &&
+            !IsPushed(*candidate.seen, *candidate.known, candidate.match));
   });
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
     return a.match.confidence() > b.match.confidence();
   });
   return candidates;
+}
+
+/// True if one of both objects stands in place beside the other one's.
+bool MoveSearch::IsOfStanding(const SessionMove& candidate) const {
+  return std::any_of(
+      objects_->doubted.begin(), objects_->doubted.end(), [&](const PlaceMatch& match) {
+        return (match.seen == candidate.seen) != (match.known == candidate.known) &&
+               match.close_share >= parameters_.min_shape_close_share &&
+               DoubtOf(*match.known->object, *objects_, parameters_) < parameters_.gone_share;
+      });
 }
 
 /// Gives up matches in place that a push explains better, also if several objects may be pushed.
@@ -148,7 +169,8 @@ double MoveSearch::DoubtedFitOf(const SeenObject& seen, const KnownObject& known
 /// Returns how likely a move is, on the scale of `rival_margin`. What is not known of a shape does
 /// not tell it from another one. Of two equal shapes, the one whose place overlaps was pushed.
 double MoveSearch::LikelihoodOf(const SessionMove& candidate) const {
-  const bool is_pushed = candidate.distance_m <= 0.0 && IsPushed(*candidate.known, candidate.match);
+  const bool is_pushed =
+      candidate.distance_m <= 0.0 && IsPushed(*candidate.seen, *candidate.known, candidate.match);
   return candidate.match.close_share() +
          (is_pushed ? kPushMargins * parameters_.rival_margin : 0.0);
 }

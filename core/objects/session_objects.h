@@ -26,6 +26,7 @@ struct SeenObject {
   TrackedObject* object = nullptr;
   std::size_t index = 0;
   bool is_new_region = false;  ///< Was not there when a known object beside it was seen.
+  double pose_error_m = 0.0;   ///< What is displaced by no more may stand where it stood.
   bool is_decided = false;
 };
 
@@ -36,17 +37,22 @@ struct PlaceMatch {
   double displacement_m = 0.0;
   double fit = 0.0;           ///< Share of the surface that agrees.
   bool fits_at_rest = false;  ///< See `FitsAtRest`: the displacement tells nothing.
+  double close_share = 1.0;   ///< Share of both surfaces that agrees within the error of two looks.
 };
 
 /// The objects of one decision.
 struct SessionObjects {
   std::deque<SeenObject> seen;  ///< Not moved in memory when it grows.
   std::deque<KnownObject> known;
-  std::vector<PlaceMatch> doubted;  ///< In place, but much of the known object is gone.
+  /// In place, but much of the known object is gone, or a move may explain the surface better.
+  std::vector<PlaceMatch> doubted;
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  ///< Of the session onto the map.
 
   void AddSeen(TrackedObject* object, bool is_new_region) {
-    seen.push_back({object, seen.size(), is_new_region});
+    SeenObject& added = seen.emplace_back();
+    added.object = object;
+    added.index = seen.size() - 1;
+    added.is_new_region = is_new_region;
   }
 
   void AddKnown(TrackedObject* object, Standing standing) {

@@ -79,4 +79,11 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
   return overlap;
 }
 
+double CloseShareInPlace(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale) {
+  const Eigen::Isometry3d T_b_a =
+      b.state().T_world_object.ToIsometry().inverse() * a.state().T_world_object.ToIsometry();
+  return 0.5 * (CompareSurfaces(a, b, T_b_a, scale).close_share +
+                CompareSurfaces(b, a, T_b_a.inverse(), scale).close_share);
+}
+
 }  // namespace steadymap

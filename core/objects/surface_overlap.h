@@ -25,4 +25,8 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const Eigen::Isometry3d& T_other_object,
                                const VoxelScale& scale);
 
+/// Returns the share of what is known of two surfaces where they stand that agrees within the error
+/// of two looks, averaged over both, in [0, 1].
+double CloseShareInPlace(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale);
+
 }  // namespace steadymap

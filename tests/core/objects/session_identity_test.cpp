@@ -259,6 +259,27 @@ TEST_F(SessionIdentityTest, AThingThatSlidAlongItsPlaneHasMoved) {
   EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).y(), 0.2, 0.03);
 }
 
+TEST_F(SessionIdentityTest, ATurnInPlaceIsAMoveAlthoughNoLookMissesTheThing) {
+  const auto put = [this](ObjectStatus status, double yaw_rad) {
+    TrackedObject* object = Put(status, {2.0, 0.0, 0.0}, {0.3, 0.5, 0.6});
+    ObjectEdit edit = map_.Edit(object);
+    StoreVolume(
+        MakeVolume({Box(Eigen::Vector3d(-0.15, -0.25, 0.0), Eigen::Vector3d(0.15, 0.25, 0.6))},
+                   map_.scale()),
+        &edit);
+    edit.state().T_world_object.yaw_rad = yaw_rad;
+    return object;
+  };
+  TrackedObject* known = put(ObjectStatus::kPresent, 0.0);
+  SetScores(kEverywhere, 2, known);
+  put(ObjectStatus::kTentative, 0.8);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kMoved);
+  EXPECT_EQ(events.front().object, known->id());
+  EXPECT_LT((events.front().center_world - *events.front().old_center_world).norm(), 0.03);
+}
+
 TEST_F(SessionIdentityTest, APartThatIsGoneIsNoMove) {
   TrackedObject* known = PutKnown(0.0, 2);
   SetScores(kFirstPart, -2, known);

@@ -48,6 +48,14 @@ TEST(CompareSurfaces, IsWholeForTheSameSurface) {
   EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9);
 }
 
+TEST(CloseShareInPlace, TellsADisplacementOfThreeCentimetres) {
+  const TrackedObject known = Front(1, 0.0, 0.8);
+  EXPECT_NEAR(CloseShareInPlace(Front(2, 0.0, 0.8), known, kScale), 1.0, 1e-9);
+  TrackedObject displaced = Front(3, 0.0, 0.8);
+  StateOf(&displaced).T_world_object.position_world.x() += 0.03;
+  EXPECT_NEAR(CloseShareInPlace(displaced, known, kScale), 0.0, 1e-9);
+}
+
 TEST(CompareSurfaces, KnowsOnlyThePartThatOverlaps) {
   const SurfaceOverlap overlap = Compare(Front(1, 0.0, 3.2), Front(2, 1.6, 3.2));
   EXPECT_NEAR(overlap.known_share, 0.5, 0.08);
