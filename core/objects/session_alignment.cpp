@@ -35,6 +35,14 @@ AnchorMatches MatchesOf(const TrackedObject& seen,
   return matches;
 }
 
+/// Returns how far an object that was shifted and turned is from its place in the plan, metres.
+double DisplacementOf(const Eigen::Vector3d& shift_world,
+                      double yaw_rad,
+                      const TrackedObject& object) {
+  const double radius_m = 0.5 * object.cuboid().size_m.head<2>().norm();
+  return std::hypot(shift_world.head<2>().norm(), yaw_rad * radius_m);
+}
+
 /// Returns the offset that an alignment found. Where the anchors tell nothing, its covariance is
 /// that of poses which are off by `max_offset_m` at three standard deviations.
 PoseOffset OffsetOf(const AnchorAlignment& alignment, double anchor_sigma_m, double max_offset_m) {
@@ -66,8 +74,13 @@ std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
 }
 
 double DisplacementOf(const Registration& registration, const TrackedObject& object) {
-  const double radius_m = 0.5 * object.cuboid().size_m.head<2>().norm();
-  return std::hypot(registration.shift_world.head<2>().norm(), registration.yaw_rad * radius_m);
+  return DisplacementOf(registration.shift_world, registration.yaw_rad, object);
+}
+
+double DisplacementOf(const Eigen::Isometry3d& motion, const TrackedObject& object) {
+  const Eigen::Vector3d& center_world = object.cuboid().center_world;
+  const double yaw_rad = std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
+  return DisplacementOf(motion * center_world - center_world, yaw_rad, object);
 }
 
 bool FitsAtRest(const Registration& registration,

@@ -23,6 +23,9 @@ std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
 /// stands there does not rise or sink. Metres.
 double DisplacementOf(const Registration& registration, const TrackedObject& object);
 
+/// Returns the same of a motion of the world frame.
+double DisplacementOf(const Eigen::Isometry3d& motion, const TrackedObject& object);
+
 /// True if an object of a session fits a known one without the correction: with it, the mean square
 /// distance of the surfaces is lower by no more than the error of two looks at a thing in place.
 bool FitsAtRest(const Registration& registration,

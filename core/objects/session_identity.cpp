@@ -164,7 +164,7 @@ void SessionDecision::ListObjects() {
   for (TrackedObject* object : map_->AllObjects()) {
     if (object->is_deleted()) continue;
     if (IsInSession(object->state(), source_)) {
-      objects_.AddSeen(object, /*is_new_region=*/false);
+      objects_.AddSeen(object);
     } else if (object->state().status != ObjectStatus::kTentative) {
       objects_.AddKnown(object, Standing::kUnknown);
     }
@@ -258,7 +258,7 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   if (object->state().class_id == kNoClass && !is_back) {
     for (TrackedObject* region :
          SeparateNewRegions(parameters_.parts, *object, seen->object, map_)) {
-      objects_.AddSeen(region, /*is_new_region=*/true);
+      objects_.AddRegion(region, *seen);
     }
   }
   AddVoxels(*seen->object, map_, object);
@@ -353,7 +353,7 @@ void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
   if (seen->is_new_region) return;
   for (TrackedObject* region :
        SeparateNewRegions(parameters_.parts, *structure->object, seen->object, map_)) {
-    objects_.AddSeen(region, /*is_new_region=*/true);
+    objects_.AddRegion(region, *seen);
   }
   const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
   const bool is_rest = seen->object->surface().point_count() > 0;

@@ -1,13 +1,13 @@
 #include "core/objects/session_moves.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "core/geometry/assignment.h"
 #include "core/geometry/cuboid.h"
+#include "core/objects/session_alignment.h"
 #include "core/objects/surface_overlap.h"
 #include "core/objects/surface_relations.h"
 #include "core/types/parallel.h"
@@ -61,12 +61,10 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
                           const ShapeMatch& match) const {
   const UprightPose& pose = known.object->state().T_world_object;
   const Eigen::Isometry3d motion = match.T_world_object * pose.ToIsometry().inverse();
-  const Cuboid& cuboid = known.object->cuboid();
-  const Eigen::Vector3d shift_world = motion * cuboid.center_world - cuboid.center_world;
-  const double yaw_rad = std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
-  const double turned_m = yaw_rad * 0.5 * cuboid.size_m.head<2>().norm();
-  const double displacement_m = std::hypot(shift_world.head<2>().norm(), turned_m);
-  if (displacement_m <= std::max(seen.pose_error_m, 0.5 * scale_.voxel_size_m)) return false;
+  if (DisplacementOf(motion, *known.object) <=
+      std::max(seen.pose_error_m, 0.5 * scale_.voxel_size_m)) {
+    return false;
+  }
   return match.close_share() >=
          CloseShareInPlace(*seen.object, *known.object, scale_) + parameters_.rival_margin;
 }

@@ -48,11 +48,11 @@ struct SessionObjects {
   std::vector<PlaceMatch> doubted;
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  ///< Of the session onto the map.
 
-  void AddSeen(TrackedObject* object, bool is_new_region) {
-    SeenObject& added = seen.emplace_back();
-    added.object = object;
-    added.index = seen.size() - 1;
-    added.is_new_region = is_new_region;
+  void AddSeen(TrackedObject* object) { seen.push_back({object, seen.size()}); }
+
+  /// Adds a new region of `whole`, which has the pose error of the rest.
+  void AddRegion(TrackedObject* region, const SeenObject& whole) {
+    seen.push_back({region, seen.size(), /*is_new_region=*/true, whole.pose_error_m});
   }
 
   void AddKnown(TrackedObject* object, Standing standing) {

@@ -33,7 +33,7 @@ std::vector<PlaceMatch> MatchesAt(double seen_x_m) {
   TrackedObject seen = PostAt(2, seen_x_m);
   SessionObjects objects;
   objects.AddKnown(&known, Standing::kUnknown);
-  objects.AddSeen(&seen, /*is_new_region=*/false);
+  objects.AddSeen(&seen);
   return FindPlaceMatches(SessionIdentityParameters(), kScale, &objects);
 }
 
@@ -46,6 +46,18 @@ TEST(FindPlaceMatches, FindsWhatIsTooThinToRegister) {
 
 TEST(FindPlaceMatches, AThinThingElsewhereIsNotInPlace) {
   EXPECT_TRUE(MatchesAt(2.0 * kScale.voxel_size_m).empty());
+}
+
+TEST(SessionObjects, ANewRegionHasThePoseErrorOfTheRest) {
+  TrackedObject whole = PostAt(1, 0.0);
+  TrackedObject region = PostAt(2, 1.0);
+  SessionObjects objects;
+  objects.AddSeen(&whole);
+  objects.seen.front().pose_error_m = 0.05;
+  objects.AddRegion(&region, objects.seen.front());
+  EXPECT_TRUE(objects.seen.back().is_new_region);
+  EXPECT_EQ(objects.seen.back().index, 1U);
+  EXPECT_EQ(objects.seen.back().pose_error_m, 0.05);
 }
 
 }  // namespace
