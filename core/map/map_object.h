@@ -10,6 +10,7 @@
 #include "core/geometry/cuboid.h"
 #include "core/map/contradiction.h"
 #include "core/map/object_evidence.h"
+#include "core/map/seen_gap.h"
 #include "core/map/stationarity.h"
 #include "core/types/identifiers.h"
 #include "core/types/timestamp.h"
@@ -77,6 +78,7 @@ struct ObjectState {
   std::uint64_t supporting_frames = 0;     ///< Number of frames that support it.
   std::uint64_t contradicted_updates = 0;  ///< Number of belief updates with evidence against it.
   std::vector<PartVotes> parts;  ///< By increasing id, without duplicates; of status `kTentative`.
+  std::vector<SeenGap> gaps;     ///< Beside it, by increasing cell; of status `kTentative`.
   /// Of status `kTentative`: whose session it is of; without a robot, of any. Else: which sensor
   /// saw it last.
   SensorName source;

@@ -6,8 +6,6 @@
 namespace steadymap {
 namespace {
 
-PartElection::Pair PairOf(ObjectId a, ObjectId b) { return {std::min(a, b), std::max(a, b)}; }
-
 std::vector<PartVotes>::const_iterator FindVotes(const std::vector<PartVotes>& parts,
                                                  ObjectId other) {
   return std::lower_bound(
@@ -49,6 +47,13 @@ void VoteOnParts(bool is_connected, TrackedObject* a, TrackedObject* b, WorkingM
   AddVotes({b->id(), is_connected ? 1U : 0U, is_connected ? 0U : 1U}, a, map);
 }
 
+bool HaveVotes(const TrackedObject& a, const TrackedObject& b) {
+  const auto [older, newer] = a.id() < b.id() ? std::pair(&a, &b) : std::pair(&b, &a);
+  const std::vector<PartVotes>& parts = newer->state().parts;
+  const auto votes = FindVotes(parts, older->id());
+  return votes != parts.end() && votes->other == older->id();
+}
+
 void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* map) {
   {
     ObjectEdit edit = map->Edit(part);
@@ -63,7 +68,9 @@ void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* m
   AddVotes({whole.id(), frames, 0}, part, map);
 }
 
-PartElection::PartElection(const std::vector<TrackedObject*>& objects) {
+PartElection::PartElection(const std::vector<TrackedObject*>& objects,
+                           const PartDecisions& decisions)
+    : decisions_(decisions) {
   std::map<ObjectId, std::size_t> sizes;
   for (const TrackedObject* object : objects) {
     sizes.emplace(object->id(), std::max<std::size_t>(1, object->surface().point_count()));
@@ -80,11 +87,14 @@ PartElection::PartElection(const std::vector<TrackedObject*>& objects) {
 }
 
 PartElection::Pair PartElection::FindPair() const {
+  for (const auto& [pair, is_connected] : decisions_) {
+    if (is_connected) return pair;
+  }
   Pair best;
   double most = kMinConnectedShare;
   for (const auto& [pair, votes] : votes_) {
     const double share = votes.connected_share();
-    if (share <= most) continue;
+    if (share <= most || decisions_.contains(pair)) continue;
     most = share;
     best = pair;
   }
@@ -92,19 +102,31 @@ PartElection::Pair PartElection::FindPair() const {
 }
 
 void PartElection::Join(ObjectId part, ObjectId whole) {
+  const auto renamed = [&](const Pair& pair) {
+    return PairOf(pair.first == part ? whole : pair.first,
+                  pair.second == part ? whole : pair.second);
+  };
+  PartDecisions decisions;
+  for (const auto& [pair, is_connected] : decisions_) {
+    // What is apart from a part is apart from the whole.
+    bool& decision = decisions.try_emplace(renamed(pair), is_connected).first->second;
+    decision = decision && is_connected;
+  }
+  decisions.erase({whole, whole});
+  decisions_ = std::move(decisions);
   std::map<Pair, Votes> joined;
   for (const auto& [pair, votes] : votes_) {
-    const ObjectId first = pair.first == part ? whole : pair.first;
-    const ObjectId second = pair.second == part ? whole : pair.second;
-    if (first == second) continue;
-    Votes& sum = joined[PairOf(first, second)];
+    Votes& sum = joined[renamed(pair)];
     sum.connected += votes.connected;
     sum.apart += votes.apart;
   }
+  joined.erase({whole, whole});
   votes_ = std::move(joined);
 }
 
 bool PartElection::AreApart(ObjectId a, ObjectId b) const {
+  const auto decided = decisions_.find(PairOf(a, b));
+  if (decided != decisions_.end()) return !decided->second;
   const auto votes = votes_.find(PairOf(a, b));
   return votes != votes_.end() && votes->second.connected_share() <= kMinConnectedShare;
 }

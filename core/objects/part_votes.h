@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <utility>
 #include <vector>
@@ -17,19 +18,31 @@ namespace steadymap {
 /// is apart count only if the objects are near, or were connected in an earlier frame.
 void VoteOnParts(bool is_connected, TrackedObject* a, TrackedObject* b, WorkingMap* map);
 
+/// True if frames have voted on two objects.
+bool HaveVotes(const TrackedObject& a, const TrackedObject& b);
+
 /// Gives the votes of `whole` to a new object that was a part of it until now. All frames that
 /// support `whole` have shown both as one.
 void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* map);
+
+/// Two objects of a session, the older one first.
+using ObjectPair = std::pair<ObjectId, ObjectId>;
+
+inline ObjectPair PairOf(ObjectId a, ObjectId b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Whether pairs of objects are parts of one object.
+using PartDecisions = std::map<ObjectPair, bool>;
 
 /// The votes on all pairs of objects of a session, each by the surface of the smaller one: what is
 /// joined to an object tells little about the rest of it. The older one comes first in a key.
 class PartElection {
  public:
-  using Pair = std::pair<ObjectId, ObjectId>;
+  using Pair = ObjectPair;
 
   PartElection() = default;
 
-  explicit PartElection(const std::vector<TrackedObject*>& objects);
+  /// Counts the votes on pairs of `objects`; those on pairs that are decided do not count.
+  PartElection(const std::vector<TrackedObject*>& objects, const PartDecisions& decisions);
 
   /// Returns the pair with the largest majority for being one object; ids of zero if there is none.
   Pair FindPair() const;
@@ -50,6 +63,7 @@ class PartElection {
   };
 
   std::map<Pair, Votes> votes_;
+  PartDecisions decisions_;
 };
 
 }  // namespace steadymap

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/objects/gap_planes.h"
 #include "core/objects/opposite_parts.h"
 #include "core/objects/outline.h"
 #include "core/objects/point_grid.h"
@@ -45,6 +46,7 @@ class SceneDivision {
     FindStructure(*map);
     FindKnownStructures(map);
     FindParts(contact_voxels);
+    DivideAtGaps(scene.state().gaps);
     DropPartsOfPlanes();
     JoinOppositeParts();
     JoinFloatingParts();
@@ -155,6 +157,22 @@ class SceneDivision {
     });
     JoinNearParts(parameters_.near_voxels * voxel_m_);
     for (std::size_t i = parts_.size(); i-- > 0;) SeparateStanding(i, contact_voxels * voxel_m_);
+  }
+
+  /// Divides parts at the gaps between things beside each other.
+  void DivideAtGaps(const std::vector<SeenGap>& seen) {
+    for (const GapPlane& gap : FindGapPlanes(seen, voxel_m_)) {
+      for (std::size_t i = parts_.size(); i-- > 0;) {
+        if (!Divides(gap, PointsOf(parts_[i]), voxel_m_)) continue;
+        std::vector<std::size_t> part = std::move(parts_[i]);
+        const auto behind = std::stable_partition(part.begin(), part.end(), [&](std::size_t point) {
+          return gap.DistanceOf(points_[point].position_world) < 0.0;
+        });
+        parts_.emplace_back(behind, part.end());
+        part.erase(behind, part.end());
+        parts_[i] = std::move(part);
+      }
+    }
   }
 
   /// Makes parts of what stands on level surface of a part, such as on a table.

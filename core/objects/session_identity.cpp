@@ -158,6 +158,7 @@ void SessionDecision::Settle(TrackedObject* object) {
   evidence.present_cells = static_cast<double>(looks.found);
   evidence.absent_cells = static_cast<double>(looks.gone);
   edit.state().parts.clear();
+  edit.state().gaps.clear();
 }
 
 void SessionDecision::ListObjects() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/change/surface_looks.h"
+#include "core/objects/gap_division.h"
 #include "core/objects/legs.h"
 #include "core/objects/outline.h"
 #include "core/objects/part_votes.h"
@@ -75,7 +76,8 @@ class PartCompletion {
 
   void Run() {
     DivideScenes();
-    election_ = PartElection(map_->TentativeObjectsOf(source_));
+    const PartDecisions decisions = DivideAtGaps(parameters_, source_, map_);
+    election_ = PartElection(map_->TentativeObjectsOf(source_), decisions);
     JoinParts();
     DropFragments();
     JoinLegs(parameters_, source_, map_);

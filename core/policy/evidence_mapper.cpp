@@ -5,7 +5,9 @@
 
 #include "core/association/cell_ownership.h"
 #include "core/association/class_votes.h"
+#include "core/association/gaps.h"
 #include "core/change/free_space_carving.h"
+#include "core/objects/gap_planes.h"
 #include "core/objects/unsegmented_surface.h"
 #include "core/volume/tsdf_sample.h"
 
@@ -14,6 +16,9 @@ namespace {
 
 // Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
 constexpr double kMinFacingCosine = 0.4;
+
+// Samples at an edge may have no plane, and no owner.
+constexpr int kMaxEdgeSamples = 3;
 
 // Poses with a smaller error are exact: registration would not improve them.
 constexpr double kExactPoseM = 1e-4;
@@ -85,6 +90,7 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   } else {
     assignment.AssignScene();
   }
+  RecordGaps(assignment);
   stages_.Enter(MapperStage::kIntegration);
   FuseSession(assignment);
   stages_.Enter(MapperStage::kFreeSpace);
@@ -274,6 +280,38 @@ std::vector<FrameSegment> EvidenceMapper::FindScene() const {
   }
   if (scene.samples.empty()) return {};
   return {scene};
+}
+
+/// Keeps the gaps beside objects of the session that the frame looks through.
+void EvidenceMapper::RecordGaps(const SegmentAssignment& assignment) {
+  const std::vector<std::uint32_t>& owner = assignment.association().owner;
+  // At an edge, samples have no plane.
+  const auto owner_from = [&](const Eigen::Vector2i& cell,
+                              const Eigen::Vector2i& step) -> std::uint32_t {
+    Eigen::Vector2i at = cell / SampleGrid::kStrideCells;
+    for (int i = 0; i < kMaxEdgeSamples; ++i, at += step) {
+      if (at.x() < 0 || at.y() < 0 || at.x() >= samples_.width() || at.y() >= samples_.height()) {
+        break;
+      }
+      const std::uint32_t found = owner[samples_.Index(at.x(), at.y())];
+      if (Association::IsObject(found)) return found;
+    }
+    return Association::kNone;
+  };
+  std::map<std::uint32_t, std::vector<GapInView>> by_owner;
+  for (const GapInView& gap : FindGaps(*cloud_, GapParameters())) {
+    const Eigen::Vector2i step = (gap.end - gap.begin).cwiseMin(1);
+    const std::uint32_t before = owner_from(gap.begin, -step);
+    const std::uint32_t behind = owner_from(gap.end, step);
+    if (!Association::IsObject(before) || !Association::IsObject(behind)) continue;
+    by_owner[before].push_back(gap);
+  }
+  for (const auto& [place, gaps] : by_owner) {
+    TrackedObject* object = in_view_[place - 1].object;
+    if (object->state().status != ObjectStatus::kTentative) continue;
+    ObjectEdit edit = map_->Edit(object);
+    AddGaps(gaps, map_->scale().voxel_size_m, &edit.state().gaps);
+  }
 }
 
 void EvidenceMapper::FuseSession(const SegmentAssignment& assignment) {

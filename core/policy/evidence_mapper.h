@@ -74,6 +74,7 @@ class EvidenceMapper final : public MapUpdater {
                    const Eigen::Vector3d& normal) const;
   bool IsStructureInView(const TrackedObject& object) const;
   std::vector<FrameSegment> FindScene() const;
+  void RecordGaps(const SegmentAssignment& assignment);
   void FuseSession(const SegmentAssignment& assignment);
 
   MapConfig config_;

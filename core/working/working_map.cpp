@@ -165,6 +165,7 @@ TrackedObject& WorkingMap::AddPart(const TrackedObject& whole) {
   part.state_.id = id;
   part.state_.evidence = {};
   part.state_.looks.clear();
+  part.state_.gaps.clear();
   part.state_.contradictions.clear();
   MarkChanged(&part);
   return part;

@@ -111,7 +111,7 @@ class WorkingMap {
   /// corner nearest to `position_world`, so that its lattice is that of the world.
   TrackedObject& AddObject(const Eigen::Vector3d& position_world);
 
-  /// Adds an object with the frame and state of `whole`, without evidence and voxels.
+  /// Adds an object with the frame and state of `whole`, without evidence, gaps and voxels.
   TrackedObject& AddPart(const TrackedObject& whole);
 
   /// Archives the object, and deletes it at the end of the frame.

@@ -142,6 +142,43 @@ absl::Status ReadContradictions(const storage::v1::ObjectState& proto,
   return absl::OkStatus();
 }
 
+void GapToProto(const SeenGap& gap, storage::v1::SeenGap* proto) {
+  for (const std::int32_t index : gap.cell) proto->add_cell(index);
+  proto->set_frames(gap.frames);
+  proto->set_weight(gap.weight);
+  proto->set_width(gap.width_m);
+  Add(gap.middle_world, proto->mutable_middle());
+  proto->add_view(gap.view_sum_world.x());
+  proto->add_view(gap.view_sum_world.y());
+}
+
+bool IsPossible(const SeenGap& gap) {
+  return gap.frames > 0 && gap.weight > 0.0 && std::isfinite(gap.weight) && gap.width_m >= 0.0 &&
+         std::isfinite(gap.width_m) && gap.middle_world.allFinite() &&
+         gap.view_sum_world.allFinite();
+}
+
+absl::Status ReadGaps(const storage::v1::ObjectState& proto, std::vector<SeenGap>* gaps) {
+  gaps->reserve(static_cast<std::size_t>(proto.gaps_size()));
+  for (const storage::v1::SeenGap& read : proto.gaps()) {
+    if (read.cell_size() != 3 || read.middle_size() != 3 || read.view_size() != 2) {
+      return CorruptRecord("an object record contains an incomplete gap");
+    }
+    const SeenGap gap = {.cell = {read.cell(0), read.cell(1), read.cell(2)},
+                         .frames = read.frames(),
+                         .weight = read.weight(),
+                         .width_m = read.width(),
+                         .middle_world = VectorAt(read.middle(), 0),
+                         .view_sum_world = {read.view(0), read.view(1)}};
+    if (!IsPossible(gap)) return CorruptRecord("an object record contains an invalid gap");
+    if (!gaps->empty() && gap.cell <= gaps->back().cell) {
+      return CorruptRecord("an object record contains gaps out of order");
+    }
+    gaps->push_back(gap);
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 storage::v1::ObjectState ToProto(const ObjectState& state) {
@@ -180,6 +217,7 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
     added.set_connected(votes.connected);
     added.set_apart(votes.apart);
   }
+  for (const SeenGap& gap : state.gaps) GapToProto(gap, proto.add_gaps());
   proto.set_robot(state.source.robot);
   proto.set_sensor(state.source.sensor);
   for (const Contradiction& contradiction : state.contradictions) {
@@ -221,6 +259,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   for (const storage::v1::PartVotes& votes : proto.parts()) {
     state.parts.push_back({ObjectId(votes.other()), votes.connected(), votes.apart()});
   }
+  if (absl::Status status = ReadGaps(proto, &state.gaps); !status.ok()) return status;
   state.source = {proto.robot(), proto.sensor()};
   if (absl::Status status = ReadContradictions(proto, &state.contradictions); !status.ok()) {
     return status;

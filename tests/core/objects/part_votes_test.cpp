@@ -31,7 +31,7 @@ class PartVotesTest : public ::testing::Test {
     return &object;
   }
 
-  PartElection Elect() { return PartElection(map_.TentativeObjects()); }
+  PartElection Elect() { return PartElection(map_.TentativeObjects(), {}); }
 
   WorkingMap map_{MapConfig()};
 };
@@ -106,6 +106,24 @@ TEST_F(PartVotesTest, AFragmentBetweenTwoObjectsDoesNotConnectThem) {
   election.Join(strip->id(), lower->id());
   EXPECT_TRUE(election.AreApart(lower->id(), upper->id()));
   EXPECT_EQ(election.FindPair(), PartElection::Pair());
+}
+
+TEST_F(PartVotesTest, ADecisionOnAPairPrevailsOverItsVotes) {
+  TrackedObject* a = Put(0.0);
+  TrackedObject* b = Put(0.5);
+  TrackedObject* c = Put(1.0);
+  for (int i = 0; i < 9; ++i) VoteOnParts(true, a, b, &map_);
+  for (int i = 0; i < 9; ++i) VoteOnParts(false, b, c, &map_);
+  const PartDecisions decisions = {{PairOf(a->id(), b->id()), false},
+                                   {PairOf(b->id(), c->id()), true}};
+  PartElection election(map_.TentativeObjects(), decisions);
+  EXPECT_TRUE(election.AreApart(a->id(), b->id()));
+  EXPECT_FALSE(election.AreApart(b->id(), c->id()));
+  EXPECT_EQ(election.FindPair(), PairOf(b->id(), c->id()));
+  // What is apart from a part is apart from the whole.
+  election.Join(c->id(), b->id());
+  EXPECT_EQ(election.FindPair(), PartElection::Pair());
+  EXPECT_TRUE(election.AreApart(a->id(), b->id()));
 }
 
 TEST_F(PartVotesTest, VotesOnADeletedObjectAreIgnored) {

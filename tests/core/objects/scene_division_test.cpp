@@ -54,6 +54,10 @@ class SceneDivisionTest : public ::testing::Test {
                                is_observed),
                   &edit);
     }
+    {
+      ObjectEdit edit = map_.Edit(&scene);
+      edit.state().gaps = gaps_;
+    }
     if (sees_around_) MarkFree(bodies);
     DivideScene(SceneDivisionParameters(), kContactVoxels, &scene, &map_);
     EXPECT_TRUE(scene.is_deleted());
@@ -76,6 +80,7 @@ class SceneDivisionTest : public ::testing::Test {
   }
 
   bool sees_around_ = true;
+  std::vector<SeenGap> gaps_;
   WorkingMap map_{MapConfig()};
 };
 
@@ -99,6 +104,24 @@ TEST_F(SceneDivisionTest, BoxesApartAreTwoObjects) {
 
 TEST_F(SceneDivisionTest, PiecesWithASmallGapAreOneObject) {
   EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.5)}).size(), 1U);
+}
+
+TEST_F(SceneDivisionTest, BoxesWithASmallGapThatFramesLookThroughAreTwoObjects) {
+  // From the front, from above and from behind.
+  for (int i = 0; i < 15; ++i) {
+    const double x_m = i < 5 ? 0.0 : i < 10 ? (i - 5) * 0.1 : 0.4;
+    const double z_m = i < 5 ? i * 0.1 : i < 10 ? 0.4 : (i - 10) * 0.1;
+    const Eigen::Vector3d middle(x_m, 0.45, z_m);
+    gaps_.push_back({.cell = {i, 0, 0},
+                     .frames = 3,
+                     .weight = 100.0,
+                     .width_m = 0.1,
+                     .middle_world = middle,
+                     .view_sum_world = {100.0, 0.0}});
+  }
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.5)}).size(), 2U);
+  // A single box beside the gap remains one.
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0)}).size(), 3U);
 }
 
 TEST_F(SceneDivisionTest, FrontAndBackOfABoxAreOneObject) {

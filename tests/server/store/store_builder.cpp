@@ -133,6 +133,15 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
     state.looks.back().leaves.resize(2);
   }
   state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3}};
+  for (std::int32_t x = -1; x < 2; ++x) {
+    const auto frames = static_cast<std::uint32_t>(random());
+    state.gaps.push_back({.cell = {x, -2, 9},
+                          .frames = frames | 1,
+                          .weight = 0.01 + std::abs(number(random)),
+                          .width_m = std::abs(number(random)),
+                          .middle_world = vector(),
+                          .view_sum_world = {number(random), number(random)}});
+  }
   state.source = {"robot-" + std::to_string(random() % 9), "left"};
   state.contradictions = {{{"robot-2", "camera"},
                            {"robot-1", "camera"},

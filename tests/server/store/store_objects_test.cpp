@@ -171,6 +171,12 @@ TEST(ObjectRecords, RefuseWhatCannotHaveBeenWritten) {
   refuse([](storage::v1::ObjectState* state) {
     for (int i = 1; i < 9; ++i) *state->add_contradictions() = state->contradictions(0);
   });
+  refuse([](storage::v1::ObjectState* state) { state->mutable_gaps(0)->clear_middle(); });
+  refuse([](storage::v1::ObjectState* state) { state->mutable_gaps(0)->set_weight(0.0); });
+  refuse([](storage::v1::ObjectState* state) {
+    state->mutable_gaps(0)->set_middle(1, std::numeric_limits<double>::quiet_NaN());
+  });
+  refuse([](storage::v1::ObjectState* state) { *state->add_gaps() = state->gaps(0); });
 }
 
 TEST(ObjectRecords, MayHaveTheFurtherNumbersOfOlderOnes) {

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/association/gaps.h"
+#include "core/map/seen_gap.h"
+#include "core/objects/surface_parts.h"
+
+/// The gaps between things beside each other. Only frames that look along a narrow gap show it;
+/// most look at it from the side, see one surface, and fuse it into one. So the gaps are kept as
+/// places, and divide at the end of the session what was fused across them.
+namespace steadymap {
+
+/// Adds the gaps that a frame looks through to those of its session, which are in the order of
+/// their cells.
+void AddGaps(std::span<const GapInView> gaps, double voxel_size_m, std::vector<SeenGap>* into);
+
+/// Adds what several frames have seen at one place.
+void AddGap(const SeenGap& gap, std::vector<SeenGap>* into);
+
+/// A gap between two things: a vertical plane.
+struct GapPlane {
+  Eigen::Vector3d center_world = Eigen::Vector3d::Zero();   ///< Metres.
+  Eigen::Vector3d normal_world = Eigen::Vector3d::UnitX();  ///< Horizontal.
+  double width_m = 0.0;
+  std::vector<Eigen::Vector3d> seen_world;  ///< Where frames have looked through it, metres.
+
+  /// Returns the distance of a point from the plane, metres; negative on one side.
+  double DistanceOf(const Eigen::Vector3d& point_world) const {
+    return normal_world.dot(point_world - center_world);
+  }
+};
+
+/// Finds the gaps that enough frames have looked through, those seen at most places first.
+std::vector<GapPlane> FindGapPlanes(std::span<const SeenGap> gaps, double voxel_size_m);
+
+/// True if a gap divides a surface that has points at both edges of it: the gap was looked through
+/// at more places of its plane, squares of a voxel, than surface crosses it at.
+bool Divides(const GapPlane& gap, std::span<const OrientedPoint> points, double voxel_size_m);
+
+/// True if a surface has points at an edge of a gap.
+bool IsBeside(const GapPlane& gap, std::span<const OrientedPoint> points, double voxel_size_m);
+
+}  // namespace steadymap
