@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -22,6 +23,10 @@ constexpr double kReachM = 0.5;
 
 // Smallest cosine between the directions of two places of one gap.
 constexpr double kMinCosine = 0.8;
+
+// Things beside each other are apart from top to bottom, an opening is not: share of the height of
+// the surface in which the gap must be seen.
+constexpr double kMinHeightShare = 0.5;
 
 // Surface that goes on from one side of a gap to the other faces along it; the sides of things
 // beside the gap face across it.
@@ -109,6 +114,21 @@ GapPlane PlaneOf(const std::vector<SeenGap>& gaps) {
   return plane;
 }
 
+/// The range of a number.
+class Range {
+ public:
+  void Extend(double value) {
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+  }
+
+  double length() const { return std::max(0.0, high_ - low_); }
+
+ private:
+  double low_ = std::numeric_limits<double>::max();
+  double high_ = std::numeric_limits<double>::lowest();
+};
+
 /// The squares of a voxel in the plane of a gap.
 class PlacesInGap {
  public:
@@ -127,11 +147,14 @@ class PlacesInGap {
             static_cast<int>(std::floor(way.z()))};
   }
 
-  /// Returns the places looked through at whose edge a point is that is at a place, and at a
-  /// distance from the plane.
-  std::vector<Place> EdgesAt(const Place& place, double distance_m) const {
+  /// True if a point at a distance from the plane may be at an edge of the gap.
+  bool IsNear(double distance_m) const {
+    return std::abs(distance_m) <= 0.5 * gap_.width_m + voxel_size_m_;
+  }
+
+  /// Returns the places looked through beside a place.
+  std::vector<Place> EdgesAt(const Place& place) const {
     std::vector<Place> edges;
-    if (std::abs(distance_m) > 0.5 * gap_.width_m + voxel_size_m_) return edges;
     for (int column = place.first - 1; column <= place.first + 1; ++column) {
       for (int row = place.second - 1; row <= place.second + 1; ++row) {
         if (seen_.contains({column, row})) edges.emplace_back(column, row);
@@ -192,10 +215,13 @@ bool Divides(const GapPlane& gap, std::span<const OrientedPoint> points, double 
   std::set<PlacesInGap::Place> connected;
   bool is_before = false;
   bool is_behind = false;
+  Range height;
   for (const OrientedPoint& point : points) {
     const double distance_m = gap.DistanceOf(point.position_world);
+    if (!places.IsNear(distance_m)) continue;
+    height.Extend(point.position_world.z());
     const PlacesInGap::Place place = places.At(point.position_world);
-    const std::vector<PlacesInGap::Place> edges = places.EdgesAt(place, distance_m);
+    const std::vector<PlacesInGap::Place> edges = places.EdgesAt(place);
     if (!edges.empty()) {
       (distance_m < 0.0 ? is_before : is_behind) = true;
       seen.insert(edges.begin(), edges.end());
@@ -204,14 +230,19 @@ bool Divides(const GapPlane& gap, std::span<const OrientedPoint> points, double 
       connected.insert(place);
     }
   }
-  return is_before && is_behind && connected.size() < seen.size();
+  if (!is_before || !is_behind || connected.size() >= seen.size()) return false;
+  Range seen_height;
+  for (const Eigen::Vector3d& point : gap.seen_world) {
+    if (seen.contains(places.At(point))) seen_height.Extend(point.z());
+  }
+  return seen_height.length() >= kMinHeightShare * height.length();
 }
 
 bool IsBeside(const GapPlane& gap, std::span<const OrientedPoint> points, double voxel_size_m) {
   const PlacesInGap places(gap, voxel_size_m);
   return std::any_of(points.begin(), points.end(), [&](const OrientedPoint& point) {
-    const double distance_m = gap.DistanceOf(point.position_world);
-    return !places.EdgesAt(places.At(point.position_world), distance_m).empty();
+    return places.IsNear(gap.DistanceOf(point.position_world)) &&
+           !places.EdgesAt(places.At(point.position_world)).empty();
   });
 }
 

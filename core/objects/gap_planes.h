@@ -39,7 +39,8 @@ struct GapPlane {
 std::vector<GapPlane> FindGapPlanes(std::span<const SeenGap> gaps, double voxel_size_m);
 
 /// True if a gap divides a surface that has points at both edges of it: the gap was looked through
-/// at more places of its plane, squares of a voxel, than surface crosses it at.
+/// at more places of its plane, squares of a voxel, than surface crosses it at, and from top to
+/// bottom.
 bool Divides(const GapPlane& gap, std::span<const OrientedPoint> points, double voxel_size_m);
 
 /// True if a surface has points at an edge of a gap.

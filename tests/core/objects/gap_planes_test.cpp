@@ -141,6 +141,27 @@ TEST_F(DividesTest, ThingsConnectedBehindAGapAreOne) {
   EXPECT_FALSE(Divide());
 }
 
+TEST_F(DividesTest, AnOpeningFromAboveIsNoGap) {
+  // A crate with walls of a voxel; frames look into it between opposite walls.
+  std::vector<SeenGap> seen;
+  for (int frame = 0; frame < 3; ++frame) {
+    std::vector<GapInView> gaps;
+    for (double x_m = 0.0; x_m < 0.5; x_m += 0.02) {
+      GapInView gap;
+      gap.middle_world = {x_m, 0.0, kGapHeightM};
+      gap.width_m = 0.2;
+      gap.max_angle_rad = 0.5;
+      gaps.push_back(gap);
+    }
+    AddGaps(gaps, kVoxelM, &seen);
+  }
+  gap_ = PlanesOf(seen).front();
+  const Eigen::Vector3d up = kGapHeightM * Eigen::Vector3d::UnitZ();
+  Add({0.0, -0.1, 0.0}, 0.5 * Eigen::Vector3d::UnitX(), up);
+  Add({0.0, 0.1, 0.0}, 0.5 * Eigen::Vector3d::UnitX(), up);
+  EXPECT_FALSE(Divide());
+}
+
 TEST_F(DividesTest, TheSidesOfAGapDoNotConnectIt) {
   AddFront();
   Add({0.0, 0.04, 0.0}, 0.6 * Eigen::Vector3d::UnitX(), kGapHeightM * Eigen::Vector3d::UnitZ());
