@@ -254,7 +254,8 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   TrackedObject* object = known->object;
   seen->is_decided = true;
   known->standing = Standing::kStands;
-  known->is_taken = true;
+  // A fragment does not tell where the rest is.
+  known->is_taken = known->is_taken || !IsFragmentOf(*seen->object, *object, parameters_.parts);
   const bool is_back = object->is_archived();
   if (object->state().class_id == kNoClass && !is_back) {
     for (TrackedObject* region :
