@@ -53,9 +53,9 @@ class GapSearch {
     return along_rows_ ? Eigen::Vector2i(cell, other) : Eigen::Vector2i(other, cell);
   }
 
-  double DepthAt(std::size_t line, int cell) const {
-    const Eigen::Vector2i place = PlaceOf(line, cell);
-    return static_cast<double>(cloud_.At(place.x(), place.y()).depth_m);
+  /// Returns the depth of a cell of the line that is searched.
+  double DepthAt(int cell) const {
+    return static_cast<double>(depths_m_[static_cast<std::size_t>(cell)]);
   }
 
   /// Returns the ray (z = 1) of a cell in the axes of the world.
@@ -65,7 +65,9 @@ class GapSearch {
   }
 
   Eigen::Vector3d PositionAt(std::size_t line, int cell) const {
-    return cloud_.T_world_camera().translation() + DepthAt(line, cell) * RayAt(line, cell);
+    const Eigen::Vector2i place = PlaceOf(line, cell);
+    const auto depth_m = static_cast<double>(cloud_.At(place.x(), place.y()).depth_m);
+    return cloud_.T_world_camera().translation() + depth_m * RayAt(line, cell);
   }
 
   bool MayBeOneThing(std::size_t line, int a, int b) const {
@@ -83,7 +85,16 @@ class GapSearch {
   }
 
   void Search(std::size_t line) {
-    for (int begin = 0; begin < cells_; ++begin) {
+    depths_m_.clear();
+    for (int cell = 0; cell < cells_; ++cell) {
+      const Eigen::Vector2i place = PlaceOf(line, cell);
+      depths_m_.push_back(cloud_.At(place.x(), place.y()).depth_m);
+    }
+    for (int begin = 0; begin + 1 < cells_; ++begin) {
+      // Almost all cells go on to a next one that is as near.
+      const double near_m = DepthAt(begin);
+      const double next_m = DepthAt(begin + 1);
+      if (next_m > 0.0 && next_m < near_m + StepAt(near_m)) continue;
       Gap gap;
       gap.begin = begin;
       if (!FindEnd(line, &gap)) continue;
@@ -94,7 +105,7 @@ class GapSearch {
 
   /// Finds the end of a gap that begins after the cell `gap->begin`. False if there is none.
   bool FindEnd(std::size_t line, Gap* gap) const {
-    const double near_m = DepthAt(line, gap->begin);
+    const double near_m = DepthAt(gap->begin);
     if (!(near_m > 0.0)) return false;
     const double step_m = StepAt(near_m);
     const int reach = static_cast<int>(parameters_.max_width_m * focal_length_ / near_m) + 1;
@@ -103,7 +114,7 @@ class GapSearch {
     double deepest_m = 0.0;
     int deepest = 0;  // 0: no depth is known yet.
     for (int cell = gap->begin + 1; cell <= last; ++cell) {
-      const double depth_m = DepthAt(line, cell);
+      const double depth_m = DepthAt(cell);
       if (!(depth_m > 0.0)) {
         if (deepest == 0 && cell > gap->begin + kMaxEdgeCells) return false;
         continue;
@@ -176,6 +187,7 @@ class GapSearch {
   int cells_;  ///< Of a line.
   double focal_length_;
   std::vector<std::vector<Gap>> gaps_;  ///< By line.
+  std::vector<float> depths_m_;         ///< Of the cells of the line that is searched.
 };
 
 }  // namespace
