@@ -78,6 +78,7 @@ bool Continues(const SeenGap& a, const SeenGap& b, double voxel_size_m) {
 std::vector<std::vector<SeenGap>> FindClusters(const std::vector<SeenGap>& places,
                                                double voxel_size_m) {
   std::vector<OrientedPoint> points;
+  points.reserve(places.size());
   for (const SeenGap& place : places) points.push_back({place.middle_world});
   const PointGrid grid(points, kReachM);
   std::vector<char> is_visited(places.size(), 0);

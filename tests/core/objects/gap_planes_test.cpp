@@ -25,9 +25,9 @@ struct TrueGap {
 std::vector<GapInView> SeenAt(const TrueGap& gap, double angle_rad) {
   std::vector<GapInView> gaps;
   const double way_m = std::min(1.0, gap.width_m / std::max(1e-3, std::abs(std::tan(angle_rad))));
-  for (double z_m = 0.0; z_m < kGapHeightM; z_m += 0.02) {
+  for (int row = 0; row < 20; ++row) {
     GapInView seen;
-    seen.middle_world = {0.0, 0.0, z_m};
+    seen.middle_world = {0.0, 0.0, row * 0.02};
     seen.view_world = Eigen::Rotation2Dd(gap.yaw_rad + angle_rad) * Eigen::Vector2d::UnitX();
     seen.width_m = gap.width_m;
     seen.max_angle_rad = gap.width_m / way_m;
@@ -112,9 +112,12 @@ class DividesTest : public ::testing::Test {
   /// Adds a rectangle of surface from a corner along two edges.
   void Add(const Eigen::Vector3d& corner, const Eigen::Vector3d& u_m, const Eigen::Vector3d& v_m) {
     const Eigen::Vector3d normal = u_m.cross(v_m).normalized();
-    for (double u = 0.0; u <= u_m.norm(); u += kVoxelM) {
-      for (double v = 0.0; v <= v_m.norm(); v += kVoxelM) {
-        points_.push_back({corner + u * u_m.normalized() + v * v_m.normalized(), normal});
+    const int columns = static_cast<int>(u_m.norm() / kVoxelM);
+    const int rows = static_cast<int>(v_m.norm() / kVoxelM);
+    for (int i = 0; i <= columns; ++i) {
+      for (int j = 0; j <= rows; ++j) {
+        points_.push_back(
+            {corner + kVoxelM * (i * u_m.normalized() + j * v_m.normalized()), normal});
       }
     }
   }
@@ -146,9 +149,9 @@ TEST_F(DividesTest, AnOpeningFromAboveIsNoGap) {
   std::vector<SeenGap> seen;
   for (int frame = 0; frame < 3; ++frame) {
     std::vector<GapInView> gaps;
-    for (double x_m = 0.0; x_m < 0.5; x_m += 0.02) {
+    for (int i = 0; i < 25; ++i) {
       GapInView gap;
-      gap.middle_world = {x_m, 0.0, kGapHeightM};
+      gap.middle_world = {i * 0.02, 0.0, kGapHeightM};
       gap.width_m = 0.2;
       gap.max_angle_rad = 0.5;
       gaps.push_back(gap);
