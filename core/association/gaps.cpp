@@ -85,16 +85,19 @@ class GapSearch {
   }
 
   void Search(std::size_t line) {
-    depths_m_.clear();
-    for (int cell = 0; cell < cells_; ++cell) {
-      const Eigen::Vector2i place = PlaceOf(line, cell);
-      depths_m_.push_back(cloud_.At(place.x(), place.y()).depth_m);
+    const auto width = static_cast<std::size_t>(cloud_.cells_wide());
+    const std::size_t step = along_rows_ ? 1 : width;
+    std::size_t index = along_rows_ ? line * width : line;
+    depths_m_.resize(static_cast<std::size_t>(cells_));
+    for (float& depth_m : depths_m_) {
+      depth_m = cloud_.cells()[index].depth_m;
+      index += step;
     }
     for (int begin = 0; begin + 1 < cells_; ++begin) {
       // Almost all cells go on to a next one that is as near.
       const double near_m = DepthAt(begin);
       const double next_m = DepthAt(begin + 1);
-      if (next_m > 0.0 && next_m < near_m + StepAt(near_m)) continue;
+      if (next_m > 0.0 && (next_m <= near_m || next_m < near_m + StepAt(near_m))) continue;
       Gap gap;
       gap.begin = begin;
       if (!FindEnd(line, &gap)) continue;
