@@ -11,10 +11,10 @@ namespace {
 // The depth of a cell is the mean of four pixels.
 constexpr double kCellSigmaShare = 0.5;
 
-// Largest share of the height in the way across a gap.
+// Largest share of its vertical part in the way across a gap.
 constexpr double kMaxSlope = 0.5;
 
-// Cells at an edge whose depth is unknown.
+// Most cells at an edge whose depth is unknown.
 constexpr int kMaxEdgeCells = 2;
 
 /// The search for gaps along the rows or along the columns of cells of one frame.
@@ -111,8 +111,9 @@ class GapSearch {
     const double near_m = DepthAt(gap->begin);
     if (!(near_m > 0.0)) return false;
     const double step_m = StepAt(near_m);
-    const int reach = static_cast<int>(parameters_.max_width_m * focal_length_ / near_m) + 1;
-    const int last = std::min(cells_ - 1, gap->begin + reach);
+    // As a number: near the camera, the width has more cells than an integer counts.
+    const double reach = parameters_.max_width_m * focal_length_ / near_m + 1.0;
+    const int last = static_cast<int>(std::min(cells_ - 1.0, gap->begin + reach));
     double nearest_m = std::numeric_limits<double>::max();
     double deepest_m = 0.0;
     int deepest = 0;  // 0: no depth is known yet.

@@ -129,7 +129,7 @@ PartDecisions DivideAtGaps(const SessionPartParameters& parameters,
   for (const TrackedObject* object : map->TentativeObjectsOf(source)) {
     const ObjectState& state = object->state();
     if (state.class_id == kNoClass) continue;
-    for (const SeenGap& gap : state.gaps) AddGap(gap, &gaps[state.class_id]);
+    MergeGaps(state.gaps, &gaps[state.class_id]);
   }
   PartDecisions decisions;
   for (const auto& [class_id, seen] : gaps) {

@@ -14,6 +14,9 @@
 namespace steadymap {
 namespace {
 
+// More are not kept: a room of clutter has a few thousand, frames made to do harm have any number.
+constexpr std::size_t kMaxGaps = 1 << 15;
+
 // Fewer frames may have a wrong pose or depth.
 constexpr std::uint32_t kMinFrames = 2;
 
@@ -180,19 +183,25 @@ void AddGaps(std::span<const GapInView> gaps, double voxel_size_m, std::vector<S
     const GapInView*& best = best_of[CellOf(gap.middle_world, voxel_size_m)];
     if (best == nullptr || gap.max_angle_rad < best->max_angle_rad) best = &gap;
   }
-  for (const auto& [cell, gap] : best_of) AddGap(SeenBy(*gap, cell), into);
+  std::vector<SeenGap> added;
+  added.reserve(best_of.size());
+  for (const auto& [cell, gap] : best_of) added.push_back(SeenBy(*gap, cell));
+  MergeGaps(added, into);
 }
 
-void AddGap(const SeenGap& gap, std::vector<SeenGap>* into) {
-  const auto place =
-      std::lower_bound(into->begin(), into->end(), gap, [](const SeenGap& a, const SeenGap& b) {
-        return a.cell < b.cell;
-      });
-  if (place == into->end() || place->cell != gap.cell) {
-    into->insert(place, gap);
-  } else {
-    AddSeen(gap, &*place);
+void MergeGaps(std::span<const SeenGap> added, std::vector<SeenGap>* into) {
+  const auto is_before = [](const SeenGap& a, const SeenGap& b) { return a.cell < b.cell; };
+  const auto known_count = std::ssize(*into);
+  for (const SeenGap& gap : added) {
+    const auto known_end = into->begin() + known_count;  // Valid until the next addition.
+    const auto place = std::lower_bound(into->begin(), known_end, gap, is_before);
+    if (place != known_end && place->cell == gap.cell) {
+      AddSeen(gap, &*place);
+    } else if (into->size() < kMaxGaps) {
+      into->push_back(gap);
+    }
   }
+  std::inplace_merge(into->begin(), into->begin() + known_count, into->end(), is_before);
 }
 
 std::vector<GapPlane> FindGapPlanes(std::span<const SeenGap> gaps, double voxel_size_m) {

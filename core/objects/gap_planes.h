@@ -19,8 +19,8 @@ namespace steadymap {
 /// their cells.
 void AddGaps(std::span<const GapInView> gaps, double voxel_size_m, std::vector<SeenGap>* into);
 
-/// Adds what several frames have seen at one place.
-void AddGap(const SeenGap& gap, std::vector<SeenGap>* into);
+/// Adds gaps to others. Both are in the order of their cells.
+void MergeGaps(std::span<const SeenGap> added, std::vector<SeenGap>* into);
 
 /// A gap between two things: a vertical plane.
 struct GapPlane {

@@ -81,7 +81,7 @@ TEST(FindGapPlanes, ThreeThingsHaveTwoGaps) {
   EXPECT_EQ(PlanesOf(seen).size(), 2U);
 }
 
-TEST(AddGap, PlacesOfSeveralObjectsAddUpToTheSameAsThoseOfOne) {
+TEST(MergeGaps, PlacesOfSeveralObjectsAddUpToTheSameAsThoseOfOne) {
   std::vector<SeenGap> all;
   std::vector<SeenGap> first;
   std::vector<SeenGap> second;
@@ -89,7 +89,7 @@ TEST(AddGap, PlacesOfSeveralObjectsAddUpToTheSameAsThoseOfOne) {
     AddGaps(SeenAt({}, angle_rad), kVoxelM, &all);
     AddGaps(SeenAt({}, angle_rad), kVoxelM, angle_rad > 0.0 ? &second : &first);
   }
-  for (const SeenGap& gap : second) AddGap(gap, &first);
+  MergeGaps(second, &first);
   ASSERT_EQ(first.size(), all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_EQ(first[i].cell, all[i].cell);
@@ -98,6 +98,21 @@ TEST(AddGap, PlacesOfSeveralObjectsAddUpToTheSameAsThoseOfOne) {
     EXPECT_LT((first[i].middle_world - all[i].middle_world).norm(), 1e-12);
     EXPECT_LT((first[i].view_sum_world - all[i].view_sum_world).norm(), 1e-9);
   }
+}
+
+TEST(MergeGaps, KeepsALimitedNumber) {
+  std::vector<SeenGap> added(1 << 16);
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    added[i] = {.cell = {static_cast<std::int32_t>(i), 0, 0}, .frames = 1, .weight = 1.0};
+  }
+  std::vector<SeenGap> seen;
+  MergeGaps(added, &seen);
+  EXPECT_LT(seen.size(), added.size());
+  // What is known goes on to be counted.
+  const std::size_t count = seen.size();
+  MergeGaps(added, &seen);
+  EXPECT_EQ(seen.size(), count);
+  EXPECT_EQ(seen.front().frames, 2U);
 }
 
 /// Two boxes with their fronts in the plane x = 0, on both sides of a gap along x.
