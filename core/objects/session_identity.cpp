@@ -83,6 +83,7 @@ class SessionDecision {
   void Create(TrackedObject* object);
   void AddRest();
   bool IsPartOfStanding(const TrackedObject& seen);
+  bool WasRemovedSince(const TrackedObject& seen) const;
   void EndGone();
   void CutGoneParts(TrackedObject* object);
   void UpdateBeliefOf(double change_m, TrackedObject* object);
@@ -93,6 +94,7 @@ class SessionDecision {
   WorkingMap* map_;
   SessionObjects objects_;
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
+  Timestamp last_known_look_;                                ///< Of the sessions before.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
 };
 
@@ -168,6 +170,7 @@ void SessionDecision::ListObjects() {
       objects_.AddSeen(object);
     } else if (object->state().status != ObjectStatus::kTentative) {
       objects_.AddKnown(object, Standing::kUnknown);
+      last_known_look_ = std::max(last_known_look_, object->state().last_seen);
     }
   }
 }
@@ -405,13 +408,27 @@ void SessionDecision::ConfirmStructure(TrackedObject* object) {
   ReportPresence(source_, last_look, &edit.state());
 }
 
-/// Joins objects of the session with the gone or archived objects whose shape they have.
+/// Joins objects of the session with the gone, pushed or archived objects whose shape they have.
 void SessionDecision::FindMoves() {
   for (const SessionMove& move : FindSessionMoves(parameters_, map_->scale(), &objects_)) {
-    Join(move.known->object, move.seen->object, move.match);
+    KnownObject& known = *move.known;
+    // That was asked of what is gone.
+    const bool may_be_contradicted =
+        !known.object->is_archived() && known.standing != Standing::kGone;
+    if (may_be_contradicted &&
+        (known.standing == Standing::kContradicted || IsContradicted(known.object))) {
+      known.standing = Standing::kContradicted;
+      continue;
+    }
     move.seen->is_decided = true;
-    move.known->standing = Standing::kStands;
-    move.known->is_taken = true;
+    if (IsOlderThanLastLook(*move.seen, known)) {
+      // The session saw it before it was moved.
+      map_->Delete(move.seen->object);
+      continue;
+    }
+    Join(known.object, move.seen->object, move.match);
+    known.standing = Standing::kStands;
+    known.is_taken = true;
   }
 }
 
@@ -466,10 +483,17 @@ bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
   return false;
 }
 
+/// True if later sessions have looked through the place of an object of a session of the past. None
+/// of them found it there, so a part of its surface decides.
+bool SessionDecision::WasRemovedSince(const TrackedObject& seen) const {
+  return seen.state().last_seen < last_known_look_ &&
+         FreeShareOf(seen, map_->free_space()) >= parameters_.doubted_share;
+}
+
 void SessionDecision::AddRest() {
   for (SeenObject& seen : objects_.seen) {
     if (seen.is_decided) continue;
-    if (!seen.is_new_region && IsPartOfStanding(*seen.object)) {
+    if (WasRemovedSince(*seen.object) || (!seen.is_new_region && IsPartOfStanding(*seen.object))) {
       map_->Delete(seen.object);
       continue;
     }

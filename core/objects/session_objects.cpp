@@ -15,4 +15,9 @@ bool IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known) {
          seen.object->state().last_seen < known.object->state().in_place_since;
 }
 
+bool IsOlderThanLastLook(const SeenObject& seen, const KnownObject& known) {
+  return !known.object->is_archived() &&
+         seen.object->state().last_seen < known.object->state().last_seen;
+}
+
 }  // namespace steadymap

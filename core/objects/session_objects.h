@@ -69,4 +69,8 @@ double DoubtOf(const TrackedObject& known,
 /// True if an object of the session was last seen before a known one was removed.
 bool IsOlderThanRemoval(const SeenObject& seen, const KnownObject& known);
 
+/// True if an object of the session was last seen before a present one: it may show where that one
+/// stood before.
+bool IsOlderThanLastLook(const SeenObject& seen, const KnownObject& known);
+
 }  // namespace steadymap

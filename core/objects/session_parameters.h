@@ -37,7 +37,8 @@ struct SessionIdentityParameters {
   double rival_margin = 0.12;
   /// Share of the looked-at surface that must be gone of an object that is gone.
   double gone_share = 0.5;
-  /// Share that must be gone of an object in whose place another object is, ...
+  /// Share that must be gone of an object in whose place another object is, or that no later
+  /// session has seen, ...
   double doubted_share = 0.15;
   /// ... or share of that object's surface that must be known of the shape, if it was displaced by
   /// less than can be seen through.

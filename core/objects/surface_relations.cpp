@@ -108,4 +108,18 @@ double HiddenShare(const TrackedObject& object,
   return tested == 0 ? 0.0 : static_cast<double>(hidden) / static_cast<double>(tested);
 }
 
+double FreeShareOf(const TrackedObject& object, const FreeSpace& free_space) {
+  const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
+  std::size_t free = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      const Eigen::Vector3d behind = point.position_object.cast<double>() -
+                                     free_space.cell_size_m() * point.normal_object.cast<double>();
+      if (free_space.IsFree(T_world_object * behind)) ++free;
+    }
+  }
+  const std::size_t count = object.surface().point_count();
+  return count == 0 ? 0.0 : static_cast<double>(free) / static_cast<double>(count);
+}
+
 }  // namespace steadymap

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/volume/free_space.h"
 #include "core/working/tracked_object.h"
 
 /// How the surfaces of two objects tell whether both can be there.
@@ -18,5 +19,9 @@ std::size_t CountExplainedCells(const TrackedObject& object,
 double HiddenShare(const TrackedObject& object,
                    const TrackedObject& other,
                    const VoxelScale& scale);
+
+/// Returns the share of the surface of `object` that has free space just behind it: something was
+/// seen through it.
+double FreeShareOf(const TrackedObject& object, const FreeSpace& free_space);
 
 }  // namespace steadymap

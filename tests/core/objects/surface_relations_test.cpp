@@ -50,6 +50,20 @@ class SurfaceRelationsTest : public ::testing::Test {
   WorkingMap map_{MapConfig()};
 };
 
+TEST_F(SurfaceRelationsTest, ASurfaceIsFreeWhereSomethingWasSeenBehindIt) {
+  TrackedObject* object = Put({2.0, 0.0, 0.0});
+  EXPECT_EQ(FreeShareOf(*object, map_.free_space()), 0.0);
+  // Rays through the half of it with y < 0.4.
+  for (int column = 0; column < 8; ++column) {
+    for (int row = 0; row < 12; ++row) {
+      const double y = 0.05 * column + 0.025;
+      const double z = 0.05 * row + 0.025;
+      map_.MarkFree({0.0, y, z}, {4.0, y, z});
+    }
+  }
+  EXPECT_NEAR(FreeShareOf(*object, map_.free_space()), 0.5, 0.1);
+}
+
 TEST_F(SurfaceRelationsTest, ACoincidentSurfaceExplainsAllThatWasFound) {
   TrackedObject* object = Put({2.0, 0.0, 0.0});
   SetScores(2, object);

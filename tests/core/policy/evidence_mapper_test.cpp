@@ -285,6 +285,34 @@ TEST_F(EvidenceMapperTest, ADriveOfThePastRemovesNothingThatWasSeenSince) {
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
 }
 
+TEST_F(EvidenceMapperTest, ADriveOfThePastMovesNothingBack) {
+  for (const double place : {0.4, 0.8}) {
+    SCOPED_TRACE(place);
+    MapStory story{PocdConfig()};
+    story.Play(LookAtScene({FarWall(), Goods(place)}, 20, kFrames, 1));
+    story.EndSession();
+    story.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
+    story.EndSession(kOther);
+    EXPECT_TRUE(story.EventsOf(EventType::kMoved, kGoodsClass).empty());
+    EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+    ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);
+    EXPECT_NEAR(story.Present(kGoodsClass).front()->cuboid.center_world.y(), place, 0.05);
+  }
+}
+
+TEST_F(EvidenceMapperTest, ADriveOfThePastAddsNothingWhereALaterOneSawFreeSpace) {
+  story_.Play(LookAtScene({FarWall()}, 20, kFrames, 1));
+  story_.EndSession();
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
+  story_.EndSession(kOther);
+  EXPECT_TRUE(story_.EventsOf(EventType::kCreated, kGoodsClass).empty());
+  EXPECT_TRUE(story_.Present(kGoodsClass).empty());
+  // It has come since.
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, 40, kFrames, 2)));
+  story_.EndSession(kOther);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
 TEST_F(EvidenceMapperTest, ARobotWhoseClockIsAheadEndsNoOtherSession) {
   story_.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
   story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, kFrames, kFrames, 10)));
@@ -365,6 +393,18 @@ TEST_F(EvidenceMapperTest, RobotsThatSeeAThingInTwoPlacesStopMovingIt) {
   for (const auto& goods : story_.Present(kGoodsClass)) {
     EXPECT_EQ(goods->contradictions.size(), 1U);
   }
+}
+
+TEST_F(EvidenceMapperTest, RobotsThatSeeAThingBesideItsPlaceStopPushingIt) {
+  std::size_t told = 0;
+  for (int round = 0; round < 6; ++round) {
+    VisitBy(kOne, {FarWall(), Goods(-0.2)});
+    VisitBy(kOther, {FarWall(), Goods(0.2)});
+    if (round == 3) told = story_.events().size();
+  }
+  EXPECT_EQ(story_.events().size(), told);
+  EXPECT_EQ(story_.EventsOf(EventType::kMoved, kGoodsClass).size(), 2U);
+  EXPECT_FALSE(story_.EventsOf(EventType::kContradicted, kGoodsClass).empty());
 }
 
 TEST_F(EvidenceMapperTest, EventsAreDatedByTheFramesOfTheirOwnSession) {
