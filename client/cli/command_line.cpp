@@ -7,6 +7,7 @@
 
 #include "client/cli/bench/evaluate_command.h"
 #include "client/cli/bench/evaluate_composite_command.h"
+#include "client/cli/bench/evaluate_fleet_command.h"
 #include "client/cli/bench/evaluate_rooms_command.h"
 #include "client/cli/bench/simulate_command.h"
 #include "client/cli/maps/map_commands.h"
@@ -102,6 +103,7 @@ int RunCommandLine(const std::vector<std::string>& arguments, CommandContext* co
   const RenderCommand render(&app, context);
   const EvaluateCommand evaluate(&app, context);
   const EvaluateRoomsCommand evaluate_rooms(&app, context);
+  const EvaluateFleetCommand evaluate_fleet(&app, context);
   const EvaluateCompositeCommand evaluate_composite(&app, context);
 
   try {

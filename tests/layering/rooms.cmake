@@ -57,6 +57,7 @@ set(client_ROOMS
     "bench/evaluation/score: bench/evaluation/truth"
     "bench/evaluation/method: bench/evaluation/truth"
     "bench/evaluation/room: bench/simulator bench/simulator/routes bench/simulator/scene bench/simulator/sensor bench/evaluation/score bench/evaluation/truth"
+    "bench/evaluation/fleet: bench/simulator bench/simulator/scene bench/simulator/sensor bench/evaluation bench/evaluation/score bench/evaluation/truth"
     "bench/evaluation/composite: dataset bench/simulator/scene bench/simulator/sensor bench/evaluation/method bench/evaluation/room bench/evaluation/score bench/evaluation/truth"
     "bench/evaluation/report: picture bench/evaluation/score bench/evaluation/method"
     "bench/evaluation: dataset bench/simulator bench/evaluation/score bench/evaluation/method bench/evaluation/report"
@@ -65,6 +66,6 @@ set(client_ROOMS
     "cli/query: map picture cli/text"
     "cli/upload: upload map dataset cli/text cli/maps"
     "cli/watch: watch map cli/text cli/maps cli/query"
-    "cli/bench: dataset bench/simulator bench/simulator/routes bench/evaluation bench/evaluation/composite bench/evaluation/method bench/evaluation/report bench/evaluation/room cli/text cli/upload"
+    "cli/bench: dataset bench/simulator bench/simulator/routes bench/evaluation bench/evaluation/composite bench/evaluation/fleet bench/evaluation/method bench/evaluation/report bench/evaluation/room cli/text cli/upload"
     "cli: transport cli/text cli/maps cli/query cli/upload cli/watch cli/bench")
 set(client_TOP_FILES "")

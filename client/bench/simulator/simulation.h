@@ -57,6 +57,9 @@ class Simulation {
   /// Index into `route().sequences` of frame `index`.
   std::size_t SequenceOf(std::size_t index) const { return frames_[index].sequence; }
 
+  /// Returns the capture time of frame `index`.
+  Timestamp CaptureTimeOf(std::size_t index) const { return frames_[index].capture_time; }
+
   /// Returns the true pose of the camera in frame `index`, `T_world_camera`.
   Eigen::Isometry3d TruePose(std::size_t index) const;
 

@@ -158,6 +158,20 @@ TEST(EvaluateRoomsCommand, RefusesAnUnknownChangeOrPolicy) {
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--cases", "0"}).exit_code, 2);
 }
 
+TEST(EvaluateFleetCommand, PrintsARowForEachCase) {
+  const Outcome outcome =
+      Steadymap({"evaluate-fleet", "--route", "twin", "--case", "newest-first", "--case", "2hz"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("\n2hz  "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\nnewest-first  "), std::string::npos) << outcome.out;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 3) << outcome.out;
+}
+
+TEST(EvaluateFleetCommand, RefusesAnUnknownRouteOrCase) {
+  EXPECT_EQ(Steadymap({"evaluate-fleet", "--route", "nowhere"}).exit_code, 2);
+  EXPECT_EQ(Steadymap({"evaluate-fleet", "--case", "slow"}).exit_code, 2);
+}
+
 TEST(EvaluateCommand, MisuseIsAnErrorThatSaysWhy) {
   EXPECT_EQ(Evaluate({}).exit_code, 1);
   EXPECT_EQ(Evaluate({"--route", "nowhere"}).exit_code, 2);

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/bench/simulator/scene/route.h"
+
+namespace steadymap {
+
+/// How the frames of a route come to a map. By default, one robot drives the sequences in their
+/// order, and rests in between.
+struct FleetCase {
+  std::string_view name;
+  std::optional<double> rate_hz = std::nullopt;  ///< Of all frames; unset: the route's.
+  std::optional<double> pause_s = std::nullopt;  ///< Between two sequences; unset: the route's.
+  bool is_one_upload = false;    ///< Nothing but the pause tells where a sequence ends.
+  bool is_newest_first = false;  ///< The sequences arrive in the opposite order.
+  /// Every second frame is from a second robot.
+  bool has_second_robot = false;
+  double second_ahead_s = 0.0;   ///< Error of its clock.
+  double second_offset_m = 0.0;  ///< Constant error of its poses, along the x axis of the world.
+  /// Number of further drives of the last sequence in which the first robot sees the world as it
+  /// was in the first sequence, and the second one as it is.
+  int contradicting_drives = 0;
+};
+
+/// All cases: the default one first.
+std::span<const FleetCase> FleetCases();
+
+/// Returns the names of all cases.
+std::vector<std::string> FleetCaseNames();
+
+/// Returns the route of a case.
+Route RouteOf(const FleetCase& fleet_case, const Route& route);
+
+}  // namespace steadymap
