@@ -42,6 +42,7 @@ class SessionDecision {
     CutGone();
     ListObjects();
     Align();
+    FindRemovedSince();
     SeparateNew();
     MatchInPlace();
     JudgeKnown();
@@ -62,6 +63,8 @@ class SessionDecision {
   void TakeSessionLooks();
   void Settle(TrackedObject* object);
   void ListObjects();
+  void FindRemovedSince();
+  void CutRemovedSince(const SeenObject& seen);
   void SeparateNew();
   void SeparateNewOn(KnownObject* structure, SeenObject* seen);
   void SeparateGone();
@@ -83,7 +86,6 @@ class SessionDecision {
   void Create(TrackedObject* object);
   void AddRest();
   bool IsPartOfStanding(const TrackedObject& seen);
-  bool WasRemovedSince(const TrackedObject& seen) const;
   void EndGone();
   void CutGoneParts(TrackedObject* object);
   void UpdateBeliefOf(double change_m, TrackedObject* object);
@@ -196,6 +198,25 @@ void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* objec
   edit.state().T_world_object = UprightPoseOf(motion * object->state().T_world_object.ToIsometry());
 }
 
+/// Finds what later sessions have looked through of the objects of a session of the past.
+void SessionDecision::FindRemovedSince() {
+  for (SeenObject& seen : objects_.seen) {
+    if (seen.object->state().last_seen < last_known_look_) {
+      seen.removed_share = FreeShareOf(*seen.object, map_->free_space());
+    }
+  }
+}
+
+/// Cuts that off an object.
+void SessionDecision::CutRemovedSince(const SeenObject& seen) {
+  if (!(seen.removed_share > 0.0)) return;
+  {
+    ObjectEdit edit = map_->Edit(seen.object);
+    DoubtFreeCells(*seen.object, map_->free_space(), &edit.state().evidence);
+  }
+  CutGoneCells(seen.object, map_);
+}
+
 void SessionDecision::MatchInPlace() {
   const std::vector<PlaceMatch> matches = FindPlaceMatches(parameters_, map_->scale(), &objects_);
   for (SeenObject& seen : objects_.seen) {
@@ -260,6 +281,7 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   // A fragment does not tell where the rest is.
   known->is_taken = known->is_taken || !IsFragmentOf(*seen->object, *object, parameters_.parts);
   const bool is_back = object->is_archived();
+  CutRemovedSince(*seen);
   if (object->state().class_id == kNoClass && !is_back) {
     for (TrackedObject* region :
          SeparateNewRegions(parameters_.parts, *object, seen->object, map_)) {
@@ -483,17 +505,12 @@ bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
   return false;
 }
 
-/// True if later sessions have looked through the place of an object of a session of the past. None
-/// of them found it there, so a part of its surface decides.
-bool SessionDecision::WasRemovedSince(const TrackedObject& seen) const {
-  return seen.state().last_seen < last_known_look_ &&
-         FreeShareOf(seen, map_->free_space()) >= parameters_.doubted_share;
-}
-
 void SessionDecision::AddRest() {
   for (SeenObject& seen : objects_.seen) {
     if (seen.is_decided) continue;
-    if (WasRemovedSince(*seen.object) || (!seen.is_new_region && IsPartOfStanding(*seen.object))) {
+    // No later session found it, so a part of its surface decides.
+    const bool is_outdated = seen.removed_share >= parameters_.doubted_share;
+    if (is_outdated || (!seen.is_new_region && IsPartOfStanding(*seen.object))) {
       map_->Delete(seen.object);
       continue;
     }

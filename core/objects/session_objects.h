@@ -27,6 +27,9 @@ struct SeenObject {
   std::size_t index = 0;
   bool is_new_region = false;  ///< Was not there when a known object beside it was seen.
   double pose_error_m = 0.0;   ///< What is displaced by no more may stand where it stood.
+  /// Share of its surface that later sessions have looked through; 0 unless the session is of the
+  /// past.
+  double removed_share = 0.0;
   bool is_decided = false;
 };
 

@@ -47,6 +47,15 @@ class OtherSurface {
   double voxel_size_m_;
 };
 
+/// True if the space just behind a surface is free.
+bool IsFreeBehind(const SurfaceVoxel& point,
+                  const Eigen::Isometry3d& T_world_object,
+                  const FreeSpace& free_space) {
+  const Eigen::Vector3d behind = point.position_object.cast<double>() -
+                                 free_space.cell_size_m() * point.normal_object.cast<double>();
+  return free_space.IsFree(T_world_object * behind);
+}
+
 }  // namespace
 
 std::size_t CountExplainedCells(const TrackedObject& object,
@@ -113,13 +122,28 @@ double FreeShareOf(const TrackedObject& object, const FreeSpace& free_space) {
   std::size_t free = 0;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
-      const Eigen::Vector3d behind = point.position_object.cast<double>() -
-                                     free_space.cell_size_m() * point.normal_object.cast<double>();
-      if (free_space.IsFree(T_world_object * behind)) ++free;
+      if (IsFreeBehind(point, T_world_object, free_space)) ++free;
     }
   }
   const std::size_t count = object.surface().point_count();
   return count == 0 ? 0.0 : static_cast<double>(free) / static_cast<double>(count);
+}
+
+void DoubtFreeCells(const TrackedObject& object,
+                    const FreeSpace& free_space,
+                    ObjectEvidence* evidence) {
+  const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    std::array<int, kEvidenceCells> balance{};
+    for (const SurfaceVoxel& point : leaf.points) {
+      balance[point.cell] += IsFreeBehind(point, T_world_object, free_space) ? 1 : -1;
+    }
+    if (std::none_of(balance.begin(), balance.end(), [](int value) { return value > 0; })) continue;
+    LeafEvidence& scores = evidence->MutableLeaf(leaf.origin);
+    for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
+      if (balance[cell] > 0) scores.score[cell] = -1;
+    }
+  }
 }
 
 }  // namespace steadymap

@@ -24,4 +24,10 @@ double HiddenShare(const TrackedObject& object,
 /// seen through it.
 double FreeShareOf(const TrackedObject& object, const FreeSpace& free_space);
 
+/// Sets the scores of the cells in `evidence` of which that is true for most of the surface to
+/// gone.
+void DoubtFreeCells(const TrackedObject& object,
+                    const FreeSpace& free_space,
+                    ObjectEvidence* evidence);
+
 }  // namespace steadymap

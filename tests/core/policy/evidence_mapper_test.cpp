@@ -313,6 +313,19 @@ TEST_F(EvidenceMapperTest, ADriveOfThePastAddsNothingWhereALaterOneSawFreeSpace)
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
 }
 
+TEST_F(EvidenceMapperTest, ADriveOfThePastAddsNothingToAThingThatHasBecomeSmaller) {
+  const SceneBody whole = Goods(0.0);
+  SceneBody half = whole;
+  half.box_world.max().z() = 0.0;
+  story_.Play(LookAtScene({FarWall(), half}, 20, kFrames, 1));
+  story_.EndSession();
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall(), whole}, 0, kFrames)));
+  story_.EndSession(kOther);
+  ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
+  const Cuboid& cuboid = story_.Present(kGoodsClass).front()->cuboid;
+  EXPECT_LT(cuboid.center_world.z() + 0.5 * cuboid.size_m.z(), 0.1);
+}
+
 TEST_F(EvidenceMapperTest, ARobotWhoseClockIsAheadEndsNoOtherSession) {
   story_.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
   story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, kFrames, kFrames, 10)));
