@@ -8,6 +8,7 @@ constexpr double kDayS = 86400.0;
 constexpr FleetCase kFleetCases[] = {
     {.name = "one-robot"},
     {.name = "2hz", .rate_hz = 2.0},
+    {.name = "5hz", .rate_hz = 5.0},
     {.name = "15hz", .rate_hz = 15.0},
     {.name = "30hz", .rate_hz = 30.0},
     {.name = "pause-1s", .pause_s = 1.0},
