@@ -96,7 +96,7 @@ class SessionDecision {
   WorkingMap* map_;
   SessionObjects objects_;
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
-  Timestamp last_known_look_;                                ///< Of the sessions before.
+  bool is_of_past_ = false;                                  ///< Others have seen more since.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
 };
 
@@ -172,7 +172,8 @@ void SessionDecision::ListObjects() {
       objects_.AddSeen(object);
     } else if (object->state().status != ObjectStatus::kTentative) {
       objects_.AddKnown(object, Standing::kUnknown);
-      last_known_look_ = std::max(last_known_look_, object->state().last_seen);
+      const Duration since = object->state().last_seen - map_->now();
+      is_of_past_ = is_of_past_ || since.seconds() > parameters_.max_pause_s;
     }
   }
 }
@@ -200,10 +201,9 @@ void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* objec
 
 /// Finds what later sessions have looked through of the objects of a session of the past.
 void SessionDecision::FindRemovedSince() {
+  if (!is_of_past_) return;
   for (SeenObject& seen : objects_.seen) {
-    if (seen.object->state().last_seen < last_known_look_) {
-      seen.removed_share = FreeShareOf(*seen.object, map_->free_space());
-    }
+    seen.removed_share = FreeShareOf(*seen.object, map_->free_space());
   }
 }
 

@@ -50,6 +50,8 @@ struct SessionIdentityParameters {
   /// Fewest evidence cells, and smallest share of the looked-at ones, of a part that is gone.
   std::size_t min_part_cells = 25;
   double min_part_share = 0.1;
+  /// What was seen by so much later than the end of a session is of a later one, seconds.
+  double max_pause_s = 10.0;
   /// A sensor that finds an object gone so soon after another one saw it contradicts it, seconds:
   /// so soon a thing may leave, but does not come back and leave again.
   double contradiction_window_s = 300.0;

@@ -91,6 +91,7 @@ EvidenceMapperParameters EvidenceParametersOf(const MapConfig& config) {
   SessionIdentityParameters& identity = parameters.identity;
   identity.initial_stationarity = ParameterValue(config, "initial_stationarity");
   ReadStationarity(config, &identity.belief);
+  identity.max_pause_s = parameters.sessions.max_pause_s;
   identity.contradiction_window_s = ParameterValue(config, "contradiction_window_s");
   identity.belief.max_evidence = ParameterValue(config, "max_evidence");
   return parameters;

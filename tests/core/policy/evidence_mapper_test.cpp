@@ -420,6 +420,24 @@ TEST_F(EvidenceMapperTest, RobotsThatSeeAThingBesideItsPlaceStopPushingIt) {
   EXPECT_FALSE(story_.EventsOf(EventType::kContradicted, kGoodsClass).empty());
 }
 
+TEST_F(EvidenceMapperTest, RobotsThatContradictEachOtherAtOnceBothKeepWhatTheySee) {
+  // The session of one ends so much earlier, and is decided later.
+  constexpr Duration kBehind = Duration::FromSeconds(0.05);
+  for (int round = 0; round < 6; ++round) {
+    const auto looks = [&](double y) {
+      return LookAtScene({FarWall(), Goods(y)}, 0, kFrames, round);
+    };
+    const std::vector<Frame> ones = TakenBy(kOne, looks(-0.4));
+    std::vector<Frame> others = TakenBy(kOther, looks(0.4));
+    for (Frame& frame : others) frame.capture_time = frame.capture_time - kBehind;
+    for (std::size_t i = 0; i < ones.size(); ++i) story_.Play({ones[i], others[i]});
+    story_.EndSession(kOne);
+    story_.EndSession(kOther);
+  }
+  EXPECT_FALSE(story_.EventsOf(EventType::kContradicted, kGoodsClass).empty());
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 2U);
+}
+
 TEST_F(EvidenceMapperTest, EventsAreDatedByTheFramesOfTheirOwnSession) {
   const std::vector<Frame> frames = TakenBy(kOne, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames));
   story_.Play(frames);
