@@ -9,6 +9,7 @@
 #include "core/map/contradiction.h"
 #include "core/objects/changed_regions.h"
 #include "core/objects/legs.h"
+#include "core/objects/past_session.h"
 #include "core/objects/place_matches.h"
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_moves.h"
@@ -42,7 +43,9 @@ class SessionDecision {
     CutGone();
     ListObjects();
     Align();
-    FindRemovedSince();
+    if (IsOfPast(objects_, map_->now(), parameters_.max_pause_s)) {
+      FindRemovedSince(map_->free_space(), &objects_);
+    }
     SeparateNew();
     MatchInPlace();
     JudgeKnown();
@@ -63,8 +66,6 @@ class SessionDecision {
   void TakeSessionLooks();
   void Settle(TrackedObject* object);
   void ListObjects();
-  void FindRemovedSince();
-  void CutRemovedSince(const SeenObject& seen);
   void SeparateNew();
   void SeparateNewOn(KnownObject* structure, SeenObject* seen);
   void SeparateGone();
@@ -96,7 +97,6 @@ class SessionDecision {
   WorkingMap* map_;
   SessionObjects objects_;
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
-  bool is_of_past_ = false;                                  ///< Others have seen more since.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
 };
 
@@ -172,8 +172,6 @@ void SessionDecision::ListObjects() {
       objects_.AddSeen(object);
     } else if (object->state().status != ObjectStatus::kTentative) {
       objects_.AddKnown(object, Standing::kUnknown);
-      const Duration since = object->state().last_seen - map_->now();
-      is_of_past_ = is_of_past_ || since.seconds() > parameters_.max_pause_s;
     }
   }
 }
@@ -197,24 +195,6 @@ void SessionDecision::Move(const Eigen::Isometry3d& motion, TrackedObject* objec
   if (displacement_m < kNegligibleMotionVoxels * map_->scale().voxel_size_m) return;
   ObjectEdit edit = map_->Edit(object);
   edit.state().T_world_object = UprightPoseOf(motion * object->state().T_world_object.ToIsometry());
-}
-
-/// Finds what later sessions have looked through of the objects of a session of the past.
-void SessionDecision::FindRemovedSince() {
-  if (!is_of_past_) return;
-  for (SeenObject& seen : objects_.seen) {
-    seen.removed_share = FreeShareOf(*seen.object, map_->free_space());
-  }
-}
-
-/// Cuts that off an object.
-void SessionDecision::CutRemovedSince(const SeenObject& seen) {
-  if (!(seen.removed_share > 0.0)) return;
-  {
-    ObjectEdit edit = map_->Edit(seen.object);
-    DoubtFreeCells(*seen.object, map_->free_space(), &edit.state().evidence);
-  }
-  CutGoneCells(seen.object, map_);
 }
 
 void SessionDecision::MatchInPlace() {
@@ -281,7 +261,7 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   // A fragment does not tell where the rest is.
   known->is_taken = known->is_taken || !IsFragmentOf(*seen->object, *object, parameters_.parts);
   const bool is_back = object->is_archived();
-  CutRemovedSince(*seen);
+  CutRemovedSince(*seen, map_);
   if (object->state().class_id == kNoClass && !is_back) {
     for (TrackedObject* region :
          SeparateNewRegions(parameters_.parts, *object, seen->object, map_)) {
@@ -434,7 +414,7 @@ void SessionDecision::ConfirmStructure(TrackedObject* object) {
 void SessionDecision::FindMoves() {
   for (const SessionMove& move : FindSessionMoves(parameters_, map_->scale(), &objects_)) {
     KnownObject& known = *move.known;
-    // That was asked of what is gone.
+    // `JudgeKnown` has asked whether what is gone is contradicted.
     const bool may_be_contradicted =
         !known.object->is_archived() && known.standing != Standing::kGone;
     if (may_be_contradicted &&
