@@ -17,13 +17,13 @@ constexpr FleetCase kFleetCases[] = {
     {.name = "one-upload-1s", .pause_s = 1.0, .is_one_upload = true},
     {.name = "newest-first", .is_newest_first = true},
     {.name = "two-robots", .has_second_robot = true},
-    {.name = "two-clocks", .has_second_robot = true, .second_ahead_s = 600.0},
+    {.name = "two-clocks", .second_ahead_s = 600.0, .has_second_robot = true},
     {.name = "two-clocks-5cm",
-     .has_second_robot = true,
      .second_ahead_s = 600.0,
-     .second_offset_m = 0.05},
-    {.name = "offset-10cm", .has_second_robot = true, .second_offset_m = 0.1},
-    {.name = "contradicting", .has_second_robot = true, .contradicting_drives = 3},
+     .second_offset_m = 0.05,
+     .has_second_robot = true},
+    {.name = "offset-10cm", .second_offset_m = 0.1, .has_second_robot = true},
+    {.name = "contradicting", .contradicting_drives = 3, .has_second_robot = true},
 };
 
 }  // namespace

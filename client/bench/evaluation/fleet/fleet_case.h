@@ -16,15 +16,15 @@ struct FleetCase {
   std::string_view name;
   std::optional<double> rate_hz = std::nullopt;  ///< Of all frames; unset: the route's.
   std::optional<double> pause_s = std::nullopt;  ///< Between two sequences; unset: the route's.
-  bool is_one_upload = false;    ///< Nothing but the pause tells where a sequence ends.
-  bool is_newest_first = false;  ///< The sequences arrive in the opposite order.
-  /// Every second frame is from a second robot.
-  bool has_second_robot = false;
-  double second_ahead_s = 0.0;   ///< Error of its clock.
-  double second_offset_m = 0.0;  ///< Constant error of its poses, along the x axis of the world.
+  double second_ahead_s = 0.0;                   ///< Error of the clock of the second robot.
+  /// Constant error of the poses of the second robot, along the x axis of the world.
+  double second_offset_m = 0.0;
   /// Number of further drives of the last sequence in which the first robot sees the world as it
   /// was in the first sequence, and the second one as it is.
   int contradicting_drives = 0;
+  bool has_second_robot = false;  ///< Every second frame is from it.
+  bool is_one_upload = false;     ///< Nothing but the pause tells where a sequence ends.
+  bool is_newest_first = false;   ///< The sequences arrive in the opposite order.
 };
 
 /// All cases: the default one first.
