@@ -43,9 +43,8 @@ class SessionDecision {
     CutGone();
     ListObjects();
     Align();
-    if (IsOfPast(objects_, map_->now(), parameters_.max_pause_s)) {
-      FindRemovedSince(map_->free_space(), &objects_);
-    }
+    is_of_past_ = IsOfPast(objects_, map_->now(), parameters_.max_pause_s);
+    if (is_of_past_) FindRemovedSince(map_->free_space(), &objects_);
     SeparateNew();
     MatchInPlace();
     JudgeKnown();
@@ -97,6 +96,7 @@ class SessionDecision {
   WorkingMap* map_;
   SessionObjects objects_;
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
+  bool is_of_past_ = false;                                  ///< See `past_session.h`.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
 };
 
@@ -414,16 +414,18 @@ void SessionDecision::ConfirmStructure(TrackedObject* object) {
 void SessionDecision::FindMoves() {
   for (const SessionMove& move : FindSessionMoves(parameters_, map_->scale(), &objects_)) {
     KnownObject& known = *move.known;
-    // `JudgeKnown` has asked whether what is gone is contradicted.
-    const bool may_be_contradicted =
-        !known.object->is_archived() && known.standing != Standing::kGone;
+    const bool is_outdated = IsOlderThanLastLook(*move.seen, known);
+    // `JudgeKnown` has asked whether what is gone is contradicted. The past contradicts nothing.
+    const bool may_be_contradicted = !known.object->is_archived() &&
+                                     known.standing != Standing::kGone &&
+                                     !(is_outdated && is_of_past_);
     if (may_be_contradicted &&
         (known.standing == Standing::kContradicted || IsContradicted(known.object))) {
       known.standing = Standing::kContradicted;
       continue;
     }
     move.seen->is_decided = true;
-    if (IsOlderThanLastLook(*move.seen, known)) {
+    if (is_outdated) {
       // The session saw it before it was moved.
       map_->Delete(move.seen->object);
       continue;

@@ -286,13 +286,18 @@ TEST_F(EvidenceMapperTest, ADriveOfThePastRemovesNothingThatWasSeenSince) {
 }
 
 TEST_F(EvidenceMapperTest, ADriveOfThePastMovesNothingBack) {
-  for (const double place : {0.4, 0.8}) {
+  for (const auto& [place, depth_m] :
+       {std::pair(0.4, 1.6), std::pair(0.8, 1.6), std::pair(0.1, 1.9)}) {
     SCOPED_TRACE(place);
     MapStory story{PocdConfig()};
-    story.Play(LookAtScene({FarWall(), Goods(place)}, 20, kFrames, 1));
-    story.EndSession();
-    story.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames)));
-    story.EndSession(kOther);
+    story.Play(TakenBy(kOne, LookAtScene({FarWall(), Goods(place, depth_m)}, 20, kFrames, 1)));
+    story.EndSession(kOne);
+    // Nor does a second one: an older look is no contradiction.
+    for (const int first_frame : {0, 20}) {
+      story.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(0.0)}, first_frame, kFrames)));
+      story.EndSession(kOther);
+    }
+    EXPECT_TRUE(story.EventsOf(EventType::kContradicted, kGoodsClass).empty());
     EXPECT_TRUE(story.EventsOf(EventType::kMoved, kGoodsClass).empty());
     EXPECT_EQ(story.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
     ASSERT_EQ(story.Present(kGoodsClass).size(), 1U);

@@ -16,6 +16,7 @@ constexpr FleetCase kFleetCases[] = {
     {.name = "pause-3d", .pause_s = 3.0 * kDayS},
     {.name = "one-upload-1s", .pause_s = 1.0, .is_one_upload = true},
     {.name = "newest-first", .is_newest_first = true},
+    {.name = "newest-first-2", .is_newest_first = true, .has_past_of_second = true},
     {.name = "two-robots", .has_second_robot = true},
     {.name = "two-clocks", .second_ahead_s = 600.0, .has_second_robot = true},
     {.name = "two-clocks-5cm",
@@ -38,6 +39,9 @@ std::vector<std::string> FleetCaseNames() {
 
 Route RouteOf(const FleetCase& fleet_case, const Route& route) {
   Route changed = route;
+  if (fleet_case.has_past_of_second) {
+    changed.sequences.insert(changed.sequences.begin(), route.sequences.front());
+  }
   for (int i = 0; i < fleet_case.contradicting_drives; ++i) {
     changed.sequences.push_back(route.sequences.back());
   }

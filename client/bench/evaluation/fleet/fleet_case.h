@@ -25,6 +25,8 @@ struct FleetCase {
   bool has_second_robot = false;  ///< Every second frame is from it.
   bool is_one_upload = false;     ///< Nothing but the pause tells where a sequence ends.
   bool is_newest_first = false;   ///< The sequences arrive in the opposite order.
+  /// All sequences but the last one are from the second robot, the first one twice.
+  bool has_past_of_second = false;
 };
 
 /// All cases: the default one first.

@@ -37,7 +37,6 @@ class FleetRun {
            const FleetEvaluationOptions& options,
            std::unique_ptr<Mapper> mapper)
       : case_(fleet_case),
-        sequence_count_(route.sequences.size()),
         simulation_(RouteOf(fleet_case, route), SimulationOf(options)),
         outdated_(OutdatedRoute(RouteOf(fleet_case, route)), SimulationOf(options)),
         mapper_(std::move(mapper)) {}
@@ -74,7 +73,18 @@ class FleetRun {
 
   Duration Ahead() const { return Duration::FromSeconds(case_.second_ahead_s); }
 
-  bool IsOfSecond(std::size_t frame) const { return case_.has_second_robot && frame % 2 == 1; }
+  bool IsOfSecond(std::size_t frame) const {
+    const std::size_t last = simulation_.route().sequences.size() - 1;
+    return (case_.has_second_robot && frame % 2 == 1) ||
+           (case_.has_past_of_second && simulation_.SequenceOf(frame) < last);
+  }
+
+  /// True if a frame shows the world as it was in the first sequence.
+  bool IsOutdated(std::size_t frame) const {
+    const auto drives = static_cast<std::size_t>(case_.contradicting_drives);
+    return !IsOfSecond(frame) &&
+           simulation_.SequenceOf(frame) + drives >= simulation_.route().sequences.size();
+  }
 
   bool EndsUpload(std::size_t frame, std::size_t next) const {
     return !case_.is_one_upload && simulation_.SequenceOf(next) != simulation_.SequenceOf(frame);
@@ -82,8 +92,7 @@ class FleetRun {
 
   void Play(std::size_t index) {
     const bool is_of_second = IsOfSecond(index);
-    const bool is_outdated = !is_of_second && simulation_.SequenceOf(index) >= sequence_count_;
-    Frame frame = (is_outdated ? outdated_ : simulation_).Render(index);
+    Frame frame = (IsOutdated(index) ? outdated_ : simulation_).Render(index);
     if (is_of_second) {
       frame.source = SecondRobot();
       frame.capture_time = frame.capture_time + Ahead();
@@ -113,7 +122,6 @@ class FleetRun {
   }
 
   FleetCase case_;
-  std::size_t sequence_count_;  ///< Of the route, without contradicting drives.
   Simulation simulation_;
   Simulation outdated_;  ///< As the first robot sees it in contradicting drives.
   std::unique_ptr<Mapper> mapper_;
