@@ -12,9 +12,6 @@ namespace {
 // way.
 constexpr int kMaxLinkSamples = 2;
 
-// The depth of a cell is the mean of four pixels.
-constexpr double kCellNoiseShare = 0.5;
-
 // Of the spacing of samples on a surface that faces the camera. On surface that is seen at a flat
 // angle, samples are so far apart that a gap between two objects can lie between them.
 constexpr double kSpacingSlack = 2.0;
@@ -53,7 +50,6 @@ class Continuity {
  public:
   Continuity(const SemanticCloud& cloud, double max_sigmas)
       : cloud_(cloud),
-        noise_(cloud.depth_noise()),
         max_sigmas_(max_sigmas),
         spacing_per_m_(SampleGrid::SpacingPerM(cloud.camera())) {}
 
@@ -62,7 +58,7 @@ class Continuity {
   bool Joins(const SurfaceSample& a, const SurfaceSample& b, int steps) const {
     const Eigen::Vector3d way = (b.position_world - a.position_world).cast<double>();
     const double depth_m = static_cast<double>(std::max(a.depth_m, b.depth_m));
-    const double noise_m = max_sigmas_ * M_SQRT2 * kCellNoiseShare * noise_.SigmaM(depth_m);
+    const double noise_m = max_sigmas_ * M_SQRT2 * cloud_.CellSigmaM(depth_m);
     const double spacing_m = spacing_per_m_ * depth_m;
     if (way.norm() > kSpacingSlack * steps * spacing_m + noise_m / max_sigmas_) return false;
     // At an edge between two faces, a neighbour is as far from the plane as from the sample.
@@ -78,14 +74,12 @@ class Continuity {
     if (!(cell.depth_m > 0.0F)) return false;
     const float expected_m = 2.0F / (1.0F / a.depth_m + 1.0F / b.depth_m);
     // The noise of one depth and of the mean of two.
-    const double sigma_m =
-        std::sqrt(1.5) * kCellNoiseShare * noise_.SigmaM(static_cast<double>(expected_m));
+    const double sigma_m = std::sqrt(1.5) * cloud_.CellSigmaM(static_cast<double>(expected_m));
     return static_cast<double>(std::abs(cell.depth_m - expected_m)) <= max_sigmas_ * sigma_m;
   }
 
  private:
   const SemanticCloud& cloud_;
-  DepthNoise noise_;
   double max_sigmas_;
   double spacing_per_m_;  ///< Of samples, at a depth of one metre.
 };

@@ -8,9 +8,6 @@
 namespace steadymap {
 namespace {
 
-// The depth of a cell is the mean of four pixels.
-constexpr double kCellSigmaShare = 0.5;
-
 // Largest share of its vertical part in the way across a gap.
 constexpr double kMaxSlope = 0.5;
 
@@ -41,10 +38,10 @@ class GapSearch {
  private:
   /// A gap on one line.
   struct Gap {
-    int begin = 0;       ///< The last cell before it.
-    int end = 0;         ///< The first cell behind it.
-    double way_m = 0.0;  ///< Horizontal way of the ray behind both cells.
-    int lines = 1;       ///< Number of consecutive lines that show it.
+    int begin = 0;          ///< The last cell before it.
+    int end = 0;            ///< The first cell behind it.
+    double way_m = 0.0;     ///< Horizontal way of the ray behind both cells.
+    std::size_t lines = 1;  ///< Number of consecutive lines that show it.
   };
 
   /// Returns the column and row of a cell.
@@ -80,8 +77,7 @@ class GapSearch {
 
   /// Returns the least difference of two depths that noise does not make.
   double StepAt(double depth_m) const {
-    return parameters_.min_sigmas * M_SQRT2 * kCellSigmaShare *
-           cloud_.depth_noise().SigmaM(depth_m);
+    return parameters_.max_sigmas * M_SQRT2 * cloud_.CellSigmaM(depth_m);
   }
 
   void Search(std::size_t line) {

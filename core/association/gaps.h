@@ -25,10 +25,10 @@ struct GapInView {
 struct GapParameters {
   /// Things that are farther apart are not seen as one, metres.
   double max_width_m = 0.3;
-  /// Least difference of two depths at an edge, standard deviations.
-  double min_sigmas = 3.0;
-  /// Fewest neighbouring rows or columns of cells that show a gap.
-  int min_lines = 3;
+  /// Largest difference of two depths that noise makes, standard deviations.
+  double max_sigmas = 3.0;
+  /// Fewest rows or columns of the frame that show a gap.
+  std::size_t min_lines = 3;
 };
 
 /// Finds the gaps that a frame looks through: pairs of cells of one class and without instance,

@@ -47,6 +47,9 @@ class SemanticCloud {
   /// Returns the noise of the frame: that of its kind of sensor, more if its depth shows more.
   const DepthNoise& depth_noise() const { return depth_noise_; }
 
+  /// Returns the standard deviation of the depth of a cell, metres: the mean of four pixels.
+  double CellSigmaM(double depth_m) const { return 0.5 * depth_noise_.SigmaM(depth_m); }
+
   bool has_color() const { return has_color_; }
 
   /// Returns the cells, row-major.

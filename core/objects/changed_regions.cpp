@@ -11,10 +11,6 @@
 namespace steadymap {
 namespace {
 
-// Surfaces of two sessions that are closer than this, voxels, are one: pose error and noise.
-constexpr double kSameSurfaceVoxels = 1.5;
-constexpr double kMinSameNormalCosine = 0.5;
-
 // The border of a region tends to lie at a concave edge, where a thing stands on another: a right
 // angle inwards counts like so long a way along the surface.
 constexpr double kConcaveCostM = 0.5;
@@ -60,7 +56,7 @@ class ChangedSurface {
       if (changes_[i] != Change::kUnknown) seeds.emplace_back(i, changes_[i] == Change::kChanged);
     }
     const std::vector<std::size_t> is_changed =
-        SpreadParts(points_, seeds, parameters_.contact_voxels * voxel_m_, kConcaveCostM);
+        SpreadParts(points_, seeds, parameters_.surface.contact_voxels * voxel_m_, kConcaveCostM);
     std::vector<char> is_same(points_.size());
     for (std::size_t i = 0; i < points_.size(); ++i) is_same[i] = is_changed[i] == 0 ? 1 : 0;
     std::vector<std::size_t> part_of(points_.size(), 0);
@@ -112,8 +108,11 @@ std::vector<TrackedObject*> SeparateChanged(const SessionPartParameters& paramet
 /// What was known at a point before the session.
 class EarlierMap {
  public:
-  EarlierMap(const TrackedObject& known, const WorkingMap& map)
-      : map_(map),
+  EarlierMap(const SurfaceMatchParameters& parameters,
+             const TrackedObject& known,
+             const WorkingMap& map)
+      : parameters_(parameters),
+        map_(map),
         voxel_m_(map.scale().voxel_size_m),
         T_known_world_(known.state().T_world_object.ToIsometry().inverse()),
         of_known_(known.volume(), map.scale()),
@@ -139,10 +138,10 @@ class EarlierMap {
   Change CompareWith(TsdfSampler* sampler, const OrientedPoint& point) const {
     const DistanceSample sample = sampler->Sample(point.position_world);
     if (!sample.known) return Change::kUnknown;
-    const double same_m = kSameSurfaceVoxels * voxel_m_;
+    const double same_m = parameters_.contact_voxels * voxel_m_;
     if (sample.distance_m > same_m) return Change::kChanged;
     const bool is_same = sample.distance_m < -same_m ||
-                         sample.gradient.dot(point.normal_world) >= kMinSameNormalCosine;
+                         sample.gradient.dot(point.normal_world) >= parameters_.min_normal_cosine;
     return is_same ? Change::kSame : Change::kUnknown;
   }
 
@@ -169,6 +168,7 @@ class EarlierMap {
            free_space.IsFree(behind_world - across);
   }
 
+  const SurfaceMatchParameters& parameters_;
   const WorkingMap& map_;
   double voxel_m_;
   Eigen::Isometry3d T_known_world_;
@@ -178,10 +178,11 @@ class EarlierMap {
 
 /// Tells which surface of an object of the session was not there when a known object and the
 /// background were seen.
-std::vector<Change> FindNewSurface(const TrackedObject& known,
+std::vector<Change> FindNewSurface(const SurfaceMatchParameters& parameters,
+                                   const TrackedObject& known,
                                    const TrackedObject& seen,
                                    const WorkingMap& map) {
-  EarlierMap earlier(known, map);
+  EarlierMap earlier(parameters, known, map);
   std::vector<Change> changes;
   for (const OrientedPoint& point : OrientedSurfaceOf(seen)) {
     changes.push_back(earlier.Compare(point));
@@ -214,11 +215,15 @@ std::vector<TrackedObject*> SeparateNewRegions(const SessionPartParameters& para
                                                const TrackedObject& known,
                                                TrackedObject* seen,
                                                WorkingMap* map) {
-  return SeparateChanged(parameters, FindNewSurface(known, *seen, *map), seen, map);
+  return SeparateChanged(
+      parameters, FindNewSurface(parameters.surface, known, *seen, *map), seen, map);
 }
 
-double NewShareOf(const TrackedObject& known, const TrackedObject& seen, const WorkingMap& map) {
-  EarlierMap earlier(known, map);
+double NewShareOf(const SurfaceMatchParameters& parameters,
+                  const TrackedObject& known,
+                  const TrackedObject& seen,
+                  const WorkingMap& map) {
+  EarlierMap earlier(parameters, known, map);
   const std::vector<OrientedPoint> points = OrientedSurfaceOf(seen);
   const auto changed = std::count_if(points.begin(), points.end(), [&](const OrientedPoint& point) {
     return !earlier.IsKnown(point.position_world) && earlier.Compare(point) == Change::kChanged;

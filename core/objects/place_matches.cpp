@@ -27,7 +27,7 @@ std::optional<PlaceMatch> MatchThin(const SessionIdentityParameters& parameters,
   const Eigen::Isometry3d T_known_seen =
       T_known_world * seen->object->state().T_world_object.ToIsometry();
   const SurfaceOverlap overlap =
-      CompareSurfaces(*seen->object, *known->object, T_known_seen, scale);
+      CompareSurfaces(*seen->object, *known->object, T_known_seen, parameters.parts.surface, scale);
   if (overlap.known_share < parameters.min_known_share ||
       overlap.fit_share < 1.0 - parameters.max_dissimilarity) {
     return std::nullopt;

@@ -90,7 +90,7 @@ bool FitsAtRest(const Registration& registration,
   const double inlier_m = RegistrationParameters().inlier_distance_voxels * scale.voxel_size_m;
   const double gain_m2 =
       (registration.known_loss_at_rest - registration.known_loss) * inlier_m * inlier_m;
-  const double sigma_m = SurfaceSigmaM(scale);
+  const double sigma_m = SurfaceSigmaM(parameters.parts.surface, scale);
   return registration.known_share_at_rest >= parameters.min_known_share &&
          gain_m2 <= sigma_m * sigma_m;
 }

@@ -205,9 +205,12 @@ void SessionDecision::MatchInPlace() {
   for (PlaceMatch match : matches) {
     if (match.seen->is_decided) continue;
     const bool is_archived = match.known->object->is_archived();
-    const double doubt =
-        std::max(DoubtOf(*match.known->object, objects_, parameters_),
-                 is_archived ? 0.0 : NewShareOf(*match.known->object, *match.seen->object, *map_));
+    const double doubt = std::max(
+        DoubtOf(*match.known->object, objects_, parameters_),
+        is_archived
+            ? 0.0
+            : NewShareOf(
+                  parameters_.parts.surface, *match.known->object, *match.seen->object, *map_));
     const double displacement_m =
         match.fits_at_rest && doubt < parameters_.doubted_share ? 0.0 : match.displacement_m;
     if (IsOlderThanRemoval(*match.seen, *match.known)) {
@@ -224,8 +227,8 @@ void SessionDecision::MatchInPlace() {
       continue;
     }
     if (!is_archived) {
-      match.close_share =
-          CloseShareInPlace(*match.seen->object, *match.known->object, map_->scale());
+      match.close_share = CloseShareInPlace(
+          *match.seen->object, *match.known->object, parameters_.parts.surface, map_->scale());
     }
     if (doubt >= (is_displaced ? parameters_.doubted_share : parameters_.gone_share) ||
         MayBeMoved(match)) {
@@ -362,7 +365,7 @@ void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
        SeparateNewRegions(parameters_.parts, *structure->object, seen->object, map_)) {
     objects_.AddRegion(region, *seen);
   }
-  const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
+  const double contact_m = parameters_.parts.surface.contact_voxels * map_->scale().voxel_size_m;
   const bool is_rest = seen->object->surface().point_count() > 0;
   if (is_rest && !AreInContact(*seen->object, *structure->object, contact_m, map_->scale())) return;
   seen->is_decided = true;
@@ -470,7 +473,7 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
 
 /// True if an object of the session continues a standing object, which then has its surface.
 bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
-  const double contact_m = parameters_.parts.contact_voxels * map_->scale().voxel_size_m;
+  const double contact_m = parameters_.parts.surface.contact_voxels * map_->scale().voxel_size_m;
   const bool is_leg = IsOpenLeg(seen, parameters_.parts, *map_);
   for (const KnownObject& known : objects_.known) {
     if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;

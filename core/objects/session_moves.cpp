@@ -66,7 +66,8 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
     return false;
   }
   return match.close_share() >=
-         CloseShareInPlace(*seen.object, *known.object, scale_) + parameters_.rival_margin;
+         CloseShareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_) +
+             parameters_.rival_margin;
 }
 
 /// True if a known object is not where it was, or if it may have been pushed or turned to where an
@@ -115,7 +116,8 @@ std::vector<SessionMove> MoveSearch::ListMoves() const {
   ParallelFor(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       SessionMove& candidate = candidates[i];
-      candidate.match = MatchShapes(*candidate.known->object, *candidate.seen->object, scale_);
+      candidate.match = MatchShapes(
+          *candidate.known->object, *candidate.seen->object, parameters_.parts.surface, scale_);
     }
   });
   std::erase_if(candidates, [&](const SessionMove& candidate) {

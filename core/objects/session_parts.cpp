@@ -82,7 +82,7 @@ class PartCompletion {
     DropFragments();
     JoinLegs(parameters_, source_, map_);
     JoinPieces();
-    AddUnsegmentedSurface(parameters_.contact_voxels, source_, map_);
+    AddUnsegmentedSurface(parameters_.surface.contact_voxels, source_, map_);
   }
 
  private:
@@ -102,7 +102,7 @@ class PartCompletion {
 void PartCompletion::DivideScenes() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     if (object->state().class_id == kNoClass)
-      DivideScene(parameters_.scene, parameters_.contact_voxels, object, map_);
+      DivideScene(parameters_.scene, parameters_.surface.contact_voxels, object, map_);
   }
 }
 
@@ -146,10 +146,12 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   }
   const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
                                            object.state().T_world_object.ToIsometry();
-  const SurfaceOverlap overlap = CompareSurfaces(object, other, T_other_object, map_->scale());
+  const SurfaceOverlap overlap =
+      CompareSurfaces(object, other, T_other_object, parameters_.surface, map_->scale());
   if (!is_of_one_class) return overlap.known_share * overlap.close_share > kMinRelabelledShare;
   return overlap.known_share * overlap.fit_share > kMinSharedPartShare &&
-         CountContacts(object, other, parameters_.contact_voxels * voxel_m, map_->scale()) >=
+         CountContacts(
+             object, other, parameters_.surface.contact_voxels * voxel_m, map_->scale()) >=
              kMinContactPoints;
 }
 

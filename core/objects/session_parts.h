@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/objects/scene_division.h"
+#include "core/objects/surface_overlap.h"
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
 
@@ -15,8 +16,7 @@ struct SessionPartParameters {
   double min_area_m2 = 0.004;
   /// Fewest frames of an object that others contradict: fewer have a wrong label.
   std::uint64_t min_doubted_frames = 5;
-  /// Surfaces that are closer, voxels, are in contact.
-  double contact_voxels = 1.5;
+  SurfaceMatchParameters surface;
   /// An object with less than this share of the surface of another one of its class, and closer to
   /// it than this share of its length, is a part of it.
   double fragment_share = 0.1;

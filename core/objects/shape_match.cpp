@@ -103,6 +103,7 @@ UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
 
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
+                       const SurfaceMatchParameters& parameters,
                        const VoxelScale& scale) {
   const std::vector<Eigen::Vector3d> points_world = after.SurfaceInWorld();
   const Eigen::Isometry3d T_world_after = after.state().T_world_object.ToIsometry();
@@ -113,12 +114,12 @@ ShapeMatch MatchShapes(const TrackedObject& before,
         RegisterPoints(points_world, before.volume(), scale, UprightPoseOf(T_world_guess));
     ShapeMatch match;
     match.T_world_object = registration.T_correction.inverse() * T_world_guess;
-    match.overlap =
-        CompareSurfaces(after, before, match.T_world_object.inverse() * T_world_after, scale);
+    match.overlap = CompareSurfaces(
+        after, before, match.T_world_object.inverse() * T_world_after, parameters, scale);
     if (match.close_confidence() > best.close_confidence()) best = match;
   }
-  best.reverse_overlap =
-      CompareSurfaces(before, after, T_world_after.inverse() * best.T_world_object, scale);
+  best.reverse_overlap = CompareSurfaces(
+      before, after, T_world_after.inverse() * best.T_world_object, parameters, scale);
   return best;
 }
 

@@ -32,6 +32,7 @@ UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object);
 /// from which the surfaces are closest, and returns the best.
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
+                       const SurfaceMatchParameters& parameters,
                        const VoxelScale& scale);
 
 }  // namespace steadymap

@@ -63,7 +63,9 @@ Standing JudgeStanding(const TrackedObject& known,
   const LookCount looks = CountLooks(known);
   if (looks.looked_at() < DecidingCells(looks, parameters, scale)) return Standing::kUnknown;
   const bool is_doubted = GoneShareOf(known) >= parameters.doubted_share;
-  const std::size_t verified = looks.looked_at() - CountExplainedCells(known, others, scale);
+  const double contact_m = parameters.parts.surface.contact_voxels * scale.voxel_size_m;
+  const std::size_t verified =
+      looks.looked_at() - CountExplainedCells(known, others, contact_m, scale);
   if (is_doubted &&
       static_cast<double>(looks.gone) >= parameters.gone_share * static_cast<double>(verified)) {
     return Standing::kGone;

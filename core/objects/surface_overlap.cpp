@@ -8,29 +8,21 @@
 namespace steadymap {
 namespace {
 
-constexpr double kMinMatchingCosine = 0.5;
-
-// Pose error and noise of two looks at one surface, in voxels.
-constexpr double kFitVoxels = 1.5;
-
-// The same after registration, in standard deviations, and that of a surface in its voxels.
-constexpr double kCloseSigmas = 3.0;
-constexpr double kVoxelSigmaVoxels = 0.1;
-
 /// True if the surface within `tolerance_m` of a point faces `normal`. Around an edge, the side
 /// that the point is of may be the one beside it.
 bool HasFace(const Eigen::Vector3d& point,
              const Eigen::Vector3d& normal,
              double tolerance_m,
+             double min_cosine,
              TsdfSampler* sampler) {
-  if (sampler->Sample(point).gradient.dot(normal) >= kMinMatchingCosine) return true;
+  if (sampler->Sample(point).gradient.dot(normal) >= min_cosine) return true;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {-1.0, 1.0}) {
       Eigen::Vector3d beside = point;
       beside[axis] += sign * sampler->scale().voxel_size_m;
       const DistanceSample sample = sampler->Sample(beside);
       if (sample.known && std::abs(sample.distance_m) <= tolerance_m &&
-          sample.gradient.dot(normal) >= kMinMatchingCosine) {
+          sample.gradient.dot(normal) >= min_cosine) {
         return true;
       }
     }
@@ -40,16 +32,18 @@ bool HasFace(const Eigen::Vector3d& point,
 
 }  // namespace
 
-double SurfaceSigmaM(const VoxelScale& scale) {
-  return std::hypot(kPlaceSigmaM, kVoxelSigmaVoxels * scale.voxel_size_m);
+double SurfaceSigmaM(const SurfaceMatchParameters& parameters, const VoxelScale& scale) {
+  return std::hypot(parameters.place_sigma_m, parameters.surface_sigma_voxels * scale.voxel_size_m);
 }
 
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
+                               const SurfaceMatchParameters& parameters,
                                const VoxelScale& scale) {
-  const double tolerance_m = kFitVoxels * scale.voxel_size_m;
-  const double close_m = kCloseSigmas * SurfaceSigmaM(scale);
+  const double tolerance_m = parameters.contact_voxels * scale.voxel_size_m;
+  const double close_m = parameters.max_sigmas * SurfaceSigmaM(parameters, scale);
+  const double min_cosine = parameters.min_normal_cosine;
   TsdfSampler sampler(other.volume(), scale);
   std::size_t known = 0;
   std::size_t fitting = 0;
@@ -64,10 +58,10 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
       ++known;
       if (std::abs(distance_m) > tolerance_m) continue;
       const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
-      if (is_inner && !HasFace(position, normal, tolerance_m, &sampler)) continue;
+      if (is_inner && !HasFace(position, normal, tolerance_m, min_cosine, &sampler)) continue;
       ++fitting;
       if (std::abs(distance_m) > close_m) continue;
-      if (is_inner && !HasFace(position, normal, close_m, &sampler)) continue;
+      if (is_inner && !HasFace(position, normal, close_m, min_cosine, &sampler)) continue;
       ++close;
     }
   }
@@ -79,11 +73,14 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
   return overlap;
 }
 
-double CloseShareInPlace(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale) {
+double CloseShareInPlace(const TrackedObject& a,
+                         const TrackedObject& b,
+                         const SurfaceMatchParameters& parameters,
+                         const VoxelScale& scale) {
   const Eigen::Isometry3d T_b_a =
       b.state().T_world_object.ToIsometry().inverse() * a.state().T_world_object.ToIsometry();
-  return 0.5 * (CompareSurfaces(a, b, T_b_a, scale).close_share +
-                CompareSurfaces(b, a, T_b_a.inverse(), scale).close_share);
+  return 0.5 * (CompareSurfaces(a, b, T_b_a, parameters, scale).close_share +
+                CompareSurfaces(b, a, T_b_a.inverse(), parameters, scale).close_share);
 }
 
 }  // namespace steadymap

@@ -2,9 +2,25 @@
 
 #include <Eigen/Geometry>
 
+#include "core/map/pose_error.h"
 #include "core/working/tracked_object.h"
 
 namespace steadymap {
+
+/// When two looks are at one surface.
+struct SurfaceMatchParameters {
+  /// Their distance before the registration of the looks, voxels. Surfaces of one look that are
+  /// closer are in contact.
+  double contact_voxels = 1.5;
+  /// Largest angle between their normals, as a cosine.
+  double min_normal_cosine = 0.5;
+  /// Their distance after registration, in standard deviations of `SurfaceSigmaM`.
+  double max_sigmas = 3.0;
+  /// Standard deviation of the place of an object that nobody moved, metres, and of a surface in
+  /// its voxels, voxels.
+  double place_sigma_m = kPlaceSigmaM;
+  double surface_sigma_voxels = 0.1;
+};
 
 /// How the surface of one object agrees with another object.
 struct SurfaceOverlap {
@@ -15,18 +31,22 @@ struct SurfaceOverlap {
 
 /// Returns the standard deviation of the distance between two looks at one surface in place,
 /// metres: the error of registered frames, and that of voxels.
-double SurfaceSigmaM(const VoxelScale& scale);
+double SurfaceSigmaM(const SurfaceMatchParameters& parameters, const VoxelScale& scale);
 
 /// Compares the surface of `object`, moved by `T_other_object`, with the volume of `other`. A point
-/// is on the surface within one and a half voxels, and close to it within three standard deviations
-/// of `SurfaceSigmaM`. Zeros for an object without surface.
+/// is on the surface within `contact_voxels`, and close to it within `max_sigmas`. Zeros for an
+/// object without surface.
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
+                               const SurfaceMatchParameters& parameters,
                                const VoxelScale& scale);
 
 /// Returns the share of what is known of two surfaces where they stand that agrees within the error
 /// of two looks, averaged over both, in [0, 1].
-double CloseShareInPlace(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale);
+double CloseShareInPlace(const TrackedObject& a,
+                         const TrackedObject& b,
+                         const SurfaceMatchParameters& parameters,
+                         const VoxelScale& scale);
 
 }  // namespace steadymap

@@ -12,9 +12,6 @@ namespace {
 // Points whose view is tested; they determine a share to two percent.
 constexpr std::size_t kMaxTestedPoints = 1000;
 
-// A look finds surface up to this far beyond its edge, voxels: samples are apart.
-constexpr double kEdgeVoxels = 1.5;
-
 /// The surface of another object in the frame of an object.
 class OtherSurface {
  public:
@@ -31,11 +28,11 @@ class OtherSurface {
            std::abs(distance_m) <= voxel_size_m_;
   }
 
-  /// True if a point is near the surface, also beyond its edge.
-  bool HasNear(const Eigen::Vector3d& position_object) {
+  /// True if a point is near the surface, also up to `reach_m` beyond its edge.
+  bool HasNear(const Eigen::Vector3d& position_object, double reach_m) {
     if (Has(position_object)) return true;
     for (int axis = 0; axis < 3; ++axis) {
-      const Eigen::Vector3d step = kEdgeVoxels * voxel_size_m_ * Eigen::Vector3d::Unit(axis);
+      const Eigen::Vector3d step = reach_m * Eigen::Vector3d::Unit(axis);
       if (Has(position_object + step) || Has(position_object - step)) return true;
     }
     return false;
@@ -60,6 +57,7 @@ bool IsFreeBehind(const SurfaceVoxel& point,
 
 std::size_t CountExplainedCells(const TrackedObject& object,
                                 const std::vector<const TrackedObject*>& others,
+                                double reach_m,
                                 const VoxelScale& scale) {
   const Box reach_world = Grow(object.BoundsInWorld(), scale.truncation_m);
   std::vector<OtherSurface> surfaces;
@@ -79,7 +77,7 @@ std::size_t CountExplainedCells(const TrackedObject& object,
       const Eigen::Vector3d position = point.position_object.cast<double>();
       is_explained[point.cell] =
           std::any_of(surfaces.begin(), surfaces.end(), [&](OtherSurface& surface) {
-            return surface.HasNear(position);
+            return surface.HasNear(position, reach_m);
           });
     }
     count += static_cast<std::size_t>(std::count(is_explained.begin(), is_explained.end(), true));

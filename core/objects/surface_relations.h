@@ -10,9 +10,11 @@
 namespace steadymap {
 
 /// Returns the number of evidence cells of `object` whose surface was found (`CountLooks`) where
-/// the surface of one of `others` is, so that the looks do not tell which of both they found.
+/// the surface of one of `others` is, so that the looks do not tell which of both they found. A
+/// look finds surface up to `reach_m` beyond its edge, since samples are apart.
 std::size_t CountExplainedCells(const TrackedObject& object,
                                 const std::vector<const TrackedObject*>& others,
+                                double reach_m,
                                 const VoxelScale& scale);
 
 /// Returns the share of the surface of `object` that has `other` in front of it, along its normals.

@@ -299,7 +299,7 @@ void EvidenceMapper::RecordGaps(const SegmentAssignment& assignment) {
     return Association::kNone;
   };
   std::map<std::uint32_t, std::vector<GapInView>> by_owner;
-  for (const GapInView& gap : FindGaps(*cloud_, GapParameters())) {
+  for (const GapInView& gap : FindGaps(*cloud_, parameters_.assignment.gaps)) {
     const Eigen::Vector2i step = (gap.end - gap.begin).cwiseMin(1);
     const std::uint32_t before = owner_from(gap.begin, -step);
     const std::uint32_t behind = owner_from(gap.end, step);

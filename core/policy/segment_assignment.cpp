@@ -18,11 +18,6 @@ constexpr double kMinWidthSamples = 2.5;
 // farther away, voxels.
 constexpr double kMaxSeedVoxels = 2.0;
 
-// Largest gap between two objects that could be parts of one object, metres, and the fewest rows
-// and columns of samples that show it.
-constexpr float kMaxGapM = 0.3F;
-constexpr std::size_t kMinGapLines = 3;
-
 /// True if a segment is so narrow in the image that its shape cannot be told from noise.
 bool IsUnresolved(const FrameSegment& segment, const SampleGrid& samples) {
   const auto columns = static_cast<std::size_t>(samples.width());
@@ -157,8 +152,10 @@ void SegmentAssignment::SeparateContested(std::size_t index) {
     return;
   }
   const std::vector<OrientedPoint> points = OrientedSurfaceOf(*whole);
-  const std::vector<std::size_t> part_of = SpreadParts(
-      points, FindSeeds(index), identity_.parts.contact_voxels * map_->scale().voxel_size_m);
+  const std::vector<std::size_t> part_of =
+      SpreadParts(points,
+                  FindSeeds(index),
+                  identity_.parts.surface.contact_voxels * map_->scale().voxel_size_m);
   if (std::find(part_of.begin(), part_of.end(), std::size_t{1}) == part_of.end()) return;
   TrackedObject* part = DivideVoxels(whole, part_of, 1, map_).front();
   InheritVotes(*whole, part, map_);
@@ -212,7 +209,7 @@ void SegmentAssignment::Vote() {
     VoteOnParts(/*is_connected=*/true, object, other, map_);
   }
   for (const auto& [pair, lines] : CountGaps()) {
-    if (lines < kMinGapLines) continue;
+    if (lines < parameters_.gaps.min_lines) continue;
     VoteOnParts(
         /*is_connected=*/false,
         (*in_view_)[pair.first].object,
@@ -260,7 +257,8 @@ void SegmentAssignment::CountGapsOn(const SampleLine& line, PairCounts* gaps) co
 bool SegmentAssignment::IsGap(const SurfaceSample& a,
                               const SurfaceSample& b,
                               float nearest_between_m) const {
-  if ((a.position_world - b.position_world).norm() > kMaxGapM) return false;
+  const double distance_m = (a.position_world - b.position_world).cast<double>().norm();
+  if (distance_m > parameters_.gaps.max_width_m) return false;
   return nearest_between_m > std::max(a.depth_m, b.depth_m);
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/association/association.h"
 #include "core/association/frame_segments.h"
+#include "core/association/gaps.h"
 #include "core/association/sample_grid.h"
 #include "core/integration/semantic_cloud.h"
 #include "core/objects/session_identity.h"
@@ -39,6 +40,8 @@ struct SegmentAssignmentParameters {
   double min_mislabelled_share = 0.6;
   /// Segments with less surface do not start an object, square metres.
   double min_new_area_m2 = 0.002;
+  /// Gaps between two objects that could be parts of one.
+  GapParameters gaps;
 };
 
 /// Gives the segments of one frame to objects of the session: each to one object, and one segment

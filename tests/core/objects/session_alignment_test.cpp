@@ -101,7 +101,7 @@ TEST(FitsAtRest, ACorrectionWithinTheErrorOfTwoLooksTellsNothing) {
   const SessionIdentityParameters parameters;
   for (const double voxel_m : {0.02, 0.05, 0.1}) {
     const VoxelScale scale{voxel_m, DefaultTruncationM(voxel_m)};
-    const double sigma_m = SurfaceSigmaM(scale);
+    const double sigma_m = SurfaceSigmaM(parameters.parts.surface, scale);
     Registration registration;
     registration.known_share_at_rest = 1.0;
     registration.known_loss = 0.01;

@@ -17,7 +17,7 @@ TrackedObject StandingBox(std::uint64_t id,
                           const Eigen::Vector3d& size_m,
                           const Eigen::Vector3d& position_world,
                           double yaw_rad) {
-  TrackedObject object(ObjectId(id), position_world, kScale);
+  TrackedObject object(ObjectId(id), position_world, SurfaceMatchParameters(), kScale);
   const Eigen::Vector3d half(0.5 * size_m.x(), 0.5 * size_m.y(), 0.0);
   const Box body(-half, half + Eigen::Vector3d(0.0, 0.0, size_m.z()));
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(kScale.truncation_m);
@@ -38,7 +38,7 @@ TEST(MatchShapes, ASmallBoxAgreesWithItselfAtAnyYaw) {
   const TrackedObject before = StandingBox(1, size_m, {0.0, 0.0, 0.0}, 0.0);
   for (const double yaw_rad : {0.0, 0.3, 0.8, 1.6}) {
     const TrackedObject after = StandingBox(2, size_m, {1.013, 0.52, 0.027}, yaw_rad);
-    const ShapeMatch match = MatchShapes(before, after, kScale);
+    const ShapeMatch match = MatchShapes(before, after, SurfaceMatchParameters(), kScale);
     EXPECT_GT(match.close_share(), 0.9) << yaw_rad;
   }
 }
@@ -47,8 +47,8 @@ TEST(MatchShapes, TellsABoxFromOneThatIsLargerByTenCentimetres) {
   const TrackedObject small = StandingBox(1, {0.4, 0.3, 0.3}, {0.0, 0.0, 0.0}, 0.0);
   const TrackedObject large = StandingBox(2, {0.5, 0.32, 0.45}, {0.0, 1.0, 0.0}, 0.0);
   const TrackedObject after = StandingBox(3, {0.4, 0.3, 0.3}, {1.0, 0.5, 0.0}, 0.4);
-  EXPECT_GT(MatchShapes(small, after, kScale).close_share(),
-            MatchShapes(large, after, kScale).close_share() + 0.2);
+  EXPECT_GT(MatchShapes(small, after, SurfaceMatchParameters(), kScale).close_share(),
+            MatchShapes(large, after, SurfaceMatchParameters(), kScale).close_share() + 0.2);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ using ::steadymap::testing::StateOf;
 using ::steadymap::testing::StoreVolume;
 
 constexpr ClassId kClass{7};
+constexpr SurfaceMatchParameters kParameters;
 
 /// Returns the front of a box that faces -x, from `y_m` along y, 1 m high. If `is_whole`, all
 /// voxels of the leaves that the width intersects are observed, else only those within the width.
@@ -39,7 +40,7 @@ TrackedObject Front(std::uint64_t id, double y_m, double width_m, bool is_whole 
 SurfaceOverlap Compare(const TrackedObject& object, const TrackedObject& other) {
   const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
                                            object.state().T_world_object.ToIsometry();
-  return CompareSurfaces(object, other, T_other_object, kScale);
+  return CompareSurfaces(object, other, T_other_object, kParameters, kScale);
 }
 
 TEST(CompareSurfaces, IsWholeForTheSameSurface) {
@@ -50,10 +51,10 @@ TEST(CompareSurfaces, IsWholeForTheSameSurface) {
 
 TEST(CloseShareInPlace, TellsADisplacementOfThreeCentimetres) {
   const TrackedObject known = Front(1, 0.0, 0.8);
-  EXPECT_NEAR(CloseShareInPlace(Front(2, 0.0, 0.8), known, kScale), 1.0, 1e-9);
+  EXPECT_NEAR(CloseShareInPlace(Front(2, 0.0, 0.8), known, kParameters, kScale), 1.0, 1e-9);
   TrackedObject displaced = Front(3, 0.0, 0.8);
   StateOf(&displaced).T_world_object.position_world.x() += 0.03;
-  EXPECT_NEAR(CloseShareInPlace(displaced, known, kScale), 0.0, 1e-9);
+  EXPECT_NEAR(CloseShareInPlace(displaced, known, kParameters, kScale), 0.0, 1e-9);
 }
 
 TEST(CompareSurfaces, KnowsOnlyThePartThatOverlaps) {
@@ -66,7 +67,7 @@ TEST(CompareSurfaces, FitsNothingThatLiesTooFarInFront) {
   const TrackedObject object = Front(1, 0.0, 0.8);
   const Eigen::Isometry3d T_other_object(Eigen::Translation3d(-0.1, 0.0, 0.0));
   const SurfaceOverlap overlap =
-      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale);
+      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kParameters, kScale);
   EXPECT_GT(overlap.known_share, 0.9);
   EXPECT_EQ(overlap.fit_share, 0.0);
 }
@@ -75,9 +76,9 @@ TEST(CompareSurfaces, IsCloseWithinThreeStandardDeviations) {
   const TrackedObject object = Front(1, 0.0, 0.8);
   for (const double sigmas : {2.7, 3.3}) {
     const Eigen::Isometry3d T_other_object(
-        Eigen::Translation3d(-sigmas * SurfaceSigmaM(kScale), 0.0, 0.0));
+        Eigen::Translation3d(-sigmas * SurfaceSigmaM(kParameters, kScale), 0.0, 0.0));
     const SurfaceOverlap overlap =
-        CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale);
+        CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kParameters, kScale);
     EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9) << sigmas;
     EXPECT_NEAR(overlap.close_share, sigmas < 3.0 ? 1.0 : 0.0, 1e-9) << sigmas;
   }
@@ -90,7 +91,7 @@ TEST(CompareSurfaces, FitsNothingThatFacesTheOtherWay) {
                                            Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()) *
                                            Eigen::Translation3d(-0.2, -0.4, 0.0);
   const SurfaceOverlap overlap =
-      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kScale);
+      CompareSurfaces(object, Front(2, 0.0, 0.8), T_other_object, kParameters, kScale);
   EXPECT_GT(overlap.known_share, 0.6);
   EXPECT_LT(overlap.fit_share, 0.1);
 }

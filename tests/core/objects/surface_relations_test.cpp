@@ -21,6 +21,8 @@ using ::steadymap::testing::StoreVolume;
 
 const Eigen::Vector3d kLongSizeM(0.4, 0.8, 0.6);
 
+constexpr double kReachM = 0.075;
+
 class SurfaceRelationsTest : public ::testing::Test {
  protected:
   SurfaceRelationsTest() { map_.BeginFrame(Revision(1), Timestamp::FromSeconds(100.0)); }
@@ -43,7 +45,7 @@ class SurfaceRelationsTest : public ::testing::Test {
 
   /// Returns the share of the found cells of an object that another one explains.
   double ExplainedShare(const TrackedObject* object, const TrackedObject* other) {
-    return static_cast<double>(CountExplainedCells(*object, {other}, map_.scale())) /
+    return static_cast<double>(CountExplainedCells(*object, {other}, kReachM, map_.scale())) /
            static_cast<double>(CountLooks(*object).found);
   }
 
@@ -83,14 +85,14 @@ TEST_F(SurfaceRelationsTest, ADistantSurfaceExplainsNothing) {
   TrackedObject* object = Put({2.0, 0.0, 0.0});
   SetScores(2, object);
   EXPECT_EQ(ExplainedShare(object, Put({2.0, 1.2, 0.0})), 0.0);
-  EXPECT_EQ(CountExplainedCells(*object, {}, map_.scale()), 0U);
+  EXPECT_EQ(CountExplainedCells(*object, {}, kReachM, map_.scale()), 0U);
 }
 
 TEST_F(SurfaceRelationsTest, WhatWasNotFoundNeedsNoExplanation) {
   TrackedObject* object = Put({2.0, 0.0, 0.0});
   SetScores(-2, object);
   const TrackedObject* other = Put({2.0, 0.0, 0.0});
-  EXPECT_EQ(CountExplainedCells(*object, {other}, map_.scale()), 0U);
+  EXPECT_EQ(CountExplainedCells(*object, {other}, kReachM, map_.scale()), 0U);
 }
 
 TEST_F(SurfaceRelationsTest, ABoxInFrontHidesTheSideBehindIt) {
