@@ -35,6 +35,16 @@ constexpr int kViewMarginSamples = 8;
 // Lower bound of the distance at which a turn of an object moves its samples, metres.
 constexpr double kMinLeverM = 0.1;
 
+/// Returns the square of the Mahalanobis distance that a pose error exceeds as rarely as a normal
+/// error exceeds so many standard deviations: chi square in six degrees of freedom by Wilson and
+/// Hilferty (1931).
+double MaxDistance2(double sigmas) {
+  constexpr double kFreedom = 6.0;
+  constexpr double kVariance = 2.0 / (9.0 * kFreedom);
+  const double root = 1.0 - kVariance + sigmas * std::sqrt(kVariance);
+  return kFreedom * root * root * root;
+}
+
 /// What a frame tells of the pose error, linearised at one value of it: the information matrix, and
 /// the gradient of half the sum of squared residuals.
 struct PoseMeasurement {
@@ -357,7 +367,7 @@ PoseErrorEstimate PoseFilter::Update(const std::optional<PoseErrorEstimate>& las
   UpdateHypotheses(error, measurement, &updated);
   const PoseErrorVector mean = updated.Combined().mean;
   const double prior_distance2 = mean.dot(Prior().diagonal().cwiseInverse().cwiseProduct(mean));
-  return prior_distance2 > parameters_.max_prior_distance2 ? estimate : updated;
+  return prior_distance2 > MaxDistance2(parameters_.max_sigmas) ? estimate : updated;
 }
 
 }  // namespace steadymap

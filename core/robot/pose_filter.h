@@ -23,15 +23,13 @@ struct PoseFilterParameters {
   /// Error of the surface of the map, voxels.
   double surface_sigma_voxels = 0.2;
   /// A sample at so many standard deviations from the surface of the map has a quarter of the
-  /// weight of one on it.
+  /// weight of one on it. A registration further from the claimed pose fits the frame to other
+  /// surface.
   double max_sigmas = 3.0;
   /// Standard deviation of the place of an object that nobody moved, metres. All samples of an
   /// object have half their weight if they fit its surface only after a displacement by one
   /// standard deviation of this place and the pose error together.
   double place_sigma_m = kPlaceSigmaM;
-  /// A registration further from the claimed pose fits the frame to other surface: the square of
-  /// the Mahalanobis distance that 0.1 % of the errors exceed (chi square, six degrees of freedom).
-  double max_prior_distance2 = 22.5;
   /// Largest angle between a sample and the surface that it is on, as a cosine.
   double min_normal_cosine = 0.7;
   /// Number of registered samples, if the frame has them; up to four times as many, since every

@@ -153,8 +153,8 @@ TEST_F(PoseFilterTest, FindsNoErrorThatThePriorRulesOut) {
         last_.reset();
         const PoseError error =
             Update(Displaced(frame, shift_m * Eigen::Vector3d::Unit(axis), {0.0, 0.0, 0.0}));
-        EXPECT_LE(error.mean.head<3>().norm(),
-                  std::sqrt(parameters.max_prior_distance2) * parameters.sigma_m);
+        // 0.12 % of the errors in six degrees of freedom exceed it.
+        EXPECT_LE(error.mean.head<3>().norm(), std::sqrt(22.0) * parameters.sigma_m);
       }
     }
   }
