@@ -25,7 +25,7 @@ class ObjectLook {
              const TrackedObject& object)
       : frame_(frame),
         parameters_(parameters),
-        slack_m_(0.5 * scale.voxel_size_m),
+        scale_(scale),
         spacing_per_m_(static_cast<float>(SampleGrid::SpacingPerM(frame.cloud.camera()))),
         label_(object.state().class_id.value()),
         T_world_object_(object.state().T_world_object.ToIsometry().cast<float>()),
@@ -45,7 +45,8 @@ class ObjectLook {
     const std::optional<SamplePlace> place =
         frame_.samples.FindPlace(frame_.cloud.camera(), point_camera);
     if (!place) return std::nullopt;
-    const float margin_m = MarginAt(point_camera.z());
+    const auto margin_m =
+        static_cast<float>(LookLimitM(parameters_, frame_.cloud, scale_, point_camera.z()));
     const SurfaceSample& sample = frame_.samples.At(place->column, place->row);
     if (sample.is_valid()) {
       const float off_plane_m = (point_world - sample.position_world).dot(sample.normal_world);
@@ -63,12 +64,6 @@ class ObjectLook {
   }
 
  private:
-  float MarginAt(float depth_m) const {
-    const double sigma_m = std::hypot(
-        frame_.cloud.depth_noise().SigmaM(static_cast<double>(depth_m)), parameters_.pose_sigma_m);
-    return static_cast<float>(parameters_.max_sigmas * sigma_m + slack_m_);
-  }
-
   /// True if a sample around has the object's class; also true without labels.
   bool HasItsClass(const SamplePlace& place) const {
     if (!parameters_.labels_decide) return true;
@@ -87,7 +82,7 @@ class ObjectLook {
 
   const LookedAtFrame& frame_;
   const LookParameters& parameters_;
-  double slack_m_;
+  const VoxelScale& scale_;
   float spacing_per_m_;  ///< Of samples, at a depth of one metre.
   std::uint16_t label_;
   Eigen::Isometry3f T_world_object_;
@@ -116,6 +111,15 @@ void DoubtOtherCells(const ShownCells& shown,
 }
 
 }  // namespace
+
+double LookLimitM(const LookParameters& parameters,
+                  const SemanticCloud& cloud,
+                  const VoxelScale& scale,
+                  float depth_m) {
+  const double sigma_m =
+      std::hypot(cloud.depth_noise().SigmaM(static_cast<double>(depth_m)), parameters.pose_sigma_m);
+  return parameters.max_sigmas * sigma_m + 0.5 * scale.voxel_size_m;
+}
 
 bool AddLook(const LookedAtFrame& frame,
              const LookParameters& parameters,

@@ -38,6 +38,12 @@ struct LookParameters {
   double whole_gone_share = 0.75;
 };
 
+/// Returns how far a surface in place may be measured off it at a depth, metres.
+double LookLimitM(const LookParameters& parameters,
+                  const SemanticCloud& cloud,
+                  const VoxelScale& scale,
+                  float depth_m);
+
 /// The number of evidence cells of an object by the balance of their looks.
 struct LookCount {
   std::size_t cells = 0;  ///< All of them, looked at or not.

@@ -184,9 +184,7 @@ void EvidenceMapper::LookAtObjects(const SensorName& source) {
 
 /// Returns how far a sample on a surface may be measured off it, metres.
 double EvidenceMapper::LimitAt(float depth_m) const {
-  const double sigma_m = std::hypot(cloud_->depth_noise().SigmaM(static_cast<double>(depth_m)),
-                                    parameters_.looks.pose_sigma_m);
-  return parameters_.looks.max_sigmas * sigma_m + 0.5 * map_->scale().voxel_size_m;
+  return LookLimitM(parameters_.looks, *cloud_, map_->scale(), depth_m);
 }
 
 /// True if a sample is on the surface of a volume, by the distance sampled there and its normal in
