@@ -18,17 +18,11 @@
 namespace steadymap {
 namespace {
 
-// A surface whose normal is closer to the vertical than this faces up.
-constexpr double kMinUpCosine = 0.85;
-
 // Share of the points of a flat part whose normals agree.
 constexpr double kMinFlatShare = 0.9;
 
 // Where the continuation of a surface is looked for along an axis in its plane, voxels.
 constexpr double kContinuationVoxels[] = {2.0, -2.0, 4.0, -4.0, 6.0, -6.0};
-
-// A part that is farther from another one in the plan is not above it, voxels.
-constexpr double kBesideVoxels = 3.0;
 
 // Neighbours on a plane, voxels: the diagonal of a voxel.
 constexpr double kPlaneReachVoxels = 1.75;
@@ -75,9 +69,7 @@ class SceneDivision {
     return FindLargePlanes(points,
                            voxel_m_ * voxel_m_,
                            kPlaneReachVoxels * voxel_m_,
-                           {min_area_m2,
-                            parameters_.max_plane_distance_voxels * voxel_m_,
-                            parameters_.min_plane_cosine},
+                           {min_area_m2, voxel_m_, parameters_.min_plane_cosine},
                            planes);
   }
 
@@ -102,7 +94,7 @@ class SceneDivision {
   void MarkFloor() {
     std::optional<OrientedPoint> floor;
     for (const auto& [normal, point] : planes_) {
-      if (normal.z() < kMinUpCosine) continue;
+      if (normal.z() < parameters_.min_plane_cosine) continue;
       if (!floor || point.z() < floor->position_world.z()) floor = OrientedPoint{point, normal};
     }
     if (!floor) return;
@@ -145,7 +137,7 @@ class SceneDivision {
 
   bool IsOnPlane(const OrientedPoint& point, const OrientedPoint& plane) const {
     const double distance_m = plane.normal_world.dot(point.position_world - plane.position_world);
-    return std::abs(distance_m) <= parameters_.max_plane_distance_voxels * voxel_m_ &&
+    return std::abs(distance_m) <= voxel_m_ &&
            plane.normal_world.dot(point.normal_world) >= parameters_.min_plane_cosine;
   }
 
@@ -184,7 +176,8 @@ class SceneDivision {
         FindPlanes(points, parameters_.min_support_area_m2, &planes);
     std::vector<char> is_support(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (is_on_plane[i] == 0 || points[i].normal_world.z() <= kMinUpCosine) continue;
+      if (is_on_plane[i] == 0 || points[i].normal_world.z() <= parameters_.min_plane_cosine)
+        continue;
       is_support[i] = 1;
       supports_.push_back(points[i]);
     }
@@ -281,13 +274,13 @@ class SceneDivision {
       for (const std::size_t i : part) normal_sum += points_[i].normal_world;
       const Eigen::Vector3d normal = normal_sum.normalized();
       const auto flat = std::count_if(part.begin(), part.end(), [&](std::size_t i) {
-        return points_[i].normal_world.dot(normal) > kMinUpCosine;
+        return points_[i].normal_world.dot(normal) > parameters_.min_plane_cosine;
       });
       if (static_cast<double>(flat) < kMinFlatShare * static_cast<double>(part.size())) {
         return false;
       }
       return std::any_of(planes_.begin(), planes_.end(), [&](const auto& plane) {
-        return plane.first.dot(normal) > kMinUpCosine &&
+        return plane.first.dot(normal) > parameters_.min_plane_cosine &&
                std::abs(normal.dot(points_[part[part.size() / 2]].position_world - plane.second)) <=
                    2.0 * voxel_m_;
       });
@@ -310,7 +303,7 @@ class SceneDivision {
     for (const OrientedPoint& point : supports_) structure.push_back(point.position_world);
     const OutlineTest test(map, structure);
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      return test.SeenShareOf(PointsOf(part)) < parameters_.min_outline_share;
+      return test.SeenShareOf(PointsOf(part)) < 0.5;
     });
   }
 
@@ -342,7 +335,8 @@ class SceneDivision {
     const double lowest_m = LowestOf(part);
     double floor_m = std::numeric_limits<double>::lowest();
     const auto raise_floor = [&](const OrientedPoint& point) {
-      if (point.normal_world.z() < kMinUpCosine || !base.contains(point.position_world.head<2>()) ||
+      if (point.normal_world.z() < parameters_.min_plane_cosine ||
+          !base.contains(point.position_world.head<2>()) ||
           point.position_world.z() > lowest_m + voxel_m_) {
         return;
       }
@@ -352,7 +346,7 @@ class SceneDivision {
       if (is_structure_[i] != 0) raise_floor(points_[i]);
     }
     for (const OrientedPoint& point : supports_) raise_floor(point);
-    return lowest_m - floor_m > parameters_.max_float_voxels * voxel_m_;
+    return lowest_m - floor_m > parameters_.min_width_voxels * voxel_m_;
   }
 
   /// Returns the least distance of a point of `a` from one of `b` that is beside or below it,
@@ -362,7 +356,7 @@ class SceneDivision {
     for (const std::size_t i : a) {
       for (const std::size_t j : b) {
         const Eigen::Vector3d offset = points_[i].position_world - points_[j].position_world;
-        if (offset.head<2>().norm() > kBesideVoxels * voxel_m_) continue;
+        if (offset.head<2>().norm() > parameters_.min_width_voxels * voxel_m_) continue;
         nearest_m = std::min(nearest_m, offset.norm());
       }
     }

@@ -8,9 +8,10 @@ namespace steadymap {
 
 /// The constants of `DivideScene`.
 struct SceneDivisionParameters {
-  /// Floors and walls: large planes. The distance is in voxels.
+  /// Smallest area of a large plane, such as a floor or a wall, square metres.
   double min_plane_area_m2 = 1.5;
-  double max_plane_distance_voxels = 1.0;
+  /// Largest angle between the normals of one plane, as a cosine; also between the vertical and
+  /// the normal of surface that faces up.
   double min_plane_cosine = 0.85;
   /// Smallest level surface on which other things stand, square metres.
   double min_support_area_m2 = 0.2;
@@ -19,15 +20,13 @@ struct SceneDivisionParameters {
   /// Parts that are closer are one object, voxels: narrow surface, such as the edge of a table, has
   /// gaps.
   double near_voxels = 2.25;
-  /// Narrower parts, such as the legs of a table, do not become objects of their own, voxels.
+  /// What is smaller is not resolved, voxels. Narrower parts, such as the legs of a table, do not
+  /// become objects of their own. Nothing floats: a part whose lowest point is higher above the
+  /// floor belongs to the nearest other part.
   double min_width_voxels = 3.0;
   /// Largest share of the width of a leg in its length.
   double max_leg_share = 0.3;
-  /// Share of the outline of an object that must have been seen.
-  double min_outline_share = 0.5;
-  /// Nothing floats: a part whose lowest point is higher above the floor than this, voxels, belongs
-  /// to the nearest other part within the reach, metres.
-  double max_float_voxels = 3.0;
+  /// Largest distance of a part that floats from the one that it belongs to, metres.
   double float_reach_m = 0.5;
   OppositeSideParameters opposite_sides;
 };
