@@ -212,7 +212,7 @@ void SessionDecision::MatchInPlace() {
             : NewShareOf(
                   parameters_.parts.surface, *match.known->object, *match.seen->object, *map_));
     const double displacement_m =
-        match.fits_at_rest && doubt < parameters_.doubted_share ? 0.0 : match.displacement_m;
+        match.fits_at_rest && doubt < parameters_.negligible_share ? 0.0 : match.displacement_m;
     if (IsOlderThanRemoval(*match.seen, *match.known)) {
       // Another session has found it gone since.
       if (displacement_m > match.seen->pose_error_m) continue;
@@ -223,14 +223,14 @@ void SessionDecision::MatchInPlace() {
     // What was gone is back where it stood, if not to the centimetre.
     if (!is_archived && displacement_m > match.seen->pose_error_m) continue;
     const bool is_displaced = displacement_m > parameters_.max_displacement_m;
-    if (doubt >= (is_displaced ? parameters_.gone_share : 1.0 - parameters_.doubted_share)) {
+    if (doubt >= (is_displaced ? parameters_.gone_share : 1.0 - parameters_.negligible_share)) {
       continue;
     }
     if (!is_archived) {
       match.close_share = CloseShareInPlace(
           *match.seen->object, *match.known->object, parameters_.parts.surface, map_->scale());
     }
-    if (doubt >= (is_displaced ? parameters_.doubted_share : parameters_.gone_share) ||
+    if (doubt >= (is_displaced ? parameters_.negligible_share : parameters_.gone_share) ||
         MayBeMoved(match)) {
       objects_.doubted.push_back(match);
     } else {
@@ -242,7 +242,7 @@ void SessionDecision::MatchInPlace() {
 /// True if a move could explain the surface of a match in place clearly better, or one of both
 /// objects is in a better match of which that is true.
 bool SessionDecision::MayBeMoved(const PlaceMatch& match) const {
-  if (match.close_share < 1.0 - parameters_.rival_margin) return true;
+  if (match.close_share < 1.0 - parameters_.negligible_share) return true;
   return std::any_of(
       objects_.doubted.begin(), objects_.doubted.end(), [&](const PlaceMatch& doubted) {
         return (doubted.seen == match.seen || doubted.known == match.known) &&
@@ -494,7 +494,7 @@ void SessionDecision::AddRest() {
   for (SeenObject& seen : objects_.seen) {
     if (seen.is_decided) continue;
     // No later session found it, so a part of its surface decides.
-    const bool is_outdated = seen.removed_share >= parameters_.doubted_share;
+    const bool is_outdated = seen.removed_share >= parameters_.negligible_share;
     if (is_outdated || (!seen.is_new_region && IsPartOfStanding(*seen.object))) {
       map_->Delete(seen.object);
       continue;
@@ -527,7 +527,7 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
   const LookCount looks = CountLooks(*object);
   if (looks.gone < parameters_.min_part_cells ||
       static_cast<double>(looks.gone) <
-          parameters_.min_part_share * static_cast<double>(looks.looked_at())) {
+          parameters_.negligible_share * static_cast<double>(looks.looked_at())) {
     return;
   }
   CutGoneCells(object, map_);

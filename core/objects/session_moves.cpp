@@ -67,7 +67,7 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
   }
   return match.close_share() >=
          CloseShareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_) +
-             parameters_.rival_margin;
+             parameters_.negligible_share;
 }
 
 /// True if a known object is not where it was, or if it may have been pushed or turned to where an
@@ -87,7 +87,7 @@ bool MoveSearch::MayStand(const SeenObject& seen, const KnownObject& known) cons
 
 /// True if the surfaces of two objects are large enough to be of one.
 bool MoveSearch::AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const {
-  return seen.SurfaceAreaM2() >= parameters_.min_moved_area_share * known.SurfaceAreaM2() &&
+  return seen.SurfaceAreaM2() >= parameters_.min_known_share * known.SurfaceAreaM2() &&
          known.SurfaceAreaM2() >= parameters_.min_shape_known_share * seen.SurfaceAreaM2();
 }
 
@@ -166,13 +166,13 @@ double MoveSearch::DoubtedFitOf(const SeenObject& seen, const KnownObject& known
   return best;
 }
 
-/// Returns how likely a move is, on the scale of `rival_margin`. What is not known of a shape does
+/// Returns how likely a move is, as an agreement of surfaces. What is not known of a shape does
 /// not tell it from another one. Of two equal shapes, the one whose place overlaps was pushed.
 double MoveSearch::LikelihoodOf(const SessionMove& candidate) const {
   const bool is_pushed =
       candidate.distance_m <= 0.0 && IsPushed(*candidate.seen, *candidate.known, candidate.match);
   return candidate.match.close_share() +
-         (is_pushed ? kPushMargins * parameters_.rival_margin : 0.0);
+         (is_pushed ? kPushMargins * parameters_.negligible_share : 0.0);
 }
 
 /// Returns the moves without which the best explanation of all changes would be clearly worse.
@@ -184,7 +184,7 @@ std::vector<SessionMove> MoveSearch::FindClearMoves(
     pairs.push_back({candidate.seen->index, candidate.known->index, -LikelihoodOf(candidate)});
   }
   const std::vector<std::optional<std::size_t>> columns = AssignClearColumns(
-      objects_->seen.size(), objects_->known.size(), pairs, 0.0, parameters_.rival_margin);
+      objects_->seen.size(), objects_->known.size(), pairs, 0.0, parameters_.negligible_share);
   std::vector<SessionMove> clear;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (columns[pairs[i].row] == pairs[i].column) clear.push_back(candidates[i]);

@@ -214,7 +214,7 @@ bool IsFragmentOf(const TrackedObject& object,
   if (!IsOfOneClass(object, other)) return false;
   return object.SurfaceAreaM2() < parameters.fragment_share * other.SurfaceAreaM2() &&
          DistanceBetween(object.cuboid(), other.cuboid()) <
-             parameters.fragment_reach * other.cuboid().size_m.maxCoeff();
+             parameters.max_hidden_gap_share * other.cuboid().size_m.maxCoeff();
 }
 
 bool IsPartOf(const TrackedObject& object,

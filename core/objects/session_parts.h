@@ -17,11 +17,11 @@ struct SessionPartParameters {
   /// Fewest frames of an object that others contradict: fewer have a wrong label.
   std::uint64_t min_doubted_frames = 5;
   SurfaceMatchParameters surface;
-  /// An object with less than this share of the surface of another one of its class, and closer to
-  /// it than this share of its length, is a part of it.
+  /// An object with less than this share of the surface of another one of its class beside it is a
+  /// fragment of it.
   double fragment_share = 0.1;
-  double fragment_reach = 0.5;
-  /// An object goes on behind what hides it for no more than this share of its width.
+  /// An object goes on behind what hides it for no more than this share of its width. A fragment is
+  /// closer to its object than this share of the object's length.
   double max_hidden_gap_share = 0.5;
   /// A leg is narrower than this, metres, and than `scene.max_leg_share` of its length.
   double max_leg_width_m = 0.25;

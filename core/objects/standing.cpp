@@ -33,7 +33,7 @@ bool Replaces(const TrackedObject& other,
   }
   const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
   return registration && registration->dissimilarity <= parameters.max_dissimilarity &&
-         registration->known_share >= parameters.min_displaced_known_share &&
+         registration->known_share >= parameters.min_shape_known_share &&
          !FitsAtRest(*registration, parameters, scale) &&
          DisplacementOf(*registration, other) > parameters.max_displacement_m;
 }
@@ -62,7 +62,7 @@ Standing JudgeStanding(const TrackedObject& known,
                        const VoxelScale& scale) {
   const LookCount looks = CountLooks(known);
   if (looks.looked_at() < DecidingCells(looks, parameters, scale)) return Standing::kUnknown;
-  const bool is_doubted = GoneShareOf(known) >= parameters.doubted_share;
+  const bool is_doubted = GoneShareOf(known) >= parameters.negligible_share;
   const double contact_m = parameters.parts.surface.contact_voxels * scale.voxel_size_m;
   const std::size_t verified =
       looks.looked_at() - CountExplainedCells(known, others, contact_m, scale);

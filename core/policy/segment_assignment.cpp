@@ -60,7 +60,7 @@ bool SegmentAssignment::IsOfObject(const Claim& claim) const {
   if ((*in_view_)[claim.place].object->state().class_id.value() == segment.label) {
     return claim.share >= parameters_.min_common_share;
   }
-  return claim.area_m2 >= parameters_.min_mislabelled_share * segment.area_m2;
+  return 2.0 * claim.area_m2 >= segment.area_m2;
 }
 
 void SegmentAssignment::AssignScene() {

@@ -36,8 +36,6 @@ struct SegmentedFrame {
 struct SegmentAssignmentParameters {
   /// A segment and an object of the session share surface if this share of the smaller one does.
   double min_common_share = 0.2;
-  /// A segment of another class is of an object if this share of its samples is on its surface.
-  double min_mislabelled_share = 0.6;
   /// Segments with less surface do not start an object, square metres.
   double min_new_area_m2 = 0.002;
   /// Gaps between two objects that could be parts of one.

@@ -17,7 +17,7 @@ TrackedObject StandingBox(std::uint64_t id,
                           const Eigen::Vector3d& size_m,
                           const Eigen::Vector3d& position_world,
                           double yaw_rad) {
-  TrackedObject object(ObjectId(id), position_world, SurfaceMatchParameters(), kScale);
+  TrackedObject object(ObjectId(id), position_world, kScale);
   const Eigen::Vector3d half(0.5 * size_m.x(), 0.5 * size_m.y(), 0.0);
   const Box body(-half, half + Eigen::Vector3d(0.0, 0.0, size_m.z()));
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(kScale.truncation_m);
