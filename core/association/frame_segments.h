@@ -30,8 +30,12 @@ struct ContinuityParameters {
   /// Distance of each sample from the plane of the other one, in standard deviations of the
   /// difference of two depths.
   double max_sigmas = 3.0;
+  /// Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
+  double min_facing_cosine = 0.4;
   /// Segments of fewer samples are fragments at depth edges.
   std::size_t min_samples = 6;
+
+  friend bool operator==(const ContinuityParameters&, const ContinuityParameters&) = default;
 };
 
 /// Divides the valid samples of a frame, those of `cloud`, whose use is `kSegment`, into segments.

@@ -29,6 +29,8 @@ struct GapParameters {
   double max_sigmas = 3.0;
   /// Fewest rows or columns of the frame that show a gap.
   std::size_t min_lines = 3;
+
+  friend bool operator==(const GapParameters&, const GapParameters&) = default;
 };
 
 /// Finds the gaps that a frame looks through: pairs of cells of one class and without instance,

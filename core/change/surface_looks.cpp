@@ -9,9 +9,6 @@
 namespace steadymap {
 namespace {
 
-// Surface at a flatter angle to the ray says little: noise and pose errors move the ray off it.
-constexpr float kMinFacingCosine = 0.25F;
-
 constexpr float kMinDepthM = 0.1F;
 
 enum class LookResult { kPresent, kAbsent };
@@ -39,7 +36,7 @@ class ObjectLook {
     const Eigen::Vector3f normal_world = T_world_object_.linear() * point.normal_object;
     const Eigen::Vector3f to_camera = (camera_world_ - point_world).normalized();
     const float facing = normal_world.dot(to_camera);
-    if (facing < kMinFacingCosine) return std::nullopt;
+    if (static_cast<double>(facing) < parameters_.min_facing_cosine) return std::nullopt;
     const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
     if (point_camera.z() < kMinDepthM) return std::nullopt;
     const std::optional<SamplePlace> place =

@@ -22,6 +22,8 @@ struct LookedAtFrame {
 struct LookParameters {
   double max_sigmas = 3.0;     ///< Of the difference between the measured and the mapped depth.
   double pose_sigma_m = 0.01;  ///< Standard deviation of the pose of a frame, metres.
+  /// Surface at a flatter angle to the ray says little: noise and pose errors move the ray off it.
+  double min_facing_cosine = 0.25;
   /// Between the normals of a measured and a mapped surface: at a larger angle, they are two.
   double min_normal_cosine = 0.7;
   /// A class may be wrong: a look at another class counts as absence only if the surface does not
@@ -36,6 +38,8 @@ struct LookParameters {
   /// share of those that the frame shows, are gone.
   std::size_t min_gone_cells = 16;
   double whole_gone_share = 0.75;
+
+  friend bool operator==(const LookParameters&, const LookParameters&) = default;
 };
 
 /// Returns how far a surface in place may be measured off it at a depth, metres.

@@ -134,7 +134,8 @@ PartDecisions DivideAtGaps(const SessionPartParameters& parameters,
   PartDecisions decisions;
   for (const auto& [class_id, seen] : gaps) {
     GapDivision division(parameters, source, class_id, map, &decisions);
-    for (const GapPlane& gap : FindGapPlanes(seen, map->scale().voxel_size_m)) {
+    for (const GapPlane& gap :
+         FindGapPlanes(parameters.scene.gaps, seen, map->scale().voxel_size_m)) {
       division.DivideAt(gap);
     }
   }

@@ -17,20 +17,6 @@ namespace {
 // More are not kept: a room of clutter has a few thousand, frames made to do harm have any number.
 constexpr std::size_t kMaxGaps = 1 << 15;
 
-// Fewer frames may have a wrong pose or depth.
-constexpr std::uint32_t kMinFrames = 2;
-
-// Places of one gap are on one plane to a voxel, and each is closer to another one, metres: frames
-// look into it from above, and from two sides.
-constexpr double kReachM = 0.5;
-
-// Smallest cosine between the directions of two places of one gap.
-constexpr double kMinCosine = 0.8;
-
-// Things beside each other are apart from top to bottom, an opening is not: share of the height of
-// the surface in which the gap must be seen.
-constexpr double kMinHeightShare = 0.5;
-
 // Surface that goes on from one side of a gap to the other faces along it; the sides of things
 // beside the gap face across it.
 constexpr double kMaxCrossingCosine = M_SQRT1_2;
@@ -69,21 +55,22 @@ void AddSeen(const SeenGap& added, SeenGap* gap) {
 }
 
 /// True if two places may be of one gap.
-bool Continues(const SeenGap& a, const SeenGap& b, double voxel_size_m) {
+bool Continues(const SeenGap& a, const SeenGap& b, double min_cosine, double voxel_size_m) {
   const Eigen::Vector2d view = a.view_sum_world.normalized();
   const Eigen::Vector3d way = b.middle_world - a.middle_world;
   const double across_m = view.x() * way.y() - view.y() * way.x();
   return std::abs(across_m) <= voxel_size_m &&
-         std::abs(view.dot(b.view_sum_world.normalized())) >= kMinCosine;
+         std::abs(view.dot(b.view_sum_world.normalized())) >= min_cosine;
 }
 
 /// Divides places into gaps.
-std::vector<std::vector<SeenGap>> FindClusters(const std::vector<SeenGap>& places,
+std::vector<std::vector<SeenGap>> FindClusters(const GapPlaneParameters& parameters,
+                                               const std::vector<SeenGap>& places,
                                                double voxel_size_m) {
   std::vector<OrientedPoint> points;
   points.reserve(places.size());
   for (const SeenGap& place : places) points.push_back({place.middle_world});
-  const PointGrid grid(points, kReachM);
+  const PointGrid grid(points, parameters.reach_m);
   std::vector<char> is_visited(places.size(), 0);
   std::vector<std::vector<SeenGap>> clusters;
   for (std::size_t seed = 0; seed < places.size(); ++seed) {
@@ -93,7 +80,9 @@ std::vector<std::vector<SeenGap>> FindClusters(const std::vector<SeenGap>& place
     for (std::size_t next = 0; next < region.size(); ++next) {
       const std::size_t from = region[next];
       grid.ForEachNeighbour(from, [&](std::size_t other) {
-        if (is_visited[other] != 0 || !Continues(places[from], places[other], voxel_size_m)) return;
+        if (is_visited[other] != 0 ||
+            !Continues(places[from], places[other], parameters.min_cosine, voxel_size_m))
+          return;
         is_visited[other] = 1;
         region.push_back(other);
       });
@@ -204,13 +193,15 @@ void MergeGaps(std::span<const SeenGap> added, std::vector<SeenGap>* into) {
   std::inplace_merge(into->begin(), into->begin() + known_count, into->end(), is_before);
 }
 
-std::vector<GapPlane> FindGapPlanes(std::span<const SeenGap> gaps, double voxel_size_m) {
+std::vector<GapPlane> FindGapPlanes(const GapPlaneParameters& parameters,
+                                    std::span<const SeenGap> gaps,
+                                    double voxel_size_m) {
   std::vector<SeenGap> places;
-  std::copy_if(gaps.begin(), gaps.end(), std::back_inserter(places), [](const SeenGap& gap) {
-    return gap.frames >= kMinFrames;
+  std::copy_if(gaps.begin(), gaps.end(), std::back_inserter(places), [&](const SeenGap& gap) {
+    return gap.frames >= parameters.min_frames;
   });
   std::vector<GapPlane> planes;
-  for (const std::vector<SeenGap>& cluster : FindClusters(places, voxel_size_m)) {
+  for (const std::vector<SeenGap>& cluster : FindClusters(parameters, places, voxel_size_m)) {
     planes.push_back(PlaneOf(cluster));
   }
   std::stable_sort(planes.begin(), planes.end(), [](const GapPlane& a, const GapPlane& b) {
@@ -245,7 +236,8 @@ bool Divides(const GapPlane& gap, std::span<const OrientedPoint> points, double 
   for (const Eigen::Vector3d& point : gap.seen_world) {
     if (seen.contains(places.At(point))) seen_height.Extend(point.z());
   }
-  return seen_height.length() >= kMinHeightShare * height.length();
+  // Things beside each other are apart from top to bottom, an opening is not.
+  return 2.0 * seen_height.length() >= height.length();
 }
 
 bool IsBeside(const GapPlane& gap, std::span<const OrientedPoint> points, double voxel_size_m) {

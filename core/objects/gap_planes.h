@@ -35,8 +35,23 @@ struct GapPlane {
   }
 };
 
+/// Which places are of one gap.
+struct GapPlaneParameters {
+  /// Fewer frames may have a wrong pose or depth.
+  std::uint64_t min_frames = 2;
+  /// Places of one gap are on one plane to a voxel, and each is closer to another one, metres:
+  /// frames look into it from above, and from two sides.
+  double reach_m = 0.5;
+  /// Largest angle between the directions of two places of one gap, as a cosine.
+  double min_cosine = 0.85;
+
+  friend bool operator==(const GapPlaneParameters&, const GapPlaneParameters&) = default;
+};
+
 /// Finds the gaps that enough frames have looked through, those seen at most places first.
-std::vector<GapPlane> FindGapPlanes(std::span<const SeenGap> gaps, double voxel_size_m);
+std::vector<GapPlane> FindGapPlanes(const GapPlaneParameters& parameters,
+                                    std::span<const SeenGap> gaps,
+                                    double voxel_size_m);
 
 /// True if a gap divides a surface that has points at both edges of it: the gap was looked through
 /// at more places of its plane, squares of a voxel, than surface crosses it at, and from top to

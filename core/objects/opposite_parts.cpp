@@ -16,30 +16,29 @@ constexpr double kOnLineSpacings = 0.87;
 // The surface around the start of a line is not behind it, spacings.
 constexpr double kFirstSpacings = 1.5;
 
-// Surfaces at less than 60 degrees face alike.
-constexpr double kMinAlikeCosine = 0.5;
-
 /// The search for the opposite sides of points.
 class OppositeSearch {
  public:
-  OppositeSearch(std::span<const OrientedPoint> points, double spacing_m, double max_thickness_m)
+  OppositeSearch(std::span<const OrientedPoint> points,
+                 double spacing_m,
+                 const OppositeSideParameters& parameters)
       : points_(points),
         grid_(points, kOnLineSpacings * spacing_m),
         spacing_m_(spacing_m),
-        max_thickness_m_(max_thickness_m) {}
+        parameters_(parameters) {}
 
   /// Returns the first point inwards from a point, if its surface faces the other way.
   std::optional<std::size_t> OppositeOf(const OrientedPoint& start) const {
     for (int step = 0;; ++step) {
       const double depth_m = (kFirstSpacings + kStepSpacings * step) * spacing_m_;
-      if (depth_m > max_thickness_m_) return std::nullopt;
+      if (depth_m > parameters_.max_thickness_m) return std::nullopt;
       const Eigen::Vector3d place = start.position_world - depth_m * start.normal_world;
       std::optional<std::size_t> opposite;
       bool is_outside = false;
       grid_.ForEachNear(place, [&](std::size_t index) {
         const double cosine = points_[index].normal_world.dot(start.normal_world);
-        if (cosine >= kMinAlikeCosine) is_outside = true;
-        if (cosine <= -kMinAlikeCosine) opposite = index;
+        if (cosine >= parameters_.min_cosine) is_outside = true;
+        if (cosine <= -parameters_.min_cosine) opposite = index;
       });
       if (opposite) return opposite;
       if (is_outside) return std::nullopt;
@@ -50,7 +49,7 @@ class OppositeSearch {
   std::span<const OrientedPoint> points_;
   PointGrid grid_;
   double spacing_m_;
-  double max_thickness_m_;
+  const OppositeSideParameters& parameters_;
 };
 
 }  // namespace
@@ -64,7 +63,7 @@ std::vector<std::size_t> FindOppositeParts(std::span<const OrientedPoint> points
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (const std::size_t point : parts[i]) part_of[point] = i;
   }
-  const OppositeSearch search(points, spacing_m, parameters.max_thickness_m);
+  const OppositeSearch search(points, spacing_m, parameters);
   std::vector<std::size_t> opposite_of;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     std::map<std::size_t, std::size_t> counts;

@@ -13,6 +13,10 @@ struct OppositeSideParameters {
   double max_thickness_m = 1.0;
   /// Share of the points of a surface that must have the other one behind them.
   double min_share = 0.3;
+  /// Largest angle between surfaces that face alike, as a cosine.
+  double min_cosine = 0.7;
+
+  friend bool operator==(const OppositeSideParameters&, const OppositeSideParameters&) = default;
 };
 
 /// Returns for each set of points the set whose surface is on the opposite side of the same solid,

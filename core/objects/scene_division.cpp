@@ -153,7 +153,7 @@ class SceneDivision {
 
   /// Divides parts at the gaps between things beside each other.
   void DivideAtGaps(const std::vector<SeenGap>& seen) {
-    for (const GapPlane& gap : FindGapPlanes(seen, voxel_m_)) {
+    for (const GapPlane& gap : FindGapPlanes(parameters_.gaps, seen, voxel_m_)) {
       for (std::size_t i = parts_.size(); i-- > 0;) {
         if (!Divides(gap, PointsOf(parts_[i]), voxel_m_)) continue;
         std::vector<std::size_t> part = std::move(parts_[i]);

@@ -54,6 +54,9 @@ struct SessionIdentityParameters {
   /// Share of the smaller of two cuboids in which only one of both can be.
   double max_overlap_share = 0.3;
   StationarityParameters belief;
+
+  friend bool operator==(const SessionIdentityParameters&,
+                         const SessionIdentityParameters&) = default;
 };
 
 }  // namespace steadymap

@@ -29,6 +29,8 @@ struct SessionPartParameters {
   /// and that of the shorter of the two.
   double max_leg_gap_m = 1.0;
   SceneDivisionParameters scene;
+
+  friend bool operator==(const SessionPartParameters&, const SessionPartParameters&) = default;
 };
 
 /// Makes whole objects of what the session of a source has fused (status `kTentative`): divides

@@ -13,13 +13,15 @@ struct SurfaceMatchParameters {
   /// closer are in contact.
   double contact_voxels = 1.5;
   /// Largest angle between their normals, as a cosine.
-  double min_normal_cosine = 0.5;
+  double min_normal_cosine = 0.7;
   /// Their distance after registration, in standard deviations of `SurfaceSigmaM`.
   double max_sigmas = 3.0;
   /// Standard deviation of the place of an object that nobody moved, metres, and of a surface in
   /// its voxels, voxels.
   double place_sigma_m = kPlaceSigmaM;
   double surface_sigma_voxels = 0.1;
+
+  friend bool operator==(const SurfaceMatchParameters&, const SurfaceMatchParameters&) = default;
 };
 
 /// How the surface of one object agrees with another object.

@@ -19,6 +19,135 @@ void ReadStationarity(const MapConfig& config, StationarityParameters* parameter
   parameters->max_stationarity = ParameterValue(config, "max_stationarity");
 }
 
+// The parts of the parameters of the policy `pocd`.
+
+SessionLimits SessionLimitsOf(const MapConfig& config) {
+  SessionLimits limits;
+  limits.max_pause_s = ParameterValue(config, "max_pause_s");
+  limits.max_duration_s = ParameterValue(config, "max_session_s");
+  return limits;
+}
+
+LocalizationMonitorParameters GuardParametersOf(const MapConfig& config) {
+  LocalizationMonitorParameters parameters;
+  parameters.jump_m = ParameterValue(config, "max_jump_m");
+  parameters.jump_m_per_s = ParameterValue(config, "max_speed_m_per_s");
+  parameters.jump_rad = ParameterValue(config, "max_jump_rad");
+  parameters.jump_rad_per_s = ParameterValue(config, "max_turn_rad_per_s");
+  parameters.motion_s = ParameterValue(config, "motion_s");
+  parameters.min_known_share = ParameterValue(config, "min_known_view_share");
+  parameters.sure_share = ParameterValue(config, "sure_view_share");
+  parameters.good_share = ParameterValue(config, "good_view_share");
+  parameters.better_by_share = ParameterValue(config, "better_view_share");
+  parameters.losing_frames = static_cast<std::uint32_t>(CountOf(config, "losing_frames"));
+  parameters.finding_frames = static_cast<std::uint32_t>(CountOf(config, "finding_frames"));
+  parameters.views.min_normal_cosine = ParameterValue(config, "min_plane_cosine");
+  parameters.views.min_facing_cosine = ParameterValue(config, "min_facing_cosine");
+  parameters.views.through_m = ParameterValue(config, "min_view_through_m");
+  parameters.new_place_frames = static_cast<std::uint32_t>(CountOf(config, "new_place_frames"));
+  return parameters;
+}
+
+PoseFilterParameters PoseFilterParametersOf(const MapConfig& config) {
+  PoseFilterParameters parameters;
+  parameters.sigma_m = ParameterValue(config, "pose_error_m");
+  parameters.sigma_rad = ParameterValue(config, "pose_error_rad");
+  parameters.correlation_s = ParameterValue(config, "pose_error_time_s");
+  parameters.surface_sigma_voxels = ParameterValue(config, "map_error_voxels");
+  parameters.max_sigmas = ParameterValue(config, "max_sigmas");
+  parameters.place_sigma_m = ParameterValue(config, "place_error_m");
+  parameters.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
+  parameters.session_share = ParameterValue(config, "session_surface_weight");
+  parameters.look_s = ParameterValue(config, "new_view_s");
+  return parameters;
+}
+
+LookParameters LookParametersOf(const MapConfig& config) {
+  LookParameters parameters;
+  parameters.max_sigmas = ParameterValue(config, "max_sigmas");
+  parameters.pose_sigma_m = ParameterValue(config, "frame_error_m");
+  parameters.min_facing_cosine = ParameterValue(config, "min_facing_cosine");
+  parameters.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
+  parameters.min_interval_s = ParameterValue(config, "look_interval_s");
+  parameters.max_score = static_cast<int>(CountOf(config, "max_look_score"));
+  parameters.min_gone_cells = CountOf(config, "min_vanished_cells");
+  parameters.whole_gone_share = ParameterValue(config, "min_vanished_share");
+  return parameters;
+}
+
+SegmentAssignmentParameters AssignmentParametersOf(const MapConfig& config) {
+  SegmentAssignmentParameters parameters;
+  parameters.min_common_share = ParameterValue(config, "min_common_share");
+  parameters.min_new_area_m2 = ParameterValue(config, "min_segment_area_m2");
+  parameters.gaps.max_width_m = ParameterValue(config, "max_gap_m");
+  parameters.gaps.max_sigmas = ParameterValue(config, "max_sigmas");
+  parameters.gaps.min_lines = CountOf(config, "min_gap_lines");
+  return parameters;
+}
+
+SceneDivisionParameters SceneParametersOf(const MapConfig& config) {
+  SceneDivisionParameters parameters;
+  parameters.min_plane_area_m2 = ParameterValue(config, "min_plane_area_m2");
+  parameters.min_plane_cosine = ParameterValue(config, "min_plane_cosine");
+  parameters.min_support_area_m2 = ParameterValue(config, "min_support_area_m2");
+  parameters.min_area_m2 = ParameterValue(config, "min_scene_area_m2");
+  parameters.near_voxels = ParameterValue(config, "near_voxels");
+  parameters.min_width_voxels = ParameterValue(config, "min_width_voxels");
+  parameters.max_leg_share = ParameterValue(config, "max_leg_share");
+  parameters.float_reach_m = ParameterValue(config, "max_float_m");
+  parameters.gaps.min_frames = CountOf(config, "min_frames");
+  parameters.gaps.reach_m = ParameterValue(config, "gap_reach_m");
+  parameters.gaps.min_cosine = ParameterValue(config, "min_plane_cosine");
+  parameters.opposite_sides.min_cosine = ParameterValue(config, "min_surface_cosine");
+  parameters.opposite_sides.max_thickness_m = ParameterValue(config, "max_thickness_m");
+  parameters.opposite_sides.min_share = ParameterValue(config, "min_opposite_share");
+  return parameters;
+}
+
+SessionPartParameters PartParametersOf(const MapConfig& config) {
+  SessionPartParameters parameters;
+  parameters.min_frames = CountOf(config, "min_frames");
+  parameters.min_area_m2 = ParameterValue(config, "min_area_m2");
+  parameters.min_doubted_frames = CountOf(config, "min_doubted_frames");
+  parameters.surface.contact_voxels = ParameterValue(config, "contact_voxels");
+  parameters.surface.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
+  parameters.surface.max_sigmas = ParameterValue(config, "max_sigmas");
+  parameters.surface.place_sigma_m = ParameterValue(config, "place_error_m");
+  parameters.surface.surface_sigma_voxels = ParameterValue(config, "surface_error_voxels");
+  parameters.fragment_share = ParameterValue(config, "fragment_share");
+  parameters.max_hidden_gap_share = ParameterValue(config, "max_hidden_gap_share");
+  parameters.max_leg_width_m = ParameterValue(config, "max_leg_width_m");
+  parameters.max_leg_gap_m = ParameterValue(config, "max_leg_gap_m");
+  parameters.scene = SceneParametersOf(config);
+  return parameters;
+}
+
+SessionIdentityParameters IdentityParametersOf(const MapConfig& config) {
+  SessionIdentityParameters parameters;
+  parameters.parts = PartParametersOf(config);
+  parameters.initial_stationarity = ParameterValue(config, "initial_stationarity");
+  parameters.claim_votes = ParameterValue(config, "claim_votes");
+  parameters.max_session_offset_m = ParameterValue(config, "max_session_offset_m");
+  parameters.vote_scale_m = ParameterValue(config, "vote_scale_m");
+  parameters.max_displacement_m = ParameterValue(config, "max_displacement_m");
+  parameters.max_pose_sigmas = ParameterValue(config, "max_sigmas");
+  parameters.max_dissimilarity = ParameterValue(config, "max_dissimilarity");
+  parameters.min_known_share = ParameterValue(config, "min_known_share");
+  parameters.min_shape_known_share = ParameterValue(config, "min_shape_known_share");
+  parameters.min_shape_close_share = ParameterValue(config, "min_shape_close_share");
+  parameters.gone_share = ParameterValue(config, "gone_share");
+  parameters.negligible_share = ParameterValue(config, "negligible_share");
+  parameters.min_looked_at_cells = CountOf(config, "min_judged_cells");
+  parameters.min_looked_at_area_m2 = ParameterValue(config, "min_judged_area_m2");
+  parameters.min_part_cells = CountOf(config, "min_part_cells");
+  parameters.max_pause_s = ParameterValue(config, "max_pause_s");
+  parameters.contradiction_window_s = ParameterValue(config, "contradiction_window_s");
+  parameters.max_overlap_share = ParameterValue(config, "max_overlap_share");
+  ReadStationarity(config, &parameters.belief);
+  parameters.belief.max_evidence = ParameterValue(config, "max_evidence");
+  return parameters;
+}
+
 }  // namespace
 
 VoxelChangeParameters VoxelChangeParametersOf(const MapConfig& config) {
@@ -83,17 +212,16 @@ PaperParameters PaperParametersOf(const MapConfig& config) {
 
 EvidenceMapperParameters EvidenceParametersOf(const MapConfig& config) {
   EvidenceMapperParameters parameters;
-  parameters.sessions.max_pause_s = ParameterValue(config, "max_pause_s");
-  parameters.sessions.max_duration_s = ParameterValue(config, "max_session_s");
-  parameters.poses.sigma_m = ParameterValue(config, "pose_error_m");
-  parameters.poses.sigma_rad = ParameterValue(config, "pose_error_rad");
-  parameters.poses.correlation_s = ParameterValue(config, "pose_error_time_s");
-  SessionIdentityParameters& identity = parameters.identity;
-  identity.initial_stationarity = ParameterValue(config, "initial_stationarity");
-  ReadStationarity(config, &identity.belief);
-  identity.max_pause_s = parameters.sessions.max_pause_s;
-  identity.contradiction_window_s = ParameterValue(config, "contradiction_window_s");
-  identity.belief.max_evidence = ParameterValue(config, "max_evidence");
+  parameters.sessions = SessionLimitsOf(config);
+  parameters.guard = GuardParametersOf(config);
+  parameters.poses = PoseFilterParametersOf(config);
+  parameters.moving.memory_s = ParameterValue(config, "moving_memory_s");
+  parameters.continuity.max_sigmas = ParameterValue(config, "max_sigmas");
+  parameters.continuity.min_samples = CountOf(config, "min_segment_samples");
+  parameters.continuity.min_facing_cosine = ParameterValue(config, "min_segment_facing_cosine");
+  parameters.looks = LookParametersOf(config);
+  parameters.assignment = AssignmentParametersOf(config);
+  parameters.identity = IdentityParametersOf(config);
   return parameters;
 }
 

@@ -14,9 +14,6 @@
 namespace steadymap {
 namespace {
 
-// Samples of surface at a flatter angle to the ray are too far apart to show what is connected.
-constexpr double kMinFacingCosine = 0.4;
-
 // Samples at an edge may have no plane, and no owner.
 constexpr int kMaxEdgeSamples = 3;
 
@@ -252,7 +249,8 @@ void EvidenceMapper::FindSurfaces() {
                                               sample.normal_world.cast<double>());
     const Eigen::Vector3d to_camera =
         (camera_world - sample.position_world.cast<double>()).normalized();
-    const bool is_flat = to_camera.dot(sample.normal_world.cast<double>()) < kMinFacingCosine;
+    const bool is_flat = to_camera.dot(sample.normal_world.cast<double>()) <
+                         parameters_.continuity.min_facing_cosine;
     if (is_on_background) {
       uses_[index] = SampleUse::kNone;
     } else if (has_labels_ && is_flat) {

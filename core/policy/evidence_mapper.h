@@ -31,6 +31,8 @@ struct SessionLimits {
   double max_pause_s = 10.0;
   /// Longest session, seconds: so long a map waits for the decisions on what a robot has seen.
   double max_duration_s = 60.0;
+
+  friend bool operator==(const SessionLimits&, const SessionLimits&) = default;
 };
 
 /// The constants of an `EvidenceMapper`.
@@ -43,6 +45,9 @@ struct EvidenceMapperParameters {
   LookParameters looks;
   SegmentAssignmentParameters assignment;
   SessionIdentityParameters identity;
+
+  friend bool operator==(const EvidenceMapperParameters&,
+                         const EvidenceMapperParameters&) = default;
 };
 
 /// Builds the objects of each session apart from the known ones, and decides at the end of the

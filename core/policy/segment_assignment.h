@@ -40,6 +40,9 @@ struct SegmentAssignmentParameters {
   double min_new_area_m2 = 0.002;
   /// Gaps between two objects that could be parts of one.
   GapParameters gaps;
+
+  friend bool operator==(const SegmentAssignmentParameters&,
+                         const SegmentAssignmentParameters&) = default;
 };
 
 /// Gives the segments of one frame to objects of the session: each to one object, and one segment

@@ -16,6 +16,8 @@ struct DynamicMaskParameters {
   bool is_on = true;
   /// For how long, seconds. Also the longest time between two frames that confirm each other.
   double memory_s = 0.5;
+
+  friend bool operator==(const DynamicMaskParameters&, const DynamicMaskParameters&) = default;
 };
 
 /// Keeps things that move out of the map in the frames that take them for something else: a

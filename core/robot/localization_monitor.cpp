@@ -77,7 +77,7 @@ LocalizationMonitor::Verdict LocalizationMonitor::Judge(const FrameSurface& surf
   const Eigen::Isometry3d T_world_claimed = robot.claimed.ToIsometry();
   const Eigen::Isometry3d T_world_likely = robot.likely.ToIsometry();
   if (!IsJump(T_world_likely, T_world_claimed, 0.0)) return Verdict::kAgrees;
-  const PoseConsistency here = CompareFrame(surface, T_world_claimed, map);
+  const PoseConsistency here = CompareFrame(parameters_.views, surface, T_world_claimed, map);
   const auto min_patches =
       static_cast<std::size_t>(parameters_.min_known_share * static_cast<double>(here.patches));
   const bool is_known = here.comparable() > min_patches;
@@ -86,7 +86,7 @@ LocalizationMonitor::Verdict LocalizationMonitor::Judge(const FrameSurface& surf
   // A guess that has left the range of poses is none.
   const PoseConsistency there = T_world_likely.translation().norm() > kMaxPositionM
                                     ? PoseConsistency()
-                                    : CompareFrame(surface, T_world_likely, map);
+                                    : CompareFrame(parameters_.views, surface, T_world_likely, map);
   if (there.comparable() > min_patches && there.share() >= parameters_.good_share &&
       there.share() >= here_share + parameters_.better_by_share) {
     return Verdict::kDisagrees;

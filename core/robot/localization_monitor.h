@@ -38,6 +38,10 @@ struct LocalizationMonitorParameters {
   /// Frames in a row that show nothing the map knows until a lost robot is believed to be somewhere
   /// new. Many, since it may as well have lost its way further.
   std::uint32_t new_place_frames = 30;
+  PoseConsistencyParameters views;
+
+  friend bool operator==(const LocalizationMonitorParameters&,
+                         const LocalizationMonitorParameters&) = default;
 };
 
 /// Decides for each frame whether its robot is where it says, before the frame changes anything.

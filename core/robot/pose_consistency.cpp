@@ -12,24 +12,12 @@ namespace {
 // Samples of a patch's side.
 constexpr int kPatchSamples = 4;
 
-// Surface is steep if its normal rises less than this.
-constexpr double kSteep = 0.7;
-
-// Loose enough for a small error of the pose, tight enough that a wall is no wall at 40 degrees.
-constexpr double kMinAgreeingCosine = 0.8;
-
-// A view is through a surface if it ends so much further away.
-constexpr float kThroughM = 0.25F;
-
 // Every so many points of an object's surface are looked for in the picture.
 constexpr std::size_t kPointStride = 3;
 
 // Surface is looked for between these depths: raw depth beyond is too noisy.
 constexpr float kMinLookM = 0.3F;
 constexpr float kMaxLookM = 5.0F;
-
-// Points seen flatter than this are not looked for.
-constexpr float kMinFacing = 0.2F;
 
 /// What is known of one patch.
 struct Patch {
@@ -45,8 +33,11 @@ struct Patch {
 /// A frame cut into patches and laid into a map.
 class PatchGrid {
  public:
-  PatchGrid(const FrameSurface& frame, const Eigen::Isometry3d& T_world_camera)
-      : frame_(frame),
+  PatchGrid(const PoseConsistencyParameters& parameters,
+            const FrameSurface& frame,
+            const Eigen::Isometry3d& T_world_camera)
+      : parameters_(parameters),
+        frame_(frame),
         T_world_camera_(T_world_camera),
         wide_(static_cast<std::size_t>(frame.samples.width() / kPatchSamples)),
         high_(static_cast<std::size_t>(frame.samples.height() / kPatchSamples)),
@@ -62,7 +53,7 @@ class PatchGrid {
       patch.is_surface = true;
       patch.position_world = T_map_frame * sample.position_world.cast<double>();
       patch.normal_world = T_map_frame.linear() * sample.normal_world.cast<double>();
-      patch.is_steep = std::abs(patch.normal_world.z()) < kSteep;
+      patch.is_steep = std::abs(patch.normal_world.z()) < M_SQRT1_2;
       reach_m_ = std::max(reach_m_, (patch.position_world - T_world_camera.translation()).norm());
     }
   }
@@ -89,7 +80,7 @@ class PatchGrid {
       const DistanceSample known = sampler.Sample(position);
       if (!known.known) continue;
       const Eigen::Vector3d normal = T_volume_world.linear() * patch.normal_world;
-      if (known.gradient.dot(normal) >= kMinAgreeingCosine) {
+      if (known.gradient.dot(normal) >= parameters_.min_normal_cosine) {
         patch.fits = true;
       } else if (known.distance_m > 0.0) {
         patch.is_in_front = true;
@@ -114,6 +105,7 @@ class PatchGrid {
 
  private:
   void LookThrough(const ObjectSurface& surface, const Eigen::Isometry3f& T_camera_object) {
+    const auto min_facing = static_cast<float>(parameters_.min_facing_cosine);
     std::size_t count = 0;
     for (const SurfaceLeaf& leaf : surface.leaves()) {
       for (const SurfaceVoxel& point : leaf.points) {
@@ -121,7 +113,7 @@ class PatchGrid {
         const Eigen::Vector3f point_camera = T_camera_object * point.position_object;
         const Eigen::Vector3f normal_camera = T_camera_object.linear() * point.normal_object;
         if (point_camera.z() < kMinLookM || point_camera.z() > kMaxLookM ||
-            -normal_camera.dot(point_camera) < kMinFacing * point_camera.norm()) {
+            -normal_camera.dot(point_camera) < min_facing * point_camera.norm()) {
           continue;
         }
         Patch* patch = PatchLookingThrough(point_camera);
@@ -138,12 +130,14 @@ class PatchGrid {
     const auto patch_column = static_cast<std::size_t>(place->column / kPatchSamples);
     const auto patch_row = static_cast<std::size_t>(place->row / kPatchSamples);
     if (patch_column >= wide_ || patch_row >= high_ ||
-        frame_.tiles.NearestAround(place->column, place->row) <= point_camera.z() + kThroughM) {
+        frame_.tiles.NearestAround(place->column, place->row) <=
+            point_camera.z() + static_cast<float>(parameters_.through_m)) {
       return nullptr;
     }
     return &patches_[patch_row * wide_ + patch_column];
   }
 
+  const PoseConsistencyParameters& parameters_;
   const FrameSurface& frame_;
   Eigen::Isometry3d T_world_camera_;
   std::size_t wide_;
@@ -154,10 +148,11 @@ class PatchGrid {
 
 }  // namespace
 
-PoseConsistency CompareFrame(const FrameSurface& frame,
+PoseConsistency CompareFrame(const PoseConsistencyParameters& parameters,
+                             const FrameSurface& frame,
                              const Eigen::Isometry3d& T_world_camera,
                              const WorkingMap& map) {
-  PatchGrid grid(frame, T_world_camera);
+  PatchGrid grid(parameters, frame, T_world_camera);
   for (const TrackedObject* object : map.ObjectsNear(grid.Reach())) {
     grid.CompareObject(*object, map.scale());
   }

@@ -41,12 +41,27 @@ struct FrameSurface {
   const MinDepthGrid& tiles;
 };
 
+/// What of a frame and a map is compared.
+struct PoseConsistencyParameters {
+  /// Loose enough for a small error of the pose, tight enough that a wall is no wall at 40 degrees:
+  /// largest angle between a measured surface and the mapped one, as a cosine.
+  double min_normal_cosine = 0.85;
+  /// Points at a flatter angle to the ray are not looked for.
+  double min_facing_cosine = 0.25;
+  /// A view is through a surface if it ends so much further away, metres.
+  double through_m = 0.25;
+
+  friend bool operator==(const PoseConsistencyParameters&,
+                         const PoseConsistencyParameters&) = default;
+};
+
 /// Compares a frame with the map as if its camera stood at `T_world_camera`, wherever the frame has
 /// it. Background and objects that are not archived are asked. A pose that is off by 0.1 m or 2
 /// degrees still fits. Cells of dynamic classes have no surface, so they say nothing.
 ///
 /// Cost: about 0.3 ms.
-PoseConsistency CompareFrame(const FrameSurface& frame,
+PoseConsistency CompareFrame(const PoseConsistencyParameters& parameters,
+                             const FrameSurface& frame,
                              const Eigen::Isometry3d& T_world_camera,
                              const WorkingMap& map);
 

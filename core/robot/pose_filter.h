@@ -41,6 +41,8 @@ struct PoseFilterParameters {
   double session_share = 0.05;
   /// Time after which a camera shows something new, seconds. Frames in between count for less.
   double look_s = 0.2;
+
+  friend bool operator==(const PoseFilterParameters&, const PoseFilterParameters&) = default;
 };
 
 /// A frame at its claimed pose, and the objects that it may see.

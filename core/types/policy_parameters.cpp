@@ -6,13 +6,11 @@
 #include <absl/strings/str_cat.h>
 
 #include "core/types/absl_text.h"
+#include "core/types/pocd_parameters.h"
 
 namespace steadymap {
 namespace {
 
-// Of the belief, in both variants of POCD.
-constexpr PolicyParameter kInitialStationarity = {
-    "initial_stationarity", 0.67, 0.01, 0.99, false, "E[v] of a new object (v_class)"};
 constexpr PolicyParameter kMinStationarity = {
     "min_stationarity",
     0.4,
@@ -20,24 +18,6 @@ constexpr PolicyParameter kMinStationarity = {
     0.99,
     false,
     "E[v] below which an object leaves the map (theta_stat)"};
-constexpr PolicyParameter kMaxStationarity = {
-    "max_stationarity", 0.9999, 0.5, 0.999999, false, "largest E[v] (v_max)"};
-constexpr PolicyParameter kChangeNoise = {
-    "change_noise_m",
-    0.2,
-    0.001,
-    10.0,
-    false,
-    "standard deviation of the measured change of an object that stays (tau)"};
-constexpr PolicyParameter kMaxChange = {
-    "max_change_m", 4.0, 0.01, 100.0, false, "largest measured change (delta_max)"};
-constexpr PolicyParameter kStationarityWeight = {
-    "stationarity_weight",
-    3.0,
-    0.0,
-    100.0,
-    false,
-    "weight of the class in agreement with the measurement (k)"};
 
 constexpr PolicyParameter kPocdPaper[] = {
     {"association_distance_m",
@@ -161,53 +141,6 @@ constexpr PolicyParameter kTracking[] = {
     {"reported_move_m", 0.1, 0.001, 100.0, false, "distance after which a move is reported"},
 };
 
-constexpr PolicyParameter kPocd[] = {
-    {"max_session_s",
-     60.0,
-     1.0,
-     86'400.0,
-     false,
-     "duration of a robot's session after which the map decides what the robot has seen"},
-    {"max_pause_s",
-     10.0,
-     0.1,
-     86'400.0,
-     false,
-     "pause between two frames of a robot that ends its session"},
-    {"pose_error_m",
-     0.04,
-     0.0,
-     1.0,
-     false,
-     "standard deviation of the position of a robot's poses at the start of a session; below "
-     "0.0001: exact, frames are not registered"},
-    {"pose_error_rad",
-     0.009,
-     0.0001,
-     0.5,
-     false,
-     "standard deviation of the orientation of a robot's poses at the start of a session"},
-    {"pose_error_time_s",
-     60.0,
-     0.1,
-     86'400.0,
-     false,
-     "time in which the error of a robot's poses changes"},
-    {"contradiction_window_s",
-     300.0,
-     0.0,
-     86'400.0,
-     false,
-     "time after a robot has seen an object within which another robot that finds it gone, more "
-     "than once, contradicts it"},
-    kInitialStationarity,
-    kMaxStationarity,
-    kChangeNoise,
-    kMaxChange,
-    kStationarityWeight,
-    {"max_evidence", 15.0, 2.1, 1e9, false, "largest alpha + beta of a belief"},
-};
-
 }  // namespace
 
 std::span<const PolicyParameter> ParametersOf(UpdatePolicy policy) {
@@ -221,7 +154,7 @@ std::span<const PolicyParameter> ParametersOf(UpdatePolicy policy) {
     case UpdatePolicy::kTracking:
       return kTracking;
     case UpdatePolicy::kPocd:
-      return kPocd;
+      return PocdParameters();
     case UpdatePolicy::kPocdPaper:
       return kPocdPaper;
   }

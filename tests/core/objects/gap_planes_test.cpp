@@ -37,7 +37,7 @@ std::vector<GapInView> SeenAt(const TrueGap& gap, double angle_rad) {
 }
 
 std::vector<GapPlane> PlanesOf(const std::vector<SeenGap>& seen) {
-  return FindGapPlanes(seen, kVoxelM);
+  return FindGapPlanes(GapPlaneParameters(), seen, kVoxelM);
 }
 
 TEST(FindGapPlanes, FramesFromRandomDirectionsTellThePlane) {

@@ -1,6 +1,7 @@
 #include "core/policy/configured_parameters.h"
 
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -80,11 +81,17 @@ TEST(ConfiguredParameters, DefaultsAreThoseOfThePolicies) {
   EXPECT_EQ(submaps.full_weight, SubmapChangeParameters().full_weight);
   EXPECT_EQ(submaps.max_depth_m, SubmapChangeParameters().max_depth_m);
 
-  const EvidenceMapperParameters pocd = EvidenceParametersOf(ConfigOf(UpdatePolicy::kPocd));
-  EXPECT_EQ(pocd.sessions.max_duration_s, SessionLimits().max_duration_s);
-  EXPECT_EQ(pocd.sessions.max_pause_s, SessionLimits().max_pause_s);
-  EXPECT_EQ(pocd.identity.belief, SessionIdentityParameters().belief);
-  EXPECT_EQ(pocd.identity.initial_stationarity, SessionIdentityParameters().initial_stationarity);
+  EXPECT_EQ(EvidenceParametersOf(ConfigOf(UpdatePolicy::kPocd)), EvidenceMapperParameters());
+}
+
+TEST(ConfiguredParameters, EachParameterOfPocdHasAnEffect) {
+  const MapConfig defaults = ConfigOf(UpdatePolicy::kPocd);
+  for (const PolicyParameter& parameter : ParametersOf(UpdatePolicy::kPocd)) {
+    MapConfig config = defaults;
+    const double other = parameter.default_value == parameter.max ? parameter.min : parameter.max;
+    config.parameters = {{std::string(parameter.name), other}};
+    EXPECT_NE(EvidenceParametersOf(config), EvidenceParametersOf(defaults)) << parameter.name;
+  }
 }
 
 // Otherwise a parameter would be accepted and have no effect.

@@ -42,7 +42,8 @@ class FrameAgreementTest : public ::testing::Test {
     cloud_.Compute(frame);
     samples_.Compute(cloud_);
     tiles_.Compute(frame.depth);
-    return CompareFrame({cloud_, samples_, tiles_}, frame.T_world_camera, map);
+    return CompareFrame(
+        PoseConsistencyParameters(), {cloud_, samples_, tiles_}, frame.T_world_camera, map);
   }
 
   PoseConsistency Compare(const Frame& frame) { return Compare(frame, map_); }
@@ -90,8 +91,8 @@ TEST_F(FrameAgreementTest, ComparesAsIfTheCameraStoodElsewhere) {
   cloud_.Compute(misled);
   samples_.Compute(cloud_);
   tiles_.Compute(misled.depth);
-  const PoseConsistency corrected =
-      CompareFrame({cloud_, samples_, tiles_}, frame.T_world_camera, map_);
+  const PoseConsistency corrected = CompareFrame(
+      PoseConsistencyParameters(), {cloud_, samples_, tiles_}, frame.T_world_camera, map_);
   EXPECT_EQ(corrected.patches, straight.patches);
   EXPECT_NEAR(corrected.share(), straight.share(), 0.02);
 }
