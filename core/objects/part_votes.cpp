@@ -14,10 +14,6 @@ std::vector<PartVotes>::const_iterator FindVotes(const std::vector<PartVotes>& p
       });
 }
 
-/// Share of the votes on two objects that must connect them: parts of one object are hidden
-/// by others or seen at flat angles often, but two objects are rarely seen as one.
-constexpr double kMinConnectedShare = 0.2;
-
 /// True if the bounds of two objects are closer than two voxels, so that they may be connected.
 bool AreNear(const TrackedObject& a, const TrackedObject& b, const VoxelScale& scale) {
   return Grow(a.BoundsInWorld(), 2.0 * scale.voxel_size_m).intersects(b.BoundsInWorld());
@@ -69,8 +65,9 @@ void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* m
 }
 
 PartElection::PartElection(const std::vector<TrackedObject*>& objects,
-                           const PartDecisions& decisions)
-    : decisions_(decisions) {
+                           const PartDecisions& decisions,
+                           double min_connected_share)
+    : decisions_(decisions), min_connected_share_(min_connected_share) {
   std::map<ObjectId, std::size_t> sizes;
   for (const TrackedObject* object : objects) {
     sizes.emplace(object->id(), std::max<std::size_t>(1, object->surface().point_count()));
@@ -91,7 +88,7 @@ PartElection::Pair PartElection::FindPair() const {
     if (is_connected) return pair;
   }
   Pair best;
-  double most = kMinConnectedShare;
+  double most = min_connected_share_;
   for (const auto& [pair, votes] : votes_) {
     const double share = votes.connected_share();
     if (share <= most || decisions_.contains(pair)) continue;
@@ -128,7 +125,7 @@ bool PartElection::AreApart(ObjectId a, ObjectId b) const {
   const auto decided = decisions_.find(PairOf(a, b));
   if (decided != decisions_.end()) return !decided->second;
   const auto votes = votes_.find(PairOf(a, b));
-  return votes != votes_.end() && votes->second.connected_share() <= kMinConnectedShare;
+  return votes != votes_.end() && votes->second.connected_share() <= min_connected_share_;
 }
 
 }  // namespace steadymap

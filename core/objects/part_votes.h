@@ -41,8 +41,11 @@ class PartElection {
 
   PartElection() = default;
 
-  /// Counts the votes on pairs of `objects`; those on pairs that are decided do not count.
-  PartElection(const std::vector<TrackedObject*>& objects, const PartDecisions& decisions);
+  /// Counts the votes on pairs of `objects`; those on pairs that are decided do not count. Two are
+  /// one object if more than `min_connected_share` of the votes connect them.
+  PartElection(const std::vector<TrackedObject*>& objects,
+               const PartDecisions& decisions,
+               double min_connected_share);
 
   /// Returns the pair with the largest majority for being one object; ids of zero if there is none.
   Pair FindPair() const;
@@ -64,6 +67,7 @@ class PartElection {
 
   std::map<Pair, Votes> votes_;
   PartDecisions decisions_;
+  double min_connected_share_ = 0.5;
 };
 
 }  // namespace steadymap

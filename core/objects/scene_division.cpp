@@ -18,9 +18,6 @@
 namespace steadymap {
 namespace {
 
-// Share of the points of a flat part whose normals agree.
-constexpr double kMinFlatShare = 0.9;
-
 // Where the continuation of a surface is looked for along an axis in its plane, voxels.
 constexpr double kContinuationVoxels[] = {2.0, -2.0, 4.0, -4.0, 6.0, -6.0};
 
@@ -41,7 +38,6 @@ class SceneDivision {
     FindKnownStructures(map);
     FindParts(contact_voxels);
     DivideAtGaps(scene.state().gaps);
-    DropPartsOfPlanes();
     JoinOppositeParts();
     JoinFloatingParts();
     DropSlenderParts();
@@ -76,8 +72,9 @@ class SceneDivision {
   /// Marks the points on large planes and on known background. Noise makes points on the back of a
   /// wall, too.
   void FindStructure(const WorkingMap& map) {
-    is_structure_ = FindPlanes(points_, parameters_.min_plane_area_m2, &planes_);
-    MarkFloor();
+    Planes planes;
+    is_structure_ = FindPlanes(points_, parameters_.min_plane_area_m2, &planes);
+    MarkFloor(planes);
     TsdfSampler sampler(map.background(), map.scale());
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DistanceSample sample = sampler.Sample(points_[i].position_world);
@@ -91,9 +88,9 @@ class SceneDivision {
 
   /// Marks all points on the lowest of the large level planes: things divide a floor into pieces,
   /// each of which may be small.
-  void MarkFloor() {
+  void MarkFloor(const Planes& planes) {
     std::optional<OrientedPoint> floor;
-    for (const auto& [normal, point] : planes_) {
+    for (const auto& [normal, point] : planes) {
       if (normal.z() < parameters_.min_plane_cosine) continue;
       if (!floor || point.z() < floor->position_world.z()) floor = OrientedPoint{point, normal};
     }
@@ -267,26 +264,6 @@ class SceneDivision {
         });
   }
 
-  /// Drops flat parts on the plane of a large one: a floor beyond what hid a strip of it.
-  void DropPartsOfPlanes() {
-    std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
-      for (const std::size_t i : part) normal_sum += points_[i].normal_world;
-      const Eigen::Vector3d normal = normal_sum.normalized();
-      const auto flat = std::count_if(part.begin(), part.end(), [&](std::size_t i) {
-        return points_[i].normal_world.dot(normal) > parameters_.min_plane_cosine;
-      });
-      if (static_cast<double>(flat) < kMinFlatShare * static_cast<double>(part.size())) {
-        return false;
-      }
-      return std::any_of(planes_.begin(), planes_.end(), [&](const auto& plane) {
-        return plane.first.dot(normal) > parameters_.min_plane_cosine &&
-               std::abs(normal.dot(points_[part[part.size() / 2]].position_world - plane.second)) <=
-                   2.0 * voxel_m_;
-      });
-    });
-  }
-
   std::vector<OrientedPoint> PointsOf(const std::vector<std::size_t>& part) const {
     std::vector<OrientedPoint> points;
     points.reserve(part.size());
@@ -400,7 +377,6 @@ class SceneDivision {
   std::vector<OrientedPoint> points_;
   std::vector<char> is_structure_;
   std::vector<OrientedPoint> supports_;  ///< On which things stand, besides structure.
-  Planes planes_;
   std::vector<std::vector<std::size_t>> parts_;
 };
 

@@ -25,14 +25,6 @@ constexpr std::size_t kMinContactPoints = 3;
 // Voxels of two objects that are closer than this, voxels, are the same.
 constexpr double kSameLatticeVoxels = 0.1;
 
-// Bounds closer than this, voxels, may be of surfaces in contact.
-constexpr double kNearVoxels = 2.0;
-
-// Share of a surface that must agree with that of an object of another class, which then has the
-// right label, and with that of a part of the same object.
-constexpr double kMinRelabelledShare = 0.5;
-constexpr double kMinSharedPartShare = 0.2;
-
 /// Returns the number of surface points of `a` closer than `distance_m` to the surface of `b`.
 std::size_t CountContacts(const TrackedObject& a,
                           const TrackedObject& b,
@@ -77,7 +69,8 @@ class PartCompletion {
   void Run() {
     DivideScenes();
     const PartDecisions decisions = DivideAtGaps(parameters_, source_, map_);
-    election_ = PartElection(map_->TentativeObjectsOf(source_), decisions);
+    election_ =
+        PartElection(map_->TentativeObjectsOf(source_), decisions, parameters_.min_common_share);
     JoinParts();
     DropFragments();
     JoinLegs(parameters_, source_, map_);
@@ -124,10 +117,7 @@ void PartCompletion::JoinParts() {
 void PartCompletion::DropFragments() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     if (IsUnsegmented(*object)) continue;
-    const LookCount looks = CountLooks(*object);
-    const std::uint64_t frames = object->state().supporting_frames;
-    if (frames < parameters_.min_frames ||
-        (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
+    if (object->state().supporting_frames < parameters_.min_frames ||
         object->SurfaceAreaM2() < parameters_.min_area_m2) {
       map_->Delete(object);
     }
@@ -141,15 +131,17 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   if (is_of_one_class && election_.AreApart(object.id(), other.id())) return false;
   if (IsPartOf(object, other, parameters_, *map_)) return true;
   const double voxel_m = map_->scale().voxel_size_m;
-  if (!Grow(object.BoundsInWorld(), kNearVoxels * voxel_m).intersects(other.BoundsInWorld())) {
+  if (!Grow(object.BoundsInWorld(), parameters_.scene.near_voxels * voxel_m)
+           .intersects(other.BoundsInWorld())) {
     return false;
   }
   const Eigen::Isometry3d T_other_object = other.state().T_world_object.ToIsometry().inverse() *
                                            object.state().T_world_object.ToIsometry();
   const SurfaceOverlap overlap =
       CompareSurfaces(object, other, T_other_object, parameters_.surface, map_->scale());
-  if (!is_of_one_class) return overlap.known_share * overlap.close_share > kMinRelabelledShare;
-  return overlap.known_share * overlap.fit_share > kMinSharedPartShare &&
+  // The larger object has the right label.
+  if (!is_of_one_class) return overlap.known_share * overlap.close_share > 0.5;
+  return overlap.known_share * overlap.fit_share > parameters_.min_common_share &&
          CountContacts(
              object, other, parameters_.surface.contact_voxels * voxel_m, map_->scale()) >=
              kMinContactPoints;

@@ -77,7 +77,6 @@ LookParameters LookParametersOf(const MapConfig& config) {
 
 SegmentAssignmentParameters AssignmentParametersOf(const MapConfig& config) {
   SegmentAssignmentParameters parameters;
-  parameters.min_common_share = ParameterValue(config, "min_common_share");
   parameters.min_new_area_m2 = ParameterValue(config, "min_segment_area_m2");
   parameters.gaps.max_width_m = ParameterValue(config, "max_gap_m");
   parameters.gaps.max_sigmas = ParameterValue(config, "max_sigmas");
@@ -93,8 +92,8 @@ SceneDivisionParameters SceneParametersOf(const MapConfig& config) {
   parameters.min_area_m2 = ParameterValue(config, "min_scene_area_m2");
   parameters.near_voxels = ParameterValue(config, "near_voxels");
   parameters.min_width_voxels = ParameterValue(config, "min_width_voxels");
-  parameters.max_leg_share = ParameterValue(config, "max_leg_share");
   parameters.float_reach_m = ParameterValue(config, "max_float_m");
+  parameters.max_leg_share = ParameterValue(config, "max_leg_share");
   parameters.gaps.min_frames = CountOf(config, "min_frames");
   parameters.gaps.reach_m = ParameterValue(config, "gap_reach_m");
   parameters.gaps.min_cosine = ParameterValue(config, "min_plane_cosine");
@@ -108,7 +107,7 @@ SessionPartParameters PartParametersOf(const MapConfig& config) {
   SessionPartParameters parameters;
   parameters.min_frames = CountOf(config, "min_frames");
   parameters.min_area_m2 = ParameterValue(config, "min_area_m2");
-  parameters.min_doubted_frames = CountOf(config, "min_doubted_frames");
+  parameters.min_common_share = ParameterValue(config, "min_common_share");
   parameters.surface.contact_voxels = ParameterValue(config, "contact_voxels");
   parameters.surface.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
   parameters.surface.max_sigmas = ParameterValue(config, "max_sigmas");

@@ -34,8 +34,6 @@ struct SegmentedFrame {
 
 /// The constants of `SegmentAssignment`.
 struct SegmentAssignmentParameters {
-  /// A segment and an object of the session share surface if this share of the smaller one does.
-  double min_common_share = 0.2;
   /// Segments with less surface do not start an object, square metres.
   double min_new_area_m2 = 0.002;
   /// Gaps between two objects that could be parts of one.

@@ -31,7 +31,7 @@ class PartVotesTest : public ::testing::Test {
     return &object;
   }
 
-  PartElection Elect() { return PartElection(map_.TentativeObjects(), {}); }
+  PartElection Elect() { return PartElection(map_.TentativeObjects(), {}, 0.2); }
 
   WorkingMap map_{MapConfig()};
 };
@@ -116,7 +116,7 @@ TEST_F(PartVotesTest, ADecisionOnAPairPrevailsOverItsVotes) {
   for (int i = 0; i < 9; ++i) VoteOnParts(false, b, c, &map_);
   const PartDecisions decisions = {{PairOf(a->id(), b->id()), false},
                                    {PairOf(b->id(), c->id()), true}};
-  PartElection election(map_.TentativeObjects(), decisions);
+  PartElection election(map_.TentativeObjects(), decisions, 0.2);
   EXPECT_TRUE(election.AreApart(a->id(), b->id()));
   EXPECT_FALSE(election.AreApart(b->id(), c->id()));
   EXPECT_EQ(election.FindPair(), PairOf(b->id(), c->id()));
