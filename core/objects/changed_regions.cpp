@@ -11,13 +11,6 @@
 namespace steadymap {
 namespace {
 
-// The border of a region tends to lie at a concave edge, where a thing stands on another: a right
-// angle inwards counts like so long a way along the surface.
-constexpr double kConcaveCostM = 0.5;
-
-// So far behind a surface, space that was open shows that the surface is new.
-constexpr double kBehindM = 0.08;
-
 // Surface of which fewer points lie between observed voxels is a fleck of noise.
 constexpr std::size_t kMinResolvedPoints = 3;
 
@@ -55,8 +48,8 @@ class ChangedSurface {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (changes_[i] != Change::kUnknown) seeds.emplace_back(i, changes_[i] == Change::kChanged);
     }
-    const std::vector<std::size_t> is_changed =
-        SpreadParts(points_, seeds, parameters_.surface.contact_voxels * voxel_m_, kConcaveCostM);
+    const std::vector<std::size_t> is_changed = SpreadParts(
+        points_, seeds, parameters_.surface.contact_voxels * voxel_m_, parameters_.concave_cost_m);
     std::vector<char> is_same(points_.size());
     for (std::size_t i = 0; i < points_.size(); ++i) is_same[i] = is_changed[i] == 0 ? 1 : 0;
     std::vector<std::size_t> part_of(points_.size(), 0);
@@ -108,7 +101,7 @@ std::vector<TrackedObject*> SeparateChanged(const SessionPartParameters& paramet
 /// What was known at a point before the session.
 class EarlierMap {
  public:
-  EarlierMap(const SurfaceMatchParameters& parameters,
+  EarlierMap(const SessionPartParameters& parameters,
              const TrackedObject& known,
              const WorkingMap& map)
       : parameters_(parameters),
@@ -138,10 +131,10 @@ class EarlierMap {
   Change CompareWith(TsdfSampler* sampler, const OrientedPoint& point) const {
     const DistanceSample sample = sampler->Sample(point.position_world);
     if (!sample.known) return Change::kUnknown;
-    const double same_m = parameters_.contact_voxels * voxel_m_;
+    const double same_m = parameters_.surface.contact_voxels * voxel_m_;
     if (sample.distance_m > same_m) return Change::kChanged;
-    const bool is_same = sample.distance_m < -same_m ||
-                         sample.gradient.dot(point.normal_world) >= parameters_.min_normal_cosine;
+    const bool is_same = sample.distance_m < -same_m || sample.gradient.dot(point.normal_world) >=
+                                                            parameters_.surface.min_normal_cosine;
     return is_same ? Change::kSame : Change::kUnknown;
   }
 
@@ -155,7 +148,8 @@ class EarlierMap {
   /// True if the space behind a surface was seen to be open. Where only cells of free space tell,
   /// those around must be free too: at an edge, a cell is partly beside the thing.
   bool WasOpenBehind(const OrientedPoint& point) {
-    const Eigen::Vector3d behind_world = point.position_world - kBehindM * point.normal_world;
+    const Eigen::Vector3d behind_world =
+        point.position_world - parameters_.behind_m * point.normal_world;
     const DistanceSample of_known = of_known_.Sample(T_known_world_ * behind_world);
     if (of_known.known) return of_known.distance_m > 0.5 * voxel_m_;
     const DistanceSample of_background = of_background_.Sample(behind_world);
@@ -168,7 +162,7 @@ class EarlierMap {
            free_space.IsFree(behind_world - across);
   }
 
-  const SurfaceMatchParameters& parameters_;
+  const SessionPartParameters& parameters_;
   const WorkingMap& map_;
   double voxel_m_;
   Eigen::Isometry3d T_known_world_;
@@ -178,7 +172,7 @@ class EarlierMap {
 
 /// Tells which surface of an object of the session was not there when a known object and the
 /// background were seen.
-std::vector<Change> FindNewSurface(const SurfaceMatchParameters& parameters,
+std::vector<Change> FindNewSurface(const SessionPartParameters& parameters,
                                    const TrackedObject& known,
                                    const TrackedObject& seen,
                                    const WorkingMap& map) {
@@ -215,11 +209,10 @@ std::vector<TrackedObject*> SeparateNewRegions(const SessionPartParameters& para
                                                const TrackedObject& known,
                                                TrackedObject* seen,
                                                WorkingMap* map) {
-  return SeparateChanged(
-      parameters, FindNewSurface(parameters.surface, known, *seen, *map), seen, map);
+  return SeparateChanged(parameters, FindNewSurface(parameters, known, *seen, *map), seen, map);
 }
 
-double NewShareOf(const SurfaceMatchParameters& parameters,
+double NewShareOf(const SessionPartParameters& parameters,
                   const TrackedObject& known,
                   const TrackedObject& seen,
                   const WorkingMap& map) {

@@ -11,18 +11,15 @@
 namespace steadymap {
 namespace {
 
-// What is farther from a leg bears neither of its ends, nor continues it, metres.
-constexpr double kNearM = 0.3;
-
 /// The surface of other objects beside a leg, world frame, metres.
 struct Surroundings {
   std::vector<Eigen::Vector3d> supports;       ///< Of other classes: the leg ends there.
   std::vector<Eigen::Vector3d> continuations;  ///< Of its class, in no segment.
 };
 
-Surroundings FindSurroundings(const TrackedObject& leg, const WorkingMap& map) {
+Surroundings FindSurroundings(const TrackedObject& leg, double reach_m, const WorkingMap& map) {
   Surroundings surroundings;
-  const Box reach_world = Grow(leg.BoundsInWorld(), kNearM);
+  const Box reach_world = Grow(leg.BoundsInWorld(), reach_m);
   for (const TrackedObject* other : map.ObjectsNear(reach_world)) {
     // What another session saw is not decided.
     const bool is_tentative = other->state().status == ObjectStatus::kTentative;
@@ -76,7 +73,7 @@ bool IsOpenLeg(const TrackedObject& object,
       std::min(parameters.max_leg_width_m, parameters.scene.max_leg_share * lengths_m.x())) {
     return false;
   }
-  const Surroundings surroundings = FindSurroundings(object, map);
+  const Surroundings surroundings = FindSurroundings(object, parameters.max_gap_m, map);
   return OutlineTest(map, surroundings.supports)
       .HasUnseenEnd(OrientedSurfaceOf(object), surroundings.continuations);
 }

@@ -209,8 +209,7 @@ void SessionDecision::MatchInPlace() {
         DoubtOf(*match.known->object, objects_, parameters_),
         is_archived
             ? 0.0
-            : NewShareOf(
-                  parameters_.parts.surface, *match.known->object, *match.seen->object, *map_));
+            : NewShareOf(parameters_.parts, *match.known->object, *match.seen->object, *map_));
     const double displacement_m =
         match.fits_at_rest && doubt < parameters_.negligible_share ? 0.0 : match.displacement_m;
     if (IsOlderThanRemoval(*match.seen, *match.known)) {

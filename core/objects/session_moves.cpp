@@ -15,9 +15,6 @@
 namespace steadymap {
 namespace {
 
-// How much more likely a push is than a move from elsewhere, in margins between rivals.
-constexpr double kPushMargins = 2.0;
-
 class MoveSearch {
  public:
   MoveSearch(const SessionIdentityParameters& parameters,
@@ -29,7 +26,6 @@ class MoveSearch {
     std::vector<SessionMove> candidates = ListMoves();
     std::erase_if(candidates,
                   [&](const SessionMove& candidate) { return IsOfStanding(candidate); });
-    DropPushed(candidates);
     std::erase_if(candidates, [&](const SessionMove& candidate) {
       return DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence();
     });
@@ -44,7 +40,6 @@ class MoveSearch {
   bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
   std::vector<SessionMove> ListMoves() const;
   bool IsOfStanding(const SessionMove& candidate) const;
-  void DropPushed(const std::vector<SessionMove>& candidates);
   double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
   double LikelihoodOf(const SessionMove& candidate) const;
   std::vector<SessionMove> FindClearMoves(const std::vector<SessionMove>& candidates) const;
@@ -108,11 +103,12 @@ std::vector<SessionMove> MoveSearch::ListMoves() const {
           !MayHaveMoved(seen, known) || !AreOfOneSize(*seen.object, *known.object)) {
         continue;
       }
-      const double distance_m = DistanceBetween(known.object->cuboid(), seen.object->cuboid());
-      candidates.push_back({&seen, &known, {}, distance_m});
+      // Cuboids are computed at their first use, which must not be in a parallel loop.
+      static_cast<void>(known.object->cuboid());
+      static_cast<void>(seen.object->cuboid());
+      candidates.push_back({&seen, &known, {}});
     }
   }
-  // The cuboids, which are computed at the first use, are known from here on.
   ParallelFor(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       SessionMove& candidate = candidates[i];
@@ -142,17 +138,6 @@ bool MoveSearch::IsOfStanding(const SessionMove& candidate) const {
       });
 }
 
-/// Gives up matches in place that a push explains better, also if several objects may be pushed.
-void MoveSearch::DropPushed(const std::vector<SessionMove>& candidates) {
-  std::erase_if(objects_->doubted, [&](const PlaceMatch& doubted) {
-    return std::any_of(candidates.begin(), candidates.end(), [&](const SessionMove& candidate) {
-      return doubted.seen == candidate.seen && doubted.known == candidate.known &&
-             doubted.fit * (1.0 - DoubtOf(*doubted.known->object, *objects_, parameters_)) <
-                 candidate.match.confidence();
-    });
-  });
-}
-
 /// Returns how well an object of the session, or a known object, agrees with standing in place
 /// despite what is gone, in [0, 1].
 double MoveSearch::DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const {
@@ -166,13 +151,14 @@ double MoveSearch::DoubtedFitOf(const SeenObject& seen, const KnownObject& known
   return best;
 }
 
-/// Returns how likely a move is, as an agreement of surfaces. What is not known of a shape does
-/// not tell it from another one. Of two equal shapes, the one whose place overlaps was pushed.
+/// Returns how likely a move is, as an agreement of surfaces. What is not known of a shape does not
+/// tell it from another one. Of two equal shapes, the one whose place overlaps was pushed: clearly,
+/// even if the other one agrees better within what errors explain.
 double MoveSearch::LikelihoodOf(const SessionMove& candidate) const {
   const bool is_pushed =
-      candidate.distance_m <= 0.0 && IsPushed(*candidate.seen, *candidate.known, candidate.match);
-  return candidate.match.close_share() +
-         (is_pushed ? kPushMargins * parameters_.negligible_share : 0.0);
+      DistanceBetween(candidate.known->object->cuboid(), candidate.seen->object->cuboid()) <= 0.0 &&
+      IsPushed(*candidate.seen, *candidate.known, candidate.match);
+  return candidate.match.close_share() + (is_pushed ? 2.0 * parameters_.negligible_share : 0.0);
 }
 
 /// Returns the moves without which the best explanation of all changes would be clearly worse.

@@ -15,12 +15,10 @@ struct SessionMove {
   SeenObject* seen = nullptr;
   KnownObject* known = nullptr;
   ShapeMatch match;
-  double distance_m = 0.0;  ///< Between both places.
 };
 
 /// Returns the moves of undecided objects of the session without which the best explanation of all
-/// changes would be clearly worse; twins are not guessed. Drops the doubted matches in place that a
-/// push explains better.
+/// changes would be clearly worse; twins are not guessed.
 std::vector<SessionMove> FindSessionMoves(const SessionIdentityParameters& parameters,
                                           const VoxelScale& scale,
                                           SessionObjects* objects);

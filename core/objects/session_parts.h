@@ -30,6 +30,13 @@ struct SessionPartParameters {
   /// A leg belongs to an object that is closer than this, metres, and than the length of the leg
   /// and that of the shorter of the two.
   double max_leg_gap_m = 1.0;
+  /// What is farther from a leg bears neither of its ends, nor continues it, metres.
+  double max_gap_m = 0.3;
+  /// The border of a region that changed tends to lie at a concave edge, where a thing stands on
+  /// another: a right angle inwards counts like so long a way along the surface, metres.
+  double concave_cost_m = 0.5;
+  /// So far behind a surface, space that was open shows that the surface is new, metres.
+  double behind_m = 0.08;
   SceneDivisionParameters scene;
 
   friend bool operator==(const SessionPartParameters&, const SessionPartParameters&) = default;

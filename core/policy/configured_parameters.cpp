@@ -78,6 +78,7 @@ LookParameters LookParametersOf(const MapConfig& config) {
 SegmentAssignmentParameters AssignmentParametersOf(const MapConfig& config) {
   SegmentAssignmentParameters parameters;
   parameters.min_new_area_m2 = ParameterValue(config, "min_segment_area_m2");
+  parameters.min_width_samples = ParameterValue(config, "min_segment_width_samples");
   parameters.gaps.max_width_m = ParameterValue(config, "max_gap_m");
   parameters.gaps.max_sigmas = ParameterValue(config, "max_sigmas");
   parameters.gaps.min_lines = CountOf(config, "min_gap_lines");
@@ -117,6 +118,9 @@ SessionPartParameters PartParametersOf(const MapConfig& config) {
   parameters.max_hidden_gap_share = ParameterValue(config, "max_hidden_gap_share");
   parameters.max_leg_width_m = ParameterValue(config, "max_leg_width_m");
   parameters.max_leg_gap_m = ParameterValue(config, "max_leg_gap_m");
+  parameters.max_gap_m = ParameterValue(config, "max_gap_m");
+  parameters.concave_cost_m = ParameterValue(config, "concave_cost_m");
+  parameters.behind_m = ParameterValue(config, "open_behind_m");
   parameters.scene = SceneParametersOf(config);
   return parameters;
 }

@@ -11,11 +11,8 @@
 namespace steadymap {
 namespace {
 
-// Mean width of a segment that can start an object.
-constexpr double kMinWidthSamples = 2.5;
-
 /// True if a segment is so narrow in the image that its shape cannot be told from noise.
-bool IsUnresolved(const FrameSegment& segment, const SampleGrid& samples) {
+bool IsUnresolved(const FrameSegment& segment, double min_width, const SampleGrid& samples) {
   const auto columns = static_cast<std::size_t>(samples.width());
   Eigen::AlignedBox2d bounds;
   for (const std::size_t index : segment.samples) {
@@ -23,7 +20,7 @@ bool IsUnresolved(const FrameSegment& segment, const SampleGrid& samples) {
     bounds.extend(Eigen::Vector2d(static_cast<double>(index % columns), static_cast<double>(row)));
   }
   const double length = (bounds.sizes() + Eigen::Vector2d::Ones()).norm();
-  return static_cast<double>(segment.samples.size()) < kMinWidthSamples * length;
+  return static_cast<double>(segment.samples.size()) < min_width * length;
 }
 
 }  // namespace
@@ -323,7 +320,8 @@ std::size_t SegmentAssignment::PlaceOfUnsegmented(ClassId class_id, const Surfac
 
 void SegmentAssignment::AddSegmentAsObject(std::size_t index) {
   const FrameSegment& segment = frame_.segments[index];
-  if (segment.area_m2 < parameters_.min_new_area_m2 || IsUnresolved(segment, frame_.samples))
+  if (segment.area_m2 < parameters_.min_new_area_m2 ||
+      IsUnresolved(segment, parameters_.min_width_samples, frame_.samples))
     return;
   Eigen::Vector3d mean_world = Eigen::Vector3d::Zero();
   for (const std::size_t sample : segment.samples) {

@@ -36,6 +36,8 @@ struct SegmentedFrame {
 struct SegmentAssignmentParameters {
   /// Segments with less surface do not start an object, square metres.
   double min_new_area_m2 = 0.002;
+  /// A narrower segment does not start an object: its shape cannot be told from noise.
+  double min_width_samples = 2.5;
   /// Gaps between two objects that could be parts of one.
   GapParameters gaps;
 

@@ -104,7 +104,7 @@ TEST_F(ChangedRegionsTest, ABoxThatCameIsARegion) {
       map_.MarkFree(low, {low.x(), low.y(), 0.55});
     }
   }
-  EXPECT_GT(NewShareOf(parameters_.surface, *known, *seen, map_), 0.05);
+  EXPECT_GT(NewShareOf(parameters_, *known, *seen, map_), 0.05);
   const std::vector<TrackedObject*> regions = SeparateNewRegions(parameters_, *known, seen, &map_);
   ASSERT_EQ(regions.size(), 1U);
   const Box came = regions.front()->BoundsInWorld();
@@ -133,13 +133,13 @@ TEST_F(ChangedRegionsTest, AFaceInOneLayerOfVoxelsIsNotNew) {
       map_.MarkFree({0.1 * x + 0.05, 0.1 * y + 0.05, 0.05}, {0.1 * x + 0.05, 0.1 * y + 0.05, 0.55});
     }
   }
-  EXPECT_EQ(NewShareOf(parameters_.surface, *known, *seen, map_), 0.0);
+  EXPECT_EQ(NewShareOf(parameters_, *known, *seen, map_), 0.0);
   EXPECT_TRUE(SeparateNewRegions(parameters_, *known, seen, &map_).empty());
 }
 
 TEST_F(ChangedRegionsTest, TheSameSurfaceHasNoNewShare) {
   const TrackedObject* known = Add({kSlab, kBox});
-  EXPECT_EQ(NewShareOf(parameters_.surface, *known, *Add({kSlab, kBox}), map_), 0.0);
+  EXPECT_EQ(NewShareOf(parameters_, *known, *Add({kSlab, kBox}), map_), 0.0);
 }
 
 }  // namespace

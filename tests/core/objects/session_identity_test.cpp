@@ -336,6 +336,17 @@ TEST_F(SessionIdentityTest, TwinsAreNotGuessed) {
   for (const ObjectEvent& event : Decide()) EXPECT_NE(event.type, EventType::kMoved);
 }
 
+TEST_F(SessionIdentityTest, TwinsThatWereBothPushedAreToldApartByTheirPlaces) {
+  const TrackedObject* one = PutKnown(0.0, -2);
+  const TrackedObject* other = PutKnown(2.0, -2);
+  PutSeen(0.25);
+  PutSeen(2.25);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  EXPECT_NEAR(other->cuboid().center_world.y() - one->cuboid().center_world.y(), 2.0, 0.05);
+}
+
 TEST_F(SessionIdentityTest, TwoUnlikeShapesThatChangedPlacesHaveBothMoved) {
   // Each is in the place of the other one, where it may have been pushed.
   const Eigen::Vector3d low_size_m(0.5, 0.35, 0.45);
