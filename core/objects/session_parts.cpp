@@ -117,7 +117,10 @@ void PartCompletion::JoinParts() {
 void PartCompletion::DropFragments() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     if (IsUnsegmented(*object)) continue;
-    if (object->state().supporting_frames < parameters_.min_frames ||
+    const LookCount looks = CountLooks(*object);
+    const std::uint64_t frames = object->state().supporting_frames;
+    if (frames < parameters_.min_frames ||
+        (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
         object->SurfaceAreaM2() < parameters_.min_area_m2) {
       map_->Delete(object);
     }

@@ -14,6 +14,8 @@ struct SessionPartParameters {
   /// Fewest frames and smallest surface, square metres, of an object.
   std::uint64_t min_frames = 2;
   double min_area_m2 = 0.004;
+  /// Fewest frames of an object that others contradict: fewer have a wrong label.
+  std::uint64_t min_doubted_frames = 5;
   SurfaceMatchParameters surface;
   /// Two surfaces are of one object if they have this share of the smaller one in common, or if
   /// this share of the frames shows them connected: parts of one object are hidden by others or

@@ -109,6 +109,7 @@ SessionPartParameters PartParametersOf(const MapConfig& config) {
   parameters.min_frames = CountOf(config, "min_frames");
   parameters.min_area_m2 = ParameterValue(config, "min_area_m2");
   parameters.min_common_share = ParameterValue(config, "min_common_share");
+  parameters.min_doubted_frames = CountOf(config, "min_doubted_frames");
   parameters.surface.contact_voxels = ParameterValue(config, "contact_voxels");
   parameters.surface.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
   parameters.surface.max_sigmas = ParameterValue(config, "max_sigmas");

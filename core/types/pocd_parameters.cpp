@@ -210,6 +210,12 @@ constexpr PolicyParameter kPocd[] = {
 
     // Objects of a session.
     {"min_frames", 2.0, 1.0, 1000.0, kIsWhole, "fewest frames of an object"},
+    {"min_doubted_frames",
+     5.0,
+     1.0,
+     1000.0,
+     kIsWhole,
+     "fewest frames of an object that as many frames have not found"},
     {"min_area_m2", 0.004, 0.0, 10.0, kIsReal, "smallest surface of an object with a label"},
     {"contact_voxels",
      1.5,
