@@ -13,7 +13,7 @@ constexpr float kMaxGapM = 0.08F;
 constexpr float kMaxGapPerMetre = 0.04F;
 
 // Surface seen flatter than this is no larger than its picture says.
-constexpr float kMinAreaCosine = 0.25F;
+constexpr float kMinAreaCosine = 0.2F;
 
 /// The commonest class among a cell and its neighbours at the same depth: a border that is off by a
 /// pixel moves nothing, and a thin thing keeps its class.

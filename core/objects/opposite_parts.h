@@ -14,7 +14,7 @@ struct OppositeSideParameters {
   /// Share of the points of a surface that must have the other one behind them.
   double min_share = 0.3;
   /// Largest angle between surfaces that face alike, as a cosine.
-  double min_cosine = 0.7;
+  double min_cosine = 0.5;
 
   friend bool operator==(const OppositeSideParameters&, const OppositeSideParameters&) = default;
 };

@@ -241,7 +241,7 @@ void SessionDecision::MatchInPlace() {
 /// True if a move could explain the surface of a match in place clearly better, or one of both
 /// objects is in a better match of which that is true.
 bool SessionDecision::MayBeMoved(const PlaceMatch& match) const {
-  if (match.close_share < 1.0 - parameters_.negligible_share) return true;
+  if (match.close_share < 1.0 - parameters_.rival_margin) return true;
   return std::any_of(
       objects_.doubted.begin(), objects_.doubted.end(), [&](const PlaceMatch& doubted) {
         return (doubted.seen == match.seen || doubted.known == match.known) &&
@@ -526,7 +526,7 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
   const LookCount looks = CountLooks(*object);
   if (looks.gone < parameters_.min_part_cells ||
       static_cast<double>(looks.gone) <
-          parameters_.negligible_share * static_cast<double>(looks.looked_at())) {
+          parameters_.min_part_share * static_cast<double>(looks.looked_at())) {
     return;
   }
   CutGoneCells(object, map_);

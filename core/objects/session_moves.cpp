@@ -26,6 +26,7 @@ class MoveSearch {
     std::vector<SessionMove> candidates = ListMoves();
     std::erase_if(candidates,
                   [&](const SessionMove& candidate) { return IsOfStanding(candidate); });
+    DropPushed(candidates);
     std::erase_if(candidates, [&](const SessionMove& candidate) {
       return DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence();
     });
@@ -40,6 +41,7 @@ class MoveSearch {
   bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
   std::vector<SessionMove> ListMoves() const;
   bool IsOfStanding(const SessionMove& candidate) const;
+  void DropPushed(const std::vector<SessionMove>& candidates);
   double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
   double LikelihoodOf(const SessionMove& candidate) const;
   std::vector<SessionMove> FindClearMoves(const std::vector<SessionMove>& candidates) const;
@@ -62,7 +64,7 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
   }
   return match.close_share() >=
          CloseShareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_) +
-             parameters_.negligible_share;
+             parameters_.rival_margin;
 }
 
 /// True if a known object is not where it was, or if it may have been pushed or turned to where an
@@ -82,7 +84,7 @@ bool MoveSearch::MayStand(const SeenObject& seen, const KnownObject& known) cons
 
 /// True if the surfaces of two objects are large enough to be of one.
 bool MoveSearch::AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const {
-  return seen.SurfaceAreaM2() >= parameters_.min_known_share * known.SurfaceAreaM2() &&
+  return seen.SurfaceAreaM2() >= parameters_.min_moved_area_share * known.SurfaceAreaM2() &&
          known.SurfaceAreaM2() >= parameters_.min_shape_known_share * seen.SurfaceAreaM2();
 }
 
@@ -138,6 +140,17 @@ bool MoveSearch::IsOfStanding(const SessionMove& candidate) const {
       });
 }
 
+/// Gives up matches in place that a push explains better, also if several objects may be pushed.
+void MoveSearch::DropPushed(const std::vector<SessionMove>& candidates) {
+  std::erase_if(objects_->doubted, [&](const PlaceMatch& doubted) {
+    return std::any_of(candidates.begin(), candidates.end(), [&](const SessionMove& candidate) {
+      return doubted.seen == candidate.seen && doubted.known == candidate.known &&
+             doubted.fit * (1.0 - DoubtOf(*doubted.known->object, *objects_, parameters_)) <
+                 candidate.match.confidence();
+    });
+  });
+}
+
 /// Returns how well an object of the session, or a known object, agrees with standing in place
 /// despite what is gone, in [0, 1].
 double MoveSearch::DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const {
@@ -158,7 +171,7 @@ double MoveSearch::LikelihoodOf(const SessionMove& candidate) const {
   const bool is_pushed =
       DistanceBetween(candidate.known->object->cuboid(), candidate.seen->object->cuboid()) <= 0.0 &&
       IsPushed(*candidate.seen, *candidate.known, candidate.match);
-  return candidate.match.close_share() + (is_pushed ? 2.0 * parameters_.negligible_share : 0.0);
+  return candidate.match.close_share() + (is_pushed ? 2.0 * parameters_.rival_margin : 0.0);
 }
 
 /// Returns the moves without which the best explanation of all changes would be clearly worse.
@@ -170,7 +183,7 @@ std::vector<SessionMove> MoveSearch::FindClearMoves(
     pairs.push_back({candidate.seen->index, candidate.known->index, -LikelihoodOf(candidate)});
   }
   const std::vector<std::optional<std::size_t>> columns = AssignClearColumns(
-      objects_->seen.size(), objects_->known.size(), pairs, 0.0, parameters_.negligible_share);
+      objects_->seen.size(), objects_->known.size(), pairs, 0.0, parameters_.rival_margin);
   std::vector<SessionMove> clear;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (columns[pairs[i].row] == pairs[i].column) clear.push_back(candidates[i]);

@@ -18,7 +18,8 @@ struct SessionMove {
 };
 
 /// Returns the moves of undecided objects of the session without which the best explanation of all
-/// changes would be clearly worse; twins are not guessed.
+/// changes would be clearly worse; twins are not guessed. Drops the doubted matches in place that a
+/// push explains better.
 std::vector<SessionMove> FindSessionMoves(const SessionIdentityParameters& parameters,
                                           const VoxelScale& scale,
                                           SessionObjects* objects);

@@ -33,7 +33,7 @@ bool Replaces(const TrackedObject& other,
   }
   const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
   return registration && registration->dissimilarity <= parameters.max_dissimilarity &&
-         registration->known_share >= parameters.min_shape_known_share &&
+         registration->known_share >= parameters.min_displaced_known_share &&
          !FitsAtRest(*registration, parameters, scale) &&
          DisplacementOf(*registration, other) > parameters.max_displacement_m;
 }

@@ -13,7 +13,7 @@ struct SurfaceMatchParameters {
   /// closer are in contact.
   double contact_voxels = 1.5;
   /// Largest angle between their normals, as a cosine.
-  double min_normal_cosine = 0.7;
+  double min_normal_cosine = 0.5;
   /// Their distance after registration, in standard deviations of `SurfaceSigmaM`.
   double max_sigmas = 3.0;
   /// Standard deviation of the place of an object that nobody moved, metres, and of a surface in

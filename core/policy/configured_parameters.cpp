@@ -77,6 +77,7 @@ LookParameters LookParametersOf(const MapConfig& config) {
 
 SegmentAssignmentParameters AssignmentParametersOf(const MapConfig& config) {
   SegmentAssignmentParameters parameters;
+  parameters.min_mislabelled_share = ParameterValue(config, "min_mislabelled_share");
   parameters.min_new_area_m2 = ParameterValue(config, "min_segment_area_m2");
   parameters.min_width_samples = ParameterValue(config, "min_segment_width_samples");
   parameters.gaps.max_width_m = ParameterValue(config, "max_gap_m");
@@ -98,7 +99,7 @@ SceneDivisionParameters SceneParametersOf(const MapConfig& config) {
   parameters.gaps.min_frames = CountOf(config, "min_frames");
   parameters.gaps.reach_m = ParameterValue(config, "gap_reach_m");
   parameters.gaps.min_cosine = ParameterValue(config, "min_plane_cosine");
-  parameters.opposite_sides.min_cosine = ParameterValue(config, "min_surface_cosine");
+  parameters.opposite_sides.min_cosine = ParameterValue(config, "min_match_cosine");
   parameters.opposite_sides.max_thickness_m = ParameterValue(config, "max_thickness_m");
   parameters.opposite_sides.min_share = ParameterValue(config, "min_opposite_share");
   return parameters;
@@ -111,7 +112,7 @@ SessionPartParameters PartParametersOf(const MapConfig& config) {
   parameters.min_common_share = ParameterValue(config, "min_common_share");
   parameters.min_doubted_frames = CountOf(config, "min_doubted_frames");
   parameters.surface.contact_voxels = ParameterValue(config, "contact_voxels");
-  parameters.surface.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
+  parameters.surface.min_normal_cosine = ParameterValue(config, "min_match_cosine");
   parameters.surface.max_sigmas = ParameterValue(config, "max_sigmas");
   parameters.surface.place_sigma_m = ParameterValue(config, "place_error_m");
   parameters.surface.surface_sigma_voxels = ParameterValue(config, "surface_error_voxels");
@@ -141,6 +142,10 @@ SessionIdentityParameters IdentityParametersOf(const MapConfig& config) {
   parameters.min_shape_close_share = ParameterValue(config, "min_shape_close_share");
   parameters.gone_share = ParameterValue(config, "gone_share");
   parameters.negligible_share = ParameterValue(config, "negligible_share");
+  parameters.rival_margin = ParameterValue(config, "rival_margin");
+  parameters.min_moved_area_share = ParameterValue(config, "min_moved_area_share");
+  parameters.min_displaced_known_share = ParameterValue(config, "min_displaced_known_share");
+  parameters.min_part_share = ParameterValue(config, "min_part_share");
   parameters.min_looked_at_cells = CountOf(config, "min_judged_cells");
   parameters.min_looked_at_area_m2 = ParameterValue(config, "min_judged_area_m2");
   parameters.min_part_cells = CountOf(config, "min_part_cells");

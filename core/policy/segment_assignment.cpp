@@ -11,6 +11,10 @@
 namespace steadymap {
 namespace {
 
+// A surface point of an object is in the segment of the sample that it projects to, if it is not
+// farther away, voxels.
+constexpr double kMaxSeedVoxels = 2.0;
+
 /// True if a segment is so narrow in the image that its shape cannot be told from noise.
 bool IsUnresolved(const FrameSegment& segment, double min_width, const SampleGrid& samples) {
   const auto columns = static_cast<std::size_t>(samples.width());
@@ -53,7 +57,7 @@ bool SegmentAssignment::IsOfObject(const Claim& claim) const {
   if ((*in_view_)[claim.place].object->state().class_id.value() == segment.label) {
     return claim.share >= identity_.parts.min_common_share;
   }
-  return 2.0 * claim.area_m2 >= segment.area_m2;
+  return claim.area_m2 >= parameters_.min_mislabelled_share * segment.area_m2;
 }
 
 void SegmentAssignment::AssignScene() {
@@ -160,7 +164,6 @@ void SegmentAssignment::SeparateContested(std::size_t index) {
 std::vector<std::pair<std::size_t, std::size_t>> SegmentAssignment::FindSeeds(
     std::size_t index) const {
   const std::size_t place = contested_[index] - 1;
-  const double near_m = identity_.parts.scene.near_voxels * map_->scale().voxel_size_m;
   const std::vector<OrientedPoint> points = OrientedSurfaceOf(*(*in_view_)[place].object);
   const Eigen::Isometry3d T_camera_world = frame_.cloud.T_world_camera().inverse();
   std::vector<std::pair<std::size_t, std::size_t>> seeds;
@@ -176,7 +179,7 @@ std::vector<std::pair<std::size_t, std::size_t>> SegmentAssignment::FindSeeds(
     if (!sample.is_valid() || segment == 0) continue;
     const double distance_m =
         (sample.position_world.cast<double>() - points[i].position_world).norm();
-    if (distance_m > near_m) continue;
+    if (distance_m > kMaxSeedVoxels * map_->scale().voxel_size_m) continue;
     if (segment == index + 1) seeds.emplace_back(i, 1);
     if (segment == segment_on_[place]) seeds.emplace_back(i, 0);
   }
