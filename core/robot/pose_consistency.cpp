@@ -53,6 +53,7 @@ class PatchGrid {
       patch.is_surface = true;
       patch.position_world = T_map_frame * sample.position_world.cast<double>();
       patch.normal_world = T_map_frame.linear() * sample.normal_world.cast<double>();
+      // Steeper than 45 degrees.
       patch.is_steep = std::abs(patch.normal_world.z()) < M_SQRT1_2;
       reach_m_ = std::max(reach_m_, (patch.position_world - T_world_camera.translation()).norm());
     }

@@ -41,7 +41,7 @@ struct FrameSurface {
   const MinDepthGrid& tiles;
 };
 
-/// What of a frame and a map is compared.
+/// When a part of a frame agrees with a map, or contradicts it.
 struct PoseConsistencyParameters {
   /// Loose enough for a small error of the pose, tight enough that a wall is no wall at 40 degrees:
   /// largest angle between a measured surface and the mapped one, as a cosine.

@@ -36,8 +36,8 @@ constexpr int kViewMarginSamples = 8;
 constexpr double kMinLeverM = 0.1;
 
 /// Returns the square of the Mahalanobis distance that a pose error exceeds as rarely as a normal
-/// error exceeds so many standard deviations: chi square in six degrees of freedom by Wilson and
-/// Hilferty (1931).
+/// error is greater than so many standard deviations: chi square in six degrees of freedom, in the
+/// approximation of Wilson and Hilferty (1931).
 double MaxDistance2(double sigmas) {
   constexpr double kFreedom = 6.0;
   constexpr double kVariance = 2.0 / (9.0 * kFreedom);

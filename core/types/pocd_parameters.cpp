@@ -221,7 +221,7 @@ constexpr PolicyParameter kPocd[] = {
      "share of an object in view that a frame must find gone for all of it to be gone"},
 
     // Objects of a session.
-    {"min_frames", 2.0, 1.0, 1000.0, kIsWhole, "fewest frames of an object"},
+    {"min_frames", 2.0, 1.0, 1000.0, kIsWhole, "fewest frames that show an object, or a gap"},
     {"min_doubted_frames",
      5.0,
      1.0,
