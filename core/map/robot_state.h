@@ -64,9 +64,10 @@ struct PoseOffset {
 /// session (`MapUpdater::IsSessionOver`).
 struct RobotState {
   Trust trust = Trust::kTrusted;
-  /// Number of consecutive frames against the current trust: disagreeing frames in state
-  /// `kDoubted`, agreeing frames in state `kLost`. 0 in state `kTrusted`.
-  std::uint32_t streak = 0;
+  /// Log-odds that the robot is at `claimed`, and that it is at `likely`, against any other place.
+  /// 0 in state `kTrusted`.
+  float claimed_log_odds = 0.0F;
+  float likely_log_odds = 0.0F;
   Timestamp last_capture_time;  ///< Of its last frame, used or not.
   CameraPlace claimed;          ///< The pose given in its last frame.
   /// The pose integrated from the motion since the last trusted pose, without jumps. Equals

@@ -35,16 +35,15 @@ LocalizationMonitorParameters GuardParametersOf(const MapConfig& config) {
   parameters.jump_rad = ParameterValue(config, "max_jump_rad");
   parameters.jump_rad_per_s = ParameterValue(config, "max_turn_rad_per_s");
   parameters.motion_s = ParameterValue(config, "motion_s");
-  parameters.min_known_share = ParameterValue(config, "min_known_view_share");
-  parameters.sure_share = ParameterValue(config, "sure_view_share");
-  parameters.good_share = ParameterValue(config, "good_view_share");
-  parameters.better_by_share = ParameterValue(config, "better_view_share");
-  parameters.losing_frames = static_cast<std::uint32_t>(CountOf(config, "losing_frames"));
-  parameters.finding_frames = static_cast<std::uint32_t>(CountOf(config, "finding_frames"));
+  parameters.fit_if_right = ParameterValue(config, "fit_of_right_pose");
+  parameters.fit_if_wrong = ParameterValue(config, "fit_of_wrong_pose");
+  parameters.new_place_odds = ParameterValue(config, "new_place_odds");
+  parameters.look_s = ParameterValue(config, "new_view_s");
+  parameters.rearranged_share = ParameterValue(config, "rearranged_share");
+  parameters.error_share = ParameterValue(config, "lost_error_share");
   parameters.views.min_normal_cosine = ParameterValue(config, "min_plane_cosine");
   parameters.views.min_facing_cosine = ParameterValue(config, "min_facing_cosine");
   parameters.views.through_m = ParameterValue(config, "min_view_through_m");
-  parameters.new_place_frames = static_cast<std::uint32_t>(CountOf(config, "new_place_frames"));
   return parameters;
 }
 

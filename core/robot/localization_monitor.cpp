@@ -1,5 +1,9 @@
 #include "core/robot/localization_monitor.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
 namespace steadymap {
 namespace {
 
@@ -10,6 +14,11 @@ constexpr double kMinElapsedS = 0.005;
 Eigen::Isometry3d MotionOf(const RobotState& robot, double elapsed_s) {
   return TransformOf(elapsed_s * robot.velocity_m_per_s.cast<double>(),
                      elapsed_s * robot.turn_rad_per_s.cast<double>());
+}
+
+/// The ratio of the odds of two poses that decides between them, as a logarithm.
+double DecisiveLogOdds(const LocalizationMonitorParameters& parameters) {
+  return std::log((1.0 - parameters.error_share) / parameters.error_share);
 }
 
 }  // namespace
@@ -27,11 +36,21 @@ bool LocalizationMonitor::Accept(const Frame& frame,
     robot = *known;
     FollowMotion(frame, &robot);
   }
+  const double elapsed_s =
+      known == nullptr ? 0.0 : (frame.capture_time - known->last_capture_time).seconds();
   robot.last_capture_time = frame.capture_time;
-  const bool counts = robot.trust == Trust::kTrusted ||
-                      UpdateTrust(Judge(surface, robot, *map), frame.source, &robot, map);
+  bool counts = true;
+  if (robot.trust != Trust::kTrusted) {
+    UpdateOdds(surface, elapsed_s, *map, &robot);
+    counts = UpdateTrust(frame.source, &robot, map);
+  }
   map->StoreRobot(frame.source, robot);
   return counts;
+}
+
+/// True if a robot that moved on without jumps would be where it says.
+bool LocalizationMonitor::AreSamePlace(const RobotState& robot) const {
+  return !IsJump(robot.likely.ToIsometry(), robot.claimed.ToIsometry(), 0.0);
 }
 
 bool LocalizationMonitor::IsJump(const Eigen::Isometry3d& from,
@@ -53,7 +72,11 @@ void LocalizationMonitor::FollowMotion(const Frame& frame, RobotState* robot) co
   const Eigen::Isometry3d T_before_now = T_world_before.inverse() * frame.T_world_camera;
   const bool is_jump = IsJump(T_world_before * T_before_expected, frame.T_world_camera, elapsed_s);
   robot->claimed = CameraPlace::FromIsometry(frame.T_world_camera);
-  if (is_jump && robot->trust == Trust::kTrusted) robot->trust = Trust::kDoubted;
+  if (is_jump) {
+    // What was seen from the pose before says nothing for this one.
+    robot->claimed_log_odds = 0.0F;
+    if (robot->trust == Trust::kTrusted) robot->trust = Trust::kDoubted;
+  }
   if (robot->trust == Trust::kTrusted) {
     robot->likely = robot->claimed;
   } else {
@@ -71,64 +94,75 @@ void LocalizationMonitor::FollowMotion(const Frame& frame, RobotState* robot) co
   robot->turn_rad_per_s = motion.rotation_world / static_cast<float>(elapsed_s);
 }
 
-LocalizationMonitor::Verdict LocalizationMonitor::Judge(const FrameSurface& surface,
-                                                        const RobotState& robot,
-                                                        const WorkingMap& map) const {
-  const Eigen::Isometry3d T_world_claimed = robot.claimed.ToIsometry();
-  const Eigen::Isometry3d T_world_likely = robot.likely.ToIsometry();
-  if (!IsJump(T_world_likely, T_world_claimed, 0.0)) return Verdict::kAgrees;
-  const PoseConsistency here = CompareFrame(parameters_.views, surface, T_world_claimed, map);
-  const auto min_patches =
-      static_cast<std::size_t>(parameters_.min_known_share * static_cast<double>(here.patches));
-  const bool is_known = here.comparable() > min_patches;
-  const double here_share = is_known ? here.share() : 0.0;
-  if (here_share >= parameters_.sure_share) return Verdict::kAgrees;
-  // A guess that has left the range of poses is none.
-  const PoseConsistency there = T_world_likely.translation().norm() > kMaxPositionM
-                                    ? PoseConsistency()
-                                    : CompareFrame(parameters_.views, surface, T_world_likely, map);
-  if (there.comparable() > min_patches && there.share() >= parameters_.good_share &&
-      there.share() >= here_share + parameters_.better_by_share) {
-    return Verdict::kDisagrees;
+/// Adds what a frame says to the log-odds of the claimed and the likely pose.
+void LocalizationMonitor::UpdateOdds(const FrameSurface& surface,
+                                     double elapsed_s,
+                                     const WorkingMap& map,
+                                     RobotState* robot) const {
+  const double look_share = std::min(1.0, std::abs(elapsed_s) / parameters_.look_s);
+  const double new_place_log_odds = std::log(parameters_.new_place_odds);
+  const double least = std::log(parameters_.rearranged_share);
+  const double most = DecisiveLogOdds(parameters_);
+  const auto update = [&](const CameraPlace& place, double new_place, float* log_odds) {
+    const Eigen::Isometry3d T_world_camera = place.ToIsometry();
+    // A guess that has left the range of poses is none.
+    const double ratio =
+        T_world_camera.translation().norm() > kMaxPositionM
+            ? least
+            : LogLikelihoodRatio(CompareFrame(parameters_.views, surface, T_world_camera, map),
+                                 new_place);
+    *log_odds = static_cast<float>(
+        std::clamp(static_cast<double>(*log_odds) + look_share * ratio, least, most));
+  };
+  if (AreSamePlace(*robot)) {
+    robot->claimed_log_odds = std::max(robot->claimed_log_odds, robot->likely_log_odds);
+    update(robot->claimed, new_place_log_odds, &robot->claimed_log_odds);
+    robot->likely_log_odds = robot->claimed_log_odds;
+  } else {
+    update(robot->claimed, new_place_log_odds, &robot->claimed_log_odds);
+    // A guess grows old where nothing confirms it.
+    update(robot->likely, -new_place_log_odds, &robot->likely_log_odds);
   }
-  if (is_known) {
-    const bool in_doubt = robot.trust == Trust::kLost || robot.streak > 0;
-    return in_doubt && here_share < parameters_.good_share ? Verdict::kDisagrees : Verdict::kAgrees;
-  }
-  if (here.unknown <= min_patches) return Verdict::kSaysNothing;
-  // Where it would be without the jump is a guess that grows old: what speaks against that says
-  // nothing for the jump.
-  const bool is_guess_void = there.comparable() > min_patches;
-  return robot.trust == Trust::kLost && is_guess_void ? Verdict::kSaysNothing
-                                                      : Verdict::kShowsNewPlace;
 }
 
-/// Draws the consequences; returns whether the frame counts.
-bool LocalizationMonitor::UpdateTrust(Verdict verdict,
-                                      const SensorName& name,
+/// Returns the log of the ratio of the probabilities of a look if its pose is right and if it is
+/// wrong.
+double LocalizationMonitor::LogLikelihoodRatio(const PoseConsistency& view,
+                                               double new_place_log_odds) const {
+  const double fit = std::log(parameters_.fit_if_right / parameters_.fit_if_wrong);
+  const double contradiction =
+      std::log((1.0 - parameters_.fit_if_right) / (1.0 - parameters_.fit_if_wrong));
+  return (static_cast<double>(view.fitting) * fit +
+          static_cast<double>(view.contradicting) * contradiction +
+          static_cast<double>(view.unknown) * new_place_log_odds) /
+         static_cast<double>(std::max<std::size_t>(view.patches, 1));
+}
+
+/// Decides by the log-odds; returns whether the frame counts.
+bool LocalizationMonitor::UpdateTrust(const SensorName& name,
                                       RobotState* robot,
                                       WorkingMap* map) const {
   const bool was_lost = robot->trust == Trust::kLost;
-  if (verdict == Verdict::kSaysNothing) return !was_lost && robot->streak == 0;
-  const bool is_against = (verdict == Verdict::kDisagrees) != was_lost;
-  robot->streak = is_against ? robot->streak + 1 : 0;
-  const std::uint32_t finding_frames = verdict == Verdict::kShowsNewPlace
-                                           ? parameters_.new_place_frames
-                                           : parameters_.finding_frames;
-  if (was_lost && robot->streak < finding_frames) return false;
-  if (!was_lost && is_against) {
-    if (robot->streak < parameters_.losing_frames) return false;
-    robot->trust = Trust::kLost;
-    robot->streak = 0;
-    map->RecordEvent(map->MakeRobotEvent(EventType::kRobotLost, EventReason::kDisagreement, name));
-    return false;
-  }
+  const float gain = robot->claimed_log_odds - robot->likely_log_odds;
   if (was_lost) {
+    if (gain < 0.0F || robot->claimed_log_odds <= 0.0F) return false;
     map->RecordEvent(map->MakeRobotEvent(EventType::kRobotFound, EventReason::kAgreement, name));
+  } else if (!AreSamePlace(*robot)) {
+    const auto decisive = static_cast<float>(DecisiveLogOdds(parameters_));
+    if (gain <= -decisive) {
+      robot->trust = Trust::kLost;
+      map->RecordEvent(
+          map->MakeRobotEvent(EventType::kRobotLost, EventReason::kDisagreement, name));
+      return false;
+    }
+    const bool is_settled =
+        gain >= decisive || (gain >= 0.0F && robot->claimed_log_odds >= decisive);
+    if (!is_settled) return gain >= 0.0F || robot->likely_log_odds <= 0.0F;
   }
   // From here on its motion is that of the pose it was believed in.
   robot->trust = Trust::kTrusted;
-  robot->streak = 0;
+  robot->claimed_log_odds = 0.0F;
+  robot->likely_log_odds = 0.0F;
   robot->likely = robot->claimed;
   robot->velocity_m_per_s.setZero();
   robot->turn_rad_per_s.setZero();

@@ -24,14 +24,6 @@ struct PoseConsistency {
   std::size_t unknown = 0;
   /// Patches of the picture, whatever they show.
   std::size_t patches = 0;
-
-  /// Patches that the map can say anything about.
-  std::size_t comparable() const { return fitting + contradicting; }
-
-  /// Share of the comparable patches that fit; 0 where none is comparable.
-  double share() const {
-    return fitting == 0 ? 0.0 : static_cast<double>(fitting) / static_cast<double>(comparable());
-  }
 };
 
 /// One frame as what a guard compares. All of them of one frame.

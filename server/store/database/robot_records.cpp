@@ -152,7 +152,8 @@ absl::StatusOr<PoseErrorEstimate> PoseErrorFromProto(const storage::v1::PoseErro
 storage::v1::RobotRecord ToProto(const RobotState& state) {
   storage::v1::RobotRecord record;
   record.set_trust(static_cast<std::uint32_t>(state.trust) + 1);
-  record.set_streak(state.streak);
+  record.set_claimed_log_odds(state.claimed_log_odds);
+  record.set_likely_log_odds(state.likely_log_odds);
   record.set_last_capture_time_ns(state.last_capture_time.nanoseconds());
   PlaceToProto(state.claimed, record.mutable_claimed());
   if (state.likely != state.claimed) PlaceToProto(state.likely, record.mutable_likely());
@@ -175,7 +176,11 @@ absl::StatusOr<RobotState> FromProto(const storage::v1::RobotRecord& record) {
   }
   RobotState state;
   state.trust = static_cast<Trust>(record.trust() - 1);
-  state.streak = record.streak();
+  state.claimed_log_odds = record.claimed_log_odds();
+  state.likely_log_odds = record.likely_log_odds();
+  if (!std::isfinite(state.claimed_log_odds) || !std::isfinite(state.likely_log_odds)) {
+    return CorruptRecord("a robot record contains log-odds that are not finite");
+  }
   state.last_capture_time = Timestamp::FromNanoseconds(record.last_capture_time_ns());
   const absl::StatusOr<CameraPlace> claimed = PlaceFromProto(record.claimed());
   if (!claimed.ok()) return claimed.status();

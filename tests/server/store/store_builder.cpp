@@ -199,7 +199,8 @@ RobotState MakeRobot(Trust trust, std::uint32_t seed) {
   state.claimed = {vector(), vector().cast<float>()};
   state.likely = state.claimed;
   if (trust != Trust::kTrusted) {
-    state.streak = static_cast<std::uint32_t>(random());
+    state.claimed_log_odds = static_cast<float>(number(random));
+    state.likely_log_odds = static_cast<float>(number(random));
     state.likely = {vector(), vector().cast<float>()};
   }
   if (trust != Trust::kTrusted) {
