@@ -45,6 +45,9 @@ struct SemanticClass {
 /// Returns the classes of the TorWIC data set (Qian et al., RSS 2022), ids 0 to 15.
 std::vector<SemanticClass> TorwicClasses();
 
+/// Values of parameters of a policy by name.
+using ParameterValues = std::map<std::string, double, std::less<>>;
+
 /// The configuration of a map. Immutable after creation, so that a replay of the log gives the same
 /// map.
 struct MapConfig {
@@ -67,7 +70,7 @@ struct MapConfig {
   std::vector<SemanticClass> classes = TorwicClasses();
 
   /// Values of the policy's parameters that are not the default, by name (`policy_parameters.h`).
-  std::map<std::string, double, std::less<>> parameters{};
+  ParameterValues parameters{};
 
   /// Returns the largest id plus one, at least 1. Labels of a valid frame are below this value.
   std::size_t label_limit() const;

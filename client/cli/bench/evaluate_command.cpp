@@ -13,6 +13,8 @@
 #include "client/bench/evaluation/route_evaluation.h"
 #include "client/bench/simulator/routes/named_routes.h"
 #include "client/cli/bench/evaluation_json.h"
+#include "client/cli/bench/parameter_option.h"
+#include "client/cli/text/argument_text.h"
 #include "client/cli/text/json_text.h"
 #include "client/cli/text/number_text.h"
 #include "client/cli/text/output_file.h"
@@ -85,6 +87,7 @@ EvaluateCommand::EvaluateCommand(CLI::App* app, CommandContext* context) : conte
   AddSources(command);
   command->add_option("--policy", policies_, "Policies to compare (default: all)")
       ->check(CLI::IsMember(MethodNames()));
+  AddParameterOption(command, &parameters_);
   command->add_option("--stride", stride_, "Use every N-th frame")
       ->type_name("N")
       ->check(CLI::PositiveNumber)
@@ -179,7 +182,9 @@ void EvaluateCommand::AddSources(CLI::App* command) {
 
 /// Returns the methods to compare, for maps with the configuration of a scene.
 absl::StatusOr<std::vector<Method>> EvaluateCommand::MethodsFor(const MapConfig& config) const {
-  return SelectMethods(policies_, ConfigOfMaps(config));
+  const absl::StatusOr<MapConfig> base = ConfigOfMaps(config);
+  if (!base.ok()) return base.status();
+  return SelectMethods(policies_, *base);
 }
 
 absl::Status EvaluateCommand::Run() const {
@@ -282,7 +287,10 @@ absl::StatusOr<Evaluation> EvaluateCommand::EvaluateSequences() const {
   return evaluation;
 }
 
-MapConfig EvaluateCommand::ConfigOfMaps(MapConfig defaults) const {
+absl::StatusOr<MapConfig> EvaluateCommand::ConfigOfMaps(MapConfig defaults) const {
+  absl::StatusOr<ParameterValues> parameters = ParseParameters(parameters_);
+  if (!parameters.ok()) return parameters.status();
+  defaults.parameters = *std::move(parameters);
   if (map_voxel_size_m_ > 0.0) {
     defaults.voxel_size_m = map_voxel_size_m_;
     defaults.truncation_m = DefaultTruncationM(map_voxel_size_m_);

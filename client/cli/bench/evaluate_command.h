@@ -31,7 +31,7 @@ class EvaluateCommand {
   absl::StatusOr<std::vector<Method>> MethodsFor(const MapConfig& config) const;
 
   /// Returns the configuration of the maps: `defaults` with the given options.
-  MapConfig ConfigOfMaps(MapConfig defaults) const;
+  absl::StatusOr<MapConfig> ConfigOfMaps(MapConfig defaults) const;
 
   /// Returns a visitor that writes the mesh and the picture of each map into the folders for them;
   /// empty without folders. Stores the first error in `status`.
@@ -44,6 +44,7 @@ class EvaluateCommand {
   std::string label_map_file_;
   std::string T_world_dataset_file_;
   std::vector<std::string> policies_;
+  std::vector<std::string> parameters_;
   std::vector<std::uint64_t> seeds_ = {1};
   std::size_t stride_ = 1;
   std::optional<double> wrong_labels_;

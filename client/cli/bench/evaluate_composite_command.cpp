@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 
 #include "client/bench/evaluation/composite/composite_evaluation.h"
+#include "client/cli/bench/parameter_option.h"
+#include "client/cli/text/argument_text.h"
 #include "client/cli/upload/progress_report.h"
 #include "client/dataset/dataset.h"
 
@@ -79,12 +81,16 @@ EvaluateCompositeCommand::EvaluateCompositeCommand(CLI::App* app, CommandContext
       ->type_name("METRES")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  AddParameterOption(command, &parameters_);
   command->add_flag("--faults", with_faults_, "List what is wrong in each case");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
 
 absl::Status EvaluateCompositeCommand::Run() const {
+  absl::StatusOr<ParameterValues> parameters = ParseParameters(parameters_);
+  if (!parameters.ok()) return parameters.status();
   MapConfig config;
+  config.parameters = *std::move(parameters);
   config.voxel_size_m = voxel_size_m_;
   config.truncation_m = DefaultTruncationM(voxel_size_m_);
   config.max_depth_m = max_depth_m_;

@@ -24,6 +24,7 @@ class EvaluateCompositeCommand {
   std::string format_;
   std::string T_world_dataset_file_;
   std::string policy_ = "pocd";
+  std::vector<std::string> parameters_;
   std::string labels_ = "classes";
   std::size_t cases_ = 3;
   std::size_t stride_ = 1;

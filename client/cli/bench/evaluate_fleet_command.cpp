@@ -8,6 +8,8 @@
 #include "client/bench/evaluation/method/method.h"
 #include "client/bench/evaluation/route_evaluation.h"
 #include "client/bench/simulator/routes/named_routes.h"
+#include "client/cli/bench/parameter_option.h"
+#include "client/cli/text/argument_text.h"
 #include "client/cli/upload/progress_report.h"
 
 namespace steadymap {
@@ -48,6 +50,7 @@ EvaluateFleetCommand::EvaluateFleetCommand(CLI::App* app, CommandContext* contex
   command->add_option("--policy", policy_, "Update policy of the maps")
       ->check(CLI::IsMember(MethodNames()))
       ->capture_default_str();
+  AddParameterOption(command, &parameters_);
   command->add_option("--seed", seed_, "Seed of all noise")->type_name("N")->capture_default_str();
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
@@ -55,8 +58,11 @@ EvaluateFleetCommand::EvaluateFleetCommand(CLI::App* app, CommandContext* contex
 absl::Status EvaluateFleetCommand::Run() const {
   const absl::StatusOr<Route> route = MakeRoute(route_);
   if (!route.ok()) return route.status();
-  const absl::StatusOr<std::vector<Method>> methods =
-      SelectMethods({policy_}, MapConfigFor(route_));
+  absl::StatusOr<ParameterValues> parameters = ParseParameters(parameters_);
+  if (!parameters.ok()) return parameters.status();
+  MapConfig base = MapConfigFor(route_);
+  base.parameters = *std::move(parameters);
+  const absl::StatusOr<std::vector<Method>> methods = SelectMethods({policy_}, base);
   if (!methods.ok()) return methods.status();
   FleetEvaluationOptions options;
   for (const Method& method : *methods) {

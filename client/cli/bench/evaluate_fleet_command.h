@@ -22,6 +22,7 @@ class EvaluateFleetCommand {
   std::string route_ = "1-5";
   std::vector<std::string> cases_;
   std::string policy_ = "pocd";
+  std::vector<std::string> parameters_;
   std::uint64_t seed_ = 1;
 };
 

@@ -7,6 +7,8 @@
 
 #include "client/bench/evaluation/method/method.h"
 #include "client/bench/evaluation/room/room_evaluation.h"
+#include "client/cli/bench/parameter_option.h"
+#include "client/cli/text/argument_text.h"
 #include "client/cli/upload/progress_report.h"
 
 namespace steadymap {
@@ -56,6 +58,7 @@ EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* contex
                    "Labels of all cases (default: drawn for each); leaves out changes that cannot "
                    "be told with them")
       ->check(CLI::IsMember(RoomLabelNames()));
+  AddParameterOption(command, &parameters_);
   command->add_flag("--faults", with_faults_, "List what is wrong in each case");
   command->callback([this] { context_->action = [this] { return Run(); }; });
 }
@@ -67,10 +70,16 @@ absl::Status EvaluateRoomsCommand::Run() const {
       return std::find(changes_.begin(), changes_.end(), NameOf(change)) == changes_.end();
     });
   }
-  const absl::StatusOr<std::vector<Method>> methods = SelectMethods({policy_}, MapConfig());
+  const absl::StatusOr<ParameterValues> parameters = ParseParameters(parameters_);
+  if (!parameters.ok()) return parameters.status();
+  MapConfig base;
+  base.parameters = *parameters;
+  const absl::StatusOr<std::vector<Method>> methods = SelectMethods({policy_}, base);
   if (!methods.ok()) return methods.status();
   for (const Method& method : *methods) {
-    if (method.name == policy_) options.policy = method.config.policy;
+    if (method.name != policy_) continue;
+    options.policy = method.config.policy;
+    options.parameters = method.config.parameters;
   }
   options.labels = FindRoomLabels(labels_);
   options.cases = cases_;

@@ -22,6 +22,7 @@ class EvaluateRoomsCommand {
   CommandContext* context_;
   std::vector<std::string> changes_;
   std::string policy_ = "pocd";
+  std::vector<std::string> parameters_;
   std::string labels_;
   std::size_t cases_ = 4;
   std::uint64_t seed_ = 1;

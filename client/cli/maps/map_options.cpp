@@ -6,13 +6,12 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <absl/strings/numbers.h>
 #include <absl/strings/str_cat.h>
 #include <absl/strings/str_format.h>
 #include <absl/strings/str_join.h>
-#include <absl/strings/str_split.h>
 
 #include "client/cli/maps/class_table_file.h"
+#include "client/cli/text/argument_text.h"
 #include "client/cli/text/enumerator_text.h"
 #include "client/cli/text/number_text.h"
 #include "core/types/absl_text.h"
@@ -103,20 +102,6 @@ absl::Status ApplyPreset(const std::string& name, MapConfig* config) {
       "the preset must be one of " + absl::StrJoin(PresetNames(), ", ") + ", got \"" + name + "\"");
 }
 
-absl::Status ReadParameters(const std::vector<std::string>& texts, MapConfig* config) {
-  for (const std::string& text : texts) {
-    const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('=', 1));
-    double value = 0.0;
-    if (parts.first.empty() || !absl::SimpleAtod(parts.second, &value)) {
-      return InvalidField(reason::kBadValue,
-                          "parameters",
-                          "--set needs NAME=VALUE with a number, got \"" + text + "\"");
-    }
-    config->parameters[parts.first] = value;
-  }
-  return absl::OkStatus();
-}
-
 absl::Status Differs(const v1::Map& present,
                      const char* option,
                      const std::string& found,
@@ -205,9 +190,9 @@ absl::StatusOr<MapConfig> ConfigOf(const MapOptions& options) {
     if (!classes.ok()) return classes.status();
     config.classes = *std::move(classes);
   }
-  if (absl::Status status = ReadParameters(options.parameters, &config); !status.ok()) {
-    return status;
-  }
+  const absl::StatusOr<ParameterValues> parameters = ParseParameters(options.parameters);
+  if (!parameters.ok()) return parameters.status();
+  for (const auto& [name, value] : *parameters) config.parameters[name] = value;
   // Validated here, because the server treats a zero as "the default".
   if (absl::Status status = ValidateMapConfig(config); !status.ok()) return status;
   return config;

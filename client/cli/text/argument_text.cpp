@@ -5,8 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include <absl/strings/numbers.h>
+#include <absl/strings/str_split.h>
 #include <absl/time/time.h>
+
+#include "core/types/error.h"
 
 namespace steadymap {
 namespace {
@@ -113,6 +118,21 @@ absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
     }
   }
   return labels;
+}
+
+absl::StatusOr<ParameterValues> ParseParameters(const std::vector<std::string>& texts) {
+  ParameterValues parameters;
+  for (const std::string& text : texts) {
+    const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits('=', 1));
+    double value = 0.0;
+    if (parts.first.empty() || !absl::SimpleAtod(parts.second, &value)) {
+      return InvalidField(reason::kBadValue,
+                          "parameters",
+                          "--set needs NAME=VALUE with a number, got \"" + text + "\"");
+    }
+    parameters[parts.first] = value;
+  }
+  return parameters;
 }
 
 absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text) {

@@ -11,6 +11,7 @@
 
 #include "core/geometry/geometry.h"
 #include "core/types/identifiers.h"
+#include "core/types/map_config.h"
 #include "core/types/timestamp.h"
 
 /// Parsers for command-line arguments that CLI11 does not support. All errors are `InvalidArgument`
@@ -36,6 +37,10 @@ absl::StatusOr<Timestamp> ParseTime(std::string_view text);
 /// contain `=`. The server validates keys and values.
 absl::StatusOr<std::map<std::string, std::string>> ParseLabels(
     const std::vector<std::string>& texts);
+
+/// Parses parameters of a policy, `name=number` each; of those with one name, the last counts. The
+/// map's configuration validates names and numbers.
+absl::StatusOr<ParameterValues> ParseParameters(const std::vector<std::string>& texts);
 
 /// Parses camera intrinsics `fx,fy,cx,cy`, pixels, finite.
 absl::StatusOr<std::array<double, 4>> ParseIntrinsics(std::string_view text);

@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "core/types/policy_parameters.h"
+
 namespace steadymap {
 namespace {
 
@@ -66,6 +68,18 @@ absl::StatusOr<std::vector<Method>> SelectMethods(const std::vector<std::string>
     method.config = base;
     method.last_sequence_only = row.last_sequence_only;
     row.choose(&method.config);
+    std::erase_if(method.config.parameters, [&](const auto& parameter) {
+      return FindParameter(method.config.policy, parameter.first) == nullptr;
+    });
+    if (absl::Status status = ValidateMapConfig(method.config); !status.ok()) return status;
+  }
+  for (const auto& [name, value] : base.parameters) {
+    const bool is_used = std::any_of(methods.begin(), methods.end(), [&](const Method& method) {
+      return method.config.parameters.contains(name);
+    });
+    if (is_used) continue;
+    return absl::InvalidArgumentError("no policy here has a parameter \"" + name.substr(0, 80) +
+                                      "\"; map create --help lists them");
   }
   return methods;
 }

@@ -21,7 +21,9 @@ std::vector<std::string> MethodNames();
 
 /// Returns the methods with these names, in the order of `MethodNames`, and always the two
 /// reference methods; all methods if `names` is empty. `base` is the common configuration without
-/// the policy. Errors: `InvalidArgument`, listing the valid names.
+/// the policy; each method takes the parameters that its policy has. Errors: `InvalidArgument` for
+/// an unknown name, listing the valid ones, and for a parameter that no policy of these has; as
+/// `ValidateMapConfig`.
 absl::StatusOr<std::vector<Method>> SelectMethods(const std::vector<std::string>& names,
                                                   const MapConfig& base);
 

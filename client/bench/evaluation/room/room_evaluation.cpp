@@ -44,8 +44,9 @@ bool EndsSession(const Simulation& simulation, std::size_t frame) {
 
 absl::StatusOr<RoomResult> EvaluateRoom(const RoomCase& room_case,
                                         const RoomEvaluationOptions& evaluation) {
-  absl::StatusOr<std::unique_ptr<Mapper>> mapper =
-      Mapper::Create(MapConfigFor(room_case, evaluation.policy));
+  MapConfig config = MapConfigFor(room_case, evaluation.policy);
+  config.parameters = evaluation.parameters;
+  absl::StatusOr<std::unique_ptr<Mapper>> mapper = Mapper::Create(config);
   if (!mapper.ok()) return mapper.status();
   const BoxRoom room = MakeBoxRoom(room_case.change, room_case.setting);
   SimulationOptions options;

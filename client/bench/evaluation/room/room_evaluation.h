@@ -20,6 +20,7 @@ struct RoomEvaluationOptions {
   std::size_t cases = 4;  ///< Per change.
   std::uint64_t seed = 1;
   UpdatePolicy policy = UpdatePolicy::kPocd;
+  ParameterValues parameters;  ///< Of the policy.
   /// Of every case; without a value, those that `ListRoomCases` draws. Changes that cannot be told
   /// with these labels are left out.
   std::optional<RoomLabels> labels;

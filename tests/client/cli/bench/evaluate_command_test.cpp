@@ -66,6 +66,39 @@ TEST(EvaluateCommand, PrintsJsonInstead) {
   EXPECT_EQ(tables[0].at("rows").at(0).at("policy"), "static");
 }
 
+TEST(EvaluateCommand, TakesParametersOfThePolicies) {
+  const auto first_pocd_row = [](const Outcome& outcome) {
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::size_t start = outcome.out.find("\npocd ");
+    return outcome.out.substr(start, outcome.out.find('\n', start + 1) - start - 16);
+  };
+  const std::vector<std::string> defaults = {
+      "--route", "twin", "--stride", "10", "--ideal", "--policy", "pocd"};
+  std::vector<std::string> blind = defaults;
+  blind.insert(blind.end(), {"--set", "min_segment_area_m2=10"});
+  EXPECT_NE(first_pocd_row(Evaluate(blind)), first_pocd_row(Evaluate(defaults)));
+}
+
+TEST(EvaluateCommand, RefusesParametersThatNoPolicyHas) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"evaluate", "--route", "twin", "--policy", "static"},
+      {"evaluate-rooms", "--cases", "1", "--policy", "static"},
+      {"evaluate-fleet", "--policy", "static"},
+      {"evaluate-composite", "nowhere", "--format", "seven-scenes", "--policy", "static"}};
+  for (std::vector<std::string> arguments : commands) {
+    SCOPED_TRACE(arguments.front());
+    arguments.insert(arguments.end(), {"--set", "max_jump_m=0.1"});
+    const Outcome unknown = Steadymap(arguments);
+    EXPECT_NE(unknown.exit_code, 0);
+    EXPECT_NE(unknown.err.find("max_jump_m"), std::string::npos) << unknown.err;
+    arguments.back() = "max_jump_m";
+    EXPECT_NE(Steadymap(arguments).err.find("NAME=VALUE"), std::string::npos);
+  }
+  const Outcome wild = Steadymap({"evaluate-rooms", "--cases", "1", "--set", "max_jump_m=1000000"});
+  EXPECT_NE(wild.exit_code, 0);
+  EXPECT_NE(wild.err.find("max_jump_m"), std::string::npos) << wild.err;
+}
+
 TEST(EvaluateCommand, ALostRobotSpoilsAMapThatFusesEverything) {
   const auto first_row = [](const Outcome& outcome) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
