@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/objects/gap_planes.h"
-#include "core/objects/opposite_parts.h"
 #include "core/objects/outline.h"
 #include "core/objects/point_grid.h"
 #include "core/objects/surface_parts.h"
@@ -38,7 +37,6 @@ class SceneDivision {
     FindKnownStructures(map);
     FindParts(contact_voxels);
     DivideAtGaps(scene.state().gaps);
-    JoinOppositeParts();
     JoinFloatingParts();
     DropSlenderParts();
     DropIncompleteParts(*map);
@@ -338,16 +336,6 @@ class SceneDivision {
       }
     }
     return nearest_m;
-  }
-
-  /// Joins the sides of things of which the edges between them were not seen.
-  void JoinOppositeParts() {
-    const std::vector<std::size_t> opposite_of =
-        FindOppositeParts(points_, parts_, voxel_m_, parameters_.opposite_sides);
-    for (std::size_t i = parts_.size(); i-- > 0;) {
-      // The smaller side decides; larger parts come first.
-      if (opposite_of[i] < i) Join(i, opposite_of[i]);
-    }
   }
 
   void Join(std::size_t part, std::size_t into) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/objects/gap_planes.h"
-#include "core/objects/opposite_parts.h"
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
 
@@ -29,7 +28,6 @@ struct SceneDivisionParameters {
   double max_leg_share = 0.3;
   /// Largest distance of a part that floats from the one that it belongs to, metres.
   double float_reach_m = 0.5;
-  OppositeSideParameters opposite_sides;
   GapPlaneParameters gaps;
 
   friend bool operator==(const SceneDivisionParameters&, const SceneDivisionParameters&) = default;

@@ -98,9 +98,6 @@ SceneDivisionParameters SceneParametersOf(const MapConfig& config) {
   parameters.gaps.min_frames = CountOf(config, "min_frames");
   parameters.gaps.reach_m = ParameterValue(config, "gap_reach_m");
   parameters.gaps.min_cosine = ParameterValue(config, "min_plane_cosine");
-  parameters.opposite_sides.min_cosine = ParameterValue(config, "min_match_cosine");
-  parameters.opposite_sides.max_thickness_m = ParameterValue(config, "max_thickness_m");
-  parameters.opposite_sides.min_share = ParameterValue(config, "min_opposite_share");
   return parameters;
 }
 

@@ -283,18 +283,6 @@ constexpr PolicyParameter kPocd[] = {
      5.0,
      kIsReal,
      "largest distance of a part that floats from its object"},
-    {"max_thickness_m",
-     1.0,
-     0.0,
-     10.0,
-     kIsReal,
-     "largest distance of the opposite sides of an object"},
-    {"min_opposite_share",
-     0.3,
-     0.01,
-     1.0,
-     kIsReal,
-     "least share of a side that is opposite to another one of its object"},
 
     // Identity.
     {"claim_votes",
