@@ -37,7 +37,6 @@ class SceneDivision {
     FindKnownStructures(map);
     FindParts(contact_voxels);
     DivideAtGaps(scene.state().gaps);
-    JoinFloatingParts();
     DropSlenderParts();
     DropIncompleteParts(*map);
   }
@@ -295,69 +294,9 @@ class SceneDivision {
     });
   }
 
-  double LowestOf(const std::vector<std::size_t>& part) const {
-    double lowest_m = std::numeric_limits<double>::max();
-    for (const std::size_t i : part) lowest_m = std::min(lowest_m, points_[i].position_world.z());
-    return lowest_m;
-  }
-
-  /// True if a part ends above the floor around it, and above all surface of the background.
-  bool Floats(const std::vector<std::size_t>& part) const {
-    Eigen::AlignedBox2d base;
-    for (const std::size_t i : part) base.extend(points_[i].position_world.head<2>());
-    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(parameters_.float_reach_m);
-    base = Eigen::AlignedBox2d(base.min() - reach, base.max() + reach);
-    const double lowest_m = LowestOf(part);
-    double floor_m = std::numeric_limits<double>::lowest();
-    const auto raise_floor = [&](const OrientedPoint& point) {
-      if (point.normal_world.z() < parameters_.min_plane_cosine ||
-          !base.contains(point.position_world.head<2>()) ||
-          point.position_world.z() > lowest_m + voxel_m_) {
-        return;
-      }
-      floor_m = std::max(floor_m, point.position_world.z());
-    };
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (is_structure_[i] != 0) raise_floor(points_[i]);
-    }
-    for (const OrientedPoint& point : supports_) raise_floor(point);
-    return lowest_m - floor_m > parameters_.min_width_voxels * voxel_m_;
-  }
-
-  /// Returns the least distance of a point of `a` from one of `b` that is beside or below it,
-  /// within a few voxels; the largest number if there is none.
-  double DistanceAbove(const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) const {
-    double nearest_m = std::numeric_limits<double>::max();
-    for (const std::size_t i : a) {
-      for (const std::size_t j : b) {
-        const Eigen::Vector3d offset = points_[i].position_world - points_[j].position_world;
-        if (offset.head<2>().norm() > parameters_.min_width_voxels * voxel_m_) continue;
-        nearest_m = std::min(nearest_m, offset.norm());
-      }
-    }
-    return nearest_m;
-  }
-
   void Join(std::size_t part, std::size_t into) {
     parts_[into].insert(parts_[into].end(), parts_[part].begin(), parts_[part].end());
     parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(part));
-  }
-
-  void JoinFloatingParts() {
-    for (std::size_t i = parts_.size(); i-- > 0;) {
-      if (parts_.size() < 2 || !Floats(parts_[i])) continue;
-      std::size_t nearest = i;
-      double nearest_m = parameters_.float_reach_m;
-      for (std::size_t j = 0; j < parts_.size(); ++j) {
-        if (j == i) continue;
-        const double distance_m = DistanceAbove(parts_[i], parts_[j]);
-        if (distance_m >= nearest_m) continue;
-        nearest_m = distance_m;
-        nearest = j;
-      }
-      if (nearest == i) continue;
-      Join(i, nearest);
-    }
   }
 
   const SceneDivisionParameters& parameters_;

@@ -21,13 +21,10 @@ struct SceneDivisionParameters {
   /// gaps.
   double near_voxels = 2.25;
   /// What is smaller is not resolved, voxels. Narrower parts, such as the legs of a table, do not
-  /// become objects of their own. Nothing floats: a part whose lowest point is higher above the
-  /// floor belongs to the nearest other part.
+  /// become objects of their own.
   double min_width_voxels = 3.0;
   /// Largest share of the width of a leg in its length.
   double max_leg_share = 0.3;
-  /// Largest distance of a part that floats from the one that it belongs to, metres.
-  double float_reach_m = 0.5;
   GapPlaneParameters gaps;
 
   friend bool operator==(const SceneDivisionParameters&, const SceneDivisionParameters&) = default;

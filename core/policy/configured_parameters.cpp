@@ -93,7 +93,6 @@ SceneDivisionParameters SceneParametersOf(const MapConfig& config) {
   parameters.min_area_m2 = ParameterValue(config, "min_scene_area_m2");
   parameters.near_voxels = ParameterValue(config, "near_voxels");
   parameters.min_width_voxels = ParameterValue(config, "min_width_voxels");
-  parameters.float_reach_m = ParameterValue(config, "max_float_m");
   parameters.max_leg_share = ParameterValue(config, "max_leg_share");
   parameters.gaps.min_frames = CountOf(config, "min_frames");
   parameters.gaps.reach_m = ParameterValue(config, "gap_reach_m");

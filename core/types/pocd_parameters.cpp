@@ -277,12 +277,6 @@ constexpr PolicyParameter kPocd[] = {
      "distance behind a surface at which open space shows that the surface is new"},
     {"min_width_voxels", 3.0, 1.0, 20.0, kIsReal, "smallest width that is resolved"},
     {"near_voxels", 2.25, 1.0, 10.0, kIsReal, "distance up to which parts are one object"},
-    {"max_float_m",
-     0.5,
-     0.0,
-     5.0,
-     kIsReal,
-     "largest distance of a part that floats from its object"},
 
     // Identity.
     {"claim_votes",

@@ -191,13 +191,5 @@ TEST_F(SceneDivisionTest, APieceInUnknownSpaceIsNoObject) {
               }).empty());
 }
 
-TEST_F(SceneDivisionTest, ABoardAboveAnotherOneIsAPartOfTheSameObject) {
-  EXPECT_EQ(Divide({FloorSlab(),
-                    Box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.5, 0.8, 0.15)),
-                    Box(Eigen::Vector3d(0.0, 0.0, 0.4), Eigen::Vector3d(0.5, 0.8, 0.55))})
-                .size(),
-            1U);
-}
-
 }  // namespace
 }  // namespace steadymap
