@@ -111,11 +111,6 @@ class EarlierMap {
         of_known_(known.volume(), map.scale()),
         of_background_(map.background(), map.scale()) {}
 
-  /// True if the known object has observed a point.
-  bool IsKnown(const Eigen::Vector3d& point_world) {
-    return of_known_.Sample(T_known_world_ * point_world).known;
-  }
-
   Change Compare(const OrientedPoint& point) {
     const OrientedPoint in_known{T_known_world_ * point.position_world,
                                  T_known_world_.linear() * point.normal_world};
@@ -210,18 +205,6 @@ std::vector<TrackedObject*> SeparateNewRegions(const SessionPartParameters& para
                                                TrackedObject* seen,
                                                WorkingMap* map) {
   return SeparateChanged(parameters, FindNewSurface(parameters, known, *seen, *map), seen, map);
-}
-
-double NewShareOf(const SessionPartParameters& parameters,
-                  const TrackedObject& known,
-                  const TrackedObject& seen,
-                  const WorkingMap& map) {
-  EarlierMap earlier(parameters, known, map);
-  const std::vector<OrientedPoint> points = OrientedSurfaceOf(seen);
-  const auto changed = std::count_if(points.begin(), points.end(), [&](const OrientedPoint& point) {
-    return !earlier.IsKnown(point.position_world) && earlier.Compare(point) == Change::kChanged;
-  });
-  return points.empty() ? 0.0 : static_cast<double>(changed) / static_cast<double>(points.size());
 }
 
 }  // namespace steadymap

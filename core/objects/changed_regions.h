@@ -25,12 +25,4 @@ std::vector<TrackedObject*> SeparateNewRegions(const SessionPartParameters& para
                                                TrackedObject* seen,
                                                WorkingMap* map);
 
-/// Returns the share of the surface of an object of the session that lies beyond what a known one
-/// has observed, in space that was open then, in [0, 1]. Within it, the registration of both tells
-/// how they agree.
-double NewShareOf(const SessionPartParameters& parameters,
-                  const TrackedObject& known,
-                  const TrackedObject& seen,
-                  const WorkingMap& map);
-
 }  // namespace steadymap

@@ -205,11 +205,7 @@ void SessionDecision::MatchInPlace() {
   for (PlaceMatch match : matches) {
     if (match.seen->is_decided) continue;
     const bool is_archived = match.known->object->is_archived();
-    const double doubt = std::max(
-        DoubtOf(*match.known->object, objects_, parameters_),
-        is_archived
-            ? 0.0
-            : NewShareOf(parameters_.parts, *match.known->object, *match.seen->object, *map_));
+    const double doubt = DoubtOf(*match.known->object, objects_, parameters_);
     const double displacement_m =
         match.fits_at_rest && doubt < parameters_.negligible_share ? 0.0 : match.displacement_m;
     if (IsOlderThanRemoval(*match.seen, *match.known)) {

@@ -27,9 +27,6 @@ class MoveSearch {
     std::erase_if(candidates,
                   [&](const SessionMove& candidate) { return IsOfStanding(candidate); });
     DropPushed(candidates);
-    std::erase_if(candidates, [&](const SessionMove& candidate) {
-      return DoubtedFitOf(*candidate.seen, *candidate.known) >= candidate.match.confidence();
-    });
     return FindClearMoves(candidates);
   }
 
@@ -42,7 +39,6 @@ class MoveSearch {
   std::vector<SessionMove> ListMoves() const;
   bool IsOfStanding(const SessionMove& candidate) const;
   void DropPushed(const std::vector<SessionMove>& candidates);
-  double DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const;
   double LikelihoodOf(const SessionMove& candidate) const;
   std::vector<SessionMove> FindClearMoves(const std::vector<SessionMove>& candidates) const;
 
@@ -149,19 +145,6 @@ void MoveSearch::DropPushed(const std::vector<SessionMove>& candidates) {
                  candidate.match.confidence();
     });
   });
-}
-
-/// Returns how well an object of the session, or a known object, agrees with standing in place
-/// despite what is gone, in [0, 1].
-double MoveSearch::DoubtedFitOf(const SeenObject& seen, const KnownObject& known) const {
-  double best = 0.0;
-  for (const PlaceMatch& match : objects_->doubted) {
-    if (match.seen->is_decided || match.known->is_taken) continue;
-    if (match.seen != &seen && match.known != &known) continue;
-    best =
-        std::max(best, match.fit * (1.0 - DoubtOf(*match.known->object, *objects_, parameters_)));
-  }
-  return best;
 }
 
 /// Returns how likely a move is, as an agreement of surfaces. What is not known of a shape does not
