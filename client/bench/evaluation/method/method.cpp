@@ -73,7 +73,8 @@ absl::StatusOr<std::vector<Method>> SelectMethods(const std::vector<std::string>
     });
     if (absl::Status status = ValidateMapConfig(method.config); !status.ok()) return status;
   }
-  for (const auto& [name, value] : base.parameters) {
+  for (const auto& parameter : base.parameters) {
+    const std::string& name = parameter.first;
     const bool is_used = std::any_of(methods.begin(), methods.end(), [&](const Method& method) {
       return method.config.parameters.contains(name);
     });
