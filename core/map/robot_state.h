@@ -15,8 +15,8 @@ namespace steadymap {
 /// The trust of a map in the poses of a robot.
 enum class Trust {
   kTrusted,  ///< Its frames are used.
-  kDoubted,  ///< Its motion does not explain its pose. Its frames must agree with the map.
-  kLost,     ///< Several consecutive frames disagreed. Its frames are ignored.
+  kDoubted,  ///< Its pose jumped. Frames that fit better without the jump are ignored.
+  kLost,     ///< Its frames fit clearly better without the jump, and are ignored.
 };
 
 /// A camera pose for storage; the rotation has single precision.

@@ -34,14 +34,18 @@ Outcome Evaluate(std::vector<std::string> arguments) {
   return Steadymap(arguments);
 }
 
+/// Returns the row of a method in the first table that `evaluate` prints, without the last column,
+/// which is a time.
+std::string RowOf(const std::string& method, const Outcome& outcome) {
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::size_t start = outcome.out.find("\n" + method + " ");
+  return outcome.out.substr(start, outcome.out.find('\n', start + 1) - start - 16);
+}
+
 /// Returns the table that `evaluate` prints for a few frames of the twin, with further arguments.
 std::string TableOfTwin(std::vector<std::string> arguments) {
   arguments.insert(arguments.end(), {"--route", "twin", "--stride", "40", "--policy", "static"});
-  const Outcome outcome = Evaluate(arguments);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  // Without the last column, which is a time.
-  const std::size_t start = outcome.out.find("\nstatic ");
-  return outcome.out.substr(start, outcome.out.find('\n', start + 1) - start - 16);
+  return RowOf("static", Evaluate(arguments));
 }
 
 TEST(EvaluateCommand, PrintsATableAndDrawsAPictureAMethod) {
@@ -67,16 +71,11 @@ TEST(EvaluateCommand, PrintsJsonInstead) {
 }
 
 TEST(EvaluateCommand, TakesParametersOfThePolicies) {
-  const auto first_pocd_row = [](const Outcome& outcome) {
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    const std::size_t start = outcome.out.find("\npocd ");
-    return outcome.out.substr(start, outcome.out.find('\n', start + 1) - start - 16);
-  };
   const std::vector<std::string> defaults = {
       "--route", "twin", "--stride", "10", "--ideal", "--policy", "pocd"};
   std::vector<std::string> blind = defaults;
   blind.insert(blind.end(), {"--set", "min_segment_area_m2=10"});
-  EXPECT_NE(first_pocd_row(Evaluate(blind)), first_pocd_row(Evaluate(defaults)));
+  EXPECT_NE(RowOf("pocd", Evaluate(blind)), RowOf("pocd", Evaluate(defaults)));
 }
 
 TEST(EvaluateCommand, RefusesParametersThatNoPolicyHas) {
@@ -100,16 +99,11 @@ TEST(EvaluateCommand, RefusesParametersThatNoPolicyHas) {
 }
 
 TEST(EvaluateCommand, ALostRobotSpoilsAMapThatFusesEverything) {
-  const auto first_row = [](const Outcome& outcome) {
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    const std::size_t start = outcome.out.find("\nstatic ");
-    return outcome.out.substr(start, outcome.out.find('\n', start + 1) - start - 16);
-  };
   const std::vector<std::string> sound = {
       "--route", "twin", "--stride", "20", "--ideal", "--policy", "static"};
   std::vector<std::string> misled = sound;
   misled.insert(misled.end(), {"--lost", "1", "1000"});
-  EXPECT_NE(first_row(Evaluate(misled)), first_row(Evaluate(sound)));
+  EXPECT_NE(RowOf("static", Evaluate(misled)), RowOf("static", Evaluate(sound)));
 }
 
 TEST(EvaluateCommand, ShowsTheStagesOfPocdAndDrawsItsScores) {
