@@ -73,7 +73,6 @@ class SessionDecision {
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   void MatchInPlace();
-  bool MayBeMoved(const PlaceMatch& match) const;
   void MatchDoubted();
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
@@ -225,24 +224,15 @@ void SessionDecision::MatchInPlace() {
       match.close_share = CloseShareInPlace(
           *match.seen->object, *match.known->object, parameters_.parts.surface, map_->scale());
     }
+    // A move could explain the surface clearly better.
+    const bool may_be_moved = match.close_share < 1.0 - parameters_.rival_margin;
     if (doubt >= (is_displaced ? parameters_.negligible_share : parameters_.gone_share) ||
-        MayBeMoved(match)) {
+        may_be_moved) {
       objects_.doubted.push_back(match);
     } else {
       Confirm(match.seen, match.known);
     }
   }
-}
-
-/// True if a move could explain the surface of a match in place clearly better, or one of both
-/// objects is in a better match of which that is true.
-bool SessionDecision::MayBeMoved(const PlaceMatch& match) const {
-  if (match.close_share < 1.0 - parameters_.rival_margin) return true;
-  return std::any_of(
-      objects_.doubted.begin(), objects_.doubted.end(), [&](const PlaceMatch& doubted) {
-        return (doubted.seen == match.seen || doubted.known == match.known) &&
-               DoubtOf(*doubted.known->object, objects_, parameters_) < parameters_.gone_share;
-      });
 }
 
 /// Confirms the doubted matches in place that no move explains better.
