@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include "core/objects/point_grid.h"
@@ -19,6 +18,13 @@ constexpr double kMinGrainM = 0.04;
 // outline is looked at one cube further.
 constexpr double kNextGrains = 2.0;
 constexpr double kBesideGrains = 3.0;
+
+/// The way from a point of one surface to the nearest one of another.
+struct Gap {
+  const OrientedPoint* from = nullptr;
+  const OrientedPoint* to = nullptr;
+  double width_m = 0.0;
+};
 
 }  // namespace
 
@@ -110,29 +116,39 @@ bool OutlineTest::MayGoOnAs(std::span<const OrientedPoint> surface,
                             std::span<const OrientedPoint> other,
                             double max_gap_m) const {
   const PointGrid grid(other, max_gap_m);
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> gaps;
+  std::vector<Gap> gaps;
   double smallest_m = max_gap_m;
   for (const OrientedPoint& point : surface) {
-    Eigen::Vector3d nearest = point.position_world;
+    std::size_t nearest = 0;
     double nearest_m = std::numeric_limits<double>::max();
     grid.ForEachNear(point.position_world, [&](std::size_t i) {
       const double distance_m = (other[i].position_world - point.position_world).norm();
       if (distance_m >= nearest_m) return;
-      nearest = other[i].position_world;
+      nearest = i;
       nearest_m = distance_m;
     });
     if (nearest_m > max_gap_m) continue;
-    gaps.emplace_back(point.position_world, nearest);
+    gaps.push_back({&point, &other[nearest], nearest_m});
     smallest_m = std::min(smallest_m, nearest_m);
   }
   std::size_t seen = 0;
   std::size_t count = 0;
-  for (const auto& [from, to] : gaps) {
-    if ((to - from).norm() > smallest_m + kNextGrains * grain_m_) continue;
+  for (const Gap& gap : gaps) {
+    if (gap.width_m > smallest_m + kNextGrains * grain_m_) continue;
     ++count;
-    if (IsSeenThrough(from, to)) ++seen;
+    // Cells of free space that touch a surface reach behind it.
+    if (IsSeenThrough(gap.from->position_world, gap.to->position_world) &&
+        IsSeenThrough(Behind(*gap.from), Behind(*gap.to))) {
+      ++seen;
+    }
   }
   return count > 0 && 2 * seen < count;
+}
+
+/// Returns a point behind a surface, beside the cells of free space that touch the surface.
+Eigen::Vector3d OutlineTest::Behind(const OrientedPoint& point) const {
+  const Eigen::Vector3d sideways(point.normal_world.x(), point.normal_world.y(), 0.0);
+  return point.position_world - map_.free_space().cell_size_m() * sideways;
 }
 
 /// True if a part of the way between two points of surfaces is free space.

@@ -41,6 +41,7 @@ class OutlineTest {
   Cell CellOf(const Eigen::Vector3d& point_world) const;
   std::set<Cell> CellsOf(std::span<const Eigen::Vector3d> points_world) const;
   static bool HasNeighbour(const std::set<Cell>& cells, const Cell& cell);
+  Eigen::Vector3d Behind(const OrientedPoint& point) const;
   bool IsSeenThrough(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) const;
   bool IsOnStructure(const Eigen::Vector3d& point_world) const;
 
