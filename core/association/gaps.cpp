@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace steadymap {
 namespace {
@@ -14,15 +16,46 @@ constexpr double kMaxSlope = 0.5;
 // Most cells at an edge whose depth is unknown.
 constexpr int kMaxEdgeCells = 2;
 
+/// Returns the depths of the cells of a frame, one row after the other.
+std::vector<float> DepthsByRow(const SemanticCloud& cloud) {
+  std::vector<float> depths_m;
+  depths_m.reserve(cloud.cells().size());
+  for (const SurfaceCell& cell : cloud.cells()) depths_m.push_back(cell.depth_m);
+  return depths_m;
+}
+
+/// Returns the same depths, one column after the other.
+std::vector<float> DepthsByColumn(const std::vector<float>& by_row,
+                                  std::size_t width,
+                                  std::size_t height) {
+  // In blocks, so that the cache lines of a block stay in the cache.
+  constexpr std::size_t kBlock = 16;
+  std::vector<float> by_column(by_row.size());
+  for (std::size_t first_row = 0; first_row < height; first_row += kBlock) {
+    const std::size_t end_row = std::min(first_row + kBlock, height);
+    for (std::size_t column = 0; column < width; ++column) {
+      for (std::size_t row = first_row; row < end_row; ++row) {
+        by_column[column * height + row] = by_row[row * width + column];
+      }
+    }
+  }
+  return by_column;
+}
+
 /// The search for gaps along the rows or along the columns of cells of one frame.
 class GapSearch {
  public:
-  GapSearch(const SemanticCloud& cloud, const GapParameters& parameters, bool along_rows)
+  /// `depths_m` has the depth of each cell, one row after the other, or one column.
+  GapSearch(const SemanticCloud& cloud,
+            const GapParameters& parameters,
+            bool along_rows,
+            std::span<const float> depths_m)
       : cloud_(cloud),
         parameters_(parameters),
         along_rows_(along_rows),
         cells_(along_rows ? cloud.cells_wide() : cloud.cells_high()),
         focal_length_(along_rows ? cloud.camera().fx : cloud.camera().fy),
+        depths_m_(depths_m),
         gaps_(static_cast<std::size_t>(along_rows ? cloud.cells_high() : cloud.cells_wide())) {}
 
   void AddGapsTo(std::vector<GapInView>* gaps) {
@@ -52,7 +85,7 @@ class GapSearch {
 
   /// Returns the depth of a cell of the line that is searched.
   double DepthAt(int cell) const {
-    return static_cast<double>(depths_m_[static_cast<std::size_t>(cell)]);
+    return static_cast<double>(line_m_[static_cast<std::size_t>(cell)]);
   }
 
   /// Returns the ray (z = 1) of a cell in the axes of the world.
@@ -81,14 +114,8 @@ class GapSearch {
   }
 
   void Search(std::size_t line) {
-    const auto width = static_cast<std::size_t>(cloud_.cells_wide());
-    const std::size_t step = along_rows_ ? 1 : width;
-    std::size_t index = along_rows_ ? line * width : line;
-    depths_m_.resize(static_cast<std::size_t>(cells_));
-    for (float& depth_m : depths_m_) {
-      depth_m = cloud_.cells()[index].depth_m;
-      index += step;
-    }
+    const auto length = static_cast<std::size_t>(cells_);
+    line_m_ = depths_m_.subspan(line * length, length);
     for (int begin = 0; begin + 1 < cells_; ++begin) {
       // Almost all cells go on to a next one that is as near.
       const double near_m = DepthAt(begin);
@@ -186,16 +213,21 @@ class GapSearch {
   bool along_rows_;
   int cells_;  ///< Of a line.
   double focal_length_;
+  std::span<const float> depths_m_;     ///< Of all cells, by line.
+  std::span<const float> line_m_;       ///< Of the cells of the line that is searched.
   std::vector<std::vector<Gap>> gaps_;  ///< By line.
-  std::vector<float> depths_m_;         ///< Of the cells of the line that is searched.
 };
 
 }  // namespace
 
 std::vector<GapInView> FindGaps(const SemanticCloud& cloud, const GapParameters& parameters) {
   std::vector<GapInView> gaps;
-  GapSearch(cloud, parameters, /*along_rows=*/true).AddGapsTo(&gaps);
-  GapSearch(cloud, parameters, /*along_rows=*/false).AddGapsTo(&gaps);
+  const std::vector<float> by_row = DepthsByRow(cloud);
+  GapSearch(cloud, parameters, /*along_rows=*/true, by_row).AddGapsTo(&gaps);
+  const std::vector<float> by_column = DepthsByColumn(by_row,
+                                                      static_cast<std::size_t>(cloud.cells_wide()),
+                                                      static_cast<std::size_t>(cloud.cells_high()));
+  GapSearch(cloud, parameters, /*along_rows=*/false, by_column).AddGapsTo(&gaps);
   return gaps;
 }
 
