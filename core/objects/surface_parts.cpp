@@ -14,7 +14,6 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/objects/point_grid.h"
-#include "core/volume/voxel_index.h"
 
 namespace steadymap {
 namespace {
@@ -88,9 +87,9 @@ class VoxelParts {
  public:
   VoxelParts(const TrackedObject& object, const VoxelScale& scale) : scale_(scale) {
     object.volume().ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-      ForEachBit(leaf.observed, [&](std::size_t offset) {
-        part_of_.emplace(KeyOf(VoxelIndexAt(origin, offset)), kNone);
-      });
+      LeafParts& parts = leaves_[origin];
+      parts.fill(kUnobserved);
+      ForEachBit(leaf.observed, [&](std::size_t offset) { parts[offset] = kNone; });
     });
   }
 
@@ -112,24 +111,37 @@ class VoxelParts {
     }
   }
 
-  /// Returns the part of a voxel; 0 if no seed reaches it.
+  /// Returns the part of an observed voxel; 0 if no seed reaches it.
   std::size_t PartAt(LeafOrigin origin, std::size_t offset) const {
-    const auto found = part_of_.find(KeyOf(VoxelIndexAt(origin, offset)));
-    return found == part_of_.end() || found->second == kNone ? 0 : found->second;
+    const std::size_t part = leaves_.at(origin)[offset];
+    return part == kNone ? 0 : part;
   }
 
  private:
+  using LeafParts = std::array<std::size_t, kLeafVoxels>;
+
   static constexpr std::size_t kNone = ~std::size_t{0};
+  static constexpr std::size_t kUnobserved = kNone - 1;
 
   void Reach(const Eigen::Vector3i& voxel, std::size_t part) {
-    const auto found = part_of_.find(KeyOf(voxel));
-    if (found == part_of_.end() || found->second != kNone) return;
-    found->second = part;
+    const LeafOrigin origin = LeafOf(voxel.x(), voxel.y(), voxel.z());
+    // Most steps stay in a leaf.
+    if (leaf_ == nullptr || origin != leaf_origin_) {
+      const auto found = leaves_.find(origin);
+      if (found == leaves_.end()) return;
+      leaf_origin_ = origin;
+      leaf_ = &found->second;
+    }
+    std::size_t& part_at = (*leaf_)[OffsetInLeaf(voxel.x(), voxel.y(), voxel.z())];
+    if (part_at != kNone) return;
+    part_at = part;
     reached_.emplace_back(voxel, part);
   }
 
   VoxelScale scale_;
-  std::unordered_map<std::uint64_t, std::size_t> part_of_;
+  std::unordered_map<LeafOrigin, LeafParts> leaves_;
+  LeafOrigin leaf_origin_;  ///< Of the last voxel.
+  LeafParts* leaf_ = nullptr;
   std::vector<std::pair<Eigen::Vector3i, std::size_t>> reached_;
 };
 
