@@ -66,7 +66,7 @@ struct ObjectState {
   ClassId class_id;              ///< The class with the most votes.
   std::vector<ClassVote> votes;  ///< By increasing class, without duplicates.
   UprightPose T_world_object;
-  Cuboid cuboid;  ///< Around the surface, world frame.
+  Cuboid cuboid;  ///< Around the surface, world frame; of status `kTentative`, with yaw 0.
   Belief belief;
   ObjectEvidence evidence;
   std::vector<SessionLooks> looks;  ///< Of open sessions, by increasing source; not `kTentative`.

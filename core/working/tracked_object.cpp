@@ -11,6 +11,11 @@ namespace {
 constexpr double kMaxShareBeyond = 0.04;
 constexpr double kMaxVoxelsBeyond = 2.0;
 
+Cuboid CuboidOf(const Box& box_world) {
+  if (box_world.isEmpty()) return {};
+  return {box_world.center(), box_world.sizes(), 0.0};
+}
+
 }  // namespace
 
 TrackedObject::TrackedObject(ObjectId id,
@@ -93,7 +98,9 @@ const Cuboid& TrackedObject::cuboid() const {
 
 std::shared_ptr<const MapObject> TrackedObject::Publish() const {
   auto published = std::make_shared<MapObject>(MapObject{state_, volume_});
-  published->cuboid = cuboid();
+  // Fitting a cuboid to each object of a session for each commit would cost as much as fusing it.
+  published->cuboid =
+      state_.status == ObjectStatus::kTentative ? CuboidOf(BoundsInWorld()) : cuboid();
   return published;
 }
 
