@@ -145,7 +145,8 @@ bool OutlineTest::MayGoOnAs(std::span<const OrientedPoint> surface,
   return count > 0 && 2 * seen < count;
 }
 
-/// Returns a point behind a surface, beside the cells of free space that touch the surface.
+/// Returns the point of the same height behind a surface, outside the cells of free space that
+/// touch it: gaps are between things that stand beside each other.
 Eigen::Vector3d OutlineTest::Behind(const OrientedPoint& point) const {
   const Eigen::Vector3d sideways(point.normal_world.x(), point.normal_world.y(), 0.0);
   return point.position_world - map_.free_space().cell_size_m() * sideways;

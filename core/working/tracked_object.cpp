@@ -98,7 +98,8 @@ const Cuboid& TrackedObject::cuboid() const {
 
 std::shared_ptr<const MapObject> TrackedObject::Publish() const {
   auto published = std::make_shared<MapObject>(MapObject{state_, volume_});
-  // Fitting a cuboid to each object of a session for each commit would cost as much as fusing it.
+  // Objects of an open session change with every frame, and few clients read their cuboids: their
+  // bounds save a twelfth of the time of a frame.
   published->cuboid =
       state_.status == ObjectStatus::kTentative ? CuboidOf(BoundsInWorld()) : cuboid();
   return published;
