@@ -61,7 +61,7 @@ class SectionBuilder {
       if (origin != LeafOf(origin.x, origin.y, origin.z)) {
         return ProtocolError("the server sent a leaf whose origin is not a multiple of 8");
       }
-      absl::Status status = UnpackLeaf(leaf.packed(), section_.scale, &voxels);
+      absl::Status status = UnpackLeaf(leaf.packed(), &voxels);
       if (!status.ok()) return status;
       if (ObjectId(leaf.object_id()) == kBackgroundId) {
         section_.background.MutableTile(origin).StoreLeaf(origin, voxels);

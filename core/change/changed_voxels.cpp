@@ -34,7 +34,8 @@ LeafMask OpenSpaceOf(const LeafView& leaf,
   LeafMask open{};
   const double from_m = parameters.min_difference * scale.truncation_m;
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-    if (IsSet(leaf.observed, offset) && static_cast<double>(leaf.distance_m[offset]) > from_m) {
+    if (IsSet(leaf.observed, offset) &&
+        static_cast<double>(scale.distance_m(leaf.voxels[offset])) > from_m) {
       SetBit(offset, &open);
     }
   }
@@ -127,8 +128,9 @@ VoxelChange Describe(const std::vector<Eigen::Vector3i>& voxels,
     const LeafView new_leaf = after.FindLeaf(origin);
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (!IsSet(mask, offset)) continue;
-      if (IsFreeDistance(new_leaf.distance_m[offset], scale, parameters)) ++change.freed;
-      if (new_leaf.distance_m[offset] < old_leaf.distance_m[offset]) ++change.taken;
+      const Voxel now = new_leaf.voxels[offset];
+      if (IsFree(now, scale, parameters)) ++change.freed;
+      if (now.distance_steps() < old_leaf.voxels[offset].distance_steps()) ++change.taken;
     }
   }
   return change;
@@ -136,18 +138,16 @@ VoxelChange Describe(const std::vector<Eigen::Vector3i>& voxels,
 
 }  // namespace
 
-bool IsFreeDistance(float distance_m,
-                    const VoxelScale& scale,
-                    const ChangedVoxelParameters& parameters) {
-  return static_cast<double>(distance_m) >= parameters.free_from * scale.truncation_m;
+bool IsFree(Voxel voxel, const VoxelScale& scale, const ChangedVoxelParameters& parameters) {
+  return static_cast<double>(scale.distance_m(voxel)) >= parameters.free_from * scale.truncation_m;
 }
 
 bool IsComparable(const LeafView& before,
                   const LeafView& after,
                   std::size_t offset,
                   const ChangedVoxelParameters& parameters) {
-  return static_cast<double>(std::min(before.weight[offset], after.weight[offset])) >=
-         parameters.min_weight;
+  return static_cast<double>(std::min(before.voxels[offset].weight(),
+                                      after.voxels[offset].weight())) >= parameters.min_weight;
 }
 
 bool IsDifferent(const LeafView& before,
@@ -155,8 +155,8 @@ bool IsDifferent(const LeafView& before,
                  std::size_t offset,
                  const VoxelScale& scale,
                  const ChangedVoxelParameters& parameters) {
-  const double old_m = static_cast<double>(before.distance_m[offset]);
-  const double new_m = static_cast<double>(after.distance_m[offset]);
+  const double old_m = static_cast<double>(scale.distance_m(before.voxels[offset]));
+  const double new_m = static_cast<double>(scale.distance_m(after.voxels[offset]));
   const double band_m = parameters.free_from * scale.truncation_m;
   return std::abs(new_m - old_m) > parameters.min_difference * scale.truncation_m &&
          std::min(std::abs(old_m), std::abs(new_m)) < band_m;

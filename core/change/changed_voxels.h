@@ -38,10 +38,8 @@ struct VoxelChange {
   Eigen::Vector3d mean_voxel = Eigen::Vector3d::Zero();  ///< Index in the volume.
 };
 
-/// Whether `distance_m` says that a voxel is free.
-bool IsFreeDistance(float distance_m,
-                    const VoxelScale& scale,
-                    const ChangedVoxelParameters& parameters);
+/// Whether the distance of a voxel says that it is free.
+bool IsFree(Voxel voxel, const VoxelScale& scale, const ChangedVoxelParameters& parameters);
 
 /// Whether a voxel of two leaves, observed in both, can be compared.
 bool IsComparable(const LeafView& before,

@@ -45,7 +45,7 @@ constexpr float kKnownVoxels = 1.74F;
 // silhouette.
 constexpr float kMinFreeVoxels = 0.5F;
 
-constexpr int kFloatsPerCacheLine = 16;
+constexpr int kVoxelsPerCacheLine = 16;
 
 constexpr float kWeightsPerUnit = 1.0F / kWeightUnit;
 
@@ -237,10 +237,12 @@ STEADYMAP_INLINE bool WeighRow(const RowConstants& constants, RowEvidence* evide
 /// one bit for each changed voxel.
 STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
                                   const RowEvidence& evidence,
-                                  float* distance_m,
-                                  float* weight) {
-  const Floats old_distance_m = Load(distance_m);
-  const Floats old_weight = Load(weight);
+                                  uint32_t* voxels) {
+  Integers old_voxels;
+  memcpy(&old_voxels, voxels, sizeof(old_voxels));
+  const Floats old_distance_m =
+      __builtin_convertvector(old_voxels >> 16, Floats) * constants.distance_step_m;
+  const Floats old_weight = __builtin_convertvector(old_voxels & 0xFFFF, Floats) * kWeightUnit;
   const Floats aside_m = Abs(old_distance_m);
   const Floats dead_band_m = Splat(constants.dead_band_m) + aside_m * kDeadBandPerMetre +
                              evidence.depth_m * evidence.depth_m * kDeadBandPerSquareMetre;
@@ -267,11 +269,14 @@ STEADYMAP_INLINE uint32_t FuseRow(const RowConstants& constants,
       Select(evidence.free & was_extrapolated, Splat(kWeightUnit), evidence.weight);
   const Floats total = kept_weight + weight_now;
   const Floats mean_m = (old_distance_m * kept_weight + distance_now_m * weight_now) / total;
-  const Floats new_distance_m = Round(mean_m * constants.steps_per_m) * constants.distance_step_m;
-  const Floats new_weight = Min(Round(total * kWeightsPerUnit) * kWeightUnit, Splat(kMaxWeight));
-  Store(Select(fuse, new_distance_m, old_distance_m), distance_m);
-  Store(Select(fuse, new_weight, old_weight), weight);
-  return ToBits(fuse & ((new_distance_m != old_distance_m) | (new_weight != old_weight)));
+  const Integers new_steps =
+      __builtin_convertvector(Round(mean_m * constants.steps_per_m), Integers);
+  const Integers new_units = __builtin_convertvector(
+      Min(Round(total * kWeightsPerUnit), Splat(kMaxWeight * kWeightsPerUnit)), Integers);
+  const Integers new_voxels = (new_steps << 16) | new_units;
+  const Integers kept_voxels = (fuse & new_voxels) | (~fuse & old_voxels);
+  memcpy(voxels, &kept_voxels, sizeof(kept_voxels));
+  return ToBits(kept_voxels != old_voxels);
 }
 
 /// Fuses the colours of eight voxels near the surface. Returns true if any changed.
@@ -298,9 +303,8 @@ bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
   for (int x = 0; x < kLeafSide; ++x) {
     // The voxels are fetched from memory during the measurement of the rows.
     const int slab = x * kLeafSide * kLeafSide;
-    for (int voxel = slab; voxel < slab + kLeafSide * kLeafSide; voxel += kFloatsPerCacheLine) {
-      __builtin_prefetch(leaf.distance_m + voxel, 1);
-      __builtin_prefetch(leaf.weight + voxel, 1);
+    for (int voxel = slab; voxel < slab + kLeafSide * kLeafSide; voxel += kVoxelsPerCacheLine) {
+      __builtin_prefetch(leaf.voxels + voxel, 1);
     }
     // All rows are measured before any is fused. The processor cannot predict which rows the band
     // intersects, and a mispredicted branch per row would cost more than the measurement.
@@ -319,8 +323,7 @@ bool UpdateLeaf(const LeafKernelFrame& frame, const LeafKernelLeaf& leaf) {
       RowEvidence& evidence = rows[y];
       if (!WeighRow(constants, &evidence)) continue;
       const int offset = (x * kLeafSide + y) * kLeafSide;
-      const uint32_t moved =
-          FuseRow(constants, evidence, leaf.distance_m + offset, leaf.weight + offset);
+      const uint32_t moved = FuseRow(constants, evidence, leaf.voxels + offset);
       changed = changed || moved != 0;
       leaf.observed[x] |= static_cast<uint64_t>(ToBits(evidence.valid)) << (y * kLeafSide);
       if (leaf.color != nullptr) {

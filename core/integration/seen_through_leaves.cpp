@@ -67,7 +67,7 @@ class MaxDepthGrid {
 bool HasSurface(const LeafView& leaf) {
   bool has_surface = false;
   for (std::size_t i = 0; i < kLeafVoxels; ++i) {
-    has_surface |= leaf.weight[i] > 0.0F && leaf.distance_m[i] <= 0.0F;
+    has_surface |= leaf.voxels[i].weight_units() > 0 && leaf.voxels[i].distance_steps() <= 0;
   }
   return has_surface;
 }

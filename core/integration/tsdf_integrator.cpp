@@ -103,8 +103,7 @@ struct TsdfIntegrator::Scratch {
       for (int axis = 0; axis < 3; ++axis) {
         arrays.origin[axis] = static_cast<float>(lowest_camera[axis]);
       }
-      arrays.distance_m = edit ? edit.distance_m : new_leaf.distance_m.data();
-      arrays.weight = edit ? edit.weight : new_leaf.weight.data();
+      arrays.voxels = &(edit ? edit.voxels : new_leaf.voxels.data())->bits;
       if (with_color) arrays.color = edit ? edit.color : new_leaf.color.data();
       arrays.observed = edit ? edit.observed.data() : new_leaf.observed.data();
       return arrays;

@@ -128,9 +128,8 @@ struct LeafKernelFrame {
 
 /// The inputs and outputs of `TsdfKernels::update_leaf` for one leaf.
 struct LeafKernelLeaf {
-  float origin[3];  ///< Centre of the leaf's lowest voxel, camera frame, metres.
-  float* distance_m;
-  float* weight;
+  float origin[3];          ///< Centre of the leaf's lowest voxel, camera frame, metres.
+  std::uint32_t* voxels;    ///< See `Voxel::bits`.
   std::uint32_t* color;     ///< Null if colour is not fused.
   std::uint64_t* observed;  ///< The mask of the leaf. The kernel adds the updated voxels.
 };

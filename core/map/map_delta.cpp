@@ -15,24 +15,21 @@ namespace {
 
 using PackedLeaves = std::map<LeafKey, std::string>;
 
-void PackVolume(ObjectId id,
-                const VoxelReader& volume,
-                const VoxelScale& scale,
-                PackedLeaves* packed) {
+void PackVolume(ObjectId id, const VoxelReader& volume, PackedLeaves* packed) {
   volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-    packed->emplace(LeafKey{id, origin}, PackLeaf(leaf, scale));
+    packed->emplace(LeafKey{id, origin}, PackLeaf(leaf));
   });
 }
 
 std::vector<LeafChange> DiffLeaves(const MapSnapshot& before, const MapSnapshot& after) {
   PackedLeaves known;
   PackedLeaves changes;
-  PackVolume(kBackgroundId, before.background, before.scale, &known);
-  PackVolume(kBackgroundId, after.background, after.scale, &changes);
+  PackVolume(kBackgroundId, before.background, &known);
+  PackVolume(kBackgroundId, after.background, &changes);
   ObjectLibrary::ForEachDifference(
       before.objects, after.objects, [&](ObjectId id, const MapObject* old, const MapObject* now) {
-        if (old != nullptr) PackVolume(id, *old->volume, before.scale, &known);
-        if (now != nullptr) PackVolume(id, *now->volume, after.scale, &changes);
+        if (old != nullptr) PackVolume(id, *old->volume, &known);
+        if (now != nullptr) PackVolume(id, *now->volume, &changes);
       });
   for (const auto& [key, packed] : known) {
     const auto [change, vanished] = changes.try_emplace(key);

@@ -49,7 +49,7 @@ absl::Status MapEdits::StoreLeaf(const LeafKey& key, std::string_view packed) {
     return absl::OkStatus();
   }
   LeafVoxels voxels;
-  absl::Status status = UnpackLeaf(packed, snapshot_->scale, &voxels);
+  absl::Status status = UnpackLeaf(packed, &voxels);
   if (!status.ok()) return status;
   TsdfGrid* const grid = MutableGrid(key);
   if (grid != nullptr) {
@@ -63,7 +63,7 @@ absl::Status MapEdits::StoreLeaf(const LeafKey& key, std::string_view packed) {
 absl::Status MapEdits::PatchLeaf(const LeafKey& key, std::string_view packed) {
   if (packed.empty()) return BadLeaf("a patch without voxels");
   LeafVoxels patch;
-  absl::Status status = UnpackLeaf(packed, snapshot_->scale, &patch);
+  absl::Status status = UnpackLeaf(packed, &patch);
   if (!status.ok()) return status;
   const bool is_background = key.object == kBackgroundId;
   const bool may_be_there = !is_background || snapshot_->background.FindLeaf(key.origin);

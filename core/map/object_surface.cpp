@@ -14,9 +14,13 @@ constexpr float kMinWeight = 0.05F;
 // Approximate number of points of a plane through a leaf.
 constexpr std::size_t kPlanePoints = std::size_t{kLeafSide} * kLeafSide;
 
+float DistanceM(const LeafView& leaf, float distance_step_m, std::size_t offset) {
+  return static_cast<float>(leaf.voxels[offset].distance_steps()) * distance_step_m;
+}
+
 /// Computes the gradient of the distance at a voxel from the voxels of its own leaf only, so that
 /// the points of a leaf depend only on the leaf. Zero along an axis without observed neighbours.
-Eigen::Vector3f GradientAt(const LeafView& leaf, std::size_t offset) {
+Eigen::Vector3f GradientAt(const LeafView& leaf, float distance_step_m, std::size_t offset) {
   constexpr std::size_t kStrides[3] = {64, 8, 1};
   Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
   for (int axis = 0; axis < 3; ++axis) {
@@ -28,7 +32,9 @@ Eigen::Vector3f GradientAt(const LeafView& leaf, std::size_t offset) {
     if (place + 1 < kLeafSide && IsSet(leaf.observed, offset + stride)) high += stride;
     if (low == high) continue;
     const std::size_t voxels = (high - low) / stride;
-    gradient[axis] = (leaf.distance_m[high] - leaf.distance_m[low]) / static_cast<float>(voxels);
+    gradient[axis] =
+        (DistanceM(leaf, distance_step_m, high) - DistanceM(leaf, distance_step_m, low)) /
+        static_cast<float>(voxels);
   }
   return gradient;
 }
@@ -37,13 +43,14 @@ SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelSc
   SurfaceLeaf surface{origin, {}};
   surface.points.reserve(kPlanePoints);
   const auto voxel_size_m = static_cast<float>(scale.voxel_size_m);
+  const float distance_step_m = scale.distance_step_m();
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-    const float distance_m = leaf.distance_m[offset];
+    const float distance_m = DistanceM(leaf, distance_step_m, offset);
     if (std::abs(distance_m) > 0.5F * voxel_size_m || !IsSet(leaf.observed, offset) ||
-        leaf.weight[offset] < kMinWeight) {
+        leaf.voxels[offset].weight() < kMinWeight) {
       continue;
     }
-    const Eigen::Vector3f gradient = GradientAt(leaf, offset);
+    const Eigen::Vector3f gradient = GradientAt(leaf, distance_step_m, offset);
     const float norm = gradient.norm();
     if (norm < 0.25F * voxel_size_m) continue;
     const Eigen::Vector3f normal = gradient / norm;

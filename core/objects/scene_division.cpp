@@ -319,8 +319,7 @@ void GiveToBackground(const TrackedObject& object, WorkingMap* map) {
     bool has_changed = false;
     ForEachBit(leaf.observed, [&](std::size_t offset) {
       if (IsSet(voxels.observed, offset)) return;
-      voxels.distance_m[offset] = leaf.distance_m[offset];
-      voxels.weight[offset] = leaf.weight[offset];
+      voxels.voxels[offset] = leaf.voxels[offset];
       if (leaf.color != nullptr) {
         voxels.color[offset] = leaf.color[offset];
         voxels.has_color = true;

@@ -146,8 +146,7 @@ class VoxelParts {
 };
 
 void CopyVoxel(const LeafVoxels& from, std::size_t offset, LeafVoxels* into) {
-  into->distance_m[offset] = from.distance_m[offset];
-  into->weight[offset] = from.weight[offset];
+  into->voxels[offset] = from.voxels[offset];
   into->color[offset] = from.color[offset];
   into->has_color = from.has_color;
   SetBit(offset, &into->observed);

@@ -22,33 +22,28 @@ constexpr float kNearestLookM = 0.5F;
 // A change of which so many voxels tell the same is that.
 constexpr double kDecidingShare = 0.7;
 
-/// Fuses the sight of free space into one voxel; the result is canonical.
-void FuseFreeLook(float look_weight,
-                  const VoxelScale& scale,
-                  std::size_t offset,
-                  LeafVoxels* voxels) {
-  const float step_m = scale.distance_step_m();
-  const float weight = voxels->weight[offset];
+/// Fuses the sight of free space into one voxel.
+void FuseFreeLook(float look_weight, std::size_t offset, LeafVoxels* voxels) {
+  Voxel& voxel = voxels->voxels[offset];
+  const float weight = voxel.weight();
   const float total = weight + look_weight;
-  const float steps = (voxels->distance_m[offset] / step_m * weight +
+  const float steps = (static_cast<float>(voxel.distance_steps()) * weight +
                        static_cast<float>(kMaxDistanceSteps) * look_weight) /
                       total;
-  const float capped = std::min(std::round(total / kWeightUnit) * kWeightUnit, kMaxWeight);
-  voxels->distance_m[offset] = std::round(steps) * step_m;
-  voxels->weight[offset] = std::max(capped, kWeightUnit);
+  const float capped = std::min(total, kMaxWeight);
+  voxel = Voxel(static_cast<int>(std::lround(steps)),
+                std::max(static_cast<int>(std::lround(capped / kWeightUnit)), 1));
   SetBit(offset, &voxels->observed);
 }
 
 void ClearVoxel(std::size_t offset, LeafVoxels* voxels) {
-  voxels->distance_m[offset] = 0.0F;
-  voxels->weight[offset] = 0.0F;
+  voxels->voxels[offset] = Voxel();
   voxels->color[offset] = 0;
   ClearBit(offset, &voxels->observed);
 }
 
 void TakeVoxel(const LeafView& from, std::size_t offset, LeafVoxels* voxels) {
-  voxels->distance_m[offset] = from.distance_m[offset];
-  voxels->weight[offset] = from.weight[offset];
+  voxels->voxels[offset] = from.voxels[offset];
   SetBit(offset, &voxels->observed);
   if (from.color == nullptr) return;
   voxels->color[offset] = from.color[offset];
@@ -126,7 +121,7 @@ void VoxelChangeMapper::ClearLeaf(const ViewFreeSpace& view,
     if (!is_changed) CopyLeaf(fresh->FindLeaf(origin), &voxels);
     is_changed = true;
     const float depth_m = std::max(view.DepthOf(center_world), kNearestLookM);
-    FuseFreeLook(looks / (depth_m * depth_m), scale, offset, &voxels);
+    FuseFreeLook(looks / (depth_m * depth_m), offset, &voxels);
   }
   if (is_changed) fresh->StoreLeaf(origin, voxels);
 }
@@ -156,7 +151,7 @@ void VoxelChangeMapper::TakeOver(const std::vector<LeafOrigin>& origins,
 bool VoxelChangeMapper::IsKnownBetter(const LeafView& known,
                                       const LeafView& fresh,
                                       std::size_t offset) const {
-  return fresh.weight[offset] > known.weight[offset] &&
+  return fresh.voxels[offset].weight_units() > known.voxels[offset].weight_units() &&
          !(IsComparable(known, fresh, offset, parameters_.change) &&
            IsDifferent(known, fresh, offset, map_->scale(), parameters_.change));
 }
@@ -172,7 +167,7 @@ void VoxelChangeMapper::TakeOverLeaf(LeafOrigin origin,
     if (!IsSet(fresh.observed, offset)) continue;
     const bool is_known = known && IsSet(known.observed, offset);
     if (!IsSet(changed, offset) && is_known && !IsKnownBetter(known, fresh, offset)) continue;
-    if (!IsFreeDistance(fresh.distance_m[offset], map_->scale(), parameters_.change)) {
+    if (!IsFree(fresh.voxels[offset], map_->scale(), parameters_.change)) {
       TakeVoxel(fresh, offset, &voxels);
     } else if (IsSet(changed, offset) ||
                (is_known && !IsComparable(known, fresh, offset, parameters_.change))) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <sstream>
 #include <utility>
@@ -86,22 +87,25 @@ class VolumeWriter {
     auto grid = openvdb::FloatGrid::create(static_cast<float>(snapshot_.scale.truncation_m));
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
     DescribeGrid(snapshot_, volume_, "distance", grid.get());
-    return MakeFloats(std::move(grid), &LeafView::distance_m);
+    const float step_m = snapshot_.scale.distance_step_m();
+    return MakeFloats(std::move(grid), [step_m](Voxel voxel) {
+      return static_cast<float>(voxel.distance_steps()) * step_m;
+    });
   }
 
   std::unique_ptr<VdbGridWriter> MakeWeight() const {
     auto grid = openvdb::FloatGrid::create(0.0F);
     DescribeGrid(snapshot_, volume_, "weight", grid.get());
-    return MakeFloats(std::move(grid), &LeafView::weight);
+    return MakeFloats(std::move(grid), &Voxel::weight);
   }
 
-  std::unique_ptr<VdbGridWriter> MakeFloats(openvdb::FloatGrid::Ptr grid,
-                                            const float* LeafView::*values_of) const {
+  template <typename ValueOf>
+  std::unique_ptr<VdbGridWriter> MakeFloats(openvdb::FloatGrid::Ptr grid, ValueOf value_of) const {
     return MakeVdbGridWriter(
-        std::move(grid), leaves_.observed, [this, values_of](const MaskedLeaf& leaf, float* out) {
-          const float* const values = volume_.voxels->FindLeaf(leaf.origin).*values_of;
+        std::move(grid), leaves_.observed, [this, value_of](const MaskedLeaf& leaf, float* out) {
+          const Voxel* const voxels = volume_.voxels->FindLeaf(leaf.origin).voxels;
           for (std::size_t i = 0; i < kLeafVoxels; ++i) {
-            if (IsSet(leaf.mask, i)) out[i] = values[i];
+            if (IsSet(leaf.mask, i)) out[i] = std::invoke(value_of, voxels[i]);
           }
         });
   }

@@ -8,8 +8,7 @@ namespace {
 
 bool IsAsBefore(const LeafView& before, const LeafView& after, std::size_t offset) {
   const bool has_color = after.color != nullptr;
-  return before.distance_m[offset] == after.distance_m[offset] &&
-         before.weight[offset] == after.weight[offset] && (before.color != nullptr) == has_color &&
+  return before.voxels[offset] == after.voxels[offset] && (before.color != nullptr) == has_color &&
          (!has_color || before.color[offset] == after.color[offset]);
 }
 
@@ -33,8 +32,7 @@ void ApplyLeafPatch(const LeafVoxels& patch, LeafVoxels* leaf) {
     leaf->observed[word] |= patch.observed[word];
   }
   ForEachBit(patch.observed, [&](std::size_t offset) {
-    leaf->distance_m[offset] = patch.distance_m[offset];
-    leaf->weight[offset] = patch.weight[offset];
+    leaf->voxels[offset] = patch.voxels[offset];
     leaf->color[offset] = patch.color[offset];
   });
 }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <vector>
@@ -83,23 +81,16 @@ std::int32_t PredictDistance(const LeafMask& mask, const Steps& steps, std::size
   return 0;
 }
 
-std::int32_t ToSteps(float value, float unit) {
-  const auto steps = static_cast<std::int32_t>(std::lrint(value / unit));
-  assert(static_cast<float>(steps) * unit == value && "the voxel is not canonical");
-  return steps;
-}
-
-void WriteGeometry(const LeafView& leaf, const VoxelScale& scale, std::uint8_t* body) {
+void WriteGeometry(const LeafView& leaf, std::uint8_t* body) {
   const std::size_t count = CountBits(leaf.observed);
-  const float distance_step_m = scale.distance_step_m();
   Steps distance_steps{};
   std::int32_t last_weight = 0;
   std::size_t i = 0;
   ForEachBit(leaf.observed, [&](std::size_t offset) {
-    distance_steps[offset] = ToSteps(leaf.distance_m[offset], distance_step_m);
+    distance_steps[offset] = leaf.voxels[offset].distance_steps();
     const std::uint16_t distance =
         ToZigzag(distance_steps[offset] - PredictDistance(leaf.observed, distance_steps, offset));
-    const std::int32_t weight_units = ToSteps(leaf.weight[offset], kWeightUnit);
+    const std::int32_t weight_units = leaf.voxels[offset].weight_units();
     const std::uint16_t weight = ToZigzag(weight_units - last_weight);
     last_weight = weight_units;
     body[i] = static_cast<std::uint8_t>(distance & 0xFF);
@@ -130,9 +121,8 @@ absl::Status Damaged(std::string_view what) {
                    "a packed leaf is corrupt: " + std::string(what));
 }
 
-absl::Status ReadGeometry(const std::uint8_t* body, const VoxelScale& scale, LeafVoxels* voxels) {
+absl::Status ReadGeometry(const std::uint8_t* body, LeafVoxels* voxels) {
   const std::size_t count = CountBits(voxels->observed);
-  const float distance_step_m = scale.distance_step_m();
   Steps distance_steps{};
   std::int32_t last_weight = 0;
   bool in_range = true;
@@ -146,8 +136,7 @@ absl::Status ReadGeometry(const std::uint8_t* body, const VoxelScale& scale, Lea
         PredictDistance(voxels->observed, distance_steps, offset) + FromZigzag(distance)));
     last_weight = static_cast<std::uint16_t>(last_weight + FromZigzag(weight));
     in_range = in_range && std::abs(distance_steps[offset]) <= kMaxDistanceSteps && last_weight > 0;
-    voxels->distance_m[offset] = static_cast<float>(distance_steps[offset]) * distance_step_m;
-    voxels->weight[offset] = static_cast<float>(last_weight) * kWeightUnit;
+    voxels->voxels[offset] = Voxel(distance_steps[offset], last_weight);
     ++i;
   });
   return in_range ? absl::OkStatus() : Damaged("a voxel value is out of range");
@@ -199,7 +188,7 @@ std::string_view BodyOf(std::string_view packed, std::array<char, kMaxBodyBytes>
 
 }  // namespace
 
-std::string PackLeaf(const LeafView& leaf, const VoxelScale& scale) {
+std::string PackLeaf(const LeafView& leaf) {
   const std::size_t count = CountBits(leaf.observed);
   if (count == 0) return {};
   const bool has_color = leaf.color != nullptr;
@@ -207,7 +196,7 @@ std::string PackLeaf(const LeafView& leaf, const VoxelScale& scale) {
       kMaskBytes + count * (kGeometryBytesPerVoxel + (has_color ? kColorBytesPerVoxel : 0));
   std::array<std::uint8_t, kMaxBodyBytes> body;
   std::memcpy(body.data(), leaf.observed.data(), kMaskBytes);
-  WriteGeometry(leaf, scale, body.data() + kMaskBytes);
+  WriteGeometry(leaf, body.data() + kMaskBytes);
   if (has_color) WriteColor(leaf, body.data() + kMaskBytes + kGeometryBytesPerVoxel * count);
 
   std::array<char, ZSTD_COMPRESSBOUND(kMaxBodyBytes)> compressed;
@@ -230,7 +219,7 @@ std::string PackLeaf(const LeafView& leaf, const VoxelScale& scale) {
   return packed;
 }
 
-absl::Status UnpackLeaf(std::string_view packed, const VoxelScale& scale, LeafVoxels* voxels) {
+absl::Status UnpackLeaf(std::string_view packed, LeafVoxels* voxels) {
   *voxels = LeafVoxels{};
   if (packed.empty()) return absl::OkStatus();
   const auto format = static_cast<std::uint8_t>(packed[0]);
@@ -249,7 +238,7 @@ absl::Status UnpackLeaf(std::string_view packed, const VoxelScale& scale, LeafVo
     return Damaged("the length of the body does not match the mask");
   }
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(body.data()) + kMaskBytes;
-  if (absl::Status status = ReadGeometry(bytes, scale, voxels); !status.ok()) return status;
+  if (absl::Status status = ReadGeometry(bytes, voxels); !status.ok()) return status;
   if (voxels->has_color) ReadColor(bytes + kGeometryBytesPerVoxel * count, voxels);
   return absl::OkStatus();
 }

@@ -7,8 +7,8 @@
 
 #include "core/volume/voxel_leaf.h"
 
-/// The packed form of a leaf, the same on disk and on the wire. The packing is lossless for
-/// canonical voxels, and canonical: equal voxels pack to equal bytes.
+/// The packed form of a leaf, the same on disk and on the wire. The packing is lossless and
+/// canonical: equal voxels pack to equal bytes.
 ///
 /// Layout of version 2 (version 1 had finer steps), integers little-endian:
 ///
@@ -28,13 +28,12 @@
 namespace steadymap {
 
 /// Packs a leaf. A leaf without observed voxels packs to an empty string, which means "no leaf"
-/// everywhere. Distances must be multiples of `scale.distance_step_m()`, weights of `kWeightUnit`
-/// (asserted).
-std::string PackLeaf(const LeafView& leaf, const VoxelScale& scale);
+/// everywhere.
+std::string PackLeaf(const LeafView& leaf);
 
 /// Unpacks a leaf to `voxels`; an empty string gives a leaf without observed voxels. Treats its
 /// input as hostile. Errors: `DataLoss` with reason `CHECKSUM` for data that `PackLeaf` cannot have
 /// written.
-absl::Status UnpackLeaf(std::string_view packed, const VoxelScale& scale, LeafVoxels* voxels);
+absl::Status UnpackLeaf(std::string_view packed, LeafVoxels* voxels);
 
 }  // namespace steadymap

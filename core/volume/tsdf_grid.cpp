@@ -1,20 +1,21 @@
 #include "core/volume/tsdf_grid.h"
 
 #include <algorithm>
-#include <utility>
+#include <cstdint>
+#include <type_traits>
 
 #include "core/volume/tsdf_trees.h"
 
 namespace steadymap {
 namespace {
 
-using FloatLeaf = FloatTree::LeafNodeType;
-using ColorLeaf = ColorTree::LeafNodeType;
+using WordLeaf = WordTree::LeafNodeType;
 
-static_assert(FloatLeaf::SIZE == kLeafVoxels);
+static_assert(WordLeaf::SIZE == kLeafVoxels);
 static_assert(sizeof(openvdb::Int32) == sizeof(std::uint32_t));
+static_assert(sizeof(Voxel) == sizeof(std::uint32_t) && std::is_standard_layout_v<Voxel>);
 
-LeafMask MaskOf(const FloatLeaf& leaf) {
+LeafMask MaskOf(const WordLeaf& leaf) {
   LeafMask mask;
   for (int word = 0; word < kLeafSide; ++word) {
     mask[static_cast<std::size_t>(word)] =
@@ -23,18 +24,24 @@ LeafMask MaskOf(const FloatLeaf& leaf) {
   return mask;
 }
 
-// This code uses unsigned 32-bit colours, OpenVDB's stock types signed ones. The two types may
-// alias.
-const std::uint32_t* Unsigned(const openvdb::Int32* colors) {
-  return reinterpret_cast<const std::uint32_t*>(colors);
+// This code uses unsigned 32-bit colours and voxels of one unsigned word, OpenVDB's stock types
+// signed words. The types may alias.
+const std::uint32_t* ColorsOf(const WordLeaf* leaf) {
+  return leaf == nullptr ? nullptr : reinterpret_cast<const std::uint32_t*>(leaf->buffer().data());
 }
 
-std::uint32_t* Unsigned(openvdb::Int32* colors) { return reinterpret_cast<std::uint32_t*>(colors); }
+std::uint32_t* ColorsOf(WordLeaf* leaf) {
+  return leaf == nullptr ? nullptr : reinterpret_cast<std::uint32_t*>(leaf->buffer().data());
+}
 
-template <typename Tree>
-void RemoveLeaf(const openvdb::Coord& coord, Tree* tree) {
-  using Leaf = typename Tree::LeafNodeType;
-  delete tree->template stealNode<Leaf>(coord, tree->background(), /*active=*/false);
+const Voxel* VoxelsOf(const WordLeaf& leaf) {
+  return reinterpret_cast<const Voxel*>(leaf.buffer().data());
+}
+
+Voxel* VoxelsOf(WordLeaf* leaf) { return reinterpret_cast<Voxel*>(leaf->buffer().data()); }
+
+void RemoveLeaf(const openvdb::Coord& coord, WordTree* tree) {
+  delete tree->stealNode<WordLeaf>(coord, tree->background(), /*active=*/false);
 }
 
 bool IsEmpty(const LeafMask& mask) {
@@ -66,17 +73,13 @@ std::unique_ptr<TsdfGrid> TsdfGrid::Clone() const {
 
 LeafView TsdfGrid::FindLeaf(LeafOrigin origin) const {
   const openvdb::Coord coord = ToCoord(origin);
-  const FloatLeaf* distance = trees_->distance.probeConstLeaf(coord);
-  if (distance == nullptr) return {};
-  const ColorLeaf* color = trees_->color.probeConstLeaf(coord);
-  return {distance->buffer().data(),
-          trees_->weight.probeConstLeaf(coord)->buffer().data(),
-          color == nullptr ? nullptr : Unsigned(color->buffer().data()),
-          MaskOf(*distance)};
+  const WordLeaf* leaf = trees_->voxels.probeConstLeaf(coord);
+  if (leaf == nullptr) return {};
+  return {VoxelsOf(*leaf), ColorsOf(trees_->color.probeConstLeaf(coord)), MaskOf(*leaf)};
 }
 
 bool TsdfGrid::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const {
-  for (FloatTree::LeafCIter leaf = trees_->distance.cbeginLeaf(); leaf; ++leaf) {
+  for (WordTree::LeafCIter leaf = trees_->voxels.cbeginLeaf(); leaf; ++leaf) {
     const openvdb::Coord& coord = leaf->origin();
     const LeafOrigin origin{coord.x(), coord.y(), coord.z()};
     if (!visit(origin, FindLeaf(origin))) return false;
@@ -84,12 +87,12 @@ bool TsdfGrid::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)
   return true;
 }
 
-std::size_t TsdfGrid::leaf_count() const { return trees_->distance.leafCount(); }
+std::size_t TsdfGrid::leaf_count() const { return trees_->voxels.leafCount(); }
 
 int TsdfGrid::EmptySideAt(LeafOrigin origin) const {
   // The depth at which the search for the leaf ends: the root, a node of 512 or a node of 64 voxels
   // per side.
-  switch (trees_->distance.getValueDepth(ToCoord(origin))) {
+  switch (trees_->voxels.getValueDepth(ToCoord(origin))) {
     case 2:
       return kLeafSide;
     case 1:
@@ -101,41 +104,28 @@ int TsdfGrid::EmptySideAt(LeafOrigin origin) const {
 
 LeafEdit TsdfGrid::EditLeaf(LeafOrigin origin, bool with_color) {
   const openvdb::Coord coord = ToCoord(origin);
-  FloatLeaf* distance = trees_->distance.probeLeaf(coord);
-  if (distance == nullptr) return {};
-  FloatLeaf* weight = trees_->weight.probeLeaf(coord);
-  ColorLeaf* color = with_color ? trees_->color.touchLeaf(coord) : trees_->color.probeLeaf(coord);
-  return {distance->buffer().data(),
-          weight->buffer().data(),
-          color == nullptr ? nullptr : Unsigned(color->buffer().data()),
-          MaskOf(*distance)};
+  WordLeaf* leaf = trees_->voxels.probeLeaf(coord);
+  if (leaf == nullptr) return {};
+  WordLeaf* color = with_color ? trees_->color.touchLeaf(coord) : trees_->color.probeLeaf(coord);
+  return {VoxelsOf(leaf), ColorsOf(color), MaskOf(*leaf)};
 }
 
 void TsdfGrid::SetObserved(LeafOrigin origin, const LeafMask& observed) {
-  const openvdb::Coord coord = ToCoord(origin);
-  const LeafNodeMask mask = ToNodeMask(observed);
-  trees_->distance.probeLeaf(coord)->setValueMask(mask);
-  trees_->weight.probeLeaf(coord)->setValueMask(mask);
+  trees_->voxels.probeLeaf(ToCoord(origin))->setValueMask(ToNodeMask(observed));
 }
 
 void TsdfGrid::StoreLeaf(LeafOrigin origin, const LeafVoxels& voxels) {
   const openvdb::Coord coord = ToCoord(origin);
   if (IsEmpty(voxels.observed)) {
-    RemoveLeaf(coord, &trees_->distance);
-    RemoveLeaf(coord, &trees_->weight);
+    RemoveLeaf(coord, &trees_->voxels);
     RemoveLeaf(coord, &trees_->color);
     return;
   }
-  std::copy(voxels.distance_m.begin(),
-            voxels.distance_m.end(),
-            trees_->distance.touchLeaf(coord)->buffer().data());
-  std::copy(
-      voxels.weight.begin(), voxels.weight.end(), trees_->weight.touchLeaf(coord)->buffer().data());
-  SetObserved(origin, voxels.observed);
+  WordLeaf* leaf = trees_->voxels.touchLeaf(coord);
+  std::copy(voxels.voxels.begin(), voxels.voxels.end(), VoxelsOf(leaf));
+  leaf->setValueMask(ToNodeMask(voxels.observed));
   if (voxels.has_color) {
-    std::copy(voxels.color.begin(),
-              voxels.color.end(),
-              Unsigned(trees_->color.touchLeaf(coord)->buffer().data()));
+    std::copy(voxels.color.begin(), voxels.color.end(), ColorsOf(trees_->color.touchLeaf(coord)));
   } else {
     RemoveLeaf(coord, &trees_->color);
   }
@@ -147,15 +137,14 @@ void TsdfGrid::LoadLeaf(LeafOrigin origin, LeafVoxels* voxels) const {
 
 std::size_t TsdfGrid::CountObservedVoxels() const {
   std::size_t count = 0;
-  for (FloatTree::LeafCIter leaf = trees_->distance.cbeginLeaf(); leaf; ++leaf) {
+  for (WordTree::LeafCIter leaf = trees_->voxels.cbeginLeaf(); leaf; ++leaf) {
     count += leaf->getValueMask().countOn();
   }
   return count;
 }
 
 std::size_t TsdfGrid::memory_bytes() const {
-  return static_cast<std::size_t>(trees_->distance.memUsage() + trees_->weight.memUsage() +
-                                  trees_->color.memUsage());
+  return static_cast<std::size_t>(trees_->voxels.memUsage() + trees_->color.memUsage());
 }
 
 }  // namespace steadymap

@@ -34,12 +34,11 @@ class VoxelReader {
   virtual int EmptySideAt(LeafOrigin origin) const;
 };
 
-/// A volume: OpenVDB trees of distances and of weights with the same leaves, and a tree of colours
-/// with the leaves whose colour is known.
+/// A volume: an OpenVDB tree of voxels, of 32 bits each, and a tree of colours with the leaves
+/// whose colour is known.
 ///
-/// The trees have the branching 8-8-8 instead of OpenVDB's default 32-16-8. An empty pair of trees
-/// takes 20 KB instead of 600 KB, which matters with one pair per object. Files contain stock
-/// FloatGrids.
+/// The trees have the branching 8-8-8 instead of OpenVDB's default 32-16-8. An empty tree takes
+/// 10 KB instead of 300 KB, which matters with two per object. Files contain stock FloatGrids.
 ///
 /// Not thread-safe during writes. Otherwise, any number of threads may read.
 class TsdfGrid final : public VoxelReader {

@@ -36,7 +36,7 @@ void ForEachVoxelOfLeaf(const Visitor& visit) {
 /// The voxels of a leaf and of the first layer of the next leaves along each axis.
 class VoxelPatch {
  public:
-  void Load(const VoxelReader& reader, LeafOrigin origin);
+  void Load(const VoxelReader& reader, float distance_step_m, LeafOrigin origin);
 
   bool known(int x, int y, int z) const { return known_[At(x, y, z)]; }
 
@@ -61,7 +61,7 @@ class VoxelPatch {
   bool has_color_ = false;
 };
 
-void VoxelPatch::Load(const VoxelReader& reader, LeafOrigin origin) {
+void VoxelPatch::Load(const VoxelReader& reader, float distance_step_m, LeafOrigin origin) {
   known_.fill(false);
   has_color_ = false;
   for (int part = 0; part < 8; ++part) {
@@ -76,11 +76,12 @@ void VoxelPatch::Load(const VoxelReader& reader, LeafOrigin origin) {
     const auto end = [](int above) { return above == 1 ? 1 : kLeafSide; };
     ForEachVoxel(end(above_x), end(above_y), end(above_z), [&](int x, int y, int z) {
       const std::size_t offset = OffsetInLeaf(x, y, z);
+      const Voxel voxel = leaf.voxels[offset];
       const std::size_t at =
           At(x + above_x * kLeafSide, y + above_y * kLeafSide, z + above_z * kLeafSide);
-      known_[at] = IsSet(leaf.observed, offset) &&
-                   (leaf.weight[offset] > kWeightUnit || leaf.distance_m[offset] > 0.0F);
-      distance_m_[at] = leaf.distance_m[offset];
+      known_[at] =
+          IsSet(leaf.observed, offset) && (voxel.weight_units() > 1 || voxel.distance_steps() > 0);
+      distance_m_[at] = static_cast<float>(voxel.distance_steps()) * distance_step_m;
       color_[at] = leaf.color == nullptr ? 0 : leaf.color[offset];
     });
   }
@@ -247,7 +248,8 @@ class SurfaceNet {
         scale_(scale),
         box_(box),
         cancellation_(cancellation),
-        max_jump_m_(static_cast<float>(kMaxSurfaceSlope * scale.voxel_size_m)) {}
+        max_jump_m_(static_cast<float>(kMaxSurfaceSlope * scale.voxel_size_m)),
+        distance_step_m_(scale.distance_step_m()) {}
 
   Mesh Extract() {
     leaves_.reserve(reader_.leaf_count());
@@ -317,7 +319,7 @@ class SurfaceNet {
 
   void AddVertices(LeafOrigin origin, MeshPart* part) const {
     VoxelPatch patch;
-    patch.Load(reader_, origin);
+    patch.Load(reader_, distance_step_m_, origin);
     CellVertices* cells = nullptr;
     ForEachVoxelOfLeaf([&](int x, int y, int z) {
       CellVertex vertex;
@@ -360,7 +362,7 @@ class SurfaceNet {
 
   void AddQuads(LeafOrigin origin, MeshPart* part) const {
     VoxelPatch patch;
-    patch.Load(reader_, origin);
+    patch.Load(reader_, distance_step_m_, origin);
     ForEachVoxelOfLeaf([&](int x, int y, int z) {
       if (patch.known(x, y, z)) AddQuadsAt(patch, origin, {x, y, z}, part);
     });
@@ -431,6 +433,7 @@ class SurfaceNet {
   const Cancellation& cancellation_;
   std::atomic<bool> is_cancelled_ = false;
   float max_jump_m_;
+  float distance_step_m_;
   std::vector<LeafOrigin> leaves_;
   std::vector<LeafOrigin> missing_;  ///< Below existing leaves. Appended to `leaves_`.
   std::vector<MeshPart> parts_;

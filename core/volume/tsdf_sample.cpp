@@ -58,7 +58,7 @@ Eigen::Vector3d InterpolantGradient(const std::array<float, 8>& corners,
 }  // namespace
 
 TsdfSampler::TsdfSampler(const VoxelReader& reader, const VoxelScale& scale)
-    : reader_(reader), scale_(scale) {}
+    : reader_(reader), scale_(scale), distance_step_m_(scale.distance_step_m()) {}
 
 const LeafView& TsdfSampler::LeafAt(LeafOrigin origin) {
   const auto place_along = [](std::int32_t coordinate) {
@@ -97,11 +97,11 @@ bool TsdfSampler::LoadCellOfOneLeaf(const Eigen::Vector3i& base, bool with_weigh
   if ((leaf.observed[word] & leaf.observed[word + 1] & square) != square) return false;
   constexpr std::array<std::size_t, 8> kCornerOffsets = {0, 1, 8, 9, 64, 65, 72, 73};
   for (std::size_t corner = 0; corner < 8; ++corner) {
-    cell->distance_m[corner] = leaf.distance_m[first + kCornerOffsets[corner]];
+    cell->distance_m[corner] = DistanceM(leaf, first + kCornerOffsets[corner]);
   }
   if (!with_weight) return true;
   for (std::size_t corner = 0; corner < 8; ++corner) {
-    cell->weight[corner] = leaf.weight[first + kCornerOffsets[corner]];
+    cell->weight[corner] = leaf.voxels[first + kCornerOffsets[corner]].weight();
   }
   return true;
 }
@@ -116,8 +116,8 @@ bool TsdfSampler::LoadCellAcrossLeaves(const Eigen::Vector3i& base, bool with_we
     if (crosses_z || (corner & 1) == 0) leaf = &LeafAt(LeafOf(x, y, z));
     const std::size_t offset = OffsetInLeaf(x, y, z);
     if (!*leaf || !IsSet(leaf->observed, offset)) return false;
-    cell->distance_m[static_cast<std::size_t>(corner)] = leaf->distance_m[offset];
-    if (with_weight) cell->weight[static_cast<std::size_t>(corner)] = leaf->weight[offset];
+    cell->distance_m[static_cast<std::size_t>(corner)] = DistanceM(*leaf, offset);
+    if (with_weight) cell->weight[static_cast<std::size_t>(corner)] = leaf->voxels[offset].weight();
   }
   return true;
 }
@@ -150,7 +150,7 @@ bool TsdfSampler::SampleNearest(const Eigen::Vector3d& point_m, double* distance
   const LeafView& leaf = LeafAt(LeafOf(index.x(), index.y(), index.z()));
   const std::size_t offset = OffsetInLeaf(index.x(), index.y(), index.z());
   if (!leaf || !IsSet(leaf.observed, offset)) return false;
-  *distance_m = static_cast<double>(leaf.distance_m[offset]);
+  *distance_m = static_cast<double>(DistanceM(leaf, offset));
   return true;
 }
 

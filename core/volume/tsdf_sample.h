@@ -62,6 +62,10 @@ class TsdfSampler {
     Eigen::Vector3d fraction;
   };
 
+  float DistanceM(const LeafView& leaf, std::size_t offset) const {
+    return static_cast<float>(leaf.voxels[offset].distance_steps()) * distance_step_m_;
+  }
+
   bool LoadCell(const Eigen::Vector3d& point_m, bool with_weight, Cell* cell);
   bool LoadCellOfOneLeaf(const Eigen::Vector3i& base, bool with_weight, Cell* cell);
   bool LoadCellAcrossLeaves(const Eigen::Vector3i& base, bool with_weight, Cell* cell);
@@ -69,6 +73,7 @@ class TsdfSampler {
 
   const VoxelReader& reader_;
   VoxelScale scale_;
+  float distance_step_m_;
 
   static constexpr std::size_t kCachedSide = 4;
   static constexpr std::size_t kCachedLeaves = kCachedSide * kCachedSide * kCachedSide;

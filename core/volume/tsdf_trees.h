@@ -8,15 +8,13 @@
 
 namespace steadymap {
 
-using FloatTree = openvdb::tree::Tree4<float, 3, 3, 3>::Type;
-using ColorTree = openvdb::tree::Tree4<openvdb::Int32, 3, 3, 3>::Type;
+using WordTree = openvdb::tree::Tree4<openvdb::Int32, 3, 3, 3>::Type;
 
-/// The trees of one volume. `distance` and `weight` have the same leaves with the same active
-/// voxels. `color` has a leaf wherever colour was recorded. Inactive voxels are zero.
+/// The trees of one volume. `voxels` has the bits of `Voxel`; observed voxels are active. `color`
+/// has a leaf wherever colour was recorded. Inactive voxels are zero.
 struct TsdfGrid::Trees {
-  FloatTree distance{0.0F};
-  FloatTree weight{0.0F};
-  ColorTree color{0};
+  WordTree voxels{0};
+  WordTree color{0};
 };
 
 using LeafNodeMask = openvdb::util::NodeMask<3>;

@@ -15,9 +15,9 @@
 /// y, z) from the origin of the leaf has the offset `x * 64 + y * 8 + z`, as in an OpenVDB leaf
 /// node.
 ///
-/// Canonical voxel: a distance is a multiple of a step, a weight a multiple of `kWeightUnit`, so
-/// memory, disk and wire have the same bits. The steps are coarse on purpose: converged voxels stop
-/// changing earlier, and digits below the noise are neither stored nor sent.
+/// Distances are stored in steps, weights in units, so memory, disk and wire have the same bits.
+/// The steps are coarse on purpose: converged voxels stop changing earlier, and digits below the
+/// noise are neither stored nor sent.
 namespace steadymap {
 
 inline constexpr int kLeafSide = 8;
@@ -32,6 +32,28 @@ inline constexpr int kMaxDistanceSteps = 511;
 /// interpolation at the surface, but gives none.
 inline constexpr float kWeightUnit = 1.0F / 256.0F;
 
+/// The signed distance from the surface and the weight of one voxel. Zero in an unobserved voxel.
+struct Voxel {
+  constexpr Voxel() = default;
+
+  /// `distance_steps`: at most `kMaxDistanceSteps` on either side; `weight_units`: in [0, 65535].
+  constexpr Voxel(int distance_steps, int weight_units)
+      : bits(static_cast<std::uint32_t>(distance_steps) << 16 |
+             (static_cast<std::uint32_t>(weight_units) & 0xFFFFU)) {}
+
+  /// The distance in multiples of `VoxelScale::distance_step_m`, positive in front of the surface.
+  constexpr int distance_steps() const { return static_cast<std::int32_t>(bits) >> 16; }
+
+  /// The weight in multiples of `kWeightUnit`.
+  constexpr int weight_units() const { return static_cast<int>(bits & 0xFFFFU); }
+
+  constexpr float weight() const { return static_cast<float>(weight_units()) * kWeightUnit; }
+
+  friend constexpr bool operator==(const Voxel&, const Voxel&) = default;
+
+  std::uint32_t bits = 0;  ///< The distance in the upper, the weight in the lower half.
+};
+
 /// The voxel size and truncation distance of a map, with derived values.
 struct VoxelScale {
   double voxel_size_m = 0.05;
@@ -40,6 +62,11 @@ struct VoxelScale {
   /// Returns the step of stored distances, metres.
   float distance_step_m() const {
     return static_cast<float>(truncation_m / static_cast<double>(kMaxDistanceSteps));
+  }
+
+  /// Returns the distance of a voxel, metres.
+  float distance_m(Voxel voxel) const {
+    return static_cast<float>(voxel.distance_steps()) * distance_step_m();
   }
 
   double leaf_size_m() const { return voxel_size_m * kLeafSide; }
@@ -101,8 +128,7 @@ constexpr void ForEachBit(const LeafMask& mask, Visit visit) {
 
 /// The voxels of one leaf, by value. Unobserved voxels are zero.
 struct LeafVoxels {
-  alignas(32) std::array<float, kLeafVoxels> distance_m{};
-  alignas(32) std::array<float, kLeafVoxels> weight{};
+  alignas(32) std::array<Voxel, kLeafVoxels> voxels{};
   /// Red, green, blue and the number of measurements (at most 255) in bytes 0 to 3; number 0:
   /// unknown.
   alignas(32) std::array<std::uint32_t, kLeafVoxels> color{};
@@ -114,30 +140,25 @@ struct LeafVoxels {
 
 /// Write access to the arrays of one leaf. Null if the leaf does not exist.
 struct LeafEdit {
-  float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
-  float* weight = nullptr;         ///< `kLeafVoxels` values.
+  Voxel* voxels = nullptr;         ///< `kLeafVoxels` values.
   std::uint32_t* color = nullptr;  ///< See `LeafVoxels::color`; null if the leaf has none.
   LeafMask observed{};             ///< A copy of the mask before the edit.
 
-  explicit operator bool() const { return distance_m != nullptr; }
+  explicit operator bool() const { return voxels != nullptr; }
 };
 
 /// Read access to one leaf of a volume, valid as long as the volume. Null if it does not exist.
 struct LeafView {
-  const float* distance_m = nullptr;     ///< `kLeafVoxels` values, metres.
-  const float* weight = nullptr;         ///< `kLeafVoxels` values.
+  const Voxel* voxels = nullptr;         ///< `kLeafVoxels` values.
   const std::uint32_t* color = nullptr;  ///< See `LeafVoxels::color`; null if the leaf has none.
   LeafMask observed{};
 
-  explicit operator bool() const { return distance_m != nullptr; }
+  explicit operator bool() const { return voxels != nullptr; }
 };
 
 /// Returns a view that is valid as long as `leaf`.
 inline LeafView ViewOf(const LeafVoxels& leaf) {
-  return {leaf.distance_m.data(),
-          leaf.weight.data(),
-          leaf.has_color ? leaf.color.data() : nullptr,
-          leaf.observed};
+  return {leaf.voxels.data(), leaf.has_color ? leaf.color.data() : nullptr, leaf.observed};
 }
 
 /// Copies a leaf to `voxels`; zeros if the leaf is null.
@@ -146,8 +167,7 @@ inline void CopyLeaf(const LeafView& leaf, LeafVoxels* voxels) {
     *voxels = LeafVoxels{};
     return;
   }
-  std::copy_n(leaf.distance_m, kLeafVoxels, voxels->distance_m.begin());
-  std::copy_n(leaf.weight, kLeafVoxels, voxels->weight.begin());
+  std::copy_n(leaf.voxels, kLeafVoxels, voxels->voxels.begin());
   voxels->has_color = leaf.color != nullptr;
   if (voxels->has_color) {
     std::copy_n(leaf.color, kLeafVoxels, voxels->color.begin());

@@ -20,9 +20,12 @@ LeafOrigin Shift(LeafOrigin origin, const Eigen::Vector3i& voxels) {
 
 void TakeBetterVoxels(const LeafView& leaf, LeafVoxels* voxels) {
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-    if (!IsSet(leaf.observed, offset) || leaf.weight[offset] <= voxels->weight[offset]) continue;
-    voxels->distance_m[offset] = leaf.distance_m[offset];
-    voxels->weight[offset] = leaf.weight[offset];
+    const Voxel voxel = leaf.voxels[offset];
+    if (!IsSet(leaf.observed, offset) ||
+        voxel.weight_units() <= voxels->voxels[offset].weight_units()) {
+      continue;
+    }
+    voxels->voxels[offset] = voxel;
     SetBit(offset, &voxels->observed);
     if (leaf.color == nullptr) continue;
     voxels->color[offset] = leaf.color[offset];
@@ -55,18 +58,16 @@ std::set<LeafOrigin> LeavesUnder(const TsdfGrid& volume,
   return leaves;
 }
 
-/// Stores a sample as a voxel with at most `max_weight`, rounded to canonical values.
-void StoreCanonical(const DistanceSample& sample,
-                    double max_weight,
-                    const VoxelScale& scale,
-                    std::size_t offset,
-                    LeafVoxels* voxels) {
-  // An integer, since the canonical zero has no sign.
+/// Stores a sample as a voxel with at most `max_weight`.
+void StoreSample(const DistanceSample& sample,
+                 double max_weight,
+                 const VoxelScale& scale,
+                 std::size_t offset,
+                 LeafVoxels* voxels) {
   const long steps = std::lround(sample.distance_m / static_cast<double>(scale.distance_step_m()));
-  voxels->distance_m[offset] = static_cast<float>(steps) * scale.distance_step_m();
-  const double units =
-      std::round(std::min(sample.weight, max_weight) / static_cast<double>(kWeightUnit));
-  voxels->weight[offset] = static_cast<float>(std::max(units, 1.0)) * kWeightUnit;
+  const long units =
+      std::lround(std::min(sample.weight, max_weight) / static_cast<double>(kWeightUnit));
+  voxels->voxels[offset] = Voxel(static_cast<int>(steps), static_cast<int>(std::max(units, 1L)));
   SetBit(offset, &voxels->observed);
 }
 
@@ -169,7 +170,7 @@ void ResampleVoxels(const TrackedObject& from,
           VoxelIndexAt(origin, offset).cast<double>() * scale.voxel_size_m;
       const DistanceSample sample = sampler.Sample(T_from_into * center_into);
       if (!sample.known) continue;
-      StoreCanonical(sample, max_weight, scale, offset, &voxels);
+      StoreSample(sample, max_weight, scale, offset, &voxels);
       has_changed = true;
     }
     if (has_changed) into->StoreLeaf(origin, voxels);
@@ -189,8 +190,7 @@ void MoveGoneVoxels(const GoneScores& scores, ObjectEdit* object, ObjectEdit* pa
     gone.has_color = voxels.has_color;
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (!is_gone[EvidenceCellOf(offset)] || !IsSet(voxels.observed, offset)) continue;
-      gone.distance_m[offset] = std::exchange(voxels.distance_m[offset], 0.0F);
-      gone.weight[offset] = std::exchange(voxels.weight[offset], 0.0F);
+      gone.voxels[offset] = std::exchange(voxels.voxels[offset], Voxel());
       gone.color[offset] = std::exchange(voxels.color[offset], 0U);
       SetBit(offset, &gone.observed);
       ClearBit(offset, &voxels.observed);

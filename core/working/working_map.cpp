@@ -321,7 +321,7 @@ void WorkingMap::CommitLeaves(MapDelta* delta) {
     for (std::size_t i = begin; i < end; ++i) {
       const LeafKey& key = changed_leaves_[i];
       const LeafView leaf = FindLeaf(map_, key);
-      delta->leaves[i] = {key, leaf ? PackLeaf(leaf, map_.scale) : std::string()};
+      delta->leaves[i] = {key, leaf ? PackLeaf(leaf) : std::string()};
     }
   });
   changed_leaves_.clear();

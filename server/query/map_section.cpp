@@ -101,7 +101,7 @@ class MapSection final : public MessageSource<v1::GetMapSectionResponse> {
     leaf->set_origin_x(origin.x);
     leaf->set_origin_y(origin.y);
     leaf->set_origin_z(origin.z);
-    leaf->set_packed(PackLeaf(volume.voxels->FindLeaf(origin), snapshot_->scale));
+    leaf->set_packed(PackLeaf(volume.voxels->FindLeaf(origin)));
   }
 
   const std::shared_ptr<const MapSnapshot> snapshot_;

@@ -147,8 +147,7 @@ void WatchMessages::AddLeaf(const LeafKey& key,
   leaf->set_origin_x(key.origin.x);
   leaf->set_origin_y(key.origin.y);
   leaf->set_origin_z(key.origin.z);
-  leaf->set_packed(
-      PackLeaf(patch ? *patch : FindLeaf(*step_.snapshot, key), step_.snapshot->scale));
+  leaf->set_packed(PackLeaf(patch ? *patch : FindLeaf(*step_.snapshot, key)));
   leaf->set_is_patch(patch.has_value());
 }
 

@@ -41,7 +41,7 @@ void DeltaBookkeeper::Book(const v1::WatchMapResponse& message, DeltaAccount* ac
 
 void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account) {
   LeafVoxels sent;
-  if (const absl::Status status = UnpackLeaf(leaf.packed(), scale_, &sent); !status.ok()) {
+  if (const absl::Status status = UnpackLeaf(leaf.packed(), &sent); !status.ok()) {
     throw std::runtime_error(status.ToString());
   }
   const LeafName name{leaf.object_id(), {leaf.origin_x(), leaf.origin_y(), leaf.origin_z()}};
@@ -53,15 +53,15 @@ void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account
     account->patches += 1.0;
   }
   account->whole_bytes += static_cast<double>(leaf.ByteSizeLong() - leaf.packed().size() +
-                                              PackLeaf(ViewOf(now), scale_).size());
+                                              PackLeaf(ViewOf(now)).size());
   double voxels = 0.0;
   double changed = 0.0;
   for (std::size_t i = 0; i < kLeafVoxels; ++i) {
     if (!IsSet(now.observed, i)) continue;
     voxels += 1.0;
-    const double moved_m = std::abs(static_cast<double>(now.distance_m[i]) -
-                                    static_cast<double>(before.distance_m[i]));
-    const bool weighed = now.weight[i] != before.weight[i];
+    const double moved_m = std::abs(static_cast<double>(scale_.distance_m(now.voxels[i])) -
+                                    static_cast<double>(scale_.distance_m(before.voxels[i])));
+    const bool weighed = now.voxels[i].weight_units() != before.voxels[i].weight_units();
     const bool is_new = !IsSet(before.observed, i);
     if (!is_new && moved_m == 0.0 && !weighed) continue;
     changed += 1.0;
@@ -72,7 +72,7 @@ void DeltaBookkeeper::BookLeaf(const v1::PackedLeaf& leaf, DeltaAccount* account
     } else {
       account->moved_voxels += 1.0;
       account->moved_m += moved_m;
-      if (before.weight[i] < kYoungWeight) account->young_voxels += 1.0;
+      if (before.voxels[i].weight() < kYoungWeight) account->young_voxels += 1.0;
     }
   }
   account->leaves += 1.0;

@@ -113,7 +113,7 @@ void ExtractWholeMesh(benchmark::State& state) {
   while (state.KeepRunning()) mesh = ExtractMesh(map->background, map->scale, nullptr);
   std::size_t packed_bytes = 0;
   map->background.ForEachLeaf(
-      [&](LeafOrigin, const LeafView& leaf) { packed_bytes += PackLeaf(leaf, map->scale).size(); });
+      [&](LeafOrigin, const LeafView& leaf) { packed_bytes += PackLeaf(leaf).size(); });
   const double area_m2 = SurfaceArea(mesh);
   state.counters["triangles"] = static_cast<double>(mesh.triangles.size());
   state.counters["memory_MB_per_m2"] =

@@ -94,7 +94,7 @@ TEST_P(ObjectVolumeTest, SectionsHoldObjectsWithTheirLeaves) {
     for (const v1::PackedLeaf& leaf : messages[i].leaves().leaves()) {
       const LeafKey key{ObjectId(leaf.object_id()),
                         {leaf.origin_x(), leaf.origin_y(), leaf.origin_z()}};
-      ASSERT_EQ(leaf.packed(), PackLeaf(FindLeaf(truth_, key), truth_.scale));
+      ASSERT_EQ(leaf.packed(), PackLeaf(FindLeaf(truth_, key)));
       ++leaves[leaf.object_id()];
     }
   }

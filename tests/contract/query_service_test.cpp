@@ -171,7 +171,7 @@ TEST_P(QueryServiceTest, SectionHoldsTheLeavesThatTouchTheBox) {
   for (std::size_t i = 1; i < all.size(); ++i) {
     EXPECT_LE(all[i].ByteSizeLong(), std::size_t{1} << 20);
     for (const v1::PackedLeaf& leaf : all[i].leaves().leaves()) {
-      EXPECT_TRUE(UnpackLeaf(leaf.packed(), {0.05, all[0].header().truncation_m()}, &voxels).ok());
+      EXPECT_TRUE(UnpackLeaf(leaf.packed(), &voxels).ok());
       ++leaves;
     }
   }

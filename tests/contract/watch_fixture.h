@@ -94,7 +94,7 @@ class ToldLeaves {
       key.clear_packed();
       key.clear_is_patch();
       v1::PackedLeaf& known = leaves_[key.SerializeAsString()];
-      const auto packed = testing::TakePackedLeaf(leaf, known.packed(), testing::kScale);
+      const auto packed = testing::TakePackedLeaf(leaf, known.packed());
       ASSERT_TRUE(packed.has_value());
       known = key;
       known.set_packed(*packed);

@@ -110,9 +110,10 @@ TEST_P(TsdfAccuracy, DistanceIsTrueToATenthOfAVoxelWhereItIsMeasured) {
       const double truth_m = oracle_.distance_m(center_m);
       if (std::abs(truth_m) > band_m) continue;
       ++checked;
-      const double tolerance_voxels = leaf.weight[offset] > kWeightUnit ? 0.1 : 0.75;
-      ASSERT_NEAR(
-          static_cast<double>(leaf.distance_m[offset]), truth_m, tolerance_voxels * voxel_size_m_)
+      const double tolerance_voxels = leaf.voxels[offset].weight_units() > 1 ? 0.1 : 0.75;
+      ASSERT_NEAR(static_cast<double>(snapshot_->scale.distance_m(leaf.voxels[offset])),
+                  truth_m,
+                  tolerance_voxels * voxel_size_m_)
           << "voxel at " << center_m.transpose();
     }
   });
@@ -254,8 +255,8 @@ TEST(ExtractMesh, KeepsToTheBox) {
 TEST(ExtractMesh, HasAQuadForEachCrossingBetweenObservedVoxels) {
   LeafVoxels leaf;
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-    leaf.distance_m[offset] = 0.05F * (static_cast<float>(offset % kLeafSide) - 3.5F);
-    leaf.weight[offset] = 1.0F;
+    const double distance_m = 0.02 * (static_cast<double>(offset % kLeafSide) - 3.5);
+    leaf.voxels[offset] = testing::VoxelWithDistance(distance_m, VoxelScale());
     SetBit(offset, &leaf.observed);
   }
   TsdfGrid volume;

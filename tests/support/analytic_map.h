@@ -1,26 +1,11 @@
 #pragma once
 
-#include <cmath>
 #include <memory>
 
 #include "core/map/map_snapshot.h"
 #include "tests/support/analytic_solid.h"
 
 namespace steadymap::testing {
-
-/// Returns the volume with canonical voxels (core/volume/voxel_leaf.h).
-inline TsdfGrid Canonical(const TsdfGrid& volume, const VoxelScale& scale) {
-  TsdfGrid canonical;
-  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
-    LeafVoxels voxels;
-    volume.LoadLeaf(origin, &voxels);
-    for (float& distance_m : voxels.distance_m) {
-      distance_m = std::round(distance_m / scale.distance_step_m()) * scale.distance_step_m();
-    }
-    canonical.StoreLeaf(origin, voxels);
-  });
-  return canonical;
-}
 
 /// Returns the volume of a floor: the plane z = 0 between -2 and 2 m, observed up to the truncation
 /// distance on both sides.
@@ -48,7 +33,7 @@ inline TsdfGrid WallVolume(double depth_m, const VoxelScale& scale = {}) {
 inline MapSnapshot FloorMap(const VoxelScale& scale = {}) {
   MapSnapshot map(scale);
   map.revision = Revision(7);
-  const TsdfGrid floor = Canonical(FloorVolume(scale), scale);
+  const TsdfGrid floor = FloorVolume(scale);
   floor.ForEachLeaf([&](LeafOrigin origin, const LeafView&) {
     LeafVoxels voxels;
     floor.LoadLeaf(origin, &voxels);
@@ -70,12 +55,11 @@ inline MapObject BoxObject(ObjectId id,
   object.class_id = ClassId(static_cast<std::uint16_t>(100 + id.value()));
   object.T_world_object = T_world_object;
   object.cuboid = {T_world_object.position_world, size_m, T_world_object.yaw_rad};
-  const TsdfGrid volume =
+  object.volume = std::make_shared<const TsdfGrid>(
       MakeVolume([body](const Eigen::Vector3d& point) { return DistanceFrom({body}, point); },
                  Box(body.min() - reach, body.max() + reach),
                  scale,
-                 [](const Eigen::Vector3d&) { return true; });
-  object.volume = std::make_shared<const TsdfGrid>(Canonical(volume, scale));
+                 [](const Eigen::Vector3d&) { return true; }));
   return object;
 }
 

@@ -66,8 +66,14 @@ inline Solid Angle() {
 /// All test objects.
 inline std::vector<Solid> ThingsToLookAt() { return {Crate(), CrateWithParcel(), Angle()}; }
 
-/// Returns the canonical voxels of one leaf of a solid's volume: those within the truncation
-/// distance of the surface for which `is_observed` is true.
+/// Returns a voxel with a weight of one at a distance from the surface, metres.
+inline Voxel VoxelWithDistance(double distance_m, const VoxelScale& scale) {
+  const long steps = std::lround(distance_m / static_cast<double>(scale.distance_step_m()));
+  return {static_cast<int>(steps), static_cast<int>(1.0F / kWeightUnit)};
+}
+
+/// Returns one leaf of a solid's volume: the voxels within the truncation distance of the surface
+/// for which `is_observed` is true.
 inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
                            const std::function<double(const Eigen::Vector3d&)>& distance_m,
                            const VoxelScale& scale,
@@ -80,11 +86,8 @@ inline LeafVoxels MakeLeaf(const LeafOrigin& origin,
     const Eigen::Vector3d center_m = voxel.cast<double>() * scale.voxel_size_m;
     const double distance = distance_m(center_m);
     if (std::abs(distance) > scale.truncation_m || !is_observed(center_m)) continue;
-    const float step_m = scale.distance_step_m();
-    const auto steps = std::lround(distance / static_cast<double>(step_m));
-    leaf.distance_m[offset] = static_cast<float>(steps) * step_m;
-    leaf.weight[offset] = 1.0F;
-    leaf.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    leaf.voxels[offset] = VoxelWithDistance(distance, scale);
+    SetBit(offset, &leaf.observed);
   }
   return leaf;
 }

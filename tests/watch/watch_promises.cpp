@@ -174,7 +174,7 @@ void WatchPromises::Put(const Objects& objects, const Leaves& leaves) {
       Break("Filtered", absl::StrCat("a leaf of object ", key.object.value(), " without it"));
     }
     std::string& known = next_.leaves[key];
-    const std::optional<std::string> packed = testing::TakePackedLeaf(leaf, known, scale_);
+    const std::optional<std::string> packed = testing::TakePackedLeaf(leaf, known);
     if (!packed) Break("Reliable", "a patch of a leaf that the watcher does not have");
     known = packed.value_or(std::string());
     if (known.empty()) next_.leaves.erase(key);

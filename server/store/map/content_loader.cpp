@@ -128,7 +128,7 @@ class ContentLoader {
     if (absl::Status status = UnsealRecord(place, stored.value, &record); !status.ok()) {
       return status;
     }
-    absl::Status status = UnpackLeaf(record.packed(), content_->scale, &leaf->voxels);
+    absl::Status status = UnpackLeaf(record.packed(), &leaf->voxels);
     if (status.ok()) return status;
     return DamagedValue(place, absl::StrCat("is not a valid leaf: ", status.message()));
   }

@@ -160,15 +160,14 @@ TEST_F(MapClientTest, EventsOfSeveralPagesAreWholeAndFiltersAreSent) {
   EXPECT_FALSE(sent.has_start_time() || sent.has_end_time());
 }
 
-// Returns a leaf of canonical voxels.
-LeafVoxels RandomLeaf(const VoxelScale& scale, std::mt19937* random) {
+LeafVoxels RandomLeaf(std::mt19937* random) {
   std::uniform_int_distribution<int> steps(-kMaxDistanceSteps, kMaxDistanceSteps);
   std::uniform_int_distribution<int> weights(1, 2000);
   LeafVoxels voxels;
   for (std::size_t offset = 0; offset < kLeafVoxels; offset += 3) {
     voxels.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
-    voxels.distance_m[offset] = static_cast<float>(steps(*random)) * scale.distance_step_m();
-    voxels.weight[offset] = static_cast<float>(weights(*random)) * kWeightUnit;
+    const int distance_steps = steps(*random);
+    voxels.voxels[offset] = Voxel(distance_steps, weights(*random));
   }
   return voxels;
 }
@@ -184,14 +183,14 @@ TEST_F(MapClientTest, ASectionHasTheServersVoxels) {
   header.set_truncation_m(scale.truncation_m);
   for (std::int32_t i = -3; i < 4; ++i) {
     const LeafOrigin origin{8 * i, 80 * i, 8};
-    truth[origin] = RandomLeaf(scale, &random);
+    truth[origin] = RandomLeaf(&random);
     TsdfGrid grid;
     grid.StoreLeaf(origin, truth[origin]);
     v1::PackedLeaf& leaf = *queries_.section.emplace_back().mutable_leaves()->add_leaves();
     leaf.set_origin_x(origin.x);
     leaf.set_origin_y(origin.y);
     leaf.set_origin_z(origin.z);
-    leaf.set_packed(PackLeaf(grid.FindLeaf(origin), scale));
+    leaf.set_packed(PackLeaf(grid.FindLeaf(origin)));
   }
   const Box box(Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(4, 5, 6));
   const absl::StatusOr<MapSnapshot> section = client_.GetMapSection(kKitchen, {.box_world = box});
@@ -203,9 +202,7 @@ TEST_F(MapClientTest, ASectionHasTheServersVoxels) {
     const LeafView leaf = section->background.FindLeaf(origin);
     ASSERT_TRUE(leaf);
     EXPECT_EQ(leaf.observed, voxels.observed);
-    EXPECT_TRUE(
-        std::equal(leaf.distance_m, leaf.distance_m + kLeafVoxels, voxels.distance_m.begin()));
-    EXPECT_TRUE(std::equal(leaf.weight, leaf.weight + kLeafVoxels, voxels.weight.begin()));
+    EXPECT_TRUE(std::equal(leaf.voxels, leaf.voxels + kLeafVoxels, voxels.voxels.begin()));
   }
   EXPECT_EQ(queries_.section_request.box().max_m().y(), 5.0);
 }
@@ -213,7 +210,7 @@ TEST_F(MapClientTest, ASectionHasTheServersVoxels) {
 TEST_F(MapClientTest, ASectionHasItsObjectsWithTheirVoxels) {
   const VoxelScale scale;
   std::mt19937 random(5);
-  const LeafVoxels voxels = RandomLeaf(scale, &random);
+  const LeafVoxels voxels = RandomLeaf(&random);
   TsdfGrid grid;
   grid.StoreLeaf({8, 0, -16}, voxels);
   MapObject object;
@@ -228,7 +225,7 @@ TEST_F(MapClientTest, ASectionHasItsObjectsWithTheirVoxels) {
   leaf.set_object_id(3);
   leaf.set_origin_x(8);
   leaf.set_origin_z(-16);
-  leaf.set_packed(PackLeaf(grid.FindLeaf({8, 0, -16}), scale));
+  leaf.set_packed(PackLeaf(grid.FindLeaf({8, 0, -16})));
   const absl::StatusOr<MapSnapshot> section =
       client_.GetMapSection(kKitchen, {.objects = {ObjectId(3)}});
   ASSERT_TRUE(section.ok()) << section.status();

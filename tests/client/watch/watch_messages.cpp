@@ -131,7 +131,7 @@ MapContent ContentOf(const MapSnapshot& map) {
   content.revision = map.revision.value();
   const auto add = [&](ObjectId owner, const VoxelReader& volume) {
     volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-      content.leaves[{owner, origin}] = PackLeaf(leaf, map.scale);
+      content.leaves[{owner, origin}] = PackLeaf(leaf);
     });
   };
   add(kBackgroundId, map.background);

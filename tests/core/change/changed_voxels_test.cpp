@@ -11,12 +11,11 @@ namespace {
 
 using ::steadymap::testing::kScale;
 
-/// Distance and weight of a voxel of the changed volume. A voxel with a weight of zero is
-/// unobserved.
-struct Voxel {
-  float distance_m = 0.0F;
-  float weight = 1.0F;
-};
+/// Returns a voxel at a distance from the surface. A voxel with a weight of zero is unobserved.
+Voxel MakeVoxel(double distance_m, float weight = 1.0F) {
+  return {testing::VoxelWithDistance(distance_m, kScale).distance_steps(),
+          static_cast<int>(weight / kWeightUnit)};
+}
 
 /// Returns a volume of two leaves adjacent along x.
 TsdfGrid VolumeOf(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
@@ -27,9 +26,8 @@ TsdfGrid VolumeOf(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
       const Voxel voxel = voxel_at(first + static_cast<int>(offset >> 6),
                                    static_cast<int>(offset >> 3 & 7),
                                    static_cast<int>(offset & 7));
-      voxels.distance_m[offset] = voxel.distance_m;
-      voxels.weight[offset] = voxel.weight;
-      if (voxel.weight > 0.0F) voxels.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+      voxels.voxels[offset] = voxel;
+      if (voxel.weight_units() > 0) SetBit(offset, &voxels.observed);
     }
     grid.StoreLeaf({first, 0, 0}, voxels);
   }
@@ -40,12 +38,12 @@ TsdfGrid VolumeOf(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
 std::vector<VoxelChange> FreeBlock(const Eigen::Vector3i& low,
                                    const Eigen::Vector3i& high,
                                    float weight = 1.0F) {
-  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return MakeVoxel(0.0, 1.0); });
   const TsdfGrid after = VolumeOf([&](int x, int y, int z) {
     const Eigen::Vector3i voxel(x, y, z);
     const bool inside =
         (voxel.array() >= low.array()).all() && (voxel.array() < high.array()).all();
-    return inside ? Voxel{0.15F, weight} : Voxel{0.0F, 1.0F};
+    return inside ? MakeVoxel(0.15, weight) : MakeVoxel(0.0, 1.0);
   });
   return FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {});
 }
@@ -76,8 +74,8 @@ TEST(FindChanges, ComparesOnlyWhatWeighsEnough) {
 }
 
 TEST(FindChanges, TellsWhatWasTakenFromWhatWasFreed) {
-  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.1F, 1.0F}; });
-  const TsdfGrid after = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return MakeVoxel(0.1, 1.0); });
+  const TsdfGrid after = VolumeOf([](int, int, int) { return MakeVoxel(0.0, 1.0); });
   const std::vector<VoxelChange> changes = FindChanges(before, after, {{0, 0, 0}}, kScale, {});
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_EQ(changes[0].taken, 512U);
@@ -85,17 +83,17 @@ TEST(FindChanges, TellsWhatWasTakenFromWhatWasFreed) {
 }
 
 TEST(FindChanges, TakesDifferencesBelowHalfTheTruncationForNoise) {
-  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.07F, 1.0F}; });
-  const TsdfGrid after = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return MakeVoxel(0.07, 1.0); });
+  const TsdfGrid after = VolumeOf([](int, int, int) { return MakeVoxel(0.0, 1.0); });
   EXPECT_TRUE(FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {}).empty());
 }
 
 TEST(FindChanges, ConnectsVoxelsThatShareNoMoreThanACorner) {
-  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return MakeVoxel(0.0, 1.0); });
   const TsdfGrid after = VolumeOf([](int x, int y, int z) {
     const bool low = x < 3 && y < 3 && z < 3;
     const bool high = x >= 3 && x < 6 && y >= 3 && y < 6 && z >= 3 && z < 6;
-    return Voxel{low || high ? 0.15F : 0.0F, 1.0F};
+    return MakeVoxel(low || high ? 0.15 : 0.0, 1.0);
   });
   const std::vector<VoxelChange> changes = FindChanges(before, after, {{0, 0, 0}}, kScale, {});
   ASSERT_EQ(changes.size(), 1U);
@@ -103,7 +101,7 @@ TEST(FindChanges, ConnectsVoxelsThatShareNoMoreThanACorner) {
 }
 
 TEST(FindChanges, KnowsNoChangeWhereOneVolumeHasNoLeaf) {
-  const TsdfGrid before = VolumeOf([](int, int, int) { return Voxel{0.0F, 1.0F}; });
+  const TsdfGrid before = VolumeOf([](int, int, int) { return MakeVoxel(0.0, 1.0); });
   const TsdfGrid after;
   EXPECT_TRUE(FindChanges(before, after, {{0, 0, 0}, {8, 0, 0}}, kScale, {}).empty());
   EXPECT_TRUE(FindChanges(after, before, {}, kScale, {}).empty());

@@ -15,11 +15,11 @@ constexpr LeafOrigin kOrigin{8, 0, -16};
 constexpr LeafOrigin kOtherOrigin{16, 0, -16};
 
 /// Returns a leaf with one voxel.
-std::string OneVoxelLeaf(const VoxelScale& scale, int weight) {
+std::string OneVoxelLeaf(int weight) {
   LeafVoxels voxels;
   voxels.observed[3] = 1;
-  voxels.weight[std::size_t{3} * 64] = static_cast<float>(weight) * kWeightUnit;
-  return PackLeaf(ViewOf(voxels), scale);
+  voxels.voxels[std::size_t{3} * 64] = Voxel(0, weight);
+  return PackLeaf(ViewOf(voxels));
 }
 
 ObjectState StateOf(std::uint64_t id, std::uint64_t views) {
@@ -32,12 +32,12 @@ ObjectState StateOf(std::uint64_t id, std::uint64_t views) {
 class MapEditsTest : public ::testing::Test {
  protected:
   std::string LeafOf(const MapSnapshot& map, std::uint64_t object, LeafOrigin origin) const {
-    return PackLeaf(FindLeaf(map, {ObjectId(object), origin}), map.scale);
+    return PackLeaf(FindLeaf(map, {ObjectId(object), origin}));
   }
 
   MapSnapshot map_;
-  const std::string light_ = OneVoxelLeaf(map_.scale, 1);
-  const std::string heavy_ = OneVoxelLeaf(map_.scale, 9);
+  const std::string light_ = OneVoxelLeaf(1);
+  const std::string heavy_ = OneVoxelLeaf(9);
 };
 
 TEST_F(MapEditsTest, AStateAloneKeepsTheVolume) {
@@ -125,13 +125,13 @@ TEST_F(MapEditsTest, DamagedLeavesAndThoseOfNoObjectAreRefused) {
 }
 
 TEST_F(MapEditsTest, APatchLeavesTheOtherVoxelsOfItsLeaf) {
-  const auto leaf_of = [this](std::initializer_list<int> rows, int weight) {
+  const auto leaf_of = [](std::initializer_list<int> rows, int weight) {
     LeafVoxels voxels;
     for (const int row : rows) {
       voxels.observed[static_cast<std::size_t>(row)] = 1;
-      voxels.weight[static_cast<std::size_t>(row) * 64] = static_cast<float>(weight) * kWeightUnit;
+      voxels.voxels[static_cast<std::size_t>(row) * 64] = Voxel(0, weight);
     }
-    return PackLeaf(ViewOf(voxels), map_.scale);
+    return PackLeaf(ViewOf(voxels));
   };
   for (const std::uint64_t owner : {0U, 5U}) {
     MapEdits edits(&map_);

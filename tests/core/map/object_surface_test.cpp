@@ -143,7 +143,9 @@ TEST(ObjectSurface, IsTheSameByUpdatesAsByRebuild) {
 
   LeafVoxels voxels;
   volume.LoadLeaf(origins.front(), &voxels);
-  for (float& distance_m : voxels.distance_m) distance_m *= 0.5F;
+  for (Voxel& voxel : voxels.voxels) {
+    voxel = Voxel(voxel.distance_steps() / 2, voxel.weight_units());
+  }
   volume.StoreLeaf(origins.front(), voxels);
   updated.Update(volume, kScale, std::vector<LeafOrigin>{origins.front(), origins.front()});
   ExpectSame(updated, SurfaceOf(volume));
@@ -168,7 +170,7 @@ TEST(ObjectSurface, LeavesOutWhatWasHardlySeen) {
   for (const LeafOrigin& origin : origins) {
     LeafVoxels voxels;
     volume.LoadLeaf(origin, &voxels);
-    voxels.weight.fill(kWeightUnit);
+    for (Voxel& voxel : voxels.voxels) voxel = Voxel(voxel.distance_steps(), 1);
     volume.StoreLeaf(origin, voxels);
   }
   EXPECT_EQ(SurfaceOf(volume).point_count(), 0U);

@@ -149,11 +149,11 @@ void MapStory::Replay(const ObjectEvent& event) {
 std::map<LeafKey, std::string> PackedLeaves(const MapSnapshot& map) {
   std::map<LeafKey, std::string> packed;
   map.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-    packed[{kBackgroundId, origin}] = PackLeaf(leaf, map.scale);
+    packed[{kBackgroundId, origin}] = PackLeaf(leaf);
   });
   for (const auto& [id, object] : map.objects) {
     object->volume->ForEachLeaf([&, key = id](LeafOrigin origin, const LeafView& leaf) {
-      packed[{key, origin}] = PackLeaf(leaf, map.scale);
+      packed[{key, origin}] = PackLeaf(leaf);
     });
   }
   return packed;

@@ -79,8 +79,8 @@ void AddVolume(const MapSnapshot& map,
       const Eigen::Vector3d center = Eigen::Vector3d(voxel.x(), voxel.y(), voxel.z());
       const Eigen::Vector3d world = volume.T_world_volume * (center * map.scale.voxel_size_m);
       if (box_world != nullptr && !box_world->contains(world)) continue;
-      distance->tree().setValueOn(voxel, leaf.distance_m[i]);
-      weight->tree().setValueOn(voxel, leaf.weight[i]);
+      distance->tree().setValueOn(voxel, map.scale.distance_m(leaf.voxels[i]));
+      weight->tree().setValueOn(voxel, leaf.voxels[i].weight());
       if (leaf.color != nullptr && (leaf.color[i] >> 24) != 0) {
         color->tree().setValueOn(voxel, RgbOf(leaf.color[i]));
       }

@@ -191,12 +191,12 @@ TEST(VdbEncoder, IsReadFromDiskWithTheVoxelsOfTheMap) {
         volume.object == nullptr ? "background" : "object-" + std::to_string(volume.id().value());
     SCOPED_TRACE(name);
     ExpectVoxels<openvdb::FloatGrid>(
-        volume, grids.at(name + "/distance"), [](const LeafView& leaf, int i) {
-          return std::optional<float>(leaf.distance_m[i]);
+        volume, grids.at(name + "/distance"), [&map](const LeafView& leaf, int i) {
+          return std::optional<float>(map.scale.distance_m(leaf.voxels[i]));
         });
     ExpectVoxels<openvdb::FloatGrid>(
         volume, grids.at(name + "/weight"), [](const LeafView& leaf, int i) {
-          return std::optional<float>(leaf.weight[i]);
+          return std::optional<float>(leaf.voxels[i].weight());
         });
     if (!grids.contains(name + "/color")) continue;
     ExpectVoxels<openvdb::Vec3fGrid>(

@@ -197,7 +197,9 @@ TEST_F(PoseFilterTest, ExtrapolatedVoxelsTellNothing) {
     TsdfGrid& tile = map.background.MutableTile(origin);
     LeafVoxels voxels;
     tile.LoadLeaf(origin, &voxels);
-    for (float& weight : voxels.weight) weight = std::min(weight, kWeightUnit);
+    for (Voxel& voxel : voxels.voxels) {
+      voxel = Voxel(voxel.distance_steps(), std::min(voxel.weight_units(), 1));
+    }
     tile.StoreLeaf(origin, voxels);
   }
   map_.Restore(map);

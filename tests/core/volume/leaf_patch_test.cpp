@@ -36,12 +36,11 @@ TEST(LeafPatch, TakesALeafToWhatItBecame) {
     ASSERT_TRUE(patch.has_value());
     for (std::size_t k = 0; k < kLeafVoxels; ++k) {
       const bool same = IsSet(before.observed, k) == IsSet(after.observed, k) &&
-                        before.distance_m[k] == after.distance_m[k] &&
-                        before.weight[k] == after.weight[k] && before.color[k] == after.color[k];
+                        before.voxels[k] == after.voxels[k] && before.color[k] == after.color[k];
       ASSERT_EQ(IsSet(patch->observed, k), !same) << k;
     }
     LeafVoxels sent;
-    ASSERT_TRUE(UnpackLeaf(PackLeaf(*patch, kScale), kScale, &sent).ok());
+    ASSERT_TRUE(UnpackLeaf(PackLeaf(*patch), &sent).ok());
     LeafVoxels leaf = before;
     ApplyLeafPatch(sent, &leaf);
     ASSERT_EQ(leaf, after);
@@ -82,7 +81,7 @@ TEST(LeafPatch, TheFirstColoursConcernTheWholeLeaf) {
   const auto patch = FindLeafPatch(ViewOf(before), ViewOf(after));
   ASSERT_TRUE(patch.has_value());
   LeafVoxels sent;
-  ASSERT_TRUE(UnpackLeaf(PackLeaf(*patch, kScale), kScale, &sent).ok());
+  ASSERT_TRUE(UnpackLeaf(PackLeaf(*patch), &sent).ok());
   ApplyLeafPatch(sent, &before);
   EXPECT_EQ(before, after);
 }

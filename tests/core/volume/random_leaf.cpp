@@ -3,8 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tests/support/default_scale.h"
-
 namespace steadymap {
 
 LeafVoxels RandomLeaf(std::mt19937* random, double probability, bool smooth, bool color) {
@@ -21,10 +19,8 @@ LeafVoxels RandomLeaf(std::mt19937* random, double probability, bool smooth, boo
         const std::size_t offset = OffsetInLeaf(x, y, z);
         leaf.observed[offset >> 6] |= std::uint64_t{1} << (offset & 63);
         const int steps = smooth ? 46 * x - 38 * y + 14 * z - 78 + jitter(*random) : wild(*random);
-        leaf.distance_m[offset] = static_cast<float>(steps) * testing::kScale.distance_step_m();
-        leaf.weight[offset] =
-            static_cast<float>(smooth ? 300 + 5 * z + jitter(*random) : weight(*random)) *
-            kWeightUnit;
+        leaf.voxels[offset] =
+            Voxel(steps, smooth ? 300 + 5 * z + jitter(*random) : weight(*random));
         if (color) leaf.color[offset] = static_cast<std::uint32_t>((*random)());
       }
     }

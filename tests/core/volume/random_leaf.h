@@ -6,7 +6,7 @@
 
 namespace steadymap {
 
-/// Returns random canonical voxels at the default scale. Each voxel is observed with `probability`.
+/// Returns random voxels. Each voxel is observed with `probability`.
 /// If `smooth`, distances are a noisy linear function of the position, else independent.
 LeafVoxels RandomLeaf(std::mt19937* random, double probability, bool smooth, bool color);
 

@@ -16,12 +16,10 @@ namespace {
 using ::steadymap::testing::kScale;
 using ::steadymap::testing::StateOf;
 
-/// Returns a leaf with uniform voxels. Distances are multiples of the canonical step, so that each
-/// voxel of a test volume is exact.
-LeafVoxels LeafWith(float weight, int distance_steps) {
+/// Returns a leaf with uniform voxels.
+LeafVoxels LeafWith(int distance_steps, int weight_units) {
   LeafVoxels voxels;
-  voxels.distance_m.fill(static_cast<float>(distance_steps) * kScale.distance_step_m());
-  voxels.weight.fill(weight);
+  voxels.voxels.fill(Voxel(distance_steps, weight_units));
   voxels.observed.fill(~std::uint64_t{0});
   return voxels;
 }
@@ -55,13 +53,12 @@ void MoveGone(const GoneScores& scores, TrackedObject* object, TrackedObject* pa
 }
 
 /// Returns all observed voxels of a volume, by leaf and offset.
-std::map<std::pair<LeafOrigin, std::size_t>, std::pair<float, float>> VoxelsOf(
-    const TsdfGrid& volume) {
-  std::map<std::pair<LeafOrigin, std::size_t>, std::pair<float, float>> voxels;
+std::map<std::pair<LeafOrigin, std::size_t>, Voxel> VoxelsOf(const TsdfGrid& volume) {
+  std::map<std::pair<LeafOrigin, std::size_t>, Voxel> voxels;
   volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
     for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
       if (!IsSet(leaf.observed, offset)) continue;
-      voxels[{origin, offset}] = {leaf.distance_m[offset], leaf.weight[offset]};
+      voxels[{origin, offset}] = leaf.voxels[offset];
     }
   });
   return voxels;
@@ -110,21 +107,18 @@ TEST(CopyVoxels, KeepsOfTwoVoxelsTheOneThatWasSeenBetter) {
   const LeafOrigin in_into{8, 0, 0};
   TrackedObject from(ObjectId(2), {0.4, 0.0, 0.0}, kScale);
   TrackedObject into(ObjectId(1), {0.0, 0.0, 0.0}, kScale);
-  LeafVoxels better = LeafWith(2.0F, 100);
-  better.weight[5] = 0.25F;
-  better.observed[0] &= ~(std::uint64_t{1} << 6);
-  better.distance_m[6] = 0.0F;
-  better.weight[6] = 0.0F;
+  LeafVoxels better = LeafWith(100, 512);
+  better.voxels[5] = Voxel(100, 64);
+  better.voxels[6] = Voxel();
+  ClearBit(6, &better.observed);
   StoreLeaf(in_from, better, &from);
-  StoreLeaf(in_into, LeafWith(1.0F, 200), &into);
+  StoreLeaf(in_into, LeafWith(200, 256), &into);
   CopyInto(from, &into);
   LeafVoxels both;
   into.volume().LoadLeaf(in_into, &both);
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
     const bool is_better = offset != 5 && offset != 6;
-    EXPECT_EQ(both.weight[offset], is_better ? 2.0F : 1.0F) << offset;
-    EXPECT_EQ(both.distance_m[offset],
-              static_cast<float>(is_better ? 100 : 200) * kScale.distance_step_m());
+    EXPECT_EQ(both.voxels[offset], is_better ? Voxel(100, 512) : Voxel(200, 256)) << offset;
     EXPECT_TRUE(IsSet(both.observed, offset));
   }
 }
@@ -132,11 +126,11 @@ TEST(CopyVoxels, KeepsOfTwoVoxelsTheOneThatWasSeenBetter) {
 TEST(CopyVoxels, KeepsColoursOfBothObjects) {
   TrackedObject from(ObjectId(2), {0.0, 0.0, 0.0}, kScale);
   TrackedObject into(ObjectId(1), {0.0, 0.0, 0.0}, kScale);
-  LeafVoxels colored = LeafWith(2.0F, 100);
+  LeafVoxels colored = LeafWith(100, 512);
   colored.color.fill(0x01102030U);
   colored.has_color = true;
   StoreLeaf({0, 0, 0}, colored, &from);
-  StoreLeaf({0, 0, 0}, LeafWith(1.0F, 200), &into);
+  StoreLeaf({0, 0, 0}, LeafWith(200, 256), &into);
   CopyInto(from, &into);
   LeafVoxels both;
   into.volume().LoadLeaf({0, 0, 0}, &both);
@@ -249,24 +243,6 @@ TEST(MoveGoneVoxels, LeavesAPublishedVolumeAlone) {
   TrackedObject part(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
   MoveGone({-5, -5}, &object, &part);
   EXPECT_EQ(VoxelsOf(*published->volume), before);
-}
-
-// A sign would be lost in the stored encoding.
-TEST(ResampleVoxels, GivesAZeroWithoutSign) {
-  const TrackedObject wall = Wall(ObjectId(1), Eigen::Vector3d::Zero());
-  TrackedObject moved(ObjectId(2), Eigen::Vector3d::Zero(), kScale);
-  {
-    ObjectEdit edit = ObjectEdit::OfUnregistered(&moved);
-    ResampleVoxels(
-        wall, Eigen::Isometry3d(Eigen::Translation3d(-1e-5, 0.0, 0.0)), 1.0, kScale, &edit);
-  }
-  std::size_t zeros = 0;
-  for (const auto& [place, voxel] : VoxelsOf(moved.volume())) {
-    if (voxel.first != 0.0F) continue;
-    ++zeros;
-    EXPECT_FALSE(std::signbit(voxel.first));
-  }
-  EXPECT_GT(zeros, 10U);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ void WriteCube(const Eigen::Vector3d& center_object, TrackedObject* object, Work
       VoxelScale(),
       [](const Eigen::Vector3d&) { return true; });
   ObjectEdit edit = map->Edit(object);
-  testing::StoreVolume(testing::Canonical(cube, VoxelScale()), &edit);
+  testing::StoreVolume(cube, &edit);
 }
 
 /// Returns the expected result of `ObjectsNear`, by linear search.

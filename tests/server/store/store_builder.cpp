@@ -98,11 +98,9 @@ LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_
     if (random() % 3 == 0) continue;
     voxels.observed.at(offset >> 6) |= std::uint64_t{1} << (offset & 63);
     const int steps = static_cast<int>(random() % (2 * kMaxDistanceSteps + 1)) - kMaxDistanceSteps;
-    voxels.distance_m.at(offset) = static_cast<float>(steps) * kScale.distance_step_m();
-    voxels.weight.at(offset) = static_cast<float>(1 + random() % 5000) * kWeightUnit;
+    voxels.voxels.at(offset) = Voxel(steps, 1 + static_cast<int>(random() % 5000));
   }
-  return {{kBackgroundId, {x * kLeafSide, y * kLeafSide, z * kLeafSide}},
-          PackLeaf(ViewOf(voxels), kScale)};
+  return {{kBackgroundId, {x * kLeafSide, y * kLeafSide, z * kLeafSide}}, PackLeaf(ViewOf(voxels))};
 }
 
 ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
@@ -243,7 +241,7 @@ std::vector<LeafChange> LeavesOf(const MapSnapshot& snapshot) {
   std::vector<LeafChange> leaves;
   const auto append = [&](ObjectId id, const VoxelReader& volume) {
     volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-      leaves.push_back({{id, origin}, PackLeaf(leaf, snapshot.scale)});
+      leaves.push_back({{id, origin}, PackLeaf(leaf)});
     });
   };
   append(kBackgroundId, snapshot.background);

@@ -38,7 +38,7 @@ SessionRecord MakeSession(const std::string& session,
 /// Returns the details of a commit of `delta`: the poses of its frames.
 CommitDetails MakeDetails(const MapDelta& delta, MapUptime uptime = kStoreTime);
 
-/// Returns a leaf of canonical voxels derived from `seed`, at the given leaf index on each axis.
+/// Returns a leaf of voxels derived from `seed`, at the given leaf index on each axis.
 LeafChange MakeLeaf(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed);
 
 /// Returns the state of an object with all fields derived from `seed`.

@@ -21,11 +21,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-std::string Patched(const std::string& packed, const std::string& patch, const VoxelScale& scale) {
+std::string Patched(const std::string& packed, const std::string& patch) {
   v1::PackedLeaf message;
   message.set_packed(patch);
   message.set_is_patch(true);
-  return patch.empty() ? packed : testing::TakePackedLeaf(message, packed, scale).value_or("");
+  return patch.empty() ? packed : testing::TakePackedLeaf(message, packed).value_or("");
 }
 
 /// State of a watcher: object states and packed leaves in their wire form.
@@ -42,9 +42,9 @@ struct WatcherView {
     for (const LeafKey& key : step.leaves) {
       const auto patch = step.FindPatch(key);
       const LeafView leaf = patch ? *patch : FindLeaf(*step.snapshot, key);
-      const std::string packed = PackLeaf(leaf, step.snapshot->scale);
+      const std::string packed = PackLeaf(leaf);
       if (patch) {
-        leaves.at(key) = Patched(leaves.at(key), packed, step.snapshot->scale);
+        leaves.at(key) = Patched(leaves.at(key), packed);
       } else if (packed.empty()) {
         leaves.erase(key);
       } else {
@@ -62,7 +62,7 @@ WatcherView Truth(const MapFilter& filter, const MapSnapshot& map) {
   if (filter.volumes) {
     map.background.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
       if (filter.ShowsBackgroundLeaf(origin, map.scale)) {
-        view.leaves[{kBackgroundId, origin}] = PackLeaf(leaf, map.scale);
+        view.leaves[{kBackgroundId, origin}] = PackLeaf(leaf);
       }
     });
   }
@@ -72,7 +72,7 @@ WatcherView Truth(const MapFilter& filter, const MapSnapshot& map) {
     view.objects[id] = *object;
     if (!filter.volumes) continue;
     object->volume->ForEachLeaf([&, id = id](LeafOrigin origin, const LeafView& leaf) {
-      view.leaves[{id, origin}] = PackLeaf(leaf, map.scale);
+      view.leaves[{id, origin}] = PackLeaf(leaf);
     });
   }
   return view;
@@ -144,7 +144,7 @@ class RestlessMap {
     if (Draw(5) == 0) {
       packed.clear();
     } else if (known && Draw(3) > 0) {
-      packed = Patched(PackLeaf(known, map_.scale), leaf.packed, map_.scale);
+      packed = Patched(PackLeaf(known), leaf.packed);
     }
   }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "client/bench/evaluation/truth/point_index.h"
+#include "tests/support/analytic_solid.h"
 
 namespace steadymap {
 namespace {
@@ -82,8 +83,8 @@ std::shared_ptr<const TsdfGrid> PlaneVolume(const VoxelScale& scale, double heig
     for (std::int32_t y = 0; y < kLeafSide; ++y) {
       for (std::int32_t z = 0; z < kLeafSide; ++z) {
         const std::size_t offset = OffsetInLeaf(x, y, z);
-        voxels.distance_m.at(offset) = static_cast<float>(z * scale.voxel_size_m - height_m);
-        voxels.weight.at(offset) = 1.0F;
+        voxels.voxels.at(offset) =
+            testing::VoxelWithDistance(z * scale.voxel_size_m - height_m, scale);
         voxels.observed.at(offset >> 6) |= std::uint64_t{1} << (offset & 63U);
       }
     }
