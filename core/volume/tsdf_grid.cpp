@@ -90,16 +90,9 @@ bool TsdfGrid::VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)
 std::size_t TsdfGrid::leaf_count() const { return trees_->voxels.leafCount(); }
 
 int TsdfGrid::EmptySideAt(LeafOrigin origin) const {
-  // The depth at which the search for the leaf ends: the root, a node of 512 or a node of 64 voxels
-  // per side.
-  switch (trees_->voxels.getValueDepth(ToCoord(origin))) {
-    case 2:
-      return kLeafSide;
-    case 1:
-      return kLeafSide * kLeafSide;
-    default:
-      return kLeafSide * kLeafSide * kLeafSide;
-  }
+  // The search for the leaf ends at the root, or in an inner node.
+  const bool has_node = trees_->voxels.getValueDepth(ToCoord(origin)) > 0;
+  return has_node ? kLeafSide : kLeafSide * kLeafSide;
 }
 
 LeafEdit TsdfGrid::EditLeaf(LeafOrigin origin, bool with_color) {

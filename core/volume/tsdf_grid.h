@@ -37,8 +37,9 @@ class VoxelReader {
 /// A volume: an OpenVDB tree of voxels, of 32 bits each, and a tree of colours with the leaves
 /// whose colour is known.
 ///
-/// The trees have the branching 8-8-8 instead of OpenVDB's default 32-16-8. An empty tree takes
-/// 10 KB instead of 300 KB, which matters with two per object. Files contain stock FloatGrids.
+/// The trees have one level of inner nodes, of 8 x 8 x 8 leaves, instead of OpenVDB's two of 32 and
+/// 16 per side. A tree of one leaf takes 7 KB instead of 300 KB, which matters with one per object.
+/// Files contain stock FloatGrids.
 ///
 /// Not thread-safe during writes. Otherwise, any number of threads may read.
 class TsdfGrid final : public VoxelReader {
@@ -55,7 +56,7 @@ class TsdfGrid final : public VoxelReader {
   bool VisitLeaves(const std::function<bool(LeafOrigin, const LeafView&)>& visit) const override;
   std::size_t leaf_count() const override;
 
-  /// Returns the side of the leaf, or of the largest missing tree node around it: 64 or 512 voxels.
+  /// Returns the side of the leaf, or of the inner node around it if that is missing: 64 voxels.
   int EmptySideAt(LeafOrigin origin) const override;
 
   /// Returns write access to the leaf at `origin`; null if it does not exist. `with_color` adds the

@@ -8,7 +8,7 @@
 
 namespace steadymap {
 
-using WordTree = openvdb::tree::Tree4<openvdb::Int32, 3, 3, 3>::Type;
+using WordTree = openvdb::tree::Tree3<openvdb::Int32, 3, 3>::Type;
 
 /// The trees of one volume. `voxels` has the bits of `Voxel`; observed voxels are active. `color`
 /// has a leaf wherever colour was recorded. Inactive voxels are zero.

@@ -215,7 +215,7 @@ TEST(EmptySide, CubesHoldNoLeafAndAreNoSmallerThanTheyNeedBe) {
   EXPECT_EQ(CheckEmptySide(map.background, {-8, -8, -2000}), 64);
   EXPECT_EQ(CheckEmptySide(floor, {0, 0, 16}), 8);
   EXPECT_EQ(CheckEmptySide(floor, {0, 0, 64}), 64);
-  EXPECT_EQ(CheckEmptySide(floor, {0, 0, -520}), 512);
+  EXPECT_EQ(CheckEmptySide(floor, {0, 0, -520}), 64);
 }
 
 TEST(CountMap, FreeSpaceAndEvidenceTakeMemory) {
