@@ -136,7 +136,7 @@ void SessionDecision::EndVanished() {
 void SessionDecision::CutGone() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     CutGoneCells(object, map_);
-    if (object->SurfaceAreaM2() < parameters_.parts.min_area_m2) map_->Delete(object);
+    if (IsTooSmall(*object, parameters_.parts)) map_->Delete(object);
   }
 }
 

@@ -121,7 +121,7 @@ void PartCompletion::DropFragments() {
     const std::uint64_t frames = object->state().supporting_frames;
     if (frames < parameters_.min_frames ||
         (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
-        object->SurfaceAreaM2() < parameters_.min_area_m2) {
+        IsTooSmall(*object, parameters_)) {
       map_->Delete(object);
     }
   }
@@ -189,6 +189,10 @@ void CutGoneCells(TrackedObject* object, WorkingMap* map) {
     MoveGoneVoxels({-1, -1}, &edit, &part_edit);
   }
   map->Delete(&part);
+}
+
+bool IsTooSmall(const TrackedObject& object, const SessionPartParameters& parameters) {
+  return object.SurfaceAreaM2() < parameters.min_area_m2 || object.surface().point_count() < 2;
 }
 
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {

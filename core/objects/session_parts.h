@@ -60,6 +60,9 @@ void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into);
 /// Deletes the surface of an object in cells that most looks found gone, or of another class.
 void CutGoneCells(TrackedObject* object, WorkingMap* map);
 
+/// True if an object has too little surface, or no shape: that of a single voxel.
+bool IsTooSmall(const TrackedObject& object, const SessionPartParameters& parameters);
+
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);
 
 /// True if an object is so much smaller than one of its class beside it that it is a part of it.

@@ -154,6 +154,29 @@ class FineSessionIdentityTest : public SessionIdentityTest {
   FineSessionIdentityTest() : SessionIdentityTest(TwoCentimetreConfig()) {}
 };
 
+class CoarseSessionIdentityTest : public SessionIdentityTest {
+ protected:
+  CoarseSessionIdentityTest() : SessionIdentityTest({.voxel_size_m = 0.1, .truncation_m = 0.3}) {}
+
+  /// Adds the voxels around a point of the surface of a plane.
+  TrackedObject* PutPatch(int voxels) {
+    TrackedObject* seen = PutSeen(0.0);
+    LeafVoxels leaf;
+    for (int y = 0; y < voxels; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        const std::size_t offset = OffsetInLeaf(4 + x, y, 4);
+        leaf.voxels[offset] = testing::VoxelWithDistance(-0.1 * x, map_.scale());
+        SetBit(offset, &leaf.observed);
+      }
+    }
+    TsdfGrid volume;
+    volume.StoreLeaf({0, 0, 0}, leaf);
+    ObjectEdit edit = map_.Edit(seen);
+    StoreVolume(volume, &edit);
+    return seen;
+  }
+};
+
 TEST_F(SessionIdentityTest, WhatNoKnownObjectExplainsIsNew) {
   PutKnown(0.0, 2);
   const ObjectId seen = PutSeen(2.0, kOtherSizeM)->id();
@@ -528,6 +551,14 @@ TEST_F(SessionIdentityTest, WhatIsLeftOfNothingIsNoObject) {
   ASSERT_EQ(looks.gone, looks.cells);
   ASSERT_LT(looks.gone, SessionIdentityParameters().min_looked_at_cells) << "told as removed";
   EXPECT_TRUE(Decide().empty());
+}
+
+TEST_F(CoarseSessionIdentityTest, TheSurfaceOfOneVoxelHasNoShape) {
+  ASSERT_EQ(PutPatch(1)->surface().point_count(), 1U);
+  EXPECT_TRUE(Decide().empty());
+  EXPECT_TRUE(map_.objects().empty());
+  ASSERT_EQ(PutPatch(2)->surface().point_count(), 2U);
+  EXPECT_EQ(Decide().size(), 1U);
 }
 
 TEST_F(SessionIdentityTest, ASurfaceOfOneFrameIsNoObject) {
