@@ -88,11 +88,11 @@ bool FitsAtRest(const Registration& registration,
                 const VoxelScale& scale) {
   // Near the surface, the loss is the square of the distance in inlier distances.
   const double inlier_m = RegistrationParameters().inlier_distance_voxels * scale.voxel_size_m;
-  const double gain_m2 =
-      (registration.known_loss_at_rest - registration.known_loss) * inlier_m * inlier_m;
+  const double rest_m2 = registration.known_loss_at_rest * inlier_m * inlier_m;
+  const double corrected_m2 = registration.known_loss * inlier_m * inlier_m;
   const double sigma_m = SurfaceSigmaM(parameters.parts.surface, scale);
   return registration.known_share_at_rest >= parameters.min_known_share &&
-         gain_m2 <= sigma_m * sigma_m;
+         rest_m2 - corrected_m2 <= std::max(sigma_m * sigma_m, corrected_m2);
 }
 
 std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,

@@ -27,7 +27,8 @@ double DisplacementOf(const Registration& registration, const TrackedObject& obj
 double DisplacementOf(const Eigen::Isometry3d& motion, const TrackedObject& object);
 
 /// True if an object of a session fits a known one without the correction: with it, the mean square
-/// distance of the surfaces is lower by no more than the error of two looks at a thing in place.
+/// distance of the surfaces is lower by no more than the error of two looks at a thing in place, or
+/// than what remains of it, which is the noise of the sensor.
 bool FitsAtRest(const Registration& registration,
                 const SessionIdentityParameters& parameters,
                 const VoxelScale& scale);

@@ -113,5 +113,15 @@ TEST(FitsAtRest, ACorrectionWithinTheErrorOfTwoLooksTellsNothing) {
   }
 }
 
+TEST(FitsAtRest, ACorrectionOfNoisySurfaceMustExplainMostOfItsDistances) {
+  Registration registration;
+  registration.known_share_at_rest = 1.0;
+  registration.known_loss = 0.2;
+  registration.known_loss_at_rest = 0.35;
+  EXPECT_TRUE(FitsAtRest(registration, SessionIdentityParameters(), kScale));
+  registration.known_loss_at_rest = 0.45;
+  EXPECT_FALSE(FitsAtRest(registration, SessionIdentityParameters(), kScale));
+}
+
 }  // namespace
 }  // namespace steadymap
