@@ -130,9 +130,8 @@ void PartCompletion::DropFragments() {
 /// True if the smaller object is a part of the larger one, or a wrong label on it.
 bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject& other) const {
   const bool is_of_one_class = IsOfOneClass(object, other);
-  // Frames that show a wrong label show it apart from the rest of the object.
-  if (is_of_one_class && election_.AreApart(object.id(), other.id())) return false;
-  if (IsPartOf(object, other, parameters_, *map_)) return true;
+  const bool are_apart = is_of_one_class && election_.AreApart(object.id(), other.id());
+  if (!are_apart && IsPartOf(object, other, parameters_, *map_)) return true;
   const double voxel_m = map_->scale().voxel_size_m;
   if (!Grow(object.BoundsInWorld(), parameters_.scene.near_voxels * voxel_m)
            .intersects(other.BoundsInWorld())) {
@@ -142,8 +141,10 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
                                            object.state().T_world_object.ToIsometry();
   const SurfaceOverlap overlap =
       CompareSurfaces(object, other, T_other_object, parameters_.surface, map_->scale());
-  // The larger object has the right label.
-  if (!is_of_one_class) return overlap.known_share * overlap.close_share > 0.5;
+  // Two things cannot have one surface, even if frames show them apart, as they do where noise or a
+  // wrong label divides a thing. Of two classes, that of the larger object is right.
+  if (overlap.known_share * overlap.close_share > 0.5) return true;
+  if (!is_of_one_class || are_apart) return false;
   return overlap.known_share * overlap.fit_share > parameters_.min_common_share &&
          CountContacts(
              object, other, parameters_.surface.contact_voxels * voxel_m, map_->scale()) >=

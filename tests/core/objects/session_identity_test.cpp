@@ -456,6 +456,14 @@ TEST_F(SessionIdentityTest, AWrongLabelOnAnObjectIsNoObjectThoughFramesShowBothA
   EXPECT_EQ(map_.objects().size(), 1U);
 }
 
+TEST_F(SessionIdentityTest, TwoObjectsDoNotHaveOneSurfaceThoughFramesShowBothApart) {
+  TrackedObject* whole = PutSeen(0.0);
+  TrackedObject* layer = PutSeen(0.0, {0.4, 0.4, 0.6});
+  for (int i = 0; i < 10; ++i) VoteOnParts(/*is_connected=*/false, whole, layer, &map_);
+  EXPECT_EQ(Decide().size(), 1U);
+  EXPECT_EQ(map_.objects().size(), 1U);
+}
+
 TEST_F(SessionIdentityTest, PartsWithNothingSeenBetweenThemAreOneObject) {
   PutSeen(0.0);
   PutSeen(0.7);
