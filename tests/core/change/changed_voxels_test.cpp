@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/analytic_solid.h"
 #include "tests/support/default_scale.h"
 
 namespace steadymap {
