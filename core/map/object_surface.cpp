@@ -14,10 +14,6 @@ constexpr float kMinWeight = 0.05F;
 // Approximate number of points of a plane through a leaf.
 constexpr std::size_t kPlanePoints = std::size_t{kLeafSide} * kLeafSide;
 
-float DistanceM(const LeafView& leaf, float distance_step_m, std::size_t offset) {
-  return static_cast<float>(leaf.voxels[offset].distance_steps()) * distance_step_m;
-}
-
 /// Computes the gradient of the distance at a voxel from the voxels of its own leaf only, so that
 /// the points of a leaf depend only on the leaf. Zero along an axis without observed neighbours.
 Eigen::Vector3f GradientAt(const LeafView& leaf, float distance_step_m, std::size_t offset) {
@@ -32,9 +28,9 @@ Eigen::Vector3f GradientAt(const LeafView& leaf, float distance_step_m, std::siz
     if (place + 1 < kLeafSide && IsSet(leaf.observed, offset + stride)) high += stride;
     if (low == high) continue;
     const std::size_t voxels = (high - low) / stride;
-    gradient[axis] =
-        (DistanceM(leaf, distance_step_m, high) - DistanceM(leaf, distance_step_m, low)) /
-        static_cast<float>(voxels);
+    gradient[axis] = (leaf.voxels[high].distance_m(distance_step_m) -
+                      leaf.voxels[low].distance_m(distance_step_m)) /
+                     static_cast<float>(voxels);
   }
   return gradient;
 }
@@ -45,7 +41,7 @@ SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelSc
   const auto voxel_size_m = static_cast<float>(scale.voxel_size_m);
   const float distance_step_m = scale.distance_step_m();
   for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
-    const float distance_m = DistanceM(leaf, distance_step_m, offset);
+    const float distance_m = leaf.voxels[offset].distance_m(distance_step_m);
     if (std::abs(distance_m) > 0.5F * voxel_size_m || !IsSet(leaf.observed, offset) ||
         leaf.voxels[offset].weight() < kMinWeight) {
       continue;

@@ -88,9 +88,7 @@ class VolumeWriter {
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
     DescribeGrid(snapshot_, volume_, "distance", grid.get());
     const float step_m = snapshot_.scale.distance_step_m();
-    return MakeFloats(std::move(grid), [step_m](Voxel voxel) {
-      return static_cast<float>(voxel.distance_steps()) * step_m;
-    });
+    return MakeFloats(std::move(grid), [step_m](Voxel voxel) { return voxel.distance_m(step_m); });
   }
 
   std::unique_ptr<VdbGridWriter> MakeWeight() const {

@@ -81,7 +81,7 @@ void VoxelPatch::Load(const VoxelReader& reader, float distance_step_m, LeafOrig
           At(x + above_x * kLeafSide, y + above_y * kLeafSide, z + above_z * kLeafSide);
       known_[at] =
           IsSet(leaf.observed, offset) && (voxel.weight_units() > 1 || voxel.distance_steps() > 0);
-      distance_m_[at] = static_cast<float>(voxel.distance_steps()) * distance_step_m;
+      distance_m_[at] = voxel.distance_m(distance_step_m);
       color_[at] = leaf.color == nullptr ? 0 : leaf.color[offset];
     });
   }

@@ -63,7 +63,7 @@ class TsdfSampler {
   };
 
   float DistanceM(const LeafView& leaf, std::size_t offset) const {
-    return static_cast<float>(leaf.voxels[offset].distance_steps()) * distance_step_m_;
+    return leaf.voxels[offset].distance_m(distance_step_m_);
   }
 
   bool LoadCell(const Eigen::Vector3d& point_m, bool with_weight, Cell* cell);

@@ -44,6 +44,11 @@ struct Voxel {
   /// The distance in multiples of `VoxelScale::distance_step_m`, positive in front of the surface.
   constexpr int distance_steps() const { return static_cast<std::int32_t>(bits) >> 16; }
 
+  /// The distance, metres. `distance_step_m`: `VoxelScale::distance_step_m`.
+  constexpr float distance_m(float distance_step_m) const {
+    return static_cast<float>(distance_steps()) * distance_step_m;
+  }
+
   /// The weight in multiples of `kWeightUnit`.
   constexpr int weight_units() const { return static_cast<int>(bits & 0xFFFFU); }
 
@@ -65,9 +70,7 @@ struct VoxelScale {
   }
 
   /// Returns the distance of a voxel, metres.
-  float distance_m(Voxel voxel) const {
-    return static_cast<float>(voxel.distance_steps()) * distance_step_m();
-  }
+  float distance_m(Voxel voxel) const { return voxel.distance_m(distance_step_m()); }
 
   double leaf_size_m() const { return voxel_size_m * kLeafSide; }
 
