@@ -80,7 +80,7 @@ void SemanticCloud::DropDynamicClasses(const Frame& frame) {
   for (int row = 0; row < cells_high_; ++row) {
     const std::uint16_t* upper = &frame.labels.At(0, 2 * row);
     const std::uint16_t* lower = &frame.labels.At(0, 2 * row + 1);
-    SurfaceCell* row_cells = &cells_[Index(0, row)];
+    SurfaceCell* row_cells = cells_.data() + Index(0, row);
     for (int column = 0; column < cells_wide_; ++column) {
       const int u = 2 * column;
       if ((is_dynamic_[upper[u]] | is_dynamic_[upper[u + 1]] | is_dynamic_[lower[u]] |
@@ -109,7 +109,7 @@ void SemanticCloud::AddColors(const Frame& frame) {
   if (frame.color.empty()) return;
   for (int row = 0; row < cells_high_; ++row) {
     const Rgb* pixels = &frame.color.At(0, 2 * row);
-    SurfaceCell* row_cells = &cells_[Index(0, row)];
+    SurfaceCell* row_cells = cells_.data() + Index(0, row);
     for (int column = 0; column < cells_wide_; ++column) {
       const Rgb& rgb = pixels[2 * static_cast<std::size_t>(column)];
       row_cells[column].color = static_cast<std::uint32_t>(rgb[0]) |
