@@ -139,7 +139,7 @@ bool AddLook(const LookedAtFrame& frame,
     for (const SurfaceVoxel& point : leaf.points) {
       const std::optional<LookResult> result = look.At(point);
       if (!result) continue;
-      balance[point.cell] += *result == LookResult::kPresent ? 1 : -1;
+      balance[point.cell()] += *result == LookResult::kPresent ? 1 : -1;
       is_leaf_looked_at = true;
     }
     if (!is_leaf_looked_at) continue;
@@ -170,7 +170,7 @@ LookCount CountLooks(const TrackedObject& object) {
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
     std::array<bool, kEvidenceCells> has_surface{};
-    for (const SurfaceVoxel& point : leaf.points) has_surface[point.cell] = true;
+    for (const SurfaceVoxel& point : leaf.points) has_surface[point.cell()] = true;
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if (!has_surface[cell]) continue;
       ++count.cells;

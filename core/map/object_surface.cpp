@@ -54,7 +54,7 @@ SurfaceLeaf ExtractPoints(LeafOrigin origin, const LeafView& leaf, const VoxelSc
     if (std::abs(distance_m) > 0.5F * voxel_size_m * normal.cwiseAbs().maxCoeff()) continue;
     const Eigen::Vector3f centre = VoxelIndexAt(origin, offset).cast<float>();
     surface.points.push_back(
-        {centre * voxel_size_m - normal * distance_m, normal, EvidenceCellOf(offset)});
+        {centre * voxel_size_m - normal * distance_m, normal, static_cast<std::uint16_t>(offset)});
   }
   // The points stay in memory as long as the object, so spare capacity would accumulate.
   surface.points.shrink_to_fit();

@@ -18,11 +18,20 @@ inline constexpr int kEvidenceSide = 2;
 /// Number of evidence cells of a leaf.
 inline constexpr std::size_t kEvidenceCells = 64;
 
+/// Returns the index of the evidence cell that contains the voxel at `offset` of its leaf.
+constexpr std::uint8_t EvidenceCellOf(std::size_t offset) {
+  return static_cast<std::uint8_t>(((offset >> 7) & 3) << 4 | ((offset >> 4) & 3) << 2 |
+                                   ((offset >> 1) & 3));
+}
+
 /// A surface point of an object, one per voxel on the surface.
 struct SurfaceVoxel {
+  /// Returns the index of its evidence cell in the leaf.
+  std::uint8_t cell() const { return EvidenceCellOf(offset); }
+
   Eigen::Vector3f position_object;  ///< Metres.
   Eigen::Vector3f normal_object;    ///< Unit length, towards the observed side.
-  std::uint8_t cell = 0;            ///< Index of its evidence cell in the leaf.
+  std::uint16_t offset = 0;         ///< Of its voxel in the leaf.
 };
 
 /// The surface points of one leaf.
@@ -54,11 +63,5 @@ class ObjectSurface {
   std::vector<SurfaceLeaf> leaves_;
   std::size_t point_bytes_ = 0;  ///< Of all leaves.
 };
-
-/// Returns the index of the evidence cell that contains the voxel at `offset` of its leaf.
-constexpr std::uint8_t EvidenceCellOf(std::size_t offset) {
-  return static_cast<std::uint8_t>(((offset >> 7) & 3) << 4 | ((offset >> 4) & 3) << 2 |
-                                   ((offset >> 1) & 3));
-}
 
 }  // namespace steadymap

@@ -40,6 +40,7 @@ class ChangedSurface {
         voxel_m_(scale.voxel_size_m),
         changes_(changes),
         points_(OrientedSurfaceOf(object)),
+        weights_(SurfaceWeightsOf(object)),
         is_resolved_(FindResolved(object, scale)) {}
 
   /// Returns the part of each point: from 1 on, of a changed region; 0: the rest.
@@ -64,18 +65,19 @@ class ChangedSurface {
   }
 
  private:
-  /// True if a region is large enough for a thing, and seen well enough.
+  /// True if a region is large enough for a thing, and seen well enough. A weight above 1 does not
+  /// make up for a small area: more looks do not correct an error of the poses.
   bool IsOfThing(const std::vector<std::size_t>& region) const {
     std::vector<OrientedPoint> surface;
-    std::size_t changed = 0;
+    double changed_weight = 0.0;
     std::size_t resolved = 0;
     for (const std::size_t point : region) {
       surface.push_back(points_[point]);
-      changed += changes_[point] == Change::kChanged ? 1 : 0;
+      changed_weight += changes_[point] == Change::kChanged ? std::min(weights_[point], 1.0) : 0.0;
       resolved += is_resolved_[point] != 0 ? 1 : 0;
     }
-    const double changed_m2 = static_cast<double>(changed) * voxel_m_ * voxel_m_;
-    return changed_m2 >= parameters_.scene.min_area_m2 && resolved >= kMinResolvedPoints &&
+    const double changed_m2 = changed_weight * voxel_m_ * voxel_m_;
+    return changed_m2 >= parameters_.scene.min_weighted_area_m2 && resolved >= kMinResolvedPoints &&
            PrincipalAxesOf(surface).lengths_m.y() >= parameters_.scene.min_width_voxels * voxel_m_;
   }
 
@@ -83,6 +85,7 @@ class ChangedSurface {
   double voxel_m_;
   const std::vector<Change>& changes_;
   std::vector<OrientedPoint> points_;
+  std::vector<double> weights_;
   std::vector<char> is_resolved_;
 };
 
@@ -189,7 +192,7 @@ std::vector<TrackedObject*> SeparateGoneRegions(const SessionPartParameters& par
   for (const SurfaceLeaf& leaf : known->surface().leaves()) {
     const LeafEvidence* evidence = known->state().evidence.FindLeaf(leaf.origin);
     for (const SurfaceVoxel& point : leaf.points) {
-      const int score = evidence == nullptr ? 0 : evidence->score[point.cell];
+      const int score = evidence == nullptr ? 0 : evidence->score[point.cell()];
       changes.push_back(score == 0  ? Change::kUnknown
                         : score > 0 ? Change::kSame
                                     : Change::kChanged);

@@ -27,16 +27,19 @@ constexpr double kPlaneReachVoxels = 1.75;
 class SceneDivision {
  public:
   SceneDivision(const SceneDivisionParameters& parameters,
-                double contact_voxels,
+                const SurfaceMatchParameters& surface,
                 const TrackedObject& scene,
                 WorkingMap* map)
       : parameters_(parameters),
+        surface_(surface),
         voxel_m_(map->scale().voxel_size_m),
-        points_(OrientedSurfaceOf(scene)) {
+        points_(OrientedSurfaceOf(scene)),
+        weights_(SurfaceWeightsOf(scene)) {
     FindStructure(*map);
     FindKnownStructures(map);
-    FindParts(contact_voxels);
+    FindParts();
     DivideAtGaps(scene.state().gaps);
+    DropHardlySeenParts();
     DropSlenderParts();
     DropIncompleteParts(*map);
   }
@@ -135,14 +138,12 @@ class SceneDivision {
            plane.normal_world.dot(point.normal_world) >= parameters_.min_plane_cosine;
   }
 
-  void FindParts(double contact_voxels) {
-    parts_ = FindConnectedParts(points_, is_structure_, contact_voxels * voxel_m_);
-    const double min_points = parameters_.min_area_m2 / (voxel_m_ * voxel_m_);
-    std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      return static_cast<double>(part.size()) < min_points;
-    });
+  void FindParts() {
+    const double contact_m = surface_.contact_voxels * voxel_m_;
+    parts_ = FindConnectedParts(points_, is_structure_, contact_m);
+    DropHardlySeenParts();
     JoinNearParts(parameters_.near_voxels * voxel_m_);
-    for (std::size_t i = parts_.size(); i-- > 0;) SeparateStanding(i, contact_voxels * voxel_m_);
+    for (std::size_t i = parts_.size(); i-- > 0;) SeparateStanding(i, contact_m);
   }
 
   /// Divides parts at the gaps between things beside each other.
@@ -175,19 +176,15 @@ class SceneDivision {
       is_support[i] = 1;
       supports_.push_back(points[i]);
     }
-    const double min_points = parameters_.min_area_m2 / (voxel_m_ * voxel_m_);
     std::vector<char> is_separate(points.size(), 0);
     for (const std::vector<std::size_t>& region :
          FindConnectedParts(points, is_support, contact_m)) {
-      if (static_cast<double>(region.size()) < min_points ||
-          !StandsOn(points, region, is_support)) {
-        continue;
-      }
-      std::vector<std::size_t>& standing = parts_.emplace_back();
-      for (const std::size_t i : region) {
-        is_separate[i] = 1;
-        standing.push_back(part[i]);
-      }
+      std::vector<std::size_t> standing;
+      standing.reserve(region.size());
+      for (const std::size_t i : region) standing.push_back(part[i]);
+      if (IsHardlySeen(standing) || !StandsOn(points, region, is_support)) continue;
+      for (const std::size_t i : region) is_separate[i] = 1;
+      parts_.push_back(std::move(standing));
     }
     std::vector<std::size_t> rest;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -281,6 +278,18 @@ class SceneDivision {
     });
   }
 
+  /// True if so little of a part was seen, or from so far, that it may be noise of the depth: the
+  /// weights of its surface count the looks and how exact they were.
+  bool IsHardlySeen(const std::vector<std::size_t>& part) const {
+    double weight = 0.0;
+    for (const std::size_t i : part) weight += weights_[i];
+    return weight * voxel_m_ * voxel_m_ < parameters_.min_weighted_area_m2;
+  }
+
+  void DropHardlySeenParts() {
+    std::erase_if(parts_, [&](const std::vector<std::size_t>& part) { return IsHardlySeen(part); });
+  }
+
   /// Drops parts that the voxels are too coarse for.
   void DropSlenderParts() {
     const double min_width_m = parameters_.min_width_voxels * voxel_m_;
@@ -300,8 +309,10 @@ class SceneDivision {
   }
 
   const SceneDivisionParameters& parameters_;
+  const SurfaceMatchParameters& surface_;
   double voxel_m_;
   std::vector<OrientedPoint> points_;
+  std::vector<double> weights_;  ///< Of the voxels of the points.
   std::vector<char> is_structure_;
   std::vector<OrientedPoint> supports_;  ///< On which things stand, besides structure.
   std::vector<std::vector<std::size_t>> parts_;
@@ -339,10 +350,10 @@ bool IsStructure(const TrackedObject& object, const SceneDivisionParameters& par
 }
 
 void DivideScene(const SceneDivisionParameters& parameters,
-                 double contact_voxels,
+                 const SurfaceMatchParameters& surface,
                  TrackedObject* scene,
                  WorkingMap* map) {
-  const SceneDivision division(parameters, contact_voxels, *scene, map);
+  const SceneDivision division(parameters, surface, *scene, map);
   DivideVoxels(scene, division.PartOfPoints(), division.part_count(), map);
   GiveToBackground(*scene, map);
   map->Delete(scene);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/objects/gap_planes.h"
+#include "core/objects/surface_overlap.h"
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
 
@@ -15,8 +16,9 @@ struct SceneDivisionParameters {
   double min_plane_cosine = 0.85;
   /// Smallest level surface on which other things stand, square metres.
   double min_support_area_m2 = 0.2;
-  /// Smallest surface of an object, square metres.
-  double min_area_m2 = 0.02;
+  /// Smallest surface of an object, square metres, times the weight of its voxels: one look from
+  /// 1 m at a right angle counts once (`kWeightUnit`). Less may be noise of the depth.
+  double min_weighted_area_m2 = 0.06;
   /// Parts that are closer are one object, voxels: narrow surface, such as the edge of a table, has
   /// gaps.
   double near_voxels = 2.25;
@@ -38,9 +40,9 @@ bool IsStructure(const TrackedObject& object, const SceneDivisionParameters& par
 /// Divides surface that was fused without labels into objects: connected surface apart from large
 /// planes and from structures. What is on a large plane, on known background or too small goes to
 /// the background, and `scene` is deleted. The new objects are tentative and have the state of
-/// `scene`. Points of one object are at most `contact_voxels` apart.
+/// `scene`. `surface` tells which points are in contact and which are on known background.
 void DivideScene(const SceneDivisionParameters& parameters,
-                 double contact_voxels,
+                 const SurfaceMatchParameters& surface,
                  TrackedObject* scene,
                  WorkingMap* map);
 

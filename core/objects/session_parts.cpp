@@ -95,7 +95,7 @@ class PartCompletion {
 void PartCompletion::DivideScenes() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     if (object->state().class_id == kNoClass)
-      DivideScene(parameters_.scene, parameters_.surface.contact_voxels, object, map_);
+      DivideScene(parameters_.scene, parameters_.surface, object, map_);
   }
 }
 
@@ -211,7 +211,7 @@ bool AreInContact(const TrackedObject& a,
 bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters) {
-  if (!IsOfOneClass(object, other)) return false;
+  if (!IsOfOneClass(object, other) || object.state().class_id == kNoClass) return false;
   return object.SurfaceAreaM2() < parameters.fragment_share * other.SurfaceAreaM2() &&
          DistanceBetween(object.cuboid(), other.cuboid()) <
              parameters.max_hidden_gap_share * other.cuboid().size_m.maxCoeff();
@@ -221,8 +221,8 @@ bool IsPartOf(const TrackedObject& object,
               const TrackedObject& other,
               const SessionPartParameters& parameters,
               const WorkingMap& map) {
-  if (IsFragmentOf(object, other, parameters)) return true;
   if (!IsOfOneClass(object, other) || object.state().class_id == kNoClass) return false;
+  if (IsFragmentOf(object, other, parameters)) return true;
   if (IsInside(object, other.cuboid(), map.scale().voxel_size_m)) return true;
   const double max_gap_m =
       std::max(map.scale().voxel_size_m, parameters.max_hidden_gap_share * WidthOf(object));

@@ -66,12 +66,13 @@ bool IsTooSmall(const TrackedObject& object, const SessionPartParameters& parame
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);
 
 /// True if an object is so much smaller than one of its class beside it that it is a part of it.
+/// False without labels: `DivideScene` has told what stands on what.
 bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters);
 
 /// True if an object is a part of another one of its class: a fragment of it, inside its cuboid, or
-/// near it with nothing seen of what is between them.
+/// near it with nothing seen of what is between them. False without labels.
 bool IsPartOf(const TrackedObject& object,
               const TrackedObject& other,
               const SessionPartParameters& parameters,

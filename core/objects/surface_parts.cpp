@@ -157,7 +157,7 @@ void DropScoresWithoutSurface(TrackedObject* object, WorkingMap* map) {
   std::map<LeafOrigin, std::uint64_t> occupied;
   for (const SurfaceLeaf& leaf : object->surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
-      occupied[leaf.origin] |= std::uint64_t{1} << point.cell;
+      occupied[leaf.origin] |= std::uint64_t{1} << point.cell();
     }
   }
   ObjectEdit edit = map->Edit(object);
@@ -190,6 +190,18 @@ std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object) {
     }
   }
   return points;
+}
+
+std::vector<double> SurfaceWeightsOf(const TrackedObject& object) {
+  std::vector<double> weights;
+  weights.reserve(object.surface().point_count());
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    const LeafView view = object.volume().FindLeaf(leaf.origin);
+    for (const SurfaceVoxel& point : leaf.points) {
+      weights.push_back(static_cast<double>(view.voxels[point.offset].weight()));
+    }
+  }
+  return weights;
 }
 
 PrincipalAxes PrincipalAxesOf(std::span<const OrientedPoint> points) {

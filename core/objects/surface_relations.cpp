@@ -73,9 +73,9 @@ std::size_t CountExplainedCells(const TrackedObject& object,
     if (evidence == nullptr) continue;
     std::array<bool, kEvidenceCells> is_explained{};
     for (const SurfaceVoxel& point : leaf.points) {
-      if (evidence->score[point.cell] <= 0 || is_explained[point.cell]) continue;
+      if (evidence->score[point.cell()] <= 0 || is_explained[point.cell()]) continue;
       const Eigen::Vector3d position = point.position_object.cast<double>();
-      is_explained[point.cell] =
+      is_explained[point.cell()] =
           std::any_of(surfaces.begin(), surfaces.end(), [&](OtherSurface& surface) {
             return surface.HasNear(position, reach_m);
           });
@@ -134,7 +134,7 @@ void DoubtFreeCells(const TrackedObject& object,
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     std::array<int, kEvidenceCells> balance{};
     for (const SurfaceVoxel& point : leaf.points) {
-      balance[point.cell] += IsFreeBehind(point, T_world_object, free_space) ? 1 : -1;
+      balance[point.cell()] += IsFreeBehind(point, T_world_object, free_space) ? 1 : -1;
     }
     if (std::none_of(balance.begin(), balance.end(), [](int value) { return value > 0; })) continue;
     LeafEvidence& scores = evidence->MutableLeaf(leaf.origin);

@@ -90,7 +90,7 @@ SceneDivisionParameters SceneParametersOf(const MapConfig& config) {
   parameters.min_plane_area_m2 = ParameterValue(config, "min_plane_area_m2");
   parameters.min_plane_cosine = ParameterValue(config, "min_plane_cosine");
   parameters.min_support_area_m2 = ParameterValue(config, "min_support_area_m2");
-  parameters.min_area_m2 = ParameterValue(config, "min_scene_area_m2");
+  parameters.min_weighted_area_m2 = ParameterValue(config, "min_weighted_area_m2");
   parameters.near_voxels = ParameterValue(config, "near_voxels");
   parameters.min_width_voxels = ParameterValue(config, "min_width_voxels");
   parameters.max_leg_share = ParameterValue(config, "max_leg_share");

@@ -68,7 +68,7 @@ void ExpectSame(const ObjectSurface& a, const ObjectSurface& b) {
     for (std::size_t j = 0; j < leaf.points.size(); ++j) {
       EXPECT_EQ(leaf.points[j].position_object, other.points[j].position_object);
       EXPECT_EQ(leaf.points[j].normal_object, other.points[j].normal_object);
-      EXPECT_EQ(leaf.points[j].cell, other.points[j].cell);
+      EXPECT_EQ(leaf.points[j].cell(), other.points[j].cell());
     }
   }
 }
@@ -115,7 +115,7 @@ TEST(ObjectSurface, NamesTheEvidenceCellThatHoldsThePoint) {
   for (const SurfaceLeaf& leaf : surface.leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
       const Eigen::Vector3d voxel = point.position_object.cast<double>() / kScale.voxel_size_m;
-      EXPECT_EQ(point.cell,
+      EXPECT_EQ(point.cell(),
                 EvidenceCellOf(OffsetInLeaf(static_cast<int>(std::lround(voxel.x())),
                                             static_cast<int>(std::lround(voxel.y())),
                                             static_cast<int>(std::lround(voxel.z())))));

@@ -60,7 +60,7 @@ class ChangedRegionsTest : public ::testing::Test {
         const Eigen::Vector3d world = T_world_object * point.position_object.cast<double>();
         const bool is_side = world.z() > 0.03;
         if (is_side && world.z() <= unseen_m) continue;
-        evidence.score[point.cell] = is_gone(world) ? -2 : 2;
+        evidence.score[point.cell()] = is_gone(world) ? -2 : 2;
       }
     }
   }

@@ -21,8 +21,6 @@ using ::steadymap::testing::MakeVolumeAt;
 using ::steadymap::testing::Solid;
 using ::steadymap::testing::StoreVolume;
 
-constexpr double kContactVoxels = 1.5;
-
 Box FloorSlab() { return {Eigen::Vector3d(-2.0, -2.0, -0.4), Eigen::Vector3d(2.0, 2.0, 0.0)}; }
 
 Box WallSlab() { return {Eigen::Vector3d(1.6, -2.0, -0.4), Eigen::Vector3d(2.0, 2.0, 2.0)}; }
@@ -58,10 +56,26 @@ class SceneDivisionTest : public ::testing::Test {
       ObjectEdit edit = map_.Edit(&scene);
       edit.state().gaps = gaps_;
     }
+    if (weight_ != 1.0F) SetWeights(&scene);
     if (sees_around_) MarkFree(bodies);
-    DivideScene(SceneDivisionParameters(), kContactVoxels, &scene, &map_);
+    DivideScene(SceneDivisionParameters(), SurfaceMatchParameters(), &scene, &map_);
     EXPECT_TRUE(scene.is_deleted());
     return map_.TentativeObjects();
+  }
+
+  void SetWeights(TrackedObject* scene) {
+    TsdfGrid volume;
+    scene->volume().ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+      LeafVoxels voxels;
+      CopyLeaf(leaf, &voxels);
+      for (Voxel& voxel : voxels.voxels) {
+        if (voxel == Voxel()) continue;
+        voxel = Voxel(voxel.distance_steps(), static_cast<int>(weight_ / kWeightUnit));
+      }
+      volume.StoreLeaf(origin, voxels);
+    });
+    ObjectEdit edit = map_.Edit(scene);
+    StoreVolume(volume, &edit);
   }
 
   /// Marks the space at least a voxel from every surface.
@@ -80,6 +94,7 @@ class SceneDivisionTest : public ::testing::Test {
   }
 
   bool sees_around_ = true;
+  float weight_ = 1.0F;  ///< Of all voxels.
   std::vector<SeenGap> gaps_;
   WorkingMap map_{MapConfig()};
 };
@@ -176,6 +191,17 @@ TEST_F(SceneDivisionTest, AThingNarrowerThanAFewVoxelsIsBackground) {
   EXPECT_TRUE(
       Divide({FloorSlab(), Box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.05, 0.05, 0.8))})
           .empty());
+}
+
+TEST_F(SceneDivisionTest, ASmallThingIsAnObjectIfItWasSeenWell) {
+  weight_ = 10.0F;
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0, 0.2)}).size(), 1U);
+}
+
+TEST_F(SceneDivisionTest, AThingThatWasHardlySeenIsBackground) {
+  weight_ = 0.1F;
+  EXPECT_TRUE(Divide({FloorSlab(), StandingBox(0.0, 0.0, 0.2)}).empty());
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0, 0.6)}).size(), 1U);
 }
 
 TEST_F(SceneDivisionTest, ALegIsBackground) {

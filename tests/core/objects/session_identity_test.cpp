@@ -73,7 +73,7 @@ class SessionIdentityTest : public ::testing::Test {
       LeafEvidence& evidence = edit.state().evidence.MutableLeaf(leaf.origin);
       for (const SurfaceVoxel& point : leaf.points) {
         if (!bounds_world.contains(origin_world + point.position_object.cast<double>())) continue;
-        evidence.score[point.cell] = score;
+        evidence.score[point.cell()] = score;
       }
     }
   }
@@ -184,6 +184,19 @@ TEST_F(SessionIdentityTest, WhatNoKnownObjectExplainsIsNew) {
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events.front().type, EventType::kCreated);
   EXPECT_EQ(events.front().object, seen);
+}
+
+TEST_F(SessionIdentityTest, ASmallObjectBesideALargeOneOfItsClassIsAFragment) {
+  TrackedObject* large = PutSeen(0.0, {2.0, 2.0, 1.0});
+  TrackedObject* small = PutSeen(2.2, {0.2, 0.2, 0.2});
+  EXPECT_TRUE(IsFragmentOf(*small, *large, SessionPartParameters()));
+  EXPECT_FALSE(IsFragmentOf(*large, *small, SessionPartParameters()));
+  // Without labels, everything is of one class.
+  for (TrackedObject* object : {large, small}) {
+    ObjectEdit edit = map_.Edit(object);
+    edit.state().class_id = kNoClass;
+  }
+  EXPECT_FALSE(IsFragmentOf(*small, *large, SessionPartParameters()));
 }
 
 TEST_F(SessionIdentityTest, AnObjectInPlaceIsConfirmedWithoutAnEvent) {
