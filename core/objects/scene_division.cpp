@@ -78,8 +78,8 @@ class SceneDivision {
     TsdfSampler sampler(map.background(), map.scale());
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DistanceSample sample = sampler.Sample(points_[i].position_world);
-      if (sample.known && std::abs(sample.distance_m) <= voxel_m_ &&
-          std::abs(sample.gradient.dot(points_[i].normal_world)) > parameters_.min_plane_cosine) {
+      if (sample.known && std::abs(sample.distance_m) <= surface_.contact_voxels * voxel_m_ &&
+          std::abs(sample.gradient.dot(points_[i].normal_world)) >= surface_.min_normal_cosine) {
         is_structure_[i] = 1;
       }
     }

@@ -204,6 +204,23 @@ TEST_F(SceneDivisionTest, AThingThatWasHardlySeenIsBackground) {
   EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0, 0.6)}).size(), 1U);
 }
 
+TEST_F(SceneDivisionTest, WhatIsInContactWithKnownBackgroundIsNoise) {
+  EXPECT_TRUE(Divide({FloorSlab(), WallSlab()}).empty());
+  map_.EndFrame();
+  map_.BeginFrame(Revision(2), Timestamp::FromSeconds(200.0));
+  const auto slab_before_wall = [](double depth_m) {
+    return Box(Eigen::Vector3d(1.6 - depth_m, -0.25, 0.6), Eigen::Vector3d(1.8, 0.25, 1.1));
+  };
+  // A layer of noise, and a cabinet.
+  EXPECT_TRUE(DivideSeen({slab_before_wall(0.06)}, [](const Eigen::Vector3d& point) {
+                return point.x() < 1.6;
+              }).empty());
+  EXPECT_EQ(DivideSeen({slab_before_wall(0.2)},
+                       [](const Eigen::Vector3d& point) { return point.x() < 1.6; })
+                .size(),
+            1U);
+}
+
 TEST_F(SceneDivisionTest, ALegIsBackground) {
   const Box leg(Eigen::Vector3d(0.02, 0.0, -0.2), Eigen::Vector3d(0.08, 0.12, 0.8));
   EXPECT_TRUE(Divide({FloorSlab(), leg}).empty());
