@@ -480,7 +480,8 @@ void SessionDecision::AddRest() {
     if (seen.is_decided) continue;
     // No later session found it, so a part of its surface decides.
     const bool is_outdated = seen.removed_share >= parameters_.negligible_share;
-    if (is_outdated || (!seen.is_new_region && IsPartOfStanding(*seen.object))) {
+    if (is_outdated || IsTooSmall(*seen.object, parameters_.parts) ||
+        (!seen.is_new_region && IsPartOfStanding(*seen.object))) {
       map_->Delete(seen.object);
       continue;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include "core/change/surface_looks.h"
@@ -193,7 +194,14 @@ void CutGoneCells(TrackedObject* object, WorkingMap* map) {
 }
 
 bool IsTooSmall(const TrackedObject& object, const SessionPartParameters& parameters) {
-  return object.SurfaceAreaM2() < parameters.min_area_m2 || object.surface().point_count() < 2;
+  if (object.SurfaceAreaM2() < parameters.min_area_m2 || object.surface().point_count() < 2) {
+    return true;
+  }
+  if (object.state().class_id != kNoClass) return false;
+  const std::vector<double> weights = SurfaceWeightsOf(object);
+  const double point_m2 = object.SurfaceAreaM2() / static_cast<double>(weights.size());
+  return std::accumulate(weights.begin(), weights.end(), 0.0) * point_m2 <
+         parameters.scene.min_weighted_area_m2;
 }
 
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {

@@ -141,6 +141,21 @@ inline TsdfGrid MakeVolume(const Solid& solid, const VoxelScale& scale) {
                     [](const Eigen::Vector3d& point) { return point.z() >= 0.0; });
 }
 
+/// Returns a copy of a volume with another weight of all observed voxels.
+inline TsdfGrid WithWeight(const TsdfGrid& volume, float weight) {
+  TsdfGrid copy;
+  volume.ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
+    LeafVoxels voxels;
+    CopyLeaf(leaf, &voxels);
+    ForEachBit(voxels.observed, [&](std::size_t offset) {
+      const int units = static_cast<int>(weight / kWeightUnit);
+      voxels.voxels[offset] = {voxels.voxels[offset].distance_steps(), units};
+    });
+    copy.StoreLeaf(origin, voxels);
+  });
+  return copy;
+}
+
 /// The visible surface points of one view from `eye` to `target`, one every `spacing_rad`.
 struct SurfaceView {
   std::vector<Eigen::Vector3d> points;

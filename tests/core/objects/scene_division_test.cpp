@@ -20,6 +20,7 @@ using ::steadymap::testing::DistanceFrom;
 using ::steadymap::testing::MakeVolumeAt;
 using ::steadymap::testing::Solid;
 using ::steadymap::testing::StoreVolume;
+using ::steadymap::testing::WithWeight;
 
 Box FloorSlab() { return {Eigen::Vector3d(-2.0, -2.0, -0.4), Eigen::Vector3d(2.0, 2.0, 0.0)}; }
 
@@ -56,26 +57,14 @@ class SceneDivisionTest : public ::testing::Test {
       ObjectEdit edit = map_.Edit(&scene);
       edit.state().gaps = gaps_;
     }
-    if (weight_ != 1.0F) SetWeights(&scene);
+    if (weight_ != 1.0F) {
+      ObjectEdit edit = map_.Edit(&scene);
+      StoreVolume(WithWeight(scene.volume(), weight_), &edit);
+    }
     if (sees_around_) MarkFree(bodies);
     DivideScene(SceneDivisionParameters(), SurfaceMatchParameters(), &scene, &map_);
     EXPECT_TRUE(scene.is_deleted());
     return map_.TentativeObjects();
-  }
-
-  void SetWeights(TrackedObject* scene) {
-    TsdfGrid volume;
-    scene->volume().ForEachLeaf([&](LeafOrigin origin, const LeafView& leaf) {
-      LeafVoxels voxels;
-      CopyLeaf(leaf, &voxels);
-      for (Voxel& voxel : voxels.voxels) {
-        if (voxel == Voxel()) continue;
-        voxel = Voxel(voxel.distance_steps(), static_cast<int>(weight_ / kWeightUnit));
-      }
-      volume.StoreLeaf(origin, voxels);
-    });
-    ObjectEdit edit = map_.Edit(scene);
-    StoreVolume(volume, &edit);
   }
 
   /// Marks the space at least a voxel from every surface.

@@ -199,6 +199,21 @@ TEST_F(SessionIdentityTest, ASmallObjectBesideALargeOneOfItsClassIsAFragment) {
   EXPECT_FALSE(IsFragmentOf(*small, *large, SessionPartParameters()));
 }
 
+TEST_F(SessionIdentityTest, WithoutALabelASurfaceCountsWithItsWeight) {
+  TrackedObject* seen = PutSeen(0.0, {0.3, 0.3, 0.3});
+  const auto is_too_small = [&](ClassId class_id, float weight) {
+    {
+      ObjectEdit edit = map_.Edit(seen);
+      edit.state().class_id = class_id;
+      StoreVolume(testing::WithWeight(seen->volume(), weight), &edit);
+    }
+    return IsTooSmall(*seen, SessionPartParameters());
+  };
+  EXPECT_FALSE(is_too_small(ClassId(7), 0.1F));
+  EXPECT_TRUE(is_too_small(kNoClass, 0.1F));
+  EXPECT_FALSE(is_too_small(kNoClass, 1.0F));
+}
+
 TEST_F(SessionIdentityTest, AnObjectInPlaceIsConfirmedWithoutAnEvent) {
   const TrackedObject* known = PutKnown(0.0, 2);
   const double before = known->state().belief.stationarity();
