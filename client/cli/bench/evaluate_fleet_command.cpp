@@ -76,8 +76,12 @@ absl::Status EvaluateFleetCommand::Run() const {
   }
   options.seed = seed_;
   options.voxel_size_m = EvaluationVoxelFor(route_);
-  ProgressReport report(
-      &context_->err, context_->err_is_terminal, "evaluated", options.cases.size(), SteadySeconds);
+  ProgressReport report(&context_->err,
+                        context_->err_is_terminal,
+                        "evaluated",
+                        options.cases.size(),
+                        SteadySeconds,
+                        "cases");
   std::size_t done = 0;
   options.on_case = [&report, &done] {
     ++done;

@@ -88,7 +88,8 @@ absl::Status EvaluateRoomsCommand::Run() const {
                         context_->err_is_terminal,
                         "evaluated",
                         options.changes.size() * cases_,
-                        SteadySeconds);
+                        SteadySeconds,
+                        "cases");
   std::size_t done = 0;
   options.on_case = [&report, &done] {
     ++done;

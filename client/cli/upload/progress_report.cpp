@@ -18,9 +18,9 @@ constexpr double kRedrawPeriodS = 0.1;
 
 constexpr char kEraseLine[] = "\r\x1b[K";
 
-std::string RateText(std::size_t frames, double elapsed_s) {
+std::string RateText(std::size_t count, const std::string& items, double elapsed_s) {
   if (elapsed_s <= 0.0) return "-";
-  return FixedText(static_cast<double>(frames) / elapsed_s, 1) + " frames/s";
+  return FixedText(static_cast<double>(count) / elapsed_s, 1) + " " + items + "/s";
 }
 
 }  // namespace
@@ -32,29 +32,31 @@ double SteadySeconds() {
 ProgressReport::ProgressReport(std::ostream* out,
                                bool is_terminal,
                                std::string verb,
-                               std::size_t frame_total,
-                               std::function<double()> now_s)
+                               std::size_t total,
+                               std::function<double()> now_s,
+                               std::string items)
     : out_(out),
       is_terminal_(is_terminal),
       verb_(std::move(verb)),
-      frame_total_(std::max<std::size_t>(frame_total, 1)),
+      items_(std::move(items)),
+      total_(std::max<std::size_t>(total, 1)),
       now_s_(std::move(now_s)),
       start_s_(now_s_()) {}
 
 void ProgressReport::Update(std::size_t done, std::size_t ahead, std::size_t refused) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  done_ = std::min(done, frame_total_);
-  refused_ = std::min(refused, frame_total_ - done_);
+  done_ = std::min(done, total_);
+  refused_ = std::min(refused, total_ - done_);
   const std::size_t settled = done_ + refused_;
-  ahead_ = std::min(std::max(ahead, settled), frame_total_);
+  ahead_ = std::min(std::max(ahead, settled), total_);
   const double elapsed_s = now_s_() - start_s_;
   if (is_terminal_) {
-    if (is_drawn_ && settled < frame_total_ && elapsed_s - last_drawn_s_ < kRedrawPeriodS) return;
+    if (is_drawn_ && settled < total_ && elapsed_s - last_drawn_s_ < kRedrawPeriodS) return;
     last_drawn_s_ = elapsed_s;
     Draw(elapsed_s);
     return;
   }
-  const std::size_t tenths = 10 * settled / frame_total_;
+  const std::size_t tenths = 10 * settled / total_;
   if (tenths <= tenths_shown_) return;
   tenths_shown_ = tenths;
   *out_ << Line(elapsed_s) << std::endl;
@@ -79,17 +81,17 @@ void ProgressReport::End() {
 
 std::string ProgressReport::Line(double elapsed_s) const {
   std::string line =
-      std::to_string(done_) + "/" + std::to_string(frame_total_) + " frames " + verb_;
+      std::to_string(done_) + "/" + std::to_string(total_) + " " + items_ + " " + verb_;
   if (refused_ > 0) {
     line += ", " + std::to_string(refused_) + " refused";
     if (!refusals_.empty()) line += " (" + absl::StrJoin(refusals_, ", ") + ")";
   }
-  return line + ", " + RateText(done_, elapsed_s);
+  return line + ", " + RateText(done_, items_, elapsed_s);
 }
 
 void ProgressReport::Draw(double elapsed_s) {
-  const std::size_t full = kBarWidth * (done_ + refused_) / frame_total_;
-  const std::size_t half = kBarWidth * ahead_ / frame_total_ - full;
+  const std::size_t full = kBarWidth * (done_ + refused_) / total_;
+  const std::size_t half = kBarWidth * ahead_ / total_ - full;
   *out_ << kEraseLine << '[' << std::string(full, '#') << std::string(half, '-')
         << std::string(kBarWidth - full - half, ' ') << "] " << Line(elapsed_s) << std::flush;
   is_drawn_ = true;

@@ -14,23 +14,24 @@ namespace steadymap {
 /// Returns the time of a monotonic clock in seconds, since an arbitrary origin.
 double SteadySeconds();
 
-/// Shows the progress of a job of many frames: a bar that is redrawn in place on a terminal,
-/// otherwise one line for every tenth of the frames. Thread-safe.
+/// Shows the progress of a job of many items, such as frames: a bar that is redrawn in place on a
+/// terminal, otherwise one line for every tenth of the items. Thread-safe.
 class ProgressReport {
  public:
-  /// `verb` describes the processing of the frames, such as `integrated`. `now_s` returns the time
-  /// in seconds.
+  /// `verb` describes the processing of the items, such as `integrated`. `now_s` returns the time
+  /// in seconds. `items`: their name in the plural.
   ProgressReport(std::ostream* out,
                  bool is_terminal,
                  std::string verb,
-                 std::size_t frame_total,
-                 std::function<double()> now_s);
+                 std::size_t total,
+                 std::function<double()> now_s,
+                 std::string items = "frames");
 
-  /// Records the progress: `done` frames are complete, `refused` frames will never be, and `ahead`
-  /// frames, including both, have completed at least the first half of the processing.
+  /// Records the progress: `done` items are complete, `refused` items will never be, and `ahead`
+  /// items, including both, have completed at least the first half of the processing.
   void Update(std::size_t done, std::size_t ahead, std::size_t refused = 0);
 
-  /// Adds a reason for refused frames. Repeated calls with the same reason have no effect.
+  /// Adds a reason for refused items. Repeated calls with the same reason have no effect.
   void AddRefusalReason(const std::string& reason);
 
   /// Writes a separate line above the bar.
@@ -47,7 +48,8 @@ class ProgressReport {
   std::ostream* out_;
   bool is_terminal_;
   std::string verb_;
-  std::size_t frame_total_;
+  std::string items_;
+  std::size_t total_;
   std::function<double()> now_s_;
   double start_s_;
 

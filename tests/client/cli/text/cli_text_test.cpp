@@ -227,6 +227,16 @@ TEST(ProgressReport, CountsRefusedFramesApartAndNamesTheirReasons) {
             "0.5 frames/s\n");
 }
 
+TEST(ProgressReport, NamesWhatItCounts) {
+  std::ostringstream out;
+  double now_s = 0.0;
+  ProgressReport report(
+      &out, false, "evaluated", 2, [&] { return now_s; }, "cases");
+  now_s = 4.0;
+  report.Update(2, 2);
+  EXPECT_EQ(out.str(), "2/2 cases evaluated, 0.5 cases/s\n");
+}
+
 TEST(ProgressReport, DrawsTheBarToItsEndWhereTheLastFramesAreRefused) {
   std::ostringstream out;
   ProgressReport report(&out, true, "integrated", 10, [] { return 0.0; });
