@@ -278,8 +278,8 @@ class SceneDivision {
     });
   }
 
-  /// True if so little of a part was seen, or from so far, that it may be noise of the depth: the
-  /// weights of its surface count the looks and how exact they were.
+  /// True if so little of a part was seen, or from so far, that it may be noise of the depth. A
+  /// weight grows with the number of measurements and falls with the square of their distance.
   bool IsHardlySeen(const std::vector<std::size_t>& part) const {
     double weight = 0.0;
     for (const std::size_t i : part) weight += weights_[i];

@@ -16,8 +16,8 @@ struct SceneDivisionParameters {
   double min_plane_cosine = 0.85;
   /// Smallest level surface on which other things stand, square metres.
   double min_support_area_m2 = 0.2;
-  /// Smallest surface of an object, square metres, times the weight of its voxels: one look from
-  /// 1 m at a right angle counts once (`kWeightUnit`). Less may be noise of the depth.
+  /// Smallest surface of an object, square metres, times the weight of its voxels: 1 for one
+  /// measurement from 1 m at normal incidence (`kWeightUnit`). Less may be noise of the depth.
   double min_weighted_area_m2 = 0.06;
   /// Parts that are closer are one object, voxels: narrow surface, such as the edge of a table, has
   /// gaps.

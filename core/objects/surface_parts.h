@@ -21,8 +21,8 @@ struct OrientedPoint {
 /// Returns the surface points of an object, in the order of `ObjectSurface::leaves()`.
 std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object);
 
-/// Returns the weights of the voxels of the surface points of an object, in the same order. They
-/// count the looks and how exact they were: one from 1 m at a right angle has the weight 1.
+/// Returns the weights of the voxels of the surface points of an object, in the same order: 1 for
+/// one measurement from 1 m at normal incidence (`kWeightUnit`).
 std::vector<double> SurfaceWeightsOf(const TrackedObject& object);
 
 /// The principal axes of points, world frame, in the columns, the longest first.

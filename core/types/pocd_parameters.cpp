@@ -262,7 +262,8 @@ constexpr PolicyParameter kPocd[] = {
      0.0,
      10.0,
      kIsReal,
-     "smallest surface of an object without a label, times the weight of its voxels"},
+     "smallest surface of an object without a label, times its weight: 1 for one measurement from "
+     "1 m"},
     {"concave_cost_m",
      0.5,
      0.0,
