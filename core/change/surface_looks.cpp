@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 
@@ -10,6 +11,9 @@ namespace steadymap {
 namespace {
 
 constexpr float kMinDepthM = 0.1F;
+
+// What one frame alone has seen may be noise.
+constexpr std::uint64_t kConfirmingFrames = 2;
 
 enum class LookResult { kPresent, kAbsent };
 
@@ -87,6 +91,12 @@ class ObjectLook {
   Eigen::Vector3f camera_world_;
 };
 
+bool IsWholeGone(const LookParameters& parameters, const LookCount& looks) {
+  return looks.gone >= parameters.min_gone_cells &&
+         static_cast<double>(looks.gone) >=
+             parameters.whole_gone_share * static_cast<double>(looks.looked_at());
+}
+
 /// The evidence cells of a leaf that a frame shows, one bit each.
 using ShownCells = std::map<LeafOrigin, std::uint64_t>;
 
@@ -157,12 +167,23 @@ bool AddLook(const LookedAtFrame& frame,
     }
     if (is_of_session) shown.emplace(leaf.origin, shown_cells);
   }
-  if (is_of_session && looks.gone >= parameters.min_gone_cells &&
-      static_cast<double>(looks.gone) >=
-          parameters.whole_gone_share * static_cast<double>(looks.looked_at())) {
+  if (is_of_session && IsWholeGone(parameters, looks)) {
     DoubtOtherCells(shown, parameters.min_interval_s, now, evidence);
   }
   return has_looked;
+}
+
+bool HasLeft(const LookParameters& parameters, double pause_s, const TrackedObject& object) {
+  if (object.state().supporting_frames < kConfirmingFrames) return false;
+  LookCount looks;
+  for (const LeafEvidence& leaf : object.state().evidence.leaves) {
+    if ((leaf.last_look - object.state().last_seen).seconds() <= pause_s) continue;
+    for (const std::int8_t score : leaf.score) {
+      if (score > 0) ++looks.found;
+      if (score < 0) ++looks.gone;
+    }
+  }
+  return IsWholeGone(parameters, looks);
 }
 
 LookCount CountLooks(const TrackedObject& object) {

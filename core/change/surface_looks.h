@@ -34,8 +34,8 @@ struct LookParameters {
   double min_interval_s = 0.15;
   /// Largest magnitude of a score: so many looks change it from one side to the other.
   int max_score = 2;
-  /// A frame shows that a whole object is gone if at least so many of its evidence cells, and this
-  /// share of those that the frame shows, are gone.
+  /// A whole object is gone if at least so many of its evidence cells, and this share of those that
+  /// were looked at, are gone.
   std::size_t min_gone_cells = 16;
   double whole_gone_share = 0.75;
 
@@ -68,6 +68,10 @@ bool AddLook(const LookedAtFrame& frame,
              Timestamp now,
              const TrackedObject& object,
              ObjectEvidence* evidence);
+
+/// True if an object of a session, which more than one frame has seen, is gone as a whole by the
+/// looks at it from `pause_s` seconds on after the last of these frames.
+bool HasLeft(const LookParameters& parameters, double pause_s, const TrackedObject& object);
 
 /// Counts the evidence cells of an object's surface by the balance of their looks.
 LookCount CountLooks(const TrackedObject& object);

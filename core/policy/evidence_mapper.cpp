@@ -135,8 +135,14 @@ bool EvidenceMapper::IsSessionOver(const Frame& next, const WorkingMap& map) con
   if (robot == nullptr || !robot->session_start) return false;
   const Duration pause = next.capture_time - robot->last_capture_time;
   const Duration duration = next.capture_time - *robot->session_start;
-  return std::abs(pause.seconds()) > parameters_.sessions.max_pause_s ||
-         duration.seconds() > parameters_.sessions.max_duration_s;
+  if (std::abs(pause.seconds()) > parameters_.sessions.max_pause_s ||
+      duration.seconds() > parameters_.sessions.max_duration_s) {
+    return true;
+  }
+  const std::vector<const TrackedObject*> objects = map.TentativeObjectsOf(next.source);
+  return std::any_of(objects.begin(), objects.end(), [&](const TrackedObject* object) {
+    return HasLeft(parameters_.looks, parameters_.sessions.max_pause_s, *object);
+  });
 }
 
 void EvidenceMapper::EndSession(const SensorName& sensor, WorkingMap* map) {

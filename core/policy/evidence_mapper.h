@@ -27,7 +27,8 @@ namespace steadymap {
 
 /// When the session of a robot ends without a message from it.
 struct SessionLimits {
-  /// Capture times of consecutive frames that are farther apart, seconds, are of two sessions.
+  /// Capture times of consecutive frames that are farther apart, seconds, are of two sessions. A
+  /// session ends also if the robot finds something gone that it has not seen for so long.
   double max_pause_s = 10.0;
   /// Longest session, seconds: so long a map waits for the decisions on what a robot has seen.
   double max_duration_s = 60.0;

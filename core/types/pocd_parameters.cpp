@@ -19,7 +19,8 @@ constexpr PolicyParameter kPocd[] = {
      0.1,
      86'400.0,
      kIsReal,
-     "pause between two frames of a robot that ends its session"},
+     "pause between two frames of a robot, or between two views of what has left, that ends its "
+     "session"},
     {"contradiction_window_s",
      300.0,
      0.0,

@@ -118,6 +118,15 @@ std::vector<TrackedObject*> WorkingMap::TentativeObjectsOf(const SensorName& sou
   return objects;
 }
 
+std::vector<const TrackedObject*> WorkingMap::TentativeObjectsOf(const SensorName& source) const {
+  std::vector<const TrackedObject*> objects;
+  for (const ObjectId id : tentative_) {
+    const TrackedObject& object = objects_.at(id);
+    if (IsInSession(object.state(), source)) objects.push_back(&object);
+  }
+  return objects;
+}
+
 /// Updates the index and the status sets for an object.
 void WorkingMap::Register(const TrackedObject& object) {
   const ObjectStatus standing = object.state().status;

@@ -99,6 +99,7 @@ class WorkingMap {
   /// Returns the objects of status `kTentative` of the session of a source, and those that are of
   /// no source, by increasing id.
   std::vector<TrackedObject*> TentativeObjectsOf(const SensorName& source);
+  std::vector<const TrackedObject*> TentativeObjectsOf(const SensorName& source) const;
 
   /// Returns the objects of status `kArchived`, including those passed to `Delete`, by increasing
   /// id. Cost: proportional to their number.

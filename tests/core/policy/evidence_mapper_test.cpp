@@ -106,6 +106,30 @@ TEST_F(EvidenceMapperTest, ALongSessionIsDecidedInParts) {
   EXPECT_EQ(story.Present(kGoodsClass).size(), 1U);
 }
 
+/// Returns frames of goods, of nothing, as if the robot had looked elsewhere, and of the place
+/// without the goods; all of one session.
+std::vector<Frame> GoodsThatLeaveMeanwhile(int frames_elsewhere) {
+  std::vector<Frame> frames = LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames);
+  for (Frame& frame : LookAtScene({FarWall()}, kFrames, frames_elsewhere)) {
+    frame.depth.units = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px, 0);
+    frames.push_back(std::move(frame));
+  }
+  const std::vector<Frame> after = LookAtScene({FarWall()}, kFrames + frames_elsewhere, kFrames);
+  frames.insert(frames.end(), after.begin(), after.end());
+  return frames;
+}
+
+TEST_F(EvidenceMapperTest, ASessionEndsWhereTheRobotReturnsAndAThingHasLeft) {
+  story_.Play(GoodsThatLeaveMeanwhile(30));
+  EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
+  EXPECT_EQ(story_.EventsOf(EventType::kRemoved, kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, AThingThatLeavesWithoutAPauseEndsNoSession) {
+  story_.Play(GoodsThatLeaveMeanwhile(5));
+  EXPECT_TRUE(story_.EventsOf(EventType::kCreated, kGoodsClass).empty());
+}
+
 TEST_F(EvidenceMapperTest, AnEndWithoutFramesTellsNothing) {
   Visit({FarWall(), Goods(0.0)});
   const std::size_t told = story_.events().size();
