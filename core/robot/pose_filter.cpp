@@ -60,6 +60,7 @@ Matrix6 SymmetricInverse(const Eigen::LLT<Matrix6>& factor) {
 
 /// What the samples on the surface of one object, or of the background, tell of the pose error. If
 /// the object was moved since its surface was mapped, they ask for its displacement instead.
+/// `place_sigma_m`: standard deviation of the place of an object that nobody moved.
 class SurfaceVote {
  public:
   /// Adds a sample at `ray_world` from the camera and `distance_m` from the surface.
@@ -74,7 +75,20 @@ class SurfaceVote {
     square_moment_m2_ += weight * ray_world.squaredNorm();
   }
 
+  /// Returns what the samples tell if their surface is where it was mapped.
   const PoseMeasurement& measurement() const { return measurement_; }
+
+  /// Returns what they tell if the place of their object is uncertain, which all of them share: its
+  /// displacement is eliminated.
+  PoseMeasurement MarginalMeasurement(double place_sigma_m) const {
+    if (!(weight_ > 0.0)) return measurement_;
+    const Eigen::LLT<Matrix6> place(PlaceCovariance(place_sigma_m));
+    const Eigen::LLT<Matrix6> displacement(SymmetricInverse(place) + measurement_.information);
+    const Matrix6 share =
+        Matrix6::Identity() - measurement_.information * SymmetricInverse(displacement);
+    const Matrix6 information = share * measurement_.information;
+    return {0.5 * (information + information.transpose()), share * measurement_.gradient};
+  }
 
   /// Returns the robust weight of Cauchy, by the displacement that the samples ask for.
   /// `covariance`: of the pose error.
@@ -249,8 +263,11 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
   PoseMeasurement measurement;
   for (const SurfaceVote& vote : votes) {
     const double weight = vote.RobustWeight(parameters_.place_sigma_m, covariance);
-    measurement.information += weight * vote.measurement().information;
-    measurement.gradient += weight * vote.measurement().gradient;
+    const PoseMeasurement told = &vote == votes.data()
+                                     ? vote.measurement()
+                                     : vote.MarginalMeasurement(parameters_.place_sigma_m);
+    measurement.information += weight * told.information;
+    measurement.gradient += weight * told.gradient;
   }
   return measurement;
 }
