@@ -57,11 +57,11 @@ bool OutlineTest::HasNeighbour(const std::set<Cell>& cells, const Cell& cell) {
   return false;
 }
 
-/// True if the background has surface around a point.
+/// True if the background was measured around a point. Voxels behind a silhouette, extrapolated
+/// from the surface beside it, are no structure.
 bool OutlineTest::IsOnStructure(const Eigen::Vector3d& point_world) const {
   if (HasNeighbour(structure_, CellOf(point_world))) return true;
-  double distance_m = 0.0;
-  return TsdfSampler(map_.background(), map_.scale()).SampleNearest(point_world, &distance_m);
+  return TsdfSampler(map_.background(), map_.scale()).IsMeasured(point_world);
 }
 
 double OutlineTest::SeenShareOf(std::span<const OrientedPoint> surface) const {
@@ -88,12 +88,15 @@ double OutlineTest::SeenShareOf(std::span<const OrientedPoint> surface) const {
 
 bool OutlineTest::HasUnseenEnd(std::span<const OrientedPoint> surface,
                                std::span<const Eigen::Vector3d> continuation_world) const {
-  const std::set<Cell> continuation = CellsOf(continuation_world);
   const Eigen::Vector3d axis = PrincipalAxesOf(surface).axes.col(0);
   for (const Eigen::Vector3d& outward : {axis, Eigen::Vector3d(-axis)}) {
     double end_m = std::numeric_limits<double>::lowest();
     for (const OrientedPoint& point : surface) {
       end_m = std::max(end_m, outward.dot(point.position_world));
+    }
+    std::set<Cell> continuation;
+    for (const Eigen::Vector3d& point : continuation_world) {
+      if (outward.dot(point) > end_m) continuation.insert(CellOf(point));
     }
     std::size_t unseen = 0;
     std::size_t count = 0;
@@ -107,7 +110,7 @@ bool OutlineTest::HasUnseenEnd(std::span<const OrientedPoint> surface,
           map_.free_space().IsFree(point.position_world + kBesideGrains * grain_m_ * outward);
       if (goes_on || !ends) ++unseen;
     }
-    if (2 * unseen > count) return true;
+    if (2 * unseen >= count) return true;
   }
   return false;
 }

@@ -24,8 +24,9 @@ class OutlineTest {
   /// a surface without outline.
   double SeenShareOf(std::span<const OrientedPoint> surface) const;
 
-  /// True if a slender surface has an end that was not seen: what is beyond most of it is neither
-  /// free space nor structure, or `continuation_world`, points of what it may go on as, metres.
+  /// True if a slender surface has an end that was not seen: what is beyond at least half of it is
+  /// neither free space nor structure, or is one of `continuation_world`, points of what it may go
+  /// on as, metres. Points that are not beyond the end tell nothing.
   bool HasUnseenEnd(std::span<const OrientedPoint> surface,
                     std::span<const Eigen::Vector3d> continuation_world) const;
 

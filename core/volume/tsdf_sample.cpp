@@ -143,15 +143,25 @@ bool TsdfSampler::SampleDistance(const Eigen::Vector3d& point_m, double* distanc
   return true;
 }
 
-bool TsdfSampler::SampleNearest(const Eigen::Vector3d& point_m, double* distance_m) {
+const Voxel* TsdfSampler::NearestVoxel(const Eigen::Vector3d& point_m) {
   const Eigen::Vector3d voxel = (point_m / scale_.voxel_size_m).array() + 0.5;
-  if (!(voxel.cwiseAbs().maxCoeff() < kMaxVoxelIndex)) return false;
+  if (!(voxel.cwiseAbs().maxCoeff() < kMaxVoxelIndex)) return nullptr;
   const Eigen::Vector3i index = voxel.array().floor().cast<std::int32_t>();
   const LeafView& leaf = LeafAt(LeafOf(index.x(), index.y(), index.z()));
   const std::size_t offset = OffsetInLeaf(index.x(), index.y(), index.z());
-  if (!leaf || !IsSet(leaf.observed, offset)) return false;
-  *distance_m = static_cast<double>(DistanceM(leaf, offset));
+  return leaf && IsSet(leaf.observed, offset) ? &leaf.voxels[offset] : nullptr;
+}
+
+bool TsdfSampler::SampleNearest(const Eigen::Vector3d& point_m, double* distance_m) {
+  const Voxel* nearest = NearestVoxel(point_m);
+  if (nearest == nullptr) return false;
+  *distance_m = static_cast<double>(nearest->distance_m(distance_step_m_));
   return true;
+}
+
+bool TsdfSampler::IsMeasured(const Eigen::Vector3d& point_m) {
+  const Voxel* nearest = NearestVoxel(point_m);
+  return nearest != nullptr && nearest->weight() > kWeightUnit;
 }
 
 double TsdfSampler::EmptyRun(const Eigen::Vector3d& point_m,

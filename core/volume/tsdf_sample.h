@@ -45,6 +45,9 @@ class TsdfSampler {
   /// voxels; returns false if that voxel is not observed.
   bool SampleNearest(const Eigen::Vector3d& point_m, double* distance_m);
 
+  /// True if the voxel nearest to a point was measured: neither unobserved nor extrapolated.
+  bool IsMeasured(const Eigen::Vector3d& point_m);
+
   /// Returns the length of the ray from `point_m`, which must be unknown, along `unit_direction` to
   /// the border of an unknown cube, metres. The cube is the largest known empty cube
   /// (`VoxelReader::EmptySideAt`), or the cell of eight voxels if the leaf at the point exists. 0
@@ -66,6 +69,8 @@ class TsdfSampler {
     return leaf.voxels[offset].distance_m(distance_step_m_);
   }
 
+  /// Returns the voxel nearest to a point; null if it is not observed.
+  const Voxel* NearestVoxel(const Eigen::Vector3d& point_m);
   bool LoadCell(const Eigen::Vector3d& point_m, bool with_weight, Cell* cell);
   bool LoadCellOfOneLeaf(const Eigen::Vector3i& base, bool with_weight, Cell* cell);
   bool LoadCellAcrossLeaves(const Eigen::Vector3i& base, bool with_weight, Cell* cell);

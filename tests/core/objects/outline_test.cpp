@@ -10,6 +10,7 @@
 
 #include "core/objects/surface_parts.h"
 #include "core/types/map_config.h"
+#include "core/volume/voxel_leaf.h"
 #include "core/working/working_map.h"
 
 namespace steadymap {
@@ -17,6 +18,9 @@ namespace {
 
 constexpr double kUprightSpacingM = 0.05;  // Also of rays.
 constexpr double kSurfaceY = 1.0;          // Metres.
+
+/// Points of the floor on which upright surfaces stand.
+const std::vector<Eigen::Vector3d> kFloor = {{0.0, kSurfaceY, -0.05}, {0.05, kSurfaceY, -0.05}};
 
 /// Returns an upright surface from the floor to a height of 50 cm.
 std::vector<OrientedPoint> UprightBetween(double left_m, double right_m) {
@@ -44,6 +48,21 @@ class OutlineTestTest : public ::testing::Test {
         map_.MarkFree(low, {low.x(), low.y(), bounds_world.max().z()});
       }
     }
+  }
+
+  /// Stores voxels of one weight in the background around `point_world`.
+  void StoreBackground(const Eigen::Vector3d& point_world, int weight_units) {
+    MapSnapshot map = *map_.Commit().snapshot;
+    const Eigen::Vector3i voxel =
+        (point_world / map_.scale().voxel_size_m).array().round().cast<int>();
+    const LeafOrigin origin = LeafOf(voxel.x(), voxel.y(), voxel.z());
+    LeafVoxels voxels{};
+    for (std::size_t offset = 0; offset < kLeafVoxels; ++offset) {
+      voxels.voxels[offset] = Voxel(0, weight_units);
+      SetBit(offset, &voxels.observed);
+    }
+    map.background.MutableTile(origin).StoreLeaf(origin, voxels);
+    map_.Restore(map);
   }
 
   bool GoesOnAsRight(double max_gap_m) const {
@@ -74,10 +93,32 @@ TEST_F(OutlineTestTest, APostHasAnUnseenEndUnlessTheSpaceBeyondIsFree) {
   const std::vector<OrientedPoint> post = UprightBetween(0.0, 0.05);
   EXPECT_TRUE(OutlineTest(map_, {}).HasUnseenEnd(post, {}));
   MarkFree(Box(Eigen::Vector3d(-0.2, 0.8, 0.55), Eigen::Vector3d(0.2, 1.2, 0.8)));
-  const std::vector<Eigen::Vector3d> floor = {{0.0, kSurfaceY, -0.05}, {0.05, kSurfaceY, -0.05}};
-  EXPECT_FALSE(OutlineTest(map_, floor).HasUnseenEnd(post, {}));
+  EXPECT_FALSE(OutlineTest(map_, kFloor).HasUnseenEnd(post, {}));
   const std::vector<Eigen::Vector3d> board = {{0.0, kSurfaceY, 0.55}, {0.05, kSurfaceY, 0.55}};
-  EXPECT_TRUE(OutlineTest(map_, floor).HasUnseenEnd(post, board));
+  EXPECT_TRUE(OutlineTest(map_, kFloor).HasUnseenEnd(post, board));
+}
+
+TEST_F(OutlineTestTest, APostEndsAtMeasuredBackgroundAlone) {
+  const std::vector<OrientedPoint> post = UprightBetween(0.0, 0.05);
+  const Eigen::Vector3d beyond(0.05, kSurfaceY, 0.55);
+  StoreBackground(beyond, 1);
+  EXPECT_TRUE(OutlineTest(map_, kFloor).HasUnseenEnd(post, {})) << "extrapolated";
+  StoreBackground(beyond, 2);
+  EXPECT_FALSE(OutlineTest(map_, kFloor).HasUnseenEnd(post, {}));
+}
+
+TEST_F(OutlineTestTest, AnEndOfWhichHalfWasSeenIsUnseen) {
+  MarkFree(Box(Eigen::Vector3d(-0.2, 0.8, 0.55), Eigen::Vector3d(0.2, 1.2, 0.8)));
+  const std::vector<Eigen::Vector3d> board = {{-0.05, kSurfaceY, 0.55}};
+  EXPECT_TRUE(OutlineTest(map_, kFloor).HasUnseenEnd(UprightBetween(0.0, 0.05), board));
+  EXPECT_FALSE(OutlineTest(map_, kFloor).HasUnseenEnd(UprightBetween(0.0, 0.1), board));
+}
+
+TEST_F(OutlineTestTest, APostGoesOnAsNothingBesideIt) {
+  MarkFree(Box(Eigen::Vector3d(-0.2, 0.8, 0.55), Eigen::Vector3d(0.2, 1.2, 0.8)));
+  const std::vector<Eigen::Vector3d> side = {{0.0, kSurfaceY + 0.05, 0.5},
+                                             {0.05, kSurfaceY + 0.05, 0.5}};
+  EXPECT_FALSE(OutlineTest(map_, kFloor).HasUnseenEnd(UprightBetween(0.0, 0.05), side));
 }
 
 }  // namespace
