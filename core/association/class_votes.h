@@ -11,4 +11,7 @@ namespace steadymap {
 /// the votes choose. No samples: no vote.
 void AddVotes(const std::map<ClassId, std::size_t>& samples_by_class, ObjectState* object);
 
+/// Adds votes to those on an object's class.
+void JoinVotes(const std::vector<ClassVote>& votes, ObjectState* object);
+
 }  // namespace steadymap

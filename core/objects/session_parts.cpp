@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/association/class_votes.h"
 #include "core/change/surface_looks.h"
 #include "core/objects/gap_division.h"
 #include "core/objects/legs.h"
@@ -263,6 +264,7 @@ void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* 
     state.first_seen = std::min(state.first_seen, object->state().first_seen);
     state.last_seen = std::max(state.last_seen, object->state().last_seen);
     state.supporting_frames = std::max(state.supporting_frames, object->state().supporting_frames);
+    JoinVotes(object->state().votes, &state);
   }
   map->Delete(object);
 }

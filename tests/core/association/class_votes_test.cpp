@@ -27,6 +27,17 @@ TEST(AddVotes, TakesTheLowerClassOfEqualOnes) {
   EXPECT_EQ(object.class_id, ClassId(7));
 }
 
+TEST(JoinVotes, AddsThoseOfAPart) {
+  MapObject whole;
+  AddVotes({{ClassId(4), 16}}, &whole);
+  MapObject part;
+  AddVotes({{ClassId(7), 100}}, &part);
+  AddVotes({{ClassId(7), 100}}, &part);
+  JoinVotes(part.votes, &whole);
+  EXPECT_EQ(whole.class_id, ClassId(7));
+  EXPECT_EQ(whole.votes, (std::vector<ClassVote>{{ClassId(4), 1.0}, {ClassId(7), 2.0}}));
+}
+
 TEST(AddVotes, ChangesNothingWithoutSamples) {
   MapObject object;
   object.class_id = ClassId(5);
