@@ -84,7 +84,7 @@ class SessionDecision {
   void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
   void Create(TrackedObject* object);
   void AddRest();
-  bool IsPartOfStanding(const TrackedObject& seen);
+  bool IsPartOfKnown(const TrackedObject& seen);
   void EndGone();
   void CutGoneParts(TrackedObject* object);
   void UpdateBeliefOf(double change_m, TrackedObject* object);
@@ -456,12 +456,15 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
   map_->Delete(after);
 }
 
-/// True if an object of the session continues a standing object, which then has its surface.
-bool SessionDecision::IsPartOfStanding(const TrackedObject& seen) {
+/// True if an object of the session continues a known one that stands, or that the session hardly
+/// looked at, which then has its surface.
+bool SessionDecision::IsPartOfKnown(const TrackedObject& seen) {
   const double contact_m = parameters_.parts.surface.contact_voxels * map_->scale().voxel_size_m;
   const bool is_leg = IsOpenLeg(seen, parameters_.parts, *map_);
   for (const KnownObject& known : objects_.known) {
-    if (known.standing != Standing::kStands || !IsOfOneClass(seen, *known.object)) continue;
+    const bool may_stand = known.standing == Standing::kStands ||
+                           (known.standing == Standing::kUnknown && !known.object->is_archived());
+    if (!may_stand || !IsOfOneClass(seen, *known.object)) continue;
     if (!IsPartOf(seen, *known.object, parameters_.parts, *map_) &&
         !(is_leg && MayBeLegOf(seen, *known.object, parameters_.parts)) &&
         !AreInContact(seen, *known.object, contact_m, map_->scale())) {
@@ -481,7 +484,7 @@ void SessionDecision::AddRest() {
     // No later session found it, so a part of its surface decides.
     const bool is_outdated = seen.removed_share >= parameters_.negligible_share;
     if (is_outdated || IsTooSmall(*seen.object, parameters_.parts) ||
-        (!seen.is_new_region && IsPartOfStanding(*seen.object))) {
+        (!seen.is_new_region && IsPartOfKnown(*seen.object))) {
       map_->Delete(seen.object);
       continue;
     }

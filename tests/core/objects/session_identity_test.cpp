@@ -463,6 +463,38 @@ TEST_F(SessionIdentityTest, PartsThatFramesConnectAreOneObject) {
   EXPECT_EQ(map_.objects().size(), 1U);
 }
 
+TEST_F(SessionIdentityTest, MostFramesOfTheJoinedPartsChooseTheirClass) {
+  TrackedObject* edge = PutSeen(0.0);
+  TrackedObject* rest = PutSeen(0.7);
+  VoteOnParts(/*is_connected=*/true, edge, rest, &map_);
+  {
+    ObjectEdit edit = map_.Edit(edge);
+    edit.state().class_id = ClassId(4);
+    edit.state().votes = {{ClassId(4), 3.0}, {ClassId(7), 2.0}};
+  }
+  {
+    ObjectEdit edit = map_.Edit(rest);
+    edit.state().votes = {{ClassId(7), 40.0}};
+  }
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().class_id, ClassId(7));
+}
+
+TEST_F(SessionIdentityTest, APieceInContactWithAnObjectThatWasNotLookedAtIsAPartOfIt) {
+  TrackedObject* known = PutKnown(0.0, 0);
+  PutSeen(0.5, kOtherSizeM);
+  EXPECT_TRUE(Decide().empty());
+  EXPECT_EQ(map_.objects().size(), 1U);
+  EXPECT_GT(known->cuboid().size_m.maxCoeff(), 1.2);
+}
+
+TEST_F(SessionIdentityTest, APieceInContactWithAnObjectThatIsGoneIsNew) {
+  PutKnown(0.0, -2);
+  PutSeen(0.5, {1.5, 1.5, 1.2});
+  EXPECT_EQ(Decide().size(), 2U);
+}
+
 TEST_F(SessionIdentityTest, ObjectsThatFramesShowApartAreTwoEvenInContact) {
   TrackedObject* one = PutSeen(0.0);
   TrackedObject* other = PutSeen(0.5);
