@@ -52,12 +52,12 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     for (const SurfaceVoxel& point : leaf.points) {
       const Eigen::Vector3d position = T_other_object * point.position_object.cast<double>();
+      const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
       double distance_m = 0.0;
       const bool is_inner = sampler.SampleDistance(position, &distance_m);
-      if (!is_inner && !sampler.SampleNearest(position, &distance_m)) continue;
+      if (!is_inner && !sampler.SampleNearestPlane(position, normal, &distance_m)) continue;
       ++known;
       if (std::abs(distance_m) > tolerance_m) continue;
-      const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
       if (is_inner && !HasFace(position, normal, tolerance_m, min_cosine, &sampler)) continue;
       ++fitting;
       if (std::abs(distance_m) > close_m) continue;

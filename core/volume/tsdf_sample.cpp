@@ -159,6 +159,16 @@ bool TsdfSampler::SampleNearest(const Eigen::Vector3d& point_m, double* distance
   return true;
 }
 
+bool TsdfSampler::SampleNearestPlane(const Eigen::Vector3d& point_m,
+                                     const Eigen::Vector3d& normal,
+                                     double* distance_m) {
+  if (!SampleNearest(point_m, distance_m)) return false;
+  const Eigen::Vector3d voxel = (point_m / scale_.voxel_size_m).array() + 0.5;
+  const Eigen::Vector3d center_m = voxel.array().floor() * scale_.voxel_size_m;
+  *distance_m += normal.dot(point_m - center_m);
+  return true;
+}
+
 bool TsdfSampler::IsMeasured(const Eigen::Vector3d& point_m) {
   const Voxel* nearest = NearestVoxel(point_m);
   return nearest != nullptr && nearest->weight() > kWeightUnit;

@@ -45,6 +45,12 @@ class TsdfSampler {
   /// voxels; returns false if that voxel is not observed.
   bool SampleNearest(const Eigen::Vector3d& point_m, double* distance_m);
 
+  /// Computes the distance of a point from the plane with the unit normal `normal` that the voxel
+  /// nearest to it has measured; returns false if that voxel is not observed.
+  bool SampleNearestPlane(const Eigen::Vector3d& point_m,
+                          const Eigen::Vector3d& normal,
+                          double* distance_m);
+
   /// True if the voxel nearest to a point was measured: neither unobserved nor extrapolated.
   bool IsMeasured(const Eigen::Vector3d& point_m);
 

@@ -18,15 +18,17 @@ using ::steadymap::testing::StoreVolume;
 constexpr ClassId kClass{7};
 constexpr SurfaceMatchParameters kParameters;
 
-/// Returns the front of a box that faces -x, from `y_m` along y, 1 m high. If `is_whole`, all
-/// voxels of the leaves that the width intersects are observed, else only those within the width.
-TrackedObject Front(std::uint64_t id, double y_m, double width_m, bool is_whole = true) {
+/// Returns the front of a box that faces -x at `face_m`, from `y_m` along y, 1 m high. If
+/// `is_whole`, all voxels of the leaves that the width intersects are observed, else only those
+/// within the width.
+TrackedObject Front(
+    std::uint64_t id, double y_m, double width_m, bool is_whole = true, double face_m = 0.2) {
   const double leaf_m = kScale.leaf_size_m();
   TrackedObject object(ObjectId(id), {0.0, std::floor(y_m / leaf_m) * leaf_m, 0.0}, kScale);
   const double first_m = y_m - object.state().T_world_object.position_world.y();
   StoreVolume(
       testing::MakeVolume(
-          [](const Eigen::Vector3d& point) { return 0.2 - point.x(); },
+          [&](const Eigen::Vector3d& point) { return face_m - point.x(); },
           Box(Eigen::Vector3d(0.05, first_m, 0.0), Eigen::Vector3d(0.35, first_m + width_m, 1.0)),
           kScale,
           [&](const Eigen::Vector3d& point) {
@@ -82,6 +84,19 @@ TEST(CompareSurfaces, IsCloseWithinThreeStandardDeviations) {
     EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9) << sigmas;
     EXPECT_NEAR(overlap.close_share, sigmas < 3.0 ? 1.0 : 0.0, 1e-9) << sigmas;
   }
+}
+
+TEST(CompareSurfaces, IsCloseToAThinThingBetweenItsVoxels) {
+  const double face_m = 0.2 - 0.49 * kScale.voxel_size_m;
+  const TrackedObject thin = Front(2, 0.0, 0.0, /*is_whole=*/false, face_m);
+  const SurfaceOverlap overlap =
+      CompareSurfaces(Front(1, 0.0, 0.8),
+                      thin,
+                      Eigen::Isometry3d(Eigen::Translation3d(face_m - 0.2, 0.0, 0.0)),
+                      kParameters,
+                      kScale);
+  EXPECT_GT(overlap.known_share, 0.0);
+  EXPECT_NEAR(overlap.close_share, 1.0, 1e-9);
 }
 
 TEST(CompareSurfaces, FitsNothingThatFacesTheOtherWay) {
