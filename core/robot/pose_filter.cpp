@@ -78,14 +78,13 @@ class SurfaceVote {
   /// Returns what the samples tell if their surface is where it was mapped.
   const PoseMeasurement& measurement() const { return measurement_; }
 
-  /// Returns what they tell if the place of their object is uncertain, which all of them share: its
-  /// displacement is eliminated.
+  /// Returns what they tell if the place of their object is uncertain by a shift that all of them
+  /// share, which is eliminated.
   PoseMeasurement MarginalMeasurement(double place_sigma_m) const {
-    if (!(weight_ > 0.0)) return measurement_;
-    const Eigen::LLT<Matrix6> place(PlaceCovariance(place_sigma_m));
-    const Eigen::LLT<Matrix6> displacement(SymmetricInverse(place) + measurement_.information);
-    const Matrix6 share =
-        Matrix6::Identity() - measurement_.information * SymmetricInverse(displacement);
+    const Eigen::Matrix3d of_shift = measurement_.information.topLeftCorner<3, 3>() +
+                                     Eigen::Matrix3d::Identity() / (place_sigma_m * place_sigma_m);
+    Matrix6 share = Matrix6::Identity();
+    share.leftCols<3>() -= measurement_.information.leftCols<3>() * of_shift.inverse();
     const Matrix6 information = share * measurement_.information;
     return {0.5 * (information + information.transpose()), share * measurement_.gradient};
   }
@@ -261,11 +260,13 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
     votes[hit.surface].Add(jacobian, ray_world, weight, hit.distance_m);
   }
   PoseMeasurement measurement;
-  for (const SurfaceVote& vote : votes) {
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    const SurfaceVote& vote = votes[i];
     const double weight = vote.RobustWeight(parameters_.place_sigma_m, covariance);
-    const PoseMeasurement told = &vote == votes.data()
-                                     ? vote.measurement()
-                                     : vote.MarginalMeasurement(parameters_.place_sigma_m);
+    // The background stays, and what only this session has seen is where it saw it.
+    const bool is_known_object = i > 0 && !surfaces_[i - 1].is_of_session;
+    const PoseMeasurement told =
+        is_known_object ? vote.MarginalMeasurement(parameters_.place_sigma_m) : vote.measurement();
     measurement.information += weight * told.information;
     measurement.gradient += weight * told.gradient;
   }
