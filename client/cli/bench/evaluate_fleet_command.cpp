@@ -25,7 +25,7 @@ constexpr char kFleetFooter[] =
     "                  The same drives at other frame rates.\n"
     "  pause-1s pause-60s pause-3d\n"
     "                  Other pauses.\n"
-    "  one-upload-1s   All drives in one upload, with pauses of 1 s: nothing ends the session.\n"
+    "  one-upload-1s   All drives in one upload, with pauses of 1 s.\n"
     "  newest-first    The last drive arrives first. The map cannot tell the changes then.\n"
     "  newest-first-2  The same, with the other drives, the first one twice, from a second robot.\n"
     "  two-robots      Every second frame is from a second robot.\n"
