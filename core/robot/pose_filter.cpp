@@ -263,7 +263,7 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
   for (std::size_t i = 0; i < votes.size(); ++i) {
     const SurfaceVote& vote = votes[i];
     const double weight = vote.RobustWeight(parameters_.place_sigma_m, covariance);
-    // The background stays, and what only this session has seen is where it saw it.
+    // Only an object of an earlier session may have been moved since it was mapped.
     const bool is_known_object = i > 0 && !surfaces_[i - 1].is_of_session;
     const PoseMeasurement told =
         is_known_object ? vote.MarginalMeasurement(parameters_.place_sigma_m) : vote.measurement();
