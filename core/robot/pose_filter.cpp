@@ -78,17 +78,6 @@ class SurfaceVote {
   /// Returns what the samples tell if their surface is where it was mapped.
   const PoseMeasurement& measurement() const { return measurement_; }
 
-  /// Returns what they tell if the place of their object is uncertain by a shift that all of them
-  /// share, which is eliminated.
-  PoseMeasurement MarginalMeasurement(double place_sigma_m) const {
-    const Eigen::Matrix3d of_shift = measurement_.information.topLeftCorner<3, 3>() +
-                                     Eigen::Matrix3d::Identity() / (place_sigma_m * place_sigma_m);
-    Matrix6 share = Matrix6::Identity();
-    share.leftCols<3>() -= measurement_.information.leftCols<3>() * of_shift.inverse();
-    const Matrix6 information = share * measurement_.information;
-    return {0.5 * (information + information.transpose()), share * measurement_.gradient};
-  }
-
   /// Returns the robust weight of Cauchy, by the displacement that the samples ask for.
   /// `covariance`: of the pose error.
   double RobustWeight(double place_sigma_m, const Matrix6& covariance) const {
@@ -260,15 +249,10 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
     votes[hit.surface].Add(jacobian, ray_world, weight, hit.distance_m);
   }
   PoseMeasurement measurement;
-  for (std::size_t i = 0; i < votes.size(); ++i) {
-    const SurfaceVote& vote = votes[i];
+  for (const SurfaceVote& vote : votes) {
     const double weight = vote.RobustWeight(parameters_.place_sigma_m, covariance);
-    // Only an object of an earlier session may have been moved since it was mapped.
-    const bool is_known_object = i > 0 && !surfaces_[i - 1].is_of_session;
-    const PoseMeasurement told =
-        is_known_object ? vote.MarginalMeasurement(parameters_.place_sigma_m) : vote.measurement();
-    measurement.information += weight * told.information;
-    measurement.gradient += weight * told.gradient;
+    measurement.information += weight * vote.measurement().information;
+    measurement.gradient += weight * vote.measurement().gradient;
   }
   return measurement;
 }

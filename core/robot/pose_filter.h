@@ -26,9 +26,9 @@ struct PoseFilterParameters {
   /// weight of one on it. A registration further from the claimed pose fits the frame to other
   /// surface.
   double max_sigmas = 3.0;
-  /// Standard deviation of the place of an object that nobody moved, metres: one object tells the
-  /// pose no better. All samples of an object have half their weight if they fit its surface only
-  /// after a displacement by one standard deviation of this place and the pose error together.
+  /// Standard deviation of the place of an object that nobody moved, metres. All samples of an
+  /// object have half their weight if they fit its surface only after a displacement by one standard
+  /// deviation of this place and the pose error together.
   double place_sigma_m = kPlaceSigmaM;
   /// Largest angle between a sample and the surface that it is on, as a cosine.
   double min_normal_cosine = 0.7;

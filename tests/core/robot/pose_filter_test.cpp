@@ -121,21 +121,6 @@ TEST_F(PoseFilterTest, IsNotMisledByThingsThatAreGone) {
       0.02);
 }
 
-TEST_F(PoseFilterTest, OneThingTellsThePoseNoBetterThanItsPlace) {
-  MapStory story(PocdConfig());
-  story.Play(LookAtScene({Goods(0.0)}, 0, 10));
-  story.EndSession();
-  const MapSnapshot map = story.map();
-  map_.Restore(map);
-  const PoseError error = Update(LookAtScene({Goods(0.0)}, 20, 1)[0]);
-  const PoseFilterParameters parameters;
-  const double least_sigma_m =
-      1.0 / std::hypot(1.0 / parameters.sigma_m, 1.0 / parameters.place_sigma_m);
-  const double sigma_m = std::sqrt(error.covariance(0, 0));
-  EXPECT_GE(sigma_m, 0.999 * least_sigma_m);
-  EXPECT_LT(sigma_m, 3.0 * least_sigma_m);
-}
-
 TEST_F(PoseFilterTest, FollowsAPushedThingByNoMoreThanItsPush) {
   const Scene rest = {Room()[0], testing::Body(kGoodsClass, {2.6, -0.6, 0.0}, {2.9, -0.2, 0.9})};
   const auto with_rack = [&](const Eigen::Vector3d& push_m) {
