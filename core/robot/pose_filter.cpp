@@ -58,6 +58,14 @@ Matrix6 SymmetricInverse(const Eigen::LLT<Matrix6>& factor) {
   return 0.5 * (inverse + inverse.transpose());
 }
 
+/// Returns the derivative of the distance of a sample at `ray_world` from the camera, along a
+/// normal, by the pose error.
+PoseErrorVector Jacobian(const Eigen::Vector3d& ray_world, const Eigen::Vector3d& normal_world) {
+  PoseErrorVector jacobian;
+  jacobian << normal_world, ray_world.cross(normal_world);
+  return jacobian;
+}
+
 /// What the samples on the surface of one object, or of the background, tell of the pose error. If
 /// the object was moved since its surface was mapped, they ask for its displacement instead.
 /// `place_sigma_m`: standard deviation of the place of an object that nobody moved.
@@ -139,7 +147,7 @@ class FrameRegistration {
       surfaces_.push_back({view,
                            is_of_session,
                            view.object->state().T_world_object.ToIsometry().inverse(),
-                           Grow(view.object->bounds_object(), scale_.truncation_m),
+                           view.object->bounds_object(),
                            TsdfSampler(view.object->volume(), scale_)});
     }
     ChooseSamples();
@@ -153,14 +161,20 @@ class FrameRegistration {
     ObjectInView view;
     bool is_of_session;
     Eigen::Isometry3d T_object_world;
-    Box reach_object;
+    Box bounds_object;
     TsdfSampler sampler;
   };
 
+  /// A sample at some pose error.
+  struct MovedSample {
+    SamplePlace place;
+    Eigen::Vector3d point_world;
+    Eigen::Vector3d normal_world;
+    double reach_m;  ///< Its surface may be so far away along the normal.
+  };
+
   void ChooseSamples();
-  SurfaceHit FindSurface(const SamplePlace& place,
-                         const Eigen::Vector3d& point_world,
-                         const Eigen::Vector3d& normal_world);
+  SurfaceHit FindSurface(const MovedSample& sample);
 
   const PoseFilterParameters& parameters_;
   const FrameInMap& frame_;
@@ -184,39 +198,42 @@ void FrameRegistration::ChooseSamples() {
   }
 }
 
-SurfaceHit FrameRegistration::FindSurface(const SamplePlace& place,
-                                          const Eigen::Vector3d& point_world,
-                                          const Eigen::Vector3d& normal_world) {
-  SurfaceHit nearest{.distance_m = scale_.truncation_m};
-  const auto take = [&](const DistanceSample& found,
-                        const Eigen::Matrix3d& R_world_volume,
+SurfaceHit FrameRegistration::FindSurface(const MovedSample& sample) {
+  SurfaceHit nearest{.distance_m = std::max(sample.reach_m, scale_.truncation_m)};
+  const auto take = [&](TsdfSampler* sampler,
+                        const Eigen::Isometry3d& T_volume_world,
                         bool is_of_session,
                         std::size_t surface) {
-    const bool is_measured = found.known && found.weight > static_cast<double>(kWeightUnit);
-    if (!is_measured || found.slope > kMaxSurfaceSlope ||
-        std::abs(found.distance_m) >= std::abs(nearest.distance_m)) {
-      return;
+    // Distances are known only near the surface, so a sample far from it searches along its normal.
+    for (int i = 0;; ++i) {
+      const int step = (i + 1) / 2;
+      const double shift_m = (i % 2 == 0 ? -step : step) * scale_.truncation_m;
+      if (std::abs(shift_m) >= std::abs(nearest.distance_m)) break;
+      const Eigen::Vector3d point_world = sample.point_world - shift_m * sample.normal_world;
+      const DistanceSample found = sampler->Sample(T_volume_world * point_world);
+      const bool is_measured = found.known && found.weight > static_cast<double>(kWeightUnit);
+      if (!is_measured || found.slope > kMaxSurfaceSlope) continue;
+      const Eigen::Vector3d normal_world = T_volume_world.linear().transpose() * found.gradient;
+      const double cosine = normal_world.dot(sample.normal_world);
+      const double distance_m = found.distance_m + shift_m * cosine;
+      if (cosine < parameters_.min_normal_cosine) continue;
+      if (std::abs(distance_m) >= std::abs(nearest.distance_m)) continue;
+      nearest = {distance_m, normal_world, is_of_session, surface};
     }
-    const Eigen::Vector3d surface_normal_world = R_world_volume * found.gradient;
-    if (surface_normal_world.dot(normal_world) < parameters_.min_normal_cosine) return;
-    nearest = {found.distance_m, surface_normal_world, is_of_session, surface};
   };
-  take(background_.Sample(point_world), Eigen::Matrix3d::Identity(), !is_known_place_, 0);
+  take(&background_, Eigen::Isometry3d::Identity(), !is_known_place_, 0);
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     Surface& surface = surfaces_[i];
     const ObjectInView& view = surface.view;
-    if (place.column < view.first_column - kViewMarginSamples ||
-        place.column >= view.end_column + kViewMarginSamples ||
-        place.row < view.first_row - kViewMarginSamples ||
-        place.row >= view.end_row + kViewMarginSamples) {
+    if (sample.place.column < view.first_column - kViewMarginSamples ||
+        sample.place.column >= view.end_column + kViewMarginSamples ||
+        sample.place.row < view.first_row - kViewMarginSamples ||
+        sample.place.row >= view.end_row + kViewMarginSamples) {
       continue;
     }
-    const Eigen::Vector3d point_object = surface.T_object_world * point_world;
-    if (!surface.reach_object.contains(point_object)) continue;
-    take(surface.sampler.Sample(point_object),
-         surface.T_object_world.linear().transpose(),
-         surface.is_of_session,
-         i + 1);
+    const Eigen::Vector3d point_object = surface.T_object_world * sample.point_world;
+    if (!Grow(surface.bounds_object, std::abs(nearest.distance_m)).contains(point_object)) continue;
+    take(&surface.sampler, surface.T_object_world, surface.is_of_session, i + 1);
   }
   return nearest;
 }
@@ -231,11 +248,13 @@ PoseMeasurement FrameRegistration::Measure(const PoseErrorVector& error,
     const SurfaceSample& sample = frame_.samples.At(place.column, place.row);
     const Eigen::Vector3d ray_world = turn * (sample.position_world.cast<double>() - camera_world_);
     const Eigen::Vector3d point_world = camera_world_ + error.head<3>() + ray_world;
-    const SurfaceHit hit =
-        FindSurface(place, point_world, turn * sample.normal_world.cast<double>());
+    const Eigen::Vector3d normal_world = turn * sample.normal_world.cast<double>();
+    const PoseErrorVector along_normal = Jacobian(ray_world, normal_world);
+    const double reach_m =
+        parameters_.max_sigmas * std::sqrt(along_normal.dot(covariance * along_normal));
+    const SurfaceHit hit = FindSurface({place, point_world, normal_world, reach_m});
     if (hit.is_none()) continue;
-    PoseErrorVector jacobian;
-    jacobian << hit.normal_world, ray_world.cross(hit.normal_world);
+    const PoseErrorVector jacobian = Jacobian(ray_world, hit.normal_world);
     const double depth_m = static_cast<double>(sample.depth_m);
     // The noise is along the ray; on a surface at a flat angle it moves a sample little off it.
     const double noise_m =
@@ -368,8 +387,10 @@ PoseErrorEstimate PoseFilter::Update(const std::optional<PoseErrorEstimate>& las
   PoseErrorEstimate updated = estimate;
   UpdateHypotheses(error, measurement, &updated);
   const PoseErrorVector mean = updated.Combined().mean;
-  const double prior_distance2 = mean.dot(Prior().diagonal().cwiseInverse().cwiseProduct(mean));
-  return prior_distance2 > MaxDistance2(parameters_.max_sigmas) ? estimate : updated;
+  // Both the claimed pose is off and the one that defined the world frame.
+  const Eigen::Matrix<double, 6, 1> variances = 2.0 * Prior().diagonal();
+  const double distance2 = mean.dot(mean.cwiseQuotient(variances));
+  return distance2 > MaxDistance2(parameters_.max_sigmas) ? estimate : updated;
 }
 
 }  // namespace steadymap

@@ -23,12 +23,12 @@ struct PoseFilterParameters {
   /// Error of the surface of the map, voxels.
   double surface_sigma_voxels = 0.2;
   /// A sample at so many standard deviations from the surface of the map has a quarter of the
-  /// weight of one on it. A registration further from the claimed pose fits the frame to other
-  /// surface.
+  /// weight of one on it. Surface is looked for as far away as so many standard deviations of the
+  /// pose error. A registration further from the claimed pose fits the frame to other surface.
   double max_sigmas = 3.0;
   /// Standard deviation of the place of an object that nobody moved, metres. All samples of an
-  /// object have half their weight if they fit its surface only after a displacement by one standard
-  /// deviation of this place and the pose error together.
+  /// object have half their weight if they fit its surface only after a displacement by one
+  /// standard deviation of this place and the pose error together.
   double place_sigma_m = kPlaceSigmaM;
   /// Largest angle between a sample and the surface that it is on, as a cosine.
   double min_normal_cosine = 0.7;

@@ -34,6 +34,13 @@ MapConfig ConfigOf(UpdatePolicy policy) {
 
 MapConfig PocdConfig() { return ConfigOf(UpdatePolicy::kPocd); }
 
+MapConfig FinePocdConfig() {
+  MapConfig config = PocdConfig();
+  config.voxel_size_m = 0.02;
+  config.truncation_m = 0.06;
+  return config;
+}
+
 std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int visit) {
   std::vector<Frame> frames;
   for (int i = first; i < first + count; ++i) {

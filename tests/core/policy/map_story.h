@@ -29,6 +29,9 @@ MapConfig ConfigOf(UpdatePolicy policy);
 /// Returns the default configuration of a map with the pocd policy.
 MapConfig PocdConfig();
 
+/// Returns the same with voxels of 2 cm.
+MapConfig FinePocdConfig();
+
 /// Returns frames of a scene from a camera that moves back and forth, beginning with frame `first`.
 /// Frames are 0.5 s apart, with an additional minute before each visit except the first.
 std::vector<Frame> LookAtScene(const Scene& scene, int first, int count, int visit = 0);

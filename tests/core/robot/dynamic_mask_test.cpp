@@ -19,6 +19,7 @@ using ::steadymap::testing::Body;
 using ::steadymap::testing::CountSurfaceIn;
 using ::steadymap::testing::ExpectSameMap;
 using ::steadymap::testing::FarWall;
+using ::steadymap::testing::FinePocdConfig;
 using ::steadymap::testing::kGoodsClass;
 using ::steadymap::testing::kPersonClass;
 using ::steadymap::testing::kWallClass;
@@ -124,16 +125,9 @@ TEST_F(MovingSurfaceTest, EachRobotRemembersWhatItSaw) {
       << "it has seen nothing to remember";
 }
 
-MapConfig FineConfig() {
-  MapConfig config = PocdConfig();
-  config.voxel_size_m = 0.02;
-  config.truncation_m = 0.06;
-  return config;
-}
-
 class FineMovingSurfaceTest : public MovingSurfaceTest {
  protected:
-  FineMovingSurfaceTest() : MovingSurfaceTest(FineConfig()) {}
+  FineMovingSurfaceTest() : MovingSurfaceTest(FinePocdConfig()) {}
 };
 
 TEST_F(FineMovingSurfaceTest, ACameraThatSeesNothingButPeopleFillsNoMemory) {

@@ -20,6 +20,7 @@ namespace {
 
 using ::steadymap::testing::Drive;
 using ::steadymap::testing::FarWall;
+using ::steadymap::testing::FinePocdConfig;
 using ::steadymap::testing::Goods;
 using ::steadymap::testing::kGoodsClass;
 using ::steadymap::testing::LookAtScene;
@@ -54,7 +55,7 @@ class PoseFilterTest : public ::testing::Test {
     room = nullptr;
   }
 
-  PoseFilterTest() : map_(PocdConfig()), cloud_(PocdConfig()) {}
+  explicit PoseFilterTest(const MapConfig& config = PocdConfig()) : map_(config), cloud_(config) {}
 
   PoseError Update(const Frame& frame) {
     cloud_.Compute(frame);
@@ -74,6 +75,11 @@ class PoseFilterTest : public ::testing::Test {
 };
 
 MapSnapshot* PoseFilterTest::room = nullptr;
+
+class FinePoseFilterTest : public PoseFilterTest {
+ protected:
+  FinePoseFilterTest() : PoseFilterTest(FinePocdConfig()) {}
+};
 
 TEST_F(PoseFilterTest, FindsTheErrorOfAPose) {
   map_.Restore(*room);
@@ -108,6 +114,30 @@ TEST_F(PoseFilterTest, FindsAConstantErrorWithinAFewFrames) {
       frames.back().T_world_camera.inverse() * error.Correct(claimed.T_world_camera);
   EXPECT_LT(T_true_corrected.translation().norm(), 0.012);
   EXPECT_LT(Eigen::AngleAxisd(T_true_corrected.linear()).angle(), 0.005);
+}
+
+TEST_F(FinePoseFilterTest, FindsAnErrorGreaterThanTheTruncationDistance) {
+  MapStory story(FinePocdConfig());
+  story.Play(Drive(Room(), 0, 70), 70);
+  story.EndSession();
+  const MapSnapshot fine_room = story.map();
+  map_.Restore(fine_room);
+  // As far from the claimed pose as if the frames that made the map had been off the other way.
+  const Eigen::Vector3d turn_rad(0.015, -0.01, 0.02);
+  const std::vector<Frame> frames = Drive(Room(), 0, 30);
+  for (const double height_m : {-0.12, 0.12}) {
+    last_.reset();
+    PoseError error;
+    Frame claimed;
+    for (const Frame& frame : frames) {
+      claimed = Displaced(frame, {0.11, -0.11, height_m}, turn_rad);
+      error = Update(claimed);
+    }
+    const Eigen::Isometry3d T_true_corrected =
+        frames.back().T_world_camera.inverse() * error.Correct(claimed.T_world_camera);
+    EXPECT_LT(T_true_corrected.translation().norm(), 0.01) << height_m;
+    EXPECT_LT(Eigen::AngleAxisd(T_true_corrected.linear()).angle(), 0.005) << height_m;
+  }
 }
 
 TEST_F(PoseFilterTest, IsNotMisledByThingsThatAreGone) {
