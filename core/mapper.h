@@ -9,6 +9,7 @@
 #include "core/frame/frame.h"
 #include "core/integration/semantic_cloud.h"
 #include "core/map/map_snapshot.h"
+#include "core/map/robot_state.h"
 #include "core/policy/map_updater.h"
 #include "core/policy/stage_observer.h"
 #include "core/types/identifiers.h"
@@ -57,6 +58,9 @@ class Mapper {
 
   /// Returns the memory of the surfaces of objects, bytes, which snapshots do not contain.
   std::size_t surface_bytes() const { return map_.surface_bytes(); }
+
+  /// Returns the state of a robot; null if the map has no frame of it. Valid until the next entry.
+  const RobotState* FindRobot(const SensorName& sensor) const { return map_.FindRobot(sensor); }
 
   /// Returns the number of entries processed since the last commit.
   std::size_t uncommitted_entries() const { return uncommitted_entries_; }

@@ -56,7 +56,7 @@ set(client_ROOMS
     "bench/evaluation/truth: bench/simulator bench/simulator/scene bench/simulator/sensor"
     "bench/evaluation/score: bench/evaluation/truth"
     "bench/evaluation/method: bench/evaluation/truth"
-    "bench/evaluation/room: bench/simulator bench/simulator/routes bench/simulator/scene bench/simulator/sensor bench/evaluation/score bench/evaluation/truth"
+    "bench/evaluation/room: bench/simulator bench/simulator/routes bench/simulator/scene bench/simulator/sensor bench/evaluation/method bench/evaluation/score bench/evaluation/truth"
     "bench/evaluation/composite: dataset bench/simulator/scene bench/simulator/sensor bench/evaluation/method bench/evaluation/room bench/evaluation/score bench/evaluation/truth"
     "bench/evaluation/report: picture bench/evaluation/score bench/evaluation/method"
     "bench/evaluation: dataset bench/simulator bench/evaluation/score bench/evaluation/method bench/evaluation/report"

@@ -7,6 +7,7 @@
 #include "client/bench/evaluation/method/method_run.h"
 #include "client/bench/evaluation/score/belief_score.h"
 #include "client/bench/evaluation/score/event_faults.h"
+#include "client/bench/evaluation/score/pose_score.h"
 #include "client/bench/evaluation/score/route_reference.h"
 
 namespace steadymap {
@@ -14,10 +15,10 @@ namespace {
 
 constexpr std::string_view kTableTop = "table-top";
 
-// Plays all frames and records their capture times; errors occur only before the first frame.
+// Plays all frames and records their claimed poses; errors occur only before the first frame.
 absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptions& options,
                                                       Simulation* simulation,
-                                                      std::vector<Timestamp>* capture_times) {
+                                                      CameraPath* claimed) {
   std::vector<MethodRun> runs;
   for (const Method& method : options.methods) {
     absl::StatusOr<MethodRun> run = MethodRun::Start(method);
@@ -27,7 +28,7 @@ absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptio
   const std::size_t last_sequence = simulation->route().sequences.size() - 1;
   for (std::size_t i = 0; i < simulation->frame_count(); ++i) {
     const Frame frame = simulation->Render(i);
-    capture_times->push_back(frame.capture_time);
+    claimed->push_back({frame.capture_time, frame.T_world_camera});
     const bool is_last_sequence = simulation->SequenceOf(i) == last_sequence;
     const bool ends_sequence = i + 1 == simulation->frame_count() ||
                                simulation->SequenceOf(i + 1) != simulation->SequenceOf(i);
@@ -43,6 +44,15 @@ absl::StatusOr<std::vector<MethodOutcome>> PlayFrames(const RouteEvaluationOptio
     outcomes.push_back(run.Finish(SampleSpacingFor(options.voxel_size_m)));
   }
   return outcomes;
+}
+
+CameraPath TruePath(const Simulation& simulation) {
+  CameraPath path;
+  path.reserve(simulation.frame_count());
+  for (std::size_t i = 0; i < simulation.frame_count(); ++i) {
+    path.push_back({simulation.CaptureTimeOf(i), simulation.TruePose(i)});
+  }
+  return path;
 }
 
 SurveyOptions SurveyOptionsFor(const RouteEvaluationOptions& options) {
@@ -102,16 +112,21 @@ absl::StatusOr<Evaluation> EvaluateRoute(const Route& route,
     SimulationOptions noise = options.simulation;
     noise.seed = options.seeds[seed];
     Simulation simulation(route, noise);
-    event_truth.capture_times.clear();
+    CameraPath claimed;
     const absl::StatusOr<std::vector<MethodOutcome>> outcomes =
-        PlayFrames(options, &simulation, &event_truth.capture_times);
+        PlayFrames(options, &simulation, &claimed);
     if (!outcomes.ok()) return outcomes.status();
+    event_truth.capture_times.clear();
+    for (const StampedPose& pose : claimed) event_truth.capture_times.push_back(pose.time);
+    const CameraPath truth = TruePath(simulation);
+    evaluation.claimed_poses += ScorePoses(truth, claimed);
     for (std::size_t i = 0; i < outcomes->size(); ++i) {
       const MethodOutcome& outcome = (*outcomes)[i];
       MethodScore& row = evaluation.rows[i];
       row.map += scorer.Score(outcome.surface);
       row.events += ScoreEvents(event_truth, outcome.events);
       row.event_faults = ListEventFaults(event_truth, outcome.events);
+      row.registered_poses += ScorePoses(truth, outcome.registered);
       row.cost = outcome.cost;
       if (HasBeliefs(options.methods[i])) {
         AddBeliefs(*outcome.map, scorer, SampleSpacingFor(options.voxel_size_m), &beliefs[i]);

@@ -72,6 +72,7 @@ Json RowJson(const MethodScore& row, bool has_history) {
   }
   json["trail"] = ShareJson(row.map.trail);
   json["brier"] = row.brier;
+  json["registered_poses_rms_m"] = row.registered_poses.rms_m();
   json["memory_bytes"] = row.cost.memory_bytes;
   json["bytes_per_object"] = row.cost.bytes_per_object;
   json["delta_bytes_per_frame"] = row.cost.delta_bytes_per_frame;
@@ -102,6 +103,7 @@ Json TableJson(const Evaluation& evaluation) {
           {"unusable_frames", evaluation.skipped_count},
           {"seeds", evaluation.seed_count},
           {"scored_voxels", evaluation.scored_voxels},
+          {"claimed_poses_rms_m", evaluation.claimed_poses.rms_m()},
           {"rows", std::move(rows)},
           {"reported", std::move(reported)}};
 }

@@ -180,6 +180,7 @@ class CompositeEvaluation {
       }
       last_ns = time_ns + shift_ns;
       frame->capture_time = Timestamp::FromNanoseconds(last_ns);
+      truth->recorded.push_back({frame->capture_time, frame->T_world_camera});
       frame->T_world_camera = OffsetPose(poses, key, is_second ? 1 : 0, frame->T_world_camera);
       truth->events.capture_times.push_back(frame->capture_time);
       for (MethodRun& run : *runs) run.Integrate(*frame, is_second);
@@ -207,14 +208,15 @@ std::string PercentText(const Share& share) {
 
 std::string RowText(const std::string& name, const CompositeScore& score) {
   const std::uint64_t false_claims = score.events.right.whole - score.events.right.part;
-  return absl::StrFormat("%-22s | %10s | %5d | %8s | %8s | %8s | %8s\n",
+  return absl::StrFormat("%-22s | %10s | %5d | %8s | %8s | %8s | %8s | %6s\n",
                          name,
                          CountText(score.events.found),
                          false_claims,
                          CountText(score.moves),
                          CountText(score.cuboids),
                          PercentText(score.ghosts),
-                         PercentText(score.kept));
+                         PercentText(score.kept),
+                         MillimetreText(score.poses));
 }
 
 }  // namespace
@@ -234,14 +236,15 @@ absl::StatusOr<std::vector<CompositeResult>> EvaluateComposite(
 }
 
 std::string CompositeTable(const std::vector<CompositeResult>& results, bool with_faults) {
-  std::string text = absl::StrFormat("%-22s | %10s | %5s | %8s | %8s | %8s | %8s\n",
+  std::string text = absl::StrFormat("%-22s | %10s | %5s | %8s | %8s | %8s | %8s | %6s\n",
                                      "case",
                                      "changes",
                                      "false",
                                      "moves",
                                      "cuboids",
                                      "ghosts",
-                                     "kept");
+                                     "kept",
+                                     "pose mm");
   std::map<std::string, CompositeScore> by_method;
   for (const CompositeResult& result : results) {
     const std::string name =

@@ -72,6 +72,7 @@ CompositeScore& CompositeScore::operator+=(const CompositeScore& other) {
   cuboids += other.cuboids;
   ghosts += other.ghosts;
   kept += other.kept;
+  poses += other.poses;
   faults.insert(faults.end(), other.faults.begin(), other.faults.end());
   return *this;
 }
@@ -101,6 +102,7 @@ CompositeScore ScoreComposite(const CompositeTruth& truth, const MethodOutcome& 
   score.events = events.all();
   score.moves = events.moved.found;
   score.faults = ListEventFaults(truth.events, outcome.events);
+  score.poses = ScorePoses(truth.recorded, outcome.registered);
   ScoreCuboids(truth, *outcome.map, &score);
   PointIndex map(truth.spacing_m);
   map.Add(outcome.surface);

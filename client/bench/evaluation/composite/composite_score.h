@@ -7,6 +7,7 @@
 #include "client/bench/evaluation/method/method_run.h"
 #include "client/bench/evaluation/score/event_score.h"
 #include "client/bench/evaluation/score/map_score.h"
+#include "client/bench/evaluation/score/pose_score.h"
 #include "client/bench/evaluation/truth/surface_points.h"
 
 namespace steadymap {
@@ -16,6 +17,7 @@ struct CompositeTruth {
   CompositeCase things;
   EventTruth events;
   std::vector<SurfacePoint> room;  ///< Surface of the recording alone.
+  CameraPath recorded;             ///< Poses of the recording, which count as true.
   double spacing_m = 0.05;         ///< Between points of the room; surfaces so far apart agree.
   double cuboid_m = 0.04;          ///< Largest error of a face of a right cuboid.
 };
@@ -27,6 +29,7 @@ struct CompositeScore {
   Share cuboids;          ///< Things with a right cuboid.
   Share ghosts;           ///< Surface that things have left, in the map.
   Share kept;             ///< Surface of the room, in the map.
+  PoseScore poses;        ///< As registered; no points if the method registers no frames.
   std::vector<std::string> faults;
 
   CompositeScore& operator+=(const CompositeScore& other);

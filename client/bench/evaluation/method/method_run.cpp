@@ -67,7 +67,17 @@ void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
   frame_ms_.push_back(elapsed.count());
+  NoteRegisteredPose(frame);
   if (mapper_->uncommitted_entries() >= kFramesACommit) Commit();
+}
+
+// The error of a frame that is not used remains that of an earlier one.
+void MethodRun::NoteRegisteredPose(const Frame& frame) {
+  const RobotState* robot = mapper_->FindRobot(frame.source);
+  if (robot == nullptr || !robot->pose_error) return;
+  if (robot->pose_error->time != frame.capture_time) return;
+  registered_.push_back(
+      {frame.capture_time, robot->pose_error->Combined().Correct(frame.T_world_camera)});
 }
 
 void MethodRun::EndSequence() {
@@ -89,6 +99,7 @@ MethodOutcome MethodRun::Finish(double spacing_m) {
   return {.map = snapshot_,
           .surface = SampleMap(*snapshot_, spacing_m),
           .events = std::move(events_),
+          .registered = std::move(registered_),
           .cost = {.memory_bytes = CountMap(*snapshot_).memory_bytes,
                    .bytes_per_object = BytesPerObject(*snapshot_),
                    .delta_bytes_per_frame = static_cast<double>(delta_bytes_) / frames,

@@ -10,6 +10,7 @@
 
 #include "client/bench/evaluation/method/method.h"
 #include "client/bench/evaluation/method/stage_clock.h"
+#include "client/bench/evaluation/truth/stamped_pose.h"
 #include "client/bench/evaluation/truth/surface_points.h"
 #include "core/frame/frame.h"
 #include "core/map/object_event.h"
@@ -33,6 +34,7 @@ struct MethodOutcome {
   std::shared_ptr<const MapSnapshot> map;
   std::vector<SurfacePoint> surface;  ///< Of the final map.
   std::vector<ObjectEvent> events;    ///< In the order of the decisions.
+  CameraPath registered;              ///< Poses of the frames that were registered to the map.
   MapCost cost;
 };
 
@@ -56,6 +58,8 @@ class MethodRun {
             std::unique_ptr<StageClock> clock,
             std::unique_ptr<Mapper> mapper);
 
+  void NoteRegisteredPose(const Frame& frame);
+
   void Commit();
 
   bool last_sequence_only_ = false;
@@ -65,6 +69,7 @@ class MethodRun {
   std::unique_ptr<Mapper> mapper_;
   std::shared_ptr<const MapSnapshot> snapshot_;
   std::vector<ObjectEvent> events_;
+  CameraPath registered_;
   std::size_t delta_bytes_ = 0;
   std::vector<double> frame_ms_;
 };

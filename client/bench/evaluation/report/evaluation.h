@@ -10,6 +10,7 @@
 #include "client/bench/evaluation/method/method_run.h"
 #include "client/bench/evaluation/score/event_score.h"
 #include "client/bench/evaluation/score/map_score.h"
+#include "client/bench/evaluation/score/pose_score.h"
 
 namespace steadymap {
 
@@ -22,7 +23,8 @@ struct MethodScore {
   std::vector<std::string> event_faults;  ///< Of the last seed, see `event_faults.h`.
   /// Brier score of the map's beliefs (`belief_score.h`); NaN if it has none.
   double brier = std::numeric_limits<double>::quiet_NaN();
-  MapCost cost;  ///< Of the last seed.
+  PoseScore registered_poses;  ///< Of all seeds together; no points if it registers no frames.
+  MapCost cost;                ///< Of the last seed.
 };
 
 /// One table.
@@ -34,6 +36,7 @@ struct Evaluation {
   std::size_t seed_count = 1;
   bool has_history = false;       ///< The scores of ghosts, memory and events are valid.
   std::size_t scored_voxels = 0;  ///< Observed voxels that are scored.
+  PoseScore claimed_poses;        ///< Of all seeds together; no points for a recording.
   std::vector<MethodScore> rows;
 };
 

@@ -93,6 +93,21 @@ std::string EventTable(const Evaluation& evaluation) {
   return text;
 }
 
+/// Returns the errors of the poses as a line of text; empty if no method registers frames.
+std::string PoseLine(const Evaluation& evaluation) {
+  std::string registered;
+  for (const MethodScore& row : evaluation.rows) {
+    if (row.registered_poses.points == 0) continue;
+    absl::StrAppend(
+        &registered, ", ", row.name, " registered ", MillimetreText(row.registered_poses));
+  }
+  if (registered.empty() || evaluation.claimed_poses.points == 0) return {};
+  return absl::StrCat("poses                | RMS error, mm: claimed ",
+                      MillimetreText(evaluation.claimed_poses),
+                      registered,
+                      "\n");
+}
+
 std::string Heading(const Evaluation& evaluation) {
   const MapScore& map = evaluation.rows.front().map;
   const std::string skipped = evaluation.skipped_count > 0
@@ -130,7 +145,7 @@ std::string ScoreTable(const Evaluation& evaluation) {
                           row.false_positive_percent);
   }
   if (evaluation.has_history) text += EventTable(evaluation);
-  return text;
+  return text + PoseLine(evaluation);
 }
 
 std::string EventFaultText(const Evaluation& evaluation) {

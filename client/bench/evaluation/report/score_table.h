@@ -8,7 +8,7 @@ namespace steadymap {
 
 /// Returns the scores as a text table: one row per method, then the scores reported by other
 /// authors for the route. Percentages have one digit, false positive rates two; a dash marks an
-/// undefined value.
+/// undefined value. The last line holds the errors of the poses (`pose_score.h`), if known.
 std::string ScoreTable(const Evaluation& evaluation);
 
 /// Returns the faults in the events of each method, a line each; none for methods that observe no

@@ -6,15 +6,13 @@
 
 #include <absl/strings/str_format.h>
 
+#include "client/bench/evaluation/method/method_run.h"
 #include "client/bench/evaluation/score/map_score.h"
 #include "client/bench/simulator/simulation.h"
-#include "core/mapper.h"
 #include "core/types/absl_text.h"
 
 namespace steadymap {
 namespace {
-
-constexpr std::size_t kFramesPerCommit = 15;
 
 // A robot that rests for so long has ended its session.
 constexpr double kSessionPauseS = 10.0;
@@ -44,33 +42,34 @@ bool EndsSession(const Simulation& simulation, std::size_t frame) {
 
 absl::StatusOr<RoomResult> EvaluateRoom(const RoomCase& room_case,
                                         const RoomEvaluationOptions& evaluation) {
-  MapConfig config = MapConfigFor(room_case, evaluation.policy);
-  config.parameters = evaluation.parameters;
-  absl::StatusOr<std::unique_ptr<Mapper>> mapper = Mapper::Create(config);
-  if (!mapper.ok()) return mapper.status();
+  Method method;
+  method.config = MapConfigFor(room_case, evaluation.policy);
+  method.config.parameters = evaluation.parameters;
+  absl::StatusOr<MethodRun> run = MethodRun::Start(method);
+  if (!run.ok()) return run.status();
   const BoxRoom room = MakeBoxRoom(room_case.change, room_case.setting);
   SimulationOptions options;
   options.sensor = room_case.sensor;
   options.seed = room_case.seed;
   options.include_instances = room_case.labels == RoomLabels::kInstances;
   Simulation simulation(room.route, options);
-  std::vector<ObjectEvent> events;
-  std::shared_ptr<const MapSnapshot> map;
-  const auto commit = [&] {
-    MapCommit result = (*mapper)->Commit();
-    events.insert(events.end(), result.delta.events.begin(), result.delta.events.end());
-    map = std::move(result.snapshot);
-  };
+  CameraPath truth;
+  CameraPath claimed;
   for (std::size_t i = 0; i < simulation.frame_count(); ++i) {
     Frame frame = simulation.Render(i);
     if (room_case.labels == RoomLabels::kNone) frame.labels = {};
-    (*mapper)->Integrate((*mapper)->head().Next(), frame);
-    if (EndsSession(simulation, i)) (*mapper)->EndSession((*mapper)->head().Next(), frame.source);
-    if ((*mapper)->uncommitted_entries() >= kFramesPerCommit) commit();
+    truth.push_back({frame.capture_time, simulation.TruePose(i)});
+    claimed.push_back({frame.capture_time, frame.T_world_camera});
+    run->Integrate(frame, /*is_last_sequence=*/true);
+    if (EndsSession(simulation, i)) run->EndSequence();
   }
-  commit();
+  const MethodOutcome outcome = run->Finish(room_case.voxel_size_m);
   const RoomTolerance tolerance = ToleranceOf(room_case);
-  return RoomResult{room_case, ScoreRoom(room, events, *map, tolerance), tolerance.cuboid_m};
+  return RoomResult{.room_case = room_case,
+                    .score = ScoreRoom(room, outcome.events, *outcome.map, tolerance),
+                    .cuboid_tolerance_m = tolerance.cuboid_m,
+                    .claimed_poses = ScorePoses(truth, claimed),
+                    .registered_poses = ScorePoses(truth, outcome.registered)};
 }
 
 /// Counts of the cases of one row.
@@ -78,19 +77,25 @@ struct RoomCounts {
   Share labelled;
   Share unlabelled;
   Share cuboids;  ///< Of all exact cases.
+  PoseScore claimed;
+  PoseScore registered;
 
   void Add(const RoomResult& result) {
     (result.is_labelled() ? labelled : unlabelled) += {result.score.is_exact() ? 1U : 0U, 1U};
+    claimed += result.claimed_poses;
+    registered += result.registered_poses;
     if (result.score.is_exact()) cuboids += {result.has_right_cuboids() ? 1U : 0U, 1U};
   }
 };
 
 std::string RowText(std::string_view name, const RoomCounts& counts) {
-  return absl::StrFormat("%-26s | %12s | %12s | %12s\n",
+  return absl::StrFormat("%-26s | %12s | %12s | %12s | %7s %10s\n",
                          Absl(name),
                          CountText(counts.labelled),
                          CountText(counts.unlabelled),
-                         CountText(counts.cuboids));
+                         CountText(counts.cuboids),
+                         MillimetreText(counts.claimed),
+                         MillimetreText(counts.registered));
 }
 
 std::string FaultText(const RoomResult& result) {
@@ -138,7 +143,18 @@ std::string RoomTable(const std::vector<RoomResult>& results, bool with_faults) 
     all.Add(result);
   }
   text +=
-      absl::StrFormat("%-26s | %12s | %12s | %12s\n", "exact", "labelled", "unlabelled", "cuboids");
+      absl::StrFormat("%-26s | %12s | %12s | %12s | %s\n%-26s | %12s | %12s | %12s | %7s %10s\n",
+                      "",
+                      "",
+                      "",
+                      "",
+                      "poses, mm RMS",
+                      "exact",
+                      "labelled",
+                      "unlabelled",
+                      "cuboids",
+                      "claimed",
+                      "registered");
   for (const auto& [name, counts] : by_change) text += RowText(name, counts);
   for (const auto& [name, counts] : by_variation) text += RowText("with " + name, counts);
   return text + RowText("all", all);

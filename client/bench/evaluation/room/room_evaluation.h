@@ -11,6 +11,7 @@
 
 #include "client/bench/evaluation/room/room_case.h"
 #include "client/bench/evaluation/room/room_score.h"
+#include "client/bench/evaluation/score/pose_score.h"
 
 namespace steadymap {
 
@@ -32,6 +33,8 @@ struct RoomResult {
   RoomCase room_case;
   RoomScore score;
   double cuboid_tolerance_m = 0.0;
+  PoseScore claimed_poses;
+  PoseScore registered_poses;  ///< No points if the policy registers no frames.
 
   bool is_labelled() const { return room_case.labels != RoomLabels::kNone; }
 
@@ -42,8 +45,8 @@ struct RoomResult {
 /// those of `Mapper::Create`.
 absl::StatusOr<std::vector<RoomResult>> EvaluateRooms(const RoomEvaluationOptions& options);
 
-/// Returns a table of the share of exact cases: in total, by change and by variation. With
-/// `with_faults`, lists the faults of every case, too.
+/// Returns a table of the share of exact cases and of the RMS errors of the poses: in total, by
+/// change and by variation. With `with_faults`, lists the faults of every case, too.
 std::string RoomTable(const std::vector<RoomResult>& results, bool with_faults);
 
 }  // namespace steadymap

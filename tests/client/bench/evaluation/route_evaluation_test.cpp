@@ -67,7 +67,7 @@ TEST(EvaluateRoute, AnUnchangedRouteHasNoGhosts) {
 }
 
 TEST(EvaluateRoute, PocdForgetsWhatMovedAndKeepsWhatIsOutOfView) {
-  const auto evaluation = EvaluateRoute(MakeRoute("1-5").value(), Options(SensorModel::Full(), 1));
+  const auto evaluation = EvaluateRoute(MakeRoute("1-5").value(), Options(SensorModel::Full(), 2));
   ASSERT_TRUE(evaluation.ok()) << evaluation.status();
   const MapScore& pocd = Row(*evaluation, "pocd").map;
   const MapScore& fresh = Row(*evaluation, "fresh").map;
@@ -78,6 +78,9 @@ TEST(EvaluateRoute, PocdForgetsWhatMovedAndKeepsWhatIsOutOfView) {
   EXPECT_GT(pocd.kept.value(), 0.85);
   EXPECT_LT(Row(*evaluation, "pocd").brier, 0.15);
   EXPECT_TRUE(std::isnan(Row(*evaluation, "static").brier)) << "it has no beliefs";
+  EXPECT_GT(evaluation->claimed_poses.rms_m(), 0.005);
+  EXPECT_LT(Row(*evaluation, "pocd").registered_poses.rms_m(), 0.03);
+  EXPECT_TRUE(std::isnan(Row(*evaluation, "static").registered_poses.rms_m()));
   EXPECT_GT(Row(*evaluation, "pocd").cost.bytes_per_object, 1e4);
   EXPECT_GT(Row(*evaluation, "pocd").cost.delta_bytes_per_frame, 1e3);
   for (const MethodScore& row : evaluation->rows) {

@@ -80,12 +80,23 @@ TEST(ScoreTable, OtherRoutesStandAlone) {
   EXPECT_EQ(LinesOf(ScoreTable(evaluation)).size(), 5U);
 }
 
+TEST(ScoreTable, TheLastLineHoldsTheErrorsOfThePoses) {
+  Evaluation evaluation = Example();
+  evaluation.claimed_poses = {.square_sum_m2 = 0.03 * 0.03, .points = 1};
+  EXPECT_EQ(ScoreTable(evaluation), ScoreTable(Example())) << "no method registers frames";
+  evaluation.rows[1].name = "pocd";
+  evaluation.rows[1].registered_poses = {.square_sum_m2 = 4 * 0.012 * 0.012, .points = 4};
+  EXPECT_EQ(LinesOf(ScoreTable(evaluation)).back(),
+            "poses                | RMS error, mm: claimed 30.0, pocd registered 12.0");
+}
+
 TEST(EvaluationJson, HoldsTheCounts) {
   const Json table = Json::parse(IndentedJson(EvaluationJson({Example()}))).at(0);
   const Json& scores = table.at("rows").at(0);
   EXPECT_EQ(scores.at("near").at("wrong_voxels"), 220);
   EXPECT_EQ(scores.at("trail"), Json::parse(R"({"share": 0.4, "part": 4, "whole": 10})"));
   EXPECT_TRUE(scores.at("brier").is_null()) << scores;
+  EXPECT_TRUE(scores.at("registered_poses_rms_m").is_null()) << scores;
   EXPECT_EQ(scores.at("stage_ms").at("free_space"), 0);
   EXPECT_EQ(table.at("reported").back().at("method"), "POCD") << table;
 }

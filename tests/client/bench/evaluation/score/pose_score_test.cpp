@@ -1,0 +1,81 @@
+#include "client/bench/evaluation/score/pose_score.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace steadymap {
+namespace {
+
+/// A drive along an arc, one pose a second.
+CameraPath Arc(int count) {
+  CameraPath path;
+  for (int i = 0; i < count; ++i) {
+    StampedPose& pose = path.emplace_back();
+    pose.time = Timestamp::FromSeconds(i);
+    pose.T_world_camera =
+        Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(2.0, 0.0, 0.0);
+  }
+  return path;
+}
+
+TEST(ScorePoses, AMotionOfAllPosesIsNoError) {
+  const CameraPath truth = Arc(20);
+  CameraPath moved = truth;
+  const Eigen::Isometry3d motion =
+      Eigen::Translation3d(1.0, -2.0, 0.5) * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX());
+  for (StampedPose& pose : moved) pose.T_world_camera = motion * pose.T_world_camera;
+  const PoseScore score = ScorePoses(truth, moved);
+  EXPECT_EQ(score.points, 60U);
+  EXPECT_LT(score.rms_m(), 1e-9);
+}
+
+TEST(ScorePoses, AlternatingShiftsCountInFull) {
+  const CameraPath truth = Arc(200);
+  CameraPath shifted = truth;
+  for (std::size_t i = 0; i < shifted.size(); ++i) {
+    shifted[i].T_world_camera.translation().z() += i % 2 == 0 ? 0.01 : -0.01;
+  }
+  EXPECT_NEAR(ScorePoses(truth, shifted).rms_m(), 0.01, 1e-4);
+}
+
+TEST(ScorePoses, ATurnedCameraCountsByWhatItSees) {
+  const CameraPath truth = Arc(200);
+  CameraPath turned = truth;
+  constexpr double kTurnRad = 0.01;
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    turned[i].T_world_camera.rotate(
+        Eigen::AngleAxisd(i % 2 == 0 ? kTurnRad : -kTurnRad, Eigen::Vector3d::UnitZ()));
+  }
+  // A turn about the optical axis displaces only the point 1 m beside it.
+  EXPECT_NEAR(ScorePoses(truth, turned).rms_m(), kTurnRad / std::numbers::sqrt3, 1e-4);
+}
+
+TEST(ScorePoses, OnlyPosesWithTheTimesOfTheTruthCount) {
+  const CameraPath truth = Arc(20);
+  const auto far_off = [](double time_s) {
+    return StampedPose{Timestamp::FromSeconds(time_s), Eigen::Isometry3d::Identity()};
+  };
+  const CameraPath some = {
+      far_off(-1.0), truth[3], truth[4], far_off(8.5), truth[9], far_off(99.0)};
+  const PoseScore score = ScorePoses(truth, some);
+  EXPECT_EQ(score.points, 9U);
+  EXPECT_LT(score.rms_m(), 1e-9);
+}
+
+TEST(ScorePoses, WithoutPosesThereIsNoScore) {
+  const PoseScore score = ScorePoses(Arc(3), {});
+  EXPECT_TRUE(std::isnan(score.rms_m()));
+  EXPECT_EQ(MillimetreText(score), "-");
+}
+
+TEST(PoseScore, TheSumOfRunsWeighsThemByTheirPoints) {
+  PoseScore score{.square_sum_m2 = 0.0, .points = 3};
+  score += {.square_sum_m2 = 0.04, .points = 1};
+  EXPECT_DOUBLE_EQ(score.rms_m(), 0.1);
+  EXPECT_EQ(MillimetreText(score), "100.0");
+}
+
+}  // namespace
+}  // namespace steadymap
