@@ -48,11 +48,13 @@ struct ClassVote {
 };
 
 /// In how many frames an object of a session and an older one of it, which may be two parts of one
-/// object, were connected, and in how many they were apart.
+/// object, were connected, in how many they were apart, and in how many one was in front of the
+/// other one, so that its outline hid whether they are connected.
 struct PartVotes {
   ObjectId other;  ///< The older one.
   std::uint32_t connected = 0;
   std::uint32_t apart = 0;
+  std::uint32_t occluded = 0;
 
   friend bool operator==(const PartVotes&, const PartVotes&) = default;
 };

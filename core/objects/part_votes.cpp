@@ -29,18 +29,24 @@ void AddVotes(const PartVotes& added, TrackedObject* object, WorkingMap* map) {
   }
   votes->connected += added.connected;
   votes->apart += added.apart;
+  votes->occluded += added.occluded;
 }
 
 }  // namespace
 
-void VoteOnParts(bool is_connected, TrackedObject* a, TrackedObject* b, WorkingMap* map) {
+void VoteOnParts(PartVote vote, TrackedObject* a, TrackedObject* b, WorkingMap* map) {
   if (a->id() < b->id()) std::swap(a, b);
-  if (!is_connected && !AreNear(*a, *b, map->scale())) {
+  if (vote != PartVote::kConnected && !AreNear(*a, *b, map->scale())) {
     const std::vector<PartVotes>& parts = a->state().parts;
     const auto votes = FindVotes(parts, b->id());
     if (votes == parts.end() || votes->other != b->id()) return;
   }
-  AddVotes({b->id(), is_connected ? 1U : 0U, is_connected ? 0U : 1U}, a, map);
+  AddVotes({.other = b->id(),
+            .connected = vote == PartVote::kConnected ? 1U : 0U,
+            .apart = vote == PartVote::kApart ? 1U : 0U,
+            .occluded = vote == PartVote::kOccluded ? 1U : 0U},
+           a,
+           map);
 }
 
 bool HaveVotes(const TrackedObject& a, const TrackedObject& b) {
@@ -58,7 +64,7 @@ void InheritVotes(const TrackedObject& whole, TrackedObject* part, WorkingMap* m
   for (const TrackedObject* object : map->TentativeObjects()) {
     const auto votes = FindVotes(object->state().parts, whole.id());
     if (votes == object->state().parts.end() || votes->other != whole.id()) continue;
-    AddVotes({object->id(), votes->connected, votes->apart}, part, map);
+    AddVotes({object->id(), votes->connected, votes->apart, votes->occluded}, part, map);
   }
   const auto frames = static_cast<std::uint32_t>(whole.state().supporting_frames);
   AddVotes({whole.id(), frames, 0}, part, map);
@@ -77,8 +83,9 @@ PartElection::PartElection(const std::vector<TrackedObject*>& objects,
       const auto other = sizes.find(votes.other);
       if (other == sizes.end()) continue;
       const auto smaller = static_cast<double>(std::min(sizes.at(object->id()), other->second));
-      votes_.emplace(PairOf(object->id(), votes.other),
-                     Votes{smaller * votes.connected, smaller * votes.apart});
+      votes_.emplace(
+          PairOf(object->id(), votes.other),
+          Votes{smaller * votes.connected, smaller * votes.apart, smaller * votes.occluded});
     }
   }
 }
@@ -116,6 +123,7 @@ void PartElection::Join(ObjectId part, ObjectId whole) {
     Votes& sum = joined[renamed(pair)];
     sum.connected += votes.connected;
     sum.apart += votes.apart;
+    sum.occluded += votes.occluded;
   }
   joined.erase({whole, whole});
   votes_ = std::move(joined);
@@ -126,6 +134,15 @@ bool PartElection::AreApart(ObjectId a, ObjectId b) const {
   if (decided != decisions_.end()) return !decided->second;
   const auto votes = votes_.find(PairOf(a, b));
   return votes != votes_.end() && votes->second.connected_share() <= min_connected_share_;
+}
+
+bool PartElection::IsGapSeen(ObjectId a, ObjectId b) const {
+  if (!AreApart(a, b)) return false;
+  const auto votes = votes_.find(PairOf(a, b));
+  if (decisions_.contains(PairOf(a, b)) || votes == votes_.end()) return true;
+  const Votes& counts = votes->second;
+  return counts.apart > 0.0 &&
+         counts.connected <= min_connected_share_ * (counts.connected + counts.apart);
 }
 
 }  // namespace steadymap

@@ -14,9 +14,16 @@
 /// nothing. The newer one of a pair has the votes.
 namespace steadymap {
 
-/// Counts a frame that shows two objects of a session connected, or apart. Frames in which a pair
-/// is apart count only if the objects are near, or were connected in an earlier frame.
-void VoteOnParts(bool is_connected, TrackedObject* a, TrackedObject* b, WorkingMap* map);
+/// How one frame shows two objects of a session.
+enum class PartVote {
+  kConnected,
+  kApart,     ///< It looks through a gap between them, or their instances differ.
+  kOccluded,  ///< One is in front of the other one, as the rim of a barrel is of its lid.
+};
+
+/// Counts a frame that shows two objects of a session. Frames in which a pair is not connected
+/// count only if the objects are near, or were connected in an earlier frame.
+void VoteOnParts(PartVote vote, TrackedObject* a, TrackedObject* b, WorkingMap* map);
 
 /// True if frames have voted on two objects.
 bool HaveVotes(const TrackedObject& a, const TrackedObject& b);
@@ -53,16 +60,20 @@ class PartElection {
   /// Adds the votes on `part` to those on `whole`, of which it is a part now.
   void Join(ObjectId part, ObjectId whole);
 
-  /// True if most frames show the two objects apart.
+  /// True if most frames show the two objects apart, or one in front of the other one.
   bool AreApart(ObjectId a, ObjectId b) const;
+
+  /// True if they are apart, and most frames that do not show one in front of the other one agree.
+  bool IsGapSeen(ObjectId a, ObjectId b) const;
 
  private:
   /// Surface points of the smaller object, added up over the frames.
   struct Votes {
     double connected = 0.0;
     double apart = 0.0;
+    double occluded = 0.0;
 
-    double connected_share() const { return connected / (connected + apart); }
+    double connected_share() const { return connected / (connected + apart + occluded); }
   };
 
   std::map<Pair, Votes> votes_;

@@ -203,36 +203,37 @@ void SegmentAssignment::Vote() {
         object->state().class_id != other->state().class_id) {
       continue;
     }
-    VoteOnParts(/*is_connected=*/true, object, other, map_);
+    VoteOnParts(PartVote::kConnected, object, other, map_);
   }
-  for (const auto& [pair, lines] : CountGaps()) {
-    if (lines < parameters_.gaps.min_lines) continue;
-    VoteOnParts(
-        /*is_connected=*/false,
-        (*in_view_)[pair.first].object,
-        (*in_view_)[pair.second].object,
-        map_);
+  for (const auto& [pair, lines] : CountBorders()) {
+    const std::size_t min_lines = parameters_.gaps.min_lines;
+    if (lines.apart + lines.occluded < min_lines) continue;
+    VoteOnParts(lines.apart < min_lines ? PartVote::kOccluded : PartVote::kApart,
+                (*in_view_)[pair.first].object,
+                (*in_view_)[pair.second].object,
+                map_);
   }
 }
 
-/// Returns for pairs of objects with a segment the number of rows and columns of the image in which
-/// the frame looks through a gap between them, or shows their border.
-SegmentAssignment::PairCounts SegmentAssignment::CountGaps() const {
-  PairCounts gaps;
+/// Counts for pairs of objects with a segment the rows and columns of the image in which the frame
+/// looks through a gap between them, or shows their border.
+SegmentAssignment::BorderCounts SegmentAssignment::CountBorders() const {
+  BorderCounts borders;
   const auto width = static_cast<std::size_t>(frame_.samples.width());
   const auto height = static_cast<std::size_t>(frame_.samples.height());
-  for (std::size_t row = 0; row < height; ++row) CountGapsOn({row * width, 1, width}, &gaps);
+  for (std::size_t row = 0; row < height; ++row) CountBordersOn({row * width, 1, width}, &borders);
   for (std::size_t column = 0; column < width; ++column) {
-    CountGapsOn({column, width, height}, &gaps);
+    CountBordersOn({column, width, height}, &borders);
   }
-  return gaps;
+  return borders;
 }
 
-/// Counts the gaps on one row or column of samples.
-void SegmentAssignment::CountGapsOn(const SampleLine& line, PairCounts* gaps) const {
+/// Counts the borders on one row or column of samples.
+void SegmentAssignment::CountBordersOn(const SampleLine& line, BorderCounts* borders) const {
   std::size_t last = 0;        // The last sample of an object.
   std::size_t last_owner = 0;  // 0: none yet.
-  float nearest_m = std::numeric_limits<float>::max();
+  constexpr float kNothing = std::numeric_limits<float>::max();
+  float nearest_m = kNothing;  // Between both.
   for (std::size_t i = 0; i < line.count; ++i) {
     const std::size_t index = line.first + i * line.step;
     const SurfaceSample& sample = frame_.samples[index];
@@ -241,19 +242,24 @@ void SegmentAssignment::CountGapsOn(const SampleLine& line, PairCounts* gaps) co
       nearest_m = std::min(nearest_m, sample.is_valid() ? sample.depth_m : 0.0F);
       continue;
     }
-    if (last_owner != 0 && owner != last_owner && IsGap(frame_.samples[last], sample, nearest_m)) {
-      ++(*gaps)[{std::min(owner, last_owner) - 1, std::max(owner, last_owner) - 1}];
+    if (last_owner != 0 && owner != last_owner &&
+        IsBorder(frame_.samples[last], sample, nearest_m)) {
+      BorderCount& count =
+          (*borders)[{std::min(owner, last_owner) - 1, std::max(owner, last_owner) - 1}];
+      const bool is_occluded =
+          nearest_m == kNothing && frame_.samples[last].instance == sample.instance;
+      ++(is_occluded ? count.occluded : count.apart);
     }
     last = index;
     last_owner = owner;
-    nearest_m = std::numeric_limits<float>::max();
+    nearest_m = kNothing;
   }
 }
 
 /// True if two samples of different objects are near, and everything between them is farther away.
-bool SegmentAssignment::IsGap(const SurfaceSample& a,
-                              const SurfaceSample& b,
-                              float nearest_between_m) const {
+bool SegmentAssignment::IsBorder(const SurfaceSample& a,
+                                 const SurfaceSample& b,
+                                 float nearest_between_m) const {
   const double distance_m = (a.position_world - b.position_world).cast<double>().norm();
   if (distance_m > parameters_.gaps.max_width_m) return false;
   return nearest_between_m > std::max(a.depth_m, b.depth_m);

@@ -90,8 +90,14 @@ class SegmentAssignment {
     double share = 0.0;  ///< Of the smaller one of both.
   };
 
-  /// Counts of pairs of objects, by place in `in_view_`, the lower one first.
-  using PairCounts = std::map<std::pair<std::size_t, std::size_t>, std::size_t>;
+  /// Rows and columns of the image on which two objects are beside each other.
+  struct BorderCount {
+    std::size_t apart = 0;     ///< With a gap in between, or between two instances.
+    std::size_t occluded = 0;  ///< One object hides what is beside it of the other one.
+  };
+
+  /// Of pairs of objects, by place in `in_view_`, the lower one first.
+  using BorderCounts = std::map<std::pair<std::size_t, std::size_t>, BorderCount>;
 
   /// A row or column of the grid of samples.
   struct SampleLine {
@@ -109,9 +115,9 @@ class SegmentAssignment {
   void AddSegmentAsObject(std::size_t index);
   void AddInView(TrackedObject* object, std::size_t segment);
   void Vote();
-  PairCounts CountGaps() const;
-  void CountGapsOn(const SampleLine& line, PairCounts* gaps) const;
-  bool IsGap(const SurfaceSample& a, const SurfaceSample& b, float nearest_between_m) const;
+  BorderCounts CountBorders() const;
+  void CountBordersOn(const SampleLine& line, BorderCounts* borders) const;
+  bool IsBorder(const SurfaceSample& a, const SurfaceSample& b, float nearest_between_m) const;
   void SetOwners();
   void GiveToConnected(const SampleOnObject& found);
   void SetAside();

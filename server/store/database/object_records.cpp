@@ -216,6 +216,7 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
     added.set_other(votes.other.value());
     added.set_connected(votes.connected);
     added.set_apart(votes.apart);
+    added.set_occluded(votes.occluded);
   }
   for (const SeenGap& gap : state.gaps) GapToProto(gap, proto.add_gaps());
   proto.set_robot(state.source.robot);
@@ -257,7 +258,8 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
   state.contradicted_updates = proto.absences();
   state.parts.reserve(static_cast<std::size_t>(proto.parts_size()));
   for (const storage::v1::PartVotes& votes : proto.parts()) {
-    state.parts.push_back({ObjectId(votes.other()), votes.connected(), votes.apart()});
+    state.parts.push_back(
+        {ObjectId(votes.other()), votes.connected(), votes.apart(), votes.occluded()});
   }
   if (absl::Status status = ReadGaps(proto, &state.gaps); !status.ok()) return status;
   state.source = {proto.robot(), proto.sensor()};

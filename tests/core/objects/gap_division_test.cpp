@@ -89,7 +89,7 @@ TEST_F(GapDivisionTest, APieceOfOneBoxIsOfItWhateverTheVotesOnBothAre) {
   LookThrough(both);
   // Each frame that shows the left box gives `both` to the right one.
   TrackedObject* left = Put(-0.52, -0.3);
-  for (int frame = 0; frame < 50; ++frame) VoteOnParts(false, both, left, &map_);
+  for (int frame = 0; frame < 50; ++frame) VoteOnParts(PartVote::kApart, both, left, &map_);
   const PartElection election(map_.TentativeObjects(), Divide(), 0.2);
   ASSERT_EQ(map_.TentativeObjects().size(), 3U);
   for (const TrackedObject* object : map_.TentativeObjects()) {

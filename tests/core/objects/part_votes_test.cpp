@@ -39,8 +39,8 @@ class PartVotesTest : public ::testing::Test {
 TEST_F(PartVotesTest, ObjectsThatMostFramesConnectAreOne) {
   TrackedObject* a = Put(0.0);
   TrackedObject* b = Put(0.5);
-  for (int i = 0; i < 8; ++i) VoteOnParts(true, b, a, &map_);
-  for (int i = 0; i < 4; ++i) VoteOnParts(false, a, b, &map_);
+  for (int i = 0; i < 8; ++i) VoteOnParts(PartVote::kConnected, b, a, &map_);
+  for (int i = 0; i < 4; ++i) VoteOnParts(PartVote::kApart, a, b, &map_);
   EXPECT_EQ(Elect().FindPair(), (PartElection::Pair{a->id(), b->id()}));
   EXPECT_FALSE(Elect().AreApart(a->id(), b->id()));
 }
@@ -48,8 +48,8 @@ TEST_F(PartVotesTest, ObjectsThatMostFramesConnectAreOne) {
 TEST_F(PartVotesTest, OneFrameThatConnectsTwoObjectsDecidesNothing) {
   TrackedObject* a = Put(0.0);
   TrackedObject* b = Put(0.5);
-  VoteOnParts(true, a, b, &map_);
-  for (int i = 0; i < 20; ++i) VoteOnParts(false, a, b, &map_);
+  VoteOnParts(PartVote::kConnected, a, b, &map_);
+  for (int i = 0; i < 20; ++i) VoteOnParts(PartVote::kApart, a, b, &map_);
   EXPECT_EQ(Elect().FindPair(), PartElection::Pair());
   EXPECT_TRUE(Elect().AreApart(a->id(), b->id()));
 }
@@ -57,7 +57,7 @@ TEST_F(PartVotesTest, OneFrameThatConnectsTwoObjectsDecidesNothing) {
 TEST_F(PartVotesTest, ObjectsThatAreFarAwayNeedNoVotes) {
   TrackedObject* a = Put(0.0);
   TrackedObject* b = Put(2.0);
-  VoteOnParts(false, a, b, &map_);
+  VoteOnParts(PartVote::kApart, a, b, &map_);
   EXPECT_TRUE(b->state().parts.empty());
   EXPECT_FALSE(Elect().AreApart(a->id(), b->id()));
 }
@@ -66,9 +66,9 @@ TEST_F(PartVotesTest, APartInheritsTheVotesOfTheWhole) {
   TrackedObject* older = Put(0.0);
   TrackedObject* whole = Put(0.5);
   TrackedObject* newer = Put(1.0);
-  VoteOnParts(true, whole, older, &map_);
-  VoteOnParts(true, newer, whole, &map_);
-  VoteOnParts(true, newer, whole, &map_);
+  VoteOnParts(PartVote::kConnected, whole, older, &map_);
+  VoteOnParts(PartVote::kConnected, newer, whole, &map_);
+  VoteOnParts(PartVote::kConnected, newer, whole, &map_);
   {
     ObjectEdit edit = map_.Edit(whole);
     edit.state().supporting_frames = 5;
@@ -84,10 +84,10 @@ TEST_F(PartVotesTest, VotesOnAJoinedPartCountForTheWhole) {
   TrackedObject* a = Put(0.0);
   TrackedObject* b = Put(0.5);
   TrackedObject* c = Put(1.0);
-  VoteOnParts(true, a, b, &map_);
-  VoteOnParts(true, a, c, &map_);
-  for (int i = 0; i < 3; ++i) VoteOnParts(true, b, c, &map_);
-  for (int i = 0; i < 40; ++i) VoteOnParts(false, a, c, &map_);
+  VoteOnParts(PartVote::kConnected, a, b, &map_);
+  VoteOnParts(PartVote::kConnected, a, c, &map_);
+  for (int i = 0; i < 3; ++i) VoteOnParts(PartVote::kConnected, b, c, &map_);
+  for (int i = 0; i < 40; ++i) VoteOnParts(PartVote::kApart, a, c, &map_);
   PartElection election = Elect();
   election.Join(b->id(), a->id());
   EXPECT_TRUE(election.AreApart(a->id(), c->id()));
@@ -99,9 +99,9 @@ TEST_F(PartVotesTest, AFragmentBetweenTwoObjectsDoesNotConnectThem) {
   TrackedObject* lower = Put(0.0);
   TrackedObject* upper = Put(0.4);
   TrackedObject* strip = Put(0.4, {0.05, 0.1, 0.1});
-  for (int i = 0; i < 50; ++i) VoteOnParts(false, lower, upper, &map_);
-  for (int i = 0; i < 40; ++i) VoteOnParts(true, strip, lower, &map_);
-  for (int i = 0; i < 20; ++i) VoteOnParts(true, strip, upper, &map_);
+  for (int i = 0; i < 50; ++i) VoteOnParts(PartVote::kApart, lower, upper, &map_);
+  for (int i = 0; i < 40; ++i) VoteOnParts(PartVote::kConnected, strip, lower, &map_);
+  for (int i = 0; i < 20; ++i) VoteOnParts(PartVote::kConnected, strip, upper, &map_);
   PartElection election = Elect();
   election.Join(strip->id(), lower->id());
   EXPECT_TRUE(election.AreApart(lower->id(), upper->id()));
@@ -112,8 +112,8 @@ TEST_F(PartVotesTest, ADecisionOnAPairPrevailsOverItsVotes) {
   TrackedObject* a = Put(0.0);
   TrackedObject* b = Put(0.5);
   TrackedObject* c = Put(1.0);
-  for (int i = 0; i < 9; ++i) VoteOnParts(true, a, b, &map_);
-  for (int i = 0; i < 9; ++i) VoteOnParts(false, b, c, &map_);
+  for (int i = 0; i < 9; ++i) VoteOnParts(PartVote::kConnected, a, b, &map_);
+  for (int i = 0; i < 9; ++i) VoteOnParts(PartVote::kApart, b, c, &map_);
   const PartDecisions decisions = {{PairOf(a->id(), b->id()), false},
                                    {PairOf(b->id(), c->id()), true}};
   PartElection election(map_.TentativeObjects(), decisions, 0.2);
@@ -126,10 +126,32 @@ TEST_F(PartVotesTest, ADecisionOnAPairPrevailsOverItsVotes) {
   EXPECT_TRUE(election.AreApart(a->id(), b->id()));
 }
 
+TEST_F(PartVotesTest, WhatHidesAnotherObjectShowsNoGap) {
+  TrackedObject* rim = Put(0.0);
+  TrackedObject* lid = Put(0.5);
+  for (int i = 0; i < 9; ++i) VoteOnParts(PartVote::kOccluded, rim, lid, &map_);
+  EXPECT_TRUE(Elect().AreApart(rim->id(), lid->id()));
+  EXPECT_FALSE(Elect().IsGapSeen(rim->id(), lid->id()));
+  VoteOnParts(PartVote::kApart, rim, lid, &map_);
+  EXPECT_TRUE(Elect().IsGapSeen(rim->id(), lid->id()));
+  // One frame in two that tells connects them, though most show only that one hides the other.
+  VoteOnParts(PartVote::kConnected, rim, lid, &map_);
+  EXPECT_TRUE(Elect().AreApart(rim->id(), lid->id()));
+  EXPECT_FALSE(Elect().IsGapSeen(rim->id(), lid->id()));
+}
+
+TEST_F(PartVotesTest, ADecisionOnAPairShowsAGap) {
+  TrackedObject* a = Put(0.0);
+  TrackedObject* b = Put(0.5);
+  VoteOnParts(PartVote::kOccluded, a, b, &map_);
+  const PartDecisions decisions = {{PairOf(a->id(), b->id()), false}};
+  EXPECT_TRUE(PartElection(map_.TentativeObjects(), decisions, 0.2).IsGapSeen(a->id(), b->id()));
+}
+
 TEST_F(PartVotesTest, VotesOnADeletedObjectAreIgnored) {
   TrackedObject* a = Put(0.0);
   TrackedObject* b = Put(0.5);
-  VoteOnParts(true, a, b, &map_);
+  VoteOnParts(PartVote::kConnected, a, b, &map_);
   map_.Delete(a);
   EXPECT_EQ(Elect().FindPair(), PartElection::Pair());
 }

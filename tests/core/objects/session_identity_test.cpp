@@ -458,15 +458,30 @@ TEST_F(SessionIdentityTest, WhatCameAndWentInOneSessionIsToldTwice) {
 TEST_F(SessionIdentityTest, PartsThatFramesConnectAreOneObject) {
   TrackedObject* one = PutSeen(0.0);
   TrackedObject* other = PutSeen(0.7);
-  VoteOnParts(/*is_connected=*/true, one, other, &map_);
+  VoteOnParts(PartVote::kConnected, one, other, &map_);
   EXPECT_EQ(Decide().size(), 1U);
   EXPECT_EQ(map_.objects().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, WhatAThingHidesOfItsInsideIsAPartOfIt) {
+  TrackedObject* crate = PutSeen(0.0, kOtherSizeM);
+  TrackedObject* inside = Put(ObjectStatus::kTentative, {2.1, 0.3, 0.1}, {0.1, 0.3, 0.1});
+  for (int i = 0; i < 20; ++i) VoteOnParts(PartVote::kOccluded, crate, inside, &map_);
+  EXPECT_EQ(Decide().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, WhatHasItsOwnInstanceInsideAThingIsNoPartOfIt) {
+  TrackedObject* crate = PutSeen(0.0, kOtherSizeM);
+  TrackedObject* inside = Put(ObjectStatus::kTentative, {2.1, 0.3, 0.1}, {0.1, 0.3, 0.1});
+  for (int i = 0; i < 20; ++i) VoteOnParts(PartVote::kOccluded, crate, inside, &map_);
+  for (int i = 0; i < 3; ++i) VoteOnParts(PartVote::kApart, crate, inside, &map_);
+  EXPECT_EQ(Decide().size(), 2U);
 }
 
 TEST_F(SessionIdentityTest, MostFramesOfTheJoinedPartsChooseTheirClass) {
   TrackedObject* edge = PutSeen(0.0);
   TrackedObject* rest = PutSeen(0.7);
-  VoteOnParts(/*is_connected=*/true, edge, rest, &map_);
+  VoteOnParts(PartVote::kConnected, edge, rest, &map_);
   {
     ObjectEdit edit = map_.Edit(edge);
     edit.state().class_id = ClassId(4);
@@ -498,8 +513,8 @@ TEST_F(SessionIdentityTest, APieceInContactWithAnObjectThatIsGoneIsNew) {
 TEST_F(SessionIdentityTest, ObjectsThatFramesShowApartAreTwoEvenInContact) {
   TrackedObject* one = PutSeen(0.0);
   TrackedObject* other = PutSeen(0.5);
-  VoteOnParts(/*is_connected=*/true, one, other, &map_);
-  for (int i = 0; i < 10; ++i) VoteOnParts(/*is_connected=*/false, one, other, &map_);
+  VoteOnParts(PartVote::kConnected, one, other, &map_);
+  for (int i = 0; i < 10; ++i) VoteOnParts(PartVote::kApart, one, other, &map_);
   EXPECT_EQ(Decide().size(), 2U);
   EXPECT_EQ(map_.objects().size(), 2U);
 }
@@ -511,7 +526,7 @@ TEST_F(SessionIdentityTest, AWrongLabelOnAnObjectIsNoObjectThoughFramesShowBothA
     ObjectEdit edit = map_.Edit(patch);
     edit.state().class_id = ClassId(9);
   }
-  VoteOnParts(/*is_connected=*/false, whole, patch, &map_);
+  VoteOnParts(PartVote::kApart, whole, patch, &map_);
   EXPECT_EQ(Decide().size(), 1U);
   EXPECT_EQ(map_.objects().size(), 1U);
 }
@@ -519,7 +534,7 @@ TEST_F(SessionIdentityTest, AWrongLabelOnAnObjectIsNoObjectThoughFramesShowBothA
 TEST_F(SessionIdentityTest, TwoObjectsDoNotHaveOneSurfaceThoughFramesShowBothApart) {
   TrackedObject* whole = PutSeen(0.0);
   TrackedObject* layer = PutSeen(0.0, {0.4, 0.4, 0.6});
-  for (int i = 0; i < 10; ++i) VoteOnParts(/*is_connected=*/false, whole, layer, &map_);
+  for (int i = 0; i < 10; ++i) VoteOnParts(PartVote::kApart, whole, layer, &map_);
   EXPECT_EQ(Decide().size(), 1U);
   EXPECT_EQ(map_.objects().size(), 1U);
 }

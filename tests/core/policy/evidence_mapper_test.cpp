@@ -662,6 +662,33 @@ TEST_F(EvidenceMapperTest, FlatAnglesDoNotConnectNeighbours) {
   }
 }
 
+/// Returns the votes on all pairs of goods of a session together.
+PartVotes VotesOnGoods(const MapSnapshot& map) {
+  PartVotes sum;
+  for (const auto& [id, object] : map.objects) {
+    for (const PartVotes& votes : object->parts) {
+      const auto other = map.objects.find(votes.other);
+      if (object->class_id != ClassId(kGoodsClass) || other == map.objects.end() ||
+          other->second->class_id != ClassId(kGoodsClass)) {
+        continue;
+      }
+      sum.connected += votes.connected;
+      sum.apart += votes.apart;
+      sum.occluded += votes.occluded;
+    }
+  }
+  return sum;
+}
+
+TEST_F(EvidenceMapperTest, AThingInFrontOfAnotherOneShowsNoGap) {
+  story_.Look({FarWall(),
+               Body(kGoodsClass, {1.2, -0.3, -0.6}, {1.5, 0.3, -0.2}),
+               Body(kGoodsClass, {1.6, -0.3, -0.6}, {1.9, 0.3, 0.3})},
+              kFrames);
+  EXPECT_GT(VotesOnGoods(story_.map()).occluded, 3U);
+  EXPECT_EQ(VotesOnGoods(story_.map()).apart, 0U);
+}
+
 TEST_F(EvidenceMapperTest, WithoutLabelsAThingComesAndGoes) {
   VisitWithoutLabels({FarWall(), Goods(0.0)});
   ASSERT_EQ(story_.EventsOf(EventType::kCreated, kNoClass.value()).size(), 1U);

@@ -130,7 +130,7 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
     state.looks.push_back({{robot, "camera"}, state.evidence.leaves});
     state.looks.back().leaves.resize(2);
   }
-  state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3}};
+  state.parts = {{ObjectId{2}, static_cast<std::uint32_t>(random()), 1}, {ObjectId{7}, 0, 3, 2}};
   for (std::int32_t x = -1; x < 2; ++x) {
     const auto frames = static_cast<std::uint32_t>(random());
     state.gaps.push_back({.cell = {x, -2, 9},
