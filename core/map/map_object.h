@@ -48,8 +48,8 @@ struct ClassVote {
 };
 
 /// In how many frames an object of a session and an older one of it, which may be two parts of one
-/// object, were connected, in how many they were apart, and in how many one was in front of the
-/// other one, so that its outline hid whether they are connected.
+/// object, were connected, in how many they were apart, and in how many their outlines met in the
+/// image, so that one may have occluded a connection.
 struct PartVotes {
   ObjectId other;  ///< The older one.
   std::uint32_t connected = 0;

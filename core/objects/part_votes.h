@@ -17,8 +17,10 @@ namespace steadymap {
 /// How one frame shows two objects of a session.
 enum class PartVote {
   kConnected,
-  kApart,     ///< It looks through a gap between them, or their instances differ.
-  kOccluded,  ///< One is in front of the other one, as the rim of a barrel is of its lid.
+  kApart,  ///< It looks through a gap between them, or their instances differ.
+  /// Their outlines meet in the image, as those of the rim of a barrel and of its lid: the nearer
+  /// one may occlude a connection.
+  kOccluded,
 };
 
 /// Counts a frame that shows two objects of a session. Frames in which a pair is not connected
@@ -60,10 +62,10 @@ class PartElection {
   /// Adds the votes on `part` to those on `whole`, of which it is a part now.
   void Join(ObjectId part, ObjectId whole);
 
-  /// True if most frames show the two objects apart, or one in front of the other one.
+  /// True if most frames show the two objects apart or occluded.
   bool AreApart(ObjectId a, ObjectId b) const;
 
-  /// True if they are apart, and most frames that do not show one in front of the other one agree.
+  /// True if they are apart, also by a decision or by the frames alone that show no occlusion.
   bool IsGapSeen(ObjectId a, ObjectId b) const;
 
  private:

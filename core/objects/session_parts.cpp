@@ -135,7 +135,7 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   const bool are_apart = is_of_one_class && election_.AreApart(object.id(), other.id());
   if (!are_apart && IsPartOf(object, other, parameters_, *map_)) return true;
   const double voxel_m = map_->scale().voxel_size_m;
-  // A thing hides parts of its own inside, as a crate its far wall.
+  // A hollow object occludes parts of its own inside.
   if (are_apart && !election_.IsGapSeen(object.id(), other.id()) &&
       IsInside(object, other.cuboid(), voxel_m)) {
     return true;

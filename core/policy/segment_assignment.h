@@ -93,7 +93,7 @@ class SegmentAssignment {
   /// Rows and columns of the image on which two objects are beside each other.
   struct BorderCount {
     std::size_t apart = 0;     ///< With a gap in between, or between two instances.
-    std::size_t occluded = 0;  ///< One object hides what is beside it of the other one.
+    std::size_t occluded = 0;  ///< With nothing seen in between.
   };
 
   /// Of pairs of objects, by place in `in_view_`, the lower one first.

@@ -208,7 +208,7 @@ std::string PercentText(const Share& share) {
 
 std::string RowText(const std::string& name, const CompositeScore& score) {
   const std::uint64_t false_claims = score.events.right.whole - score.events.right.part;
-  return absl::StrFormat("%-22s | %10s | %5d | %8s | %8s | %8s | %8s | %6s\n",
+  return absl::StrFormat("%-22s | %10s | %5d | %8s | %8s | %8s | %8s | %7s\n",
                          name,
                          CountText(score.events.found),
                          false_claims,
@@ -236,7 +236,7 @@ absl::StatusOr<std::vector<CompositeResult>> EvaluateComposite(
 }
 
 std::string CompositeTable(const std::vector<CompositeResult>& results, bool with_faults) {
-  std::string text = absl::StrFormat("%-22s | %10s | %5s | %8s | %8s | %8s | %8s | %6s\n",
+  std::string text = absl::StrFormat("%-22s | %10s | %5s | %8s | %8s | %8s | %8s | %7s\n",
                                      "case",
                                      "changes",
                                      "false",

@@ -71,7 +71,7 @@ void MethodRun::Integrate(const Frame& frame, bool is_last_sequence) {
   if (mapper_->uncommitted_entries() >= kFramesACommit) Commit();
 }
 
-// The error of a frame that is not used remains that of an earlier one.
+// After a frame that is not used, the state still holds the pose error at an earlier one.
 void MethodRun::NoteRegisteredPose(const Frame& frame) {
   const RobotState* robot = mapper_->FindRobot(frame.source);
   if (robot == nullptr || !robot->pose_error) return;
