@@ -30,20 +30,18 @@ SessionLimits SessionLimitsOf(const MapConfig& config) {
 
 LocalizationMonitorParameters GuardParametersOf(const MapConfig& config) {
   LocalizationMonitorParameters parameters;
-  parameters.jump_m = ParameterValue(config, "max_jump_m");
+  parameters.jump_m = ParameterValue(config, "max_session_offset_m");
   parameters.jump_m_per_s = ParameterValue(config, "max_speed_m_per_s");
-  parameters.jump_rad = ParameterValue(config, "max_jump_rad");
-  parameters.jump_rad_per_s = ParameterValue(config, "max_turn_rad_per_s");
   parameters.motion_s = ParameterValue(config, "motion_s");
   parameters.fit_if_right = ParameterValue(config, "fit_of_right_pose");
   parameters.fit_if_wrong = ParameterValue(config, "fit_of_wrong_pose");
   parameters.new_place_odds = ParameterValue(config, "new_place_odds");
-  parameters.look_s = ParameterValue(config, "new_view_s");
+  parameters.look_s = ParameterValue(config, "look_interval_s");
   parameters.rearranged_share = ParameterValue(config, "rearranged_share");
   parameters.error_share = ParameterValue(config, "lost_error_share");
   parameters.views.min_normal_cosine = ParameterValue(config, "min_plane_cosine");
   parameters.views.min_facing_cosine = ParameterValue(config, "min_facing_cosine");
-  parameters.views.through_m = ParameterValue(config, "min_view_through_m");
+  parameters.views.through_m = parameters.jump_m;
   return parameters;
 }
 
@@ -57,7 +55,7 @@ PoseFilterParameters PoseFilterParametersOf(const MapConfig& config) {
   parameters.place_sigma_m = ParameterValue(config, "place_error_m");
   parameters.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
   parameters.session_share = ParameterValue(config, "session_surface_weight");
-  parameters.look_s = ParameterValue(config, "new_view_s");
+  parameters.look_s = ParameterValue(config, "look_interval_s");
   return parameters;
 }
 
@@ -219,7 +217,7 @@ EvidenceMapperParameters EvidenceParametersOf(const MapConfig& config) {
   parameters.sessions = SessionLimitsOf(config);
   parameters.guard = GuardParametersOf(config);
   parameters.poses = PoseFilterParametersOf(config);
-  parameters.moving.memory_s = ParameterValue(config, "moving_memory_s");
+  parameters.moving.memory_s = ParameterValue(config, "motion_s");
   parameters.continuity.max_sigmas = ParameterValue(config, "max_sigmas");
   parameters.continuity.min_samples = CountOf(config, "min_segment_samples");
   parameters.continuity.min_facing_cosine = ParameterValue(config, "min_segment_facing_cosine");

@@ -15,7 +15,7 @@ struct DynamicMaskParameters {
   /// False: each frame knows its own labels alone.
   bool is_on = true;
   /// For how long, seconds. Also the longest time between two frames that confirm each other.
-  double memory_s = 0.5;
+  double memory_s = 1.0;
 
   friend bool operator==(const DynamicMaskParameters&, const DynamicMaskParameters&) = default;
 };

@@ -10,6 +10,9 @@ namespace {
 // Between frames that are closer there is no telling how fast a robot moves.
 constexpr double kMinElapsedS = 0.005;
 
+// A turn displaces what is this far away.
+constexpr double kLeverM = 1.0;
+
 /// How the camera moved, in its own frame, if `robot` moved on as before.
 Eigen::Isometry3d MotionOf(const RobotState& robot, double elapsed_s) {
   return TransformOf(elapsed_s * robot.velocity_m_per_s.cast<double>(),
@@ -58,8 +61,8 @@ bool LocalizationMonitor::IsJump(const Eigen::Isometry3d& from,
                                  double elapsed_s) const {
   const double distance_m = (to.translation() - from.translation()).norm();
   const double angle_rad = Eigen::AngleAxisd(from.linear().transpose() * to.linear()).angle();
-  return distance_m > parameters_.jump_m + elapsed_s * parameters_.jump_m_per_s ||
-         angle_rad > parameters_.jump_rad + elapsed_s * parameters_.jump_rad_per_s;
+  return std::max(distance_m, kLeverM * angle_rad) >
+         parameters_.jump_m + elapsed_s * parameters_.jump_m_per_s;
 }
 
 /// Takes in where the robot says that it is now, and where it would be otherwise.

@@ -11,13 +11,11 @@ namespace steadymap {
 struct LocalizationMonitorParameters {
   /// False: every robot is believed, as in the paper.
   bool is_on = true;
-  /// A pose further than this from where the motion so far leads is a jump: that much at once, and
-  /// so much more for each second since the last frame. Metres.
-  double jump_m = 0.2;
+  /// A pose that displaces the camera, or what is 1 m away from it, by more than this from where the
+  /// motion so far leads is a jump: so much at once, and so much more for each second since the
+  /// last frame. Metres.
+  double jump_m = 0.15;
   double jump_m_per_s = 0.8;
-  /// The same for its direction, radians.
-  double jump_rad = 0.14;
-  double jump_rad_per_s = 0.7;
   /// After so long without a frame the robot is taken to stand where it stood: if it turns up
   /// elsewhere, it jumped. Seconds.
   double motion_s = 1.0;
@@ -30,7 +28,7 @@ struct LocalizationMonitorParameters {
   /// nothing. Near 1, since a robot that is lost may as well have lost its way further.
   double new_place_odds = 1.15;
   /// Frames within this time tell as much as one of them, seconds.
-  double look_s = 0.2;
+  double look_s = 0.15;
   /// Probability that a place was rearranged so much that it contradicts a right pose.
   double rearranged_share = 0.1;
   /// A doubted robot is lost or trusted where the error of that decision has this probability.

@@ -40,8 +40,8 @@ struct PoseConsistencyParameters {
   double min_normal_cosine = 0.85;
   /// Points at a flatter angle to the ray are not looked for.
   double min_facing_cosine = 0.25;
-  /// A view is through a surface if it ends so much further away, metres.
-  double through_m = 0.25;
+  /// A view is through a surface if it ends so much further away, metres: a jump of a robot.
+  double through_m = 0.15;
 
   friend bool operator==(const PoseConsistencyParameters&,
                          const PoseConsistencyParameters&) = default;

@@ -40,7 +40,7 @@ struct PoseFilterParameters {
   /// known object is in view.
   double session_share = 0.05;
   /// Time after which a camera shows something new, seconds. Frames in between count for less.
-  double look_s = 0.2;
+  double look_s = 0.15;
 
   friend bool operator==(const PoseFilterParameters&, const PoseFilterParameters&) = default;
 };

@@ -100,14 +100,14 @@ TEST_F(MovingSurfaceTest, FollowsAPersonWhoWalks) {
 TEST_F(MovingSurfaceTest, ForgetsSoonAfterwards) {
   SeePerson(kPersonClass, 0.0);
   SeePerson(kPersonClass, 0.1);
-  EXPECT_GT(SeePerson(kGoodsClass, 0.7), 500U);
+  EXPECT_GT(SeePerson(kGoodsClass, 1.2), 500U);
   EXPECT_TRUE(map_.FindRobot({"robot", SensorName::kDefaultSensor})->moving.empty());
 }
 
 TEST_F(MovingSurfaceTest, FramesFarApartConfirmNothing) {
   SeePerson(kPersonClass, 0.0);
-  SeePerson(kPersonClass, 0.6);
-  EXPECT_GT(SeePerson(kGoodsClass, 0.7), 500U);
+  SeePerson(kPersonClass, 1.1);
+  EXPECT_GT(SeePerson(kGoodsClass, 1.2), 500U);
 }
 
 TEST_F(MovingSurfaceTest, FramesThatComeLateAreNotWhatTheMomentShows) {
