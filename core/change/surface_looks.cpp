@@ -6,14 +6,12 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace steadymap {
 namespace {
 
 constexpr float kMinDepthM = 0.1F;
-
-// What one frame alone has seen may be noise.
-constexpr std::uint64_t kConfirmingFrames = 2;
 
 enum class LookResult { kPresent, kAbsent };
 
@@ -162,8 +160,8 @@ bool AddLook(const LookedAtFrame& frame,
       ++(balance[cell] > 0 ? looks.found : looks.gone);
       shown_cells |= std::uint64_t{1} << cell;
       const int score = scores.score[cell] + (balance[cell] > 0 ? 1 : -1);
-      scores.score[cell] =
-          static_cast<std::int8_t>(std::clamp(score, -parameters.max_score, parameters.max_score));
+      scores.score[cell] = static_cast<std::int8_t>(
+          std::clamp(score, -parameters.confirming_looks, parameters.confirming_looks));
     }
     if (is_of_session) shown.emplace(leaf.origin, shown_cells);
   }
@@ -174,7 +172,7 @@ bool AddLook(const LookedAtFrame& frame,
 }
 
 bool HasLeft(const LookParameters& parameters, double pause_s, const TrackedObject& object) {
-  if (object.state().supporting_frames < kConfirmingFrames) return false;
+  if (std::cmp_less(object.state().supporting_frames, parameters.confirming_looks)) return false;
   LookCount looks;
   for (const LeafEvidence& leaf : object.state().evidence.leaves) {
     if ((leaf.last_look - object.state().last_seen).seconds() <= pause_s) continue;

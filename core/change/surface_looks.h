@@ -32,12 +32,13 @@ struct LookParameters {
   /// Looks of one surface within this time count once, seconds, so that evidence does not depend on
   /// the frame rate.
   double min_interval_s = 0.15;
-  /// Largest magnitude of a score: so many looks change it from one side to the other.
-  int max_score = 2;
+  /// So many looks confirm each other; what one alone shows may be noise. Also the largest
+  /// magnitude of a score, so that as many looks take it back.
+  int confirming_looks = 2;
   /// A whole object is gone if at least so many of its evidence cells, and this share of those that
   /// were looked at, are gone.
   std::size_t min_gone_cells = 16;
-  double whole_gone_share = 0.75;
+  double whole_gone_share = 0.7;
 
   friend bool operator==(const LookParameters&, const LookParameters&) = default;
 };

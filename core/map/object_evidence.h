@@ -16,7 +16,7 @@ namespace steadymap {
 struct LeafEvidence {
   LeafOrigin origin;
   /// By evidence cell: the balance of the looks that found its surface and of those that did not,
-  /// limited on either side (`LookParameters::max_score`).
+  /// limited on either side (`LookParameters::confirming_looks`).
   std::array<std::int8_t, kEvidenceCells> score{};
   Timestamp last_look;  ///< Capture time of the last frame that counted.
 

@@ -41,7 +41,7 @@ struct GapPlaneParameters {
   std::uint64_t min_frames = 2;
   /// Places of one gap are on one plane to a voxel, and each is closer to another one, metres:
   /// frames look into it from above, and from two sides.
-  double reach_m = 0.5;
+  double reach_m = 0.3;
   /// Largest angle between the directions of two places of one gap, as a cosine.
   double min_cosine = 0.85;
 

@@ -24,39 +24,22 @@ struct SessionIdentityParameters {
   /// The same in standard deviations of the displacements of all objects, which tell the error of
   /// the poses.
   double max_pose_sigmas = 3.0;
-  /// Share of the surface that may disagree with a known shape, and that must be known of it.
-  double max_dissimilarity = 0.2;
-  double min_known_share = 0.3;
-  /// Share that must be known to know a moved or returned object by its shape, and share of what is
-  /// known of a shape that must agree within the error of two looks, averaged over both shapes.
-  double min_shape_known_share = 0.5;
-  double min_shape_close_share = 0.7;
-  /// Share of the looked-at surface that must be gone of an object that is gone.
-  double gone_share = 0.5;
-  /// A smaller share of a surface tells nothing: errors of looks and of registration make it. Of an
-  /// object in whose place another one is, or that no later session has seen, so much must be gone,
-  double negligible_share = 0.15;
-  /// or so much of that object's surface must be known of the shape, if it was displaced by less
-  /// than can be seen through.
-  double min_displaced_known_share = 0.6;
-  /// A move is clear if without it, the best explanation of all changes agrees this much less.
-  double rival_margin = 0.12;
-  /// Smallest surface of a moved object, as a share of the surface that was known of it.
-  double min_moved_area_share = 0.25;
+  /// What disagrees with a known shape is negligible, and what is known of it is substantial in its
+  /// place, a majority elsewhere; there, most of what is known agrees within the error of two
+  /// looks. A move is clear if without it, the best explanation of all changes agrees by more than
+  /// a negligible share less.
+  SurfaceShares shares;
   /// Fewest looked-at evidence cells that decide, and smallest looked-at area, square metres; of a
-  /// smaller object, `min_known_share` of its cells.
+  /// smaller object, a substantial share of its cells.
   std::size_t min_looked_at_cells = 4;
   double min_looked_at_area_m2 = 0.04;
-  /// Fewest evidence cells, and smallest share of the looked-at ones, of a part that is gone.
+  /// Fewest evidence cells of a part that is gone.
   std::size_t min_part_cells = 25;
-  double min_part_share = 0.1;
   /// What was seen by so much later than the end of a session is of a later one, seconds.
   double max_pause_s = 10.0;
   /// A sensor that finds an object gone so soon after another one saw it contradicts it, seconds:
   /// so soon a thing may leave, but does not come back and leave again.
   double contradiction_window_s = 300.0;
-  /// Share of the smaller of two cuboids in which only one of both can be.
-  double max_overlap_share = 0.3;
   StationarityParameters belief;
 
   friend bool operator==(const SessionIdentityParameters&,

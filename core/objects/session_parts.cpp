@@ -72,7 +72,7 @@ class PartCompletion {
     DivideScenes();
     const PartDecisions decisions = DivideAtGaps(parameters_, source_, map_);
     election_ =
-        PartElection(map_->TentativeObjectsOf(source_), decisions, parameters_.min_common_share);
+        PartElection(map_->TentativeObjectsOf(source_), decisions, parameters_.shares.substantial);
     JoinParts();
     DropFragments();
     JoinLegs(parameters_, source_, map_);
@@ -152,7 +152,7 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   // wrong label divides a thing. Of two classes, that of the larger object is right.
   if (overlap.known_share * overlap.close_share > 0.5) return true;
   if (!is_of_one_class || are_apart) return false;
-  return overlap.known_share * overlap.fit_share > parameters_.min_common_share &&
+  return overlap.known_share * overlap.fit_share > parameters_.shares.substantial &&
          CountContacts(
              object, other, parameters_.surface.contact_voxels * voxel_m, map_->scale()) >=
              kMinContactPoints;
@@ -226,7 +226,7 @@ bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters) {
   if (!IsOfOneClass(object, other) || object.state().class_id == kNoClass) return false;
-  return object.SurfaceAreaM2() < parameters.fragment_share * other.SurfaceAreaM2() &&
+  return object.SurfaceAreaM2() < parameters.shares.negligible * other.SurfaceAreaM2() &&
          DistanceBetween(object.cuboid(), other.cuboid()) <
              parameters.max_hidden_gap_share * other.cuboid().size_m.maxCoeff();
 }

@@ -4,6 +4,7 @@
 
 #include "core/objects/scene_division.h"
 #include "core/objects/surface_overlap.h"
+#include "core/objects/surface_shares.h"
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
 
@@ -17,13 +18,11 @@ struct SessionPartParameters {
   /// Fewest frames of an object that others contradict: fewer have a wrong label.
   std::uint64_t min_doubted_frames = 5;
   SurfaceMatchParameters surface;
-  /// Two surfaces are of one object if they have this share of the smaller one in common, or if
-  /// this share of the frames shows them connected: parts of one object are hidden by others or
-  /// seen at flat angles often, but two objects are rarely seen as one.
-  double min_common_share = 0.2;
-  /// An object with less than this share of the surface of another one of its class beside it is a
-  /// fragment of it.
-  double fragment_share = 0.1;
+  /// Two surfaces are of one object if they have a substantial share of the smaller one in common,
+  /// or if a substantial share of the frames shows them connected: parts of one object are hidden
+  /// by others or seen at flat angles often, but two objects are rarely seen as one. An object with
+  /// a negligible share of the surface of another one of its class beside it is a fragment of it.
+  SurfaceShares shares;
   /// An object goes on behind what hides it for no more than this share of its width. A fragment is
   /// closer to its object than this share of the object's length.
   double max_hidden_gap_share = 0.5;

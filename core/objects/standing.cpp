@@ -17,7 +17,7 @@ std::size_t DecidingCells(const LookCount& looks,
                           const VoxelScale& scale) {
   const double cell_m = kEvidenceSide * scale.voxel_size_m;
   const double cells = std::min(parameters.min_looked_at_area_m2 / (cell_m * cell_m),
-                                parameters.min_known_share * static_cast<double>(looks.cells));
+                                parameters.shares.substantial * static_cast<double>(looks.cells));
   return std::max(parameters.min_looked_at_cells, static_cast<std::size_t>(cells));
 }
 
@@ -29,11 +29,11 @@ bool Replaces(const TrackedObject& other,
               const VoxelScale& scale) {
   if (is_doubted) {
     const double smaller_m3 = std::min(other.cuboid().volume_m3(), known.cuboid().volume_m3());
-    return OverlapM3(other.cuboid(), known.cuboid()) > parameters.max_overlap_share * smaller_m3;
+    return OverlapM3(other.cuboid(), known.cuboid()) > parameters.shares.substantial * smaller_m3;
   }
   const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
-  return registration && registration->dissimilarity <= parameters.max_dissimilarity &&
-         registration->known_share >= parameters.min_displaced_known_share &&
+  return registration && registration->dissimilarity <= parameters.shares.negligible &&
+         registration->known_share >= parameters.shares.most() &&
          !FitsAtRest(*registration, parameters, scale) &&
          DisplacementOf(*registration, other) > parameters.max_displacement_m;
 }
@@ -45,7 +45,7 @@ bool Hides(const TrackedObject& other,
            const SessionIdentityParameters& parameters,
            const VoxelScale& scale) {
   return DistanceBetween(other.cuboid(), known.cuboid()) <= 0.0 &&
-         HiddenShare(known, other, scale) >= parameters.max_overlap_share;
+         HiddenShare(known, other, scale) >= parameters.shares.substantial;
 }
 
 }  // namespace
@@ -62,12 +62,12 @@ Standing JudgeStanding(const TrackedObject& known,
                        const VoxelScale& scale) {
   const LookCount looks = CountLooks(known);
   if (looks.looked_at() < DecidingCells(looks, parameters, scale)) return Standing::kUnknown;
-  const bool is_doubted = GoneShareOf(known) >= parameters.negligible_share;
+  const bool is_doubted = GoneShareOf(known) >= parameters.shares.negligible;
   const double contact_m = parameters.parts.surface.contact_voxels * scale.voxel_size_m;
   const std::size_t verified =
       looks.looked_at() - CountExplainedCells(known, others, contact_m, scale);
-  if (is_doubted &&
-      static_cast<double>(looks.gone) >= parameters.gone_share * static_cast<double>(verified)) {
+  if (is_doubted && static_cast<double>(looks.gone) >=
+                        parameters.shares.majority * static_cast<double>(verified)) {
     return Standing::kGone;
   }
   const auto any_other = [&](const auto& is_so) {

@@ -21,6 +21,12 @@ void ReadStationarity(const MapConfig& config, StationarityParameters* parameter
 
 // The parts of the parameters of the policy `pocd`.
 
+/// Returns the number of samples of the smallest square segment.
+std::size_t MinSegmentSamples(const MapConfig& config) {
+  const double side_samples = ParameterValue(config, "min_segment_width_samples");
+  return static_cast<std::size_t>(side_samples * side_samples);
+}
+
 SessionLimits SessionLimitsOf(const MapConfig& config) {
   SessionLimits limits;
   limits.max_pause_s = ParameterValue(config, "max_pause_s");
@@ -59,6 +65,14 @@ PoseFilterParameters PoseFilterParametersOf(const MapConfig& config) {
   return parameters;
 }
 
+SurfaceShares SharesOf(const MapConfig& config) {
+  SurfaceShares shares;
+  shares.negligible = ParameterValue(config, "negligible_share");
+  shares.substantial = ParameterValue(config, "substantial_share");
+  shares.majority = ParameterValue(config, "majority_share");
+  return shares;
+}
+
 LookParameters LookParametersOf(const MapConfig& config) {
   LookParameters parameters;
   parameters.max_sigmas = ParameterValue(config, "max_sigmas");
@@ -66,16 +80,15 @@ LookParameters LookParametersOf(const MapConfig& config) {
   parameters.min_facing_cosine = ParameterValue(config, "min_facing_cosine");
   parameters.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
   parameters.min_interval_s = ParameterValue(config, "look_interval_s");
-  parameters.max_score = static_cast<int>(CountOf(config, "max_look_score"));
+  parameters.confirming_looks = static_cast<int>(CountOf(config, "min_frames"));
   parameters.min_gone_cells = CountOf(config, "min_vanished_cells");
-  parameters.whole_gone_share = ParameterValue(config, "min_vanished_share");
+  parameters.whole_gone_share = SharesOf(config).most();
   return parameters;
 }
 
 SegmentAssignmentParameters AssignmentParametersOf(const MapConfig& config) {
   SegmentAssignmentParameters parameters;
-  parameters.min_mislabelled_share = ParameterValue(config, "min_mislabelled_share");
-  parameters.min_new_area_m2 = ParameterValue(config, "min_segment_area_m2");
+  parameters.min_new_area_m2 = ParameterValue(config, "min_area_m2");
   parameters.min_width_samples = ParameterValue(config, "min_segment_width_samples");
   parameters.gaps.max_width_m = ParameterValue(config, "max_gap_m");
   parameters.gaps.max_sigmas = ParameterValue(config, "max_sigmas");
@@ -93,7 +106,7 @@ SceneDivisionParameters SceneParametersOf(const MapConfig& config) {
   parameters.min_width_voxels = ParameterValue(config, "min_width_voxels");
   parameters.max_leg_share = ParameterValue(config, "max_leg_share");
   parameters.gaps.min_frames = CountOf(config, "min_frames");
-  parameters.gaps.reach_m = ParameterValue(config, "gap_reach_m");
+  parameters.gaps.reach_m = ParameterValue(config, "max_gap_m");
   parameters.gaps.min_cosine = ParameterValue(config, "min_plane_cosine");
   return parameters;
 }
@@ -102,14 +115,13 @@ SessionPartParameters PartParametersOf(const MapConfig& config) {
   SessionPartParameters parameters;
   parameters.min_frames = CountOf(config, "min_frames");
   parameters.min_area_m2 = ParameterValue(config, "min_area_m2");
-  parameters.min_common_share = ParameterValue(config, "min_common_share");
+  parameters.shares = SharesOf(config);
   parameters.min_doubted_frames = CountOf(config, "min_doubted_frames");
   parameters.surface.contact_voxels = ParameterValue(config, "contact_voxels");
   parameters.surface.min_normal_cosine = ParameterValue(config, "min_match_cosine");
   parameters.surface.max_sigmas = ParameterValue(config, "max_sigmas");
   parameters.surface.place_sigma_m = ParameterValue(config, "place_error_m");
   parameters.surface.surface_sigma_voxels = ParameterValue(config, "surface_error_voxels");
-  parameters.fragment_share = ParameterValue(config, "fragment_share");
   parameters.max_hidden_gap_share = ParameterValue(config, "max_hidden_gap_share");
   parameters.max_leg_width_m = ParameterValue(config, "max_leg_width_m");
   parameters.max_leg_gap_m = ParameterValue(config, "max_leg_gap_m");
@@ -127,24 +139,15 @@ SessionIdentityParameters IdentityParametersOf(const MapConfig& config) {
   parameters.claim_votes = ParameterValue(config, "claim_votes");
   parameters.max_session_offset_m = ParameterValue(config, "max_session_offset_m");
   parameters.vote_scale_m = ParameterValue(config, "vote_scale_m");
-  parameters.max_displacement_m = ParameterValue(config, "max_displacement_m");
+  parameters.max_displacement_m =
+      ParameterValue(config, "max_sigmas") * ParameterValue(config, "frame_error_m");
   parameters.max_pose_sigmas = ParameterValue(config, "max_sigmas");
-  parameters.max_dissimilarity = ParameterValue(config, "max_dissimilarity");
-  parameters.min_known_share = ParameterValue(config, "min_known_share");
-  parameters.min_shape_known_share = ParameterValue(config, "min_shape_known_share");
-  parameters.min_shape_close_share = ParameterValue(config, "min_shape_close_share");
-  parameters.gone_share = ParameterValue(config, "gone_share");
-  parameters.negligible_share = ParameterValue(config, "negligible_share");
-  parameters.rival_margin = ParameterValue(config, "rival_margin");
-  parameters.min_moved_area_share = ParameterValue(config, "min_moved_area_share");
-  parameters.min_displaced_known_share = ParameterValue(config, "min_displaced_known_share");
-  parameters.min_part_share = ParameterValue(config, "min_part_share");
+  parameters.shares = SharesOf(config);
   parameters.min_looked_at_cells = CountOf(config, "min_judged_cells");
   parameters.min_looked_at_area_m2 = ParameterValue(config, "min_judged_area_m2");
   parameters.min_part_cells = CountOf(config, "min_part_cells");
   parameters.max_pause_s = ParameterValue(config, "max_pause_s");
   parameters.contradiction_window_s = ParameterValue(config, "contradiction_window_s");
-  parameters.max_overlap_share = ParameterValue(config, "max_overlap_share");
   ReadStationarity(config, &parameters.belief);
   parameters.belief.max_evidence = ParameterValue(config, "max_evidence");
   return parameters;
@@ -219,7 +222,7 @@ EvidenceMapperParameters EvidenceParametersOf(const MapConfig& config) {
   parameters.poses = PoseFilterParametersOf(config);
   parameters.moving.memory_s = ParameterValue(config, "motion_s");
   parameters.continuity.max_sigmas = ParameterValue(config, "max_sigmas");
-  parameters.continuity.min_samples = CountOf(config, "min_segment_samples");
+  parameters.continuity.min_samples = MinSegmentSamples(config);
   parameters.continuity.min_facing_cosine = ParameterValue(config, "min_segment_facing_cosine");
   parameters.looks = LookParametersOf(config);
   parameters.assignment = AssignmentParametersOf(config);

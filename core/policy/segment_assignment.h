@@ -34,10 +34,8 @@ struct SegmentedFrame {
 
 /// The constants of `SegmentAssignment`.
 struct SegmentAssignmentParameters {
-  /// A segment of another class is of an object if this share of its samples is on its surface.
-  double min_mislabelled_share = 0.6;
   /// Segments with less surface do not start an object, square metres.
-  double min_new_area_m2 = 0.002;
+  double min_new_area_m2 = 0.004;
   /// A narrower segment does not start an object: its shape cannot be told from noise.
   double min_width_samples = 2.5;
   /// Gaps between two objects that could be parts of one.

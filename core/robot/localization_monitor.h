@@ -11,8 +11,8 @@ namespace steadymap {
 struct LocalizationMonitorParameters {
   /// False: every robot is believed, as in the paper.
   bool is_on = true;
-  /// A pose that displaces the camera, or what is 1 m away from it, by more than this from where the
-  /// motion so far leads is a jump: so much at once, and so much more for each second since the
+  /// A pose that displaces the camera, or what is 1 m away from it, by more than this from where
+  /// the motion so far leads is a jump: so much at once, and so much more for each second since the
   /// last frame. Metres.
   double jump_m = 0.15;
   double jump_m_per_s = 0.8;

@@ -65,7 +65,7 @@ class SurfaceLooksTest : public ::testing::Test {
   void SeeThroughRightHalf() {
     const Frame frame =
         RenderScene(BesideAClosedHalf(Body(kWallClass, {3.0, -4.0, -4.0}, {3.1, 4.0, 4.0})), {});
-    for (int i = 0; i <= parameters_.max_score; ++i) Look(frame, 100.0 + i);
+    for (int i = 0; i <= parameters_.confirming_looks; ++i) Look(frame, 100.0 + i);
   }
 
   LookParameters parameters_;
@@ -137,7 +137,7 @@ TEST_F(SurfaceLooksTest, APartThatIsGoneTellsNothingOfWhatIsNotShown) {
   Scene bodies = BesideAClosedHalf(Body(kWallClass, {2.0, -4.0, -4.0}, {2.3, 4.0, 0.0}));
   bodies.push_back(Body(kWallClass, {3.0, -4.0, -4.0}, {3.1, 4.0, 4.0}));
   const Frame frame = RenderScene(bodies, {});
-  for (int i = 0; i <= parameters_.max_score; ++i) Look(frame, 100.0 + i);
+  for (int i = 0; i <= parameters_.confirming_looks; ++i) Look(frame, 100.0 + i);
   EXPECT_GT(CountLooks(wall_).gone, 10U);
   EXPECT_EQ(CountLooks(wall_).looked_at(), found);
 }
@@ -153,7 +153,7 @@ TEST_F(SurfaceLooksTest, WhatIsShownOfAKnownThingTellsNothingOfTheRest) {
 
 TEST_F(SurfaceLooksTest, AFewLooksOutweighAnyNumberOfOlderOnes) {
   for (int i = 0; i < 50; ++i) Look(2.0, i);
-  for (int i = 0; i <= parameters_.max_score; ++i) Look(3.0, 100.0 + i);
+  for (int i = 0; i <= parameters_.confirming_looks; ++i) Look(3.0, 100.0 + i);
   EXPECT_EQ(CountLooks(wall_).found, 0U);
   EXPECT_GT(CountLooks(wall_).gone, 50U);
 }

@@ -74,7 +74,7 @@ TEST(EvaluateCommand, TakesParametersOfThePolicies) {
   const std::vector<std::string> defaults = {
       "--route", "twin", "--stride", "10", "--ideal", "--policy", "pocd"};
   std::vector<std::string> blind = defaults;
-  blind.insert(blind.end(), {"--set", "min_segment_area_m2=10"});
+  blind.insert(blind.end(), {"--set", "min_area_m2=10"});
   EXPECT_NE(RowOf("pocd", Evaluate(blind)), RowOf("pocd", Evaluate(defaults)));
 }
 
