@@ -12,14 +12,14 @@ namespace {
 constexpr float kMaxGapM = 0.08F;
 constexpr float kMaxGapPerMetre = 0.04F;
 
-// Surface seen flatter than this is no larger than its picture says.
-constexpr float kMinAreaCosine = 0.2F;
-
 /// The commonest class among a cell and its neighbours at the same depth: a border that is off by a
 /// pixel moves nothing, and a thin thing keeps its class.
 std::uint16_t MajorityLabel(const SemanticCloud& cloud, int column, int row) {
   const float depth_m = cloud.At(column, row).depth_m;
-  const float max_gap_m = kMaxGapM + kMaxGapPerMetre * depth_m;
+  // One surface that is seen at the flattest angle, and the noise of both depths.
+  const auto spacing_m = static_cast<float>(SampleGrid::SpacingPerM(cloud.camera())) * depth_m;
+  const auto noise_m = static_cast<float>(M_SQRT2 * cloud.CellSigmaM(static_cast<double>(depth_m)));
+  const float max_gap_m = spacing_m / SampleGrid::kMinFacingCosine + kSigmas * noise_m;
   std::array<std::uint16_t, 9> labels;
   std::size_t count = 0;
   for (int v = std::max(row - 2, 0); v <= std::min(row + 2, cloud.cells_high() - 1); v += 2) {
@@ -67,7 +67,8 @@ void SampleGrid::Compute(const SemanticCloud& cloud) {
       sample.position_world = camera_world + rotation * (ray * cell.depth_m);
       sample.normal_world = -(rotation * normal_camera);
       sample.depth_m = cell.depth_m;
-      sample.area_m2 = area_at_1m * cell.depth_m * cell.depth_m / std::max(cosine, kMinAreaCosine);
+      sample.area_m2 =
+          area_at_1m * cell.depth_m * cell.depth_m / std::max(cosine, kMinFacingCosine);
       sample.label = MajorityLabel(cloud, u, v);
       sample.instance = cloud.InstanceAt(u, v);
     }

@@ -37,6 +37,9 @@ class SampleGrid {
   /// Cells from one sample to the next.
   static constexpr int kStrideCells = 2;
 
+  /// Cosine of the flattest angle between a ray and the normal of surface that a frame can judge.
+  static constexpr float kMinFacingCosine = 0.25F;
+
   /// Returns the distance of neighbouring samples on surface at a depth of one metre that faces the
   /// camera, metres. `cell_camera` is that of the semantic cloud.
   static double SpacingPerM(const PinholeCamera& cell_camera) {

@@ -15,6 +15,9 @@ class MinDepthGrid {
   /// Pixels of a tile's side.
   static constexpr int kTilePx = 2 * SampleGrid::kStrideCells;
 
+  /// What is nearer to the camera is not looked at, metres: few sensors measure it.
+  static constexpr float kNearestLookM = 0.1F;
+
   void Compute(const DepthImage& depth);
 
   /// Nearest depth in the tile and its eight neighbours, metres; 0 if half of the tile itself has

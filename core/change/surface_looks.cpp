@@ -11,8 +11,6 @@
 namespace steadymap {
 namespace {
 
-constexpr float kMinDepthM = 0.1F;
-
 enum class LookResult { kPresent, kAbsent };
 
 /// The looks of one frame at one object.
@@ -40,7 +38,7 @@ class ObjectLook {
     const float facing = normal_world.dot(to_camera);
     if (static_cast<double>(facing) < parameters_.min_facing_cosine) return std::nullopt;
     const Eigen::Vector3f point_camera = T_camera_world_ * point_world;
-    if (point_camera.z() < kMinDepthM) return std::nullopt;
+    if (point_camera.z() < MinDepthGrid::kNearestLookM) return std::nullopt;
     const std::optional<SamplePlace> place =
         frame_.samples.FindPlace(frame_.cloud.camera(), point_camera);
     if (!place) return std::nullopt;

@@ -3,14 +3,6 @@
 #include <algorithm>
 
 namespace steadymap {
-namespace {
-
-// A surface of unknown slant is met at 11 degrees at the flattest: a fifth.
-constexpr float kFlattestSlant = 5.0F;
-
-constexpr float kMinJudgedDepthM = 0.3F;
-
-}  // namespace
 
 ViewFreeSpace::ViewFreeSpace(const SemanticCloud& cloud,
                              const MinDepthGrid& tiles,
@@ -28,7 +20,7 @@ ViewFreeSpace::Sight ViewFreeSpace::Look(const Eigen::Vector3f& point_world) con
   Sight sight;
   sight.point_camera = T_camera_world_ * point_world;
   const float depth_m = sight.point_camera.z();
-  if (!(depth_m > kMinJudgedDepthM && depth_m < max_depth_m_)) return sight;
+  if (!(depth_m > MinDepthGrid::kNearestLookM && depth_m < max_depth_m_)) return sight;
   // Tiles are counted from their corners, cells from their centres.
   const Eigen::Vector2f cell = cloud_.camera().Project(sight.point_camera);
   const float u = (cell.x() + 0.5F) / SampleGrid::kStrideCells;
@@ -57,7 +49,7 @@ bool ViewFreeSpace::IsClear(const Eigen::Vector3f& point_world, float clearance_
   // A ray may run for long close above a surface that it meets at a flat angle.
   const SurfaceCell& cell =
       cloud_.At(sight.column * SampleGrid::kStrideCells, sight.row * SampleGrid::kStrideCells);
-  if (!(cell.weight > 0.0F)) return ahead_m > kFlattestSlant * clearance_m;
+  if (!(cell.weight > 0.0F)) return SampleGrid::kMinFacingCosine * ahead_m > clearance_m;
   const Eigen::Vector3f normal(cell.normal_x, cell.normal_y, cell.normal_z);
   return cell.offset_m - normal.dot(sight.point_camera) > clearance_m;
 }

@@ -15,10 +15,6 @@ constexpr int kPatchSamples = 4;
 // Every so many points of an object's surface are looked for in the picture.
 constexpr std::size_t kPointStride = 3;
 
-// Surface is looked for between these depths: raw depth beyond is too noisy.
-constexpr float kMinLookM = 0.3F;
-constexpr float kMaxLookM = 5.0F;
-
 /// What is known of one patch.
 struct Patch {
   Eigen::Vector3d position_world;  ///< Of its surface, laid into the map.
@@ -41,7 +37,8 @@ class PatchGrid {
         T_world_camera_(T_world_camera),
         wide_(static_cast<std::size_t>(frame.samples.width() / kPatchSamples)),
         high_(static_cast<std::size_t>(frame.samples.height() / kPatchSamples)),
-        patches_(wide_ * high_) {
+        patches_(wide_ * high_),
+        reach_m_(static_cast<double>(frame.tiles.farthest_m())) {
     const Eigen::Isometry3d T_map_frame = T_world_camera * frame.cloud.T_world_camera().inverse();
     for (std::size_t index = 0; index < patches_.size(); ++index) {
       const auto column = static_cast<int>(index % wide_);
@@ -113,7 +110,7 @@ class PatchGrid {
         if (count++ % kPointStride != 0) continue;
         const Eigen::Vector3f point_camera = T_camera_object * point.position_object;
         const Eigen::Vector3f normal_camera = T_camera_object.linear() * point.normal_object;
-        if (point_camera.z() < kMinLookM || point_camera.z() > kMaxLookM ||
+        if (point_camera.z() < MinDepthGrid::kNearestLookM ||
             -normal_camera.dot(point_camera) < min_facing * point_camera.norm()) {
           continue;
         }
@@ -121,6 +118,14 @@ class PatchGrid {
         if (patch != nullptr) patch->is_through = true;
       }
     }
+  }
+
+  /// Returns the largest depth at which a surface may be measured, metres, if it is at `depth_m`
+  /// seen from the right pose.
+  float FarthestOf(float depth_m) const {
+    const auto sigma_m =
+        static_cast<float>(frame_.cloud.depth_noise().SigmaM(static_cast<double>(depth_m)));
+    return depth_m + kSigmas * sigma_m + static_cast<float>(parameters_.through_m);
   }
 
   /// The patch in which depth was measured well behind a point; null if none was.
@@ -131,8 +136,7 @@ class PatchGrid {
     const auto patch_column = static_cast<std::size_t>(place->column / kPatchSamples);
     const auto patch_row = static_cast<std::size_t>(place->row / kPatchSamples);
     if (patch_column >= wide_ || patch_row >= high_ ||
-        frame_.tiles.NearestAround(place->column, place->row) <=
-            point_camera.z() + static_cast<float>(parameters_.through_m)) {
+        frame_.tiles.NearestAround(place->column, place->row) <= FarthestOf(point_camera.z())) {
       return nullptr;
     }
     return &patches_[patch_row * wide_ + patch_column];
@@ -144,7 +148,7 @@ class PatchGrid {
   std::size_t wide_;
   std::size_t high_;
   std::vector<Patch> patches_;
-  double reach_m_ = static_cast<double>(kMaxLookM);  ///< Nothing that is further away matters.
+  double reach_m_;  ///< Nothing that is further away matters.
 };
 
 }  // namespace
