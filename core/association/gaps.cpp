@@ -10,9 +10,6 @@
 namespace steadymap {
 namespace {
 
-// Largest share of its vertical part in the way across a gap.
-constexpr double kMaxSlope = 0.5;
-
 // Most cells at an edge whose depth is unknown.
 constexpr int kMaxEdgeCells = 2;
 
@@ -170,7 +167,7 @@ class GapSearch {
     const Eigen::Vector3d across_world = PositionAt(line, gap.end) - PositionAt(line, gap.begin);
     const double width_m = across_world.norm();
     return width_m <= parameters_.max_width_m && gap.way_m > width_m &&
-           std::abs(across_world.z()) <= kMaxSlope * width_m;
+           across_world.head<2>().norm() >= parameters_.min_level_cosine * width_m;
   }
 
   static bool Overlap(const Gap& a, const Gap& b) {

@@ -27,6 +27,8 @@ struct GapParameters {
   double max_width_m = 0.3;
   /// Largest difference of two depths that noise makes, standard deviations.
   double max_sigmas = 3.0;
+  /// Largest angle between the way across a gap and the level, as a cosine.
+  double min_level_cosine = 0.85;
   /// Fewest rows or columns of the frame that show a gap.
   std::size_t min_lines = 3;
 

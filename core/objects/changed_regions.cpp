@@ -11,9 +11,6 @@
 namespace steadymap {
 namespace {
 
-// Surface of which fewer points lie between observed voxels is a fleck of noise.
-constexpr std::size_t kMinResolvedPoints = 3;
-
 /// What is known of a surface point.
 enum class Change { kUnknown, kSame, kChanged };
 
@@ -77,7 +74,8 @@ class ChangedSurface {
       resolved += is_resolved_[point] != 0 ? 1 : 0;
     }
     const double changed_m2 = changed_weight * voxel_m_ * voxel_m_;
-    return changed_m2 >= parameters_.scene.min_weighted_area_m2 && resolved >= kMinResolvedPoints &&
+    return changed_m2 >= parameters_.scene.min_weighted_area_m2 &&
+           resolved >= parameters_.min_points &&
            PrincipalAxesOf(surface).lengths_m.y() >= parameters_.scene.min_width_voxels * voxel_m_;
   }
 

@@ -108,8 +108,7 @@ class GapDivision {
   }
 
   bool BelongTogether(const TrackedObject& a, const TrackedObject& b) const {
-    const double contact_m = parameters_.surface.contact_voxels * map_->scale().voxel_size_m;
-    return AreInContact(a, b, contact_m, map_->scale()) || IsFragmentOf(a, b, parameters_) ||
+    return AreInContact(a, b, parameters_, map_->scale()) || IsFragmentOf(a, b, parameters_) ||
            IsFragmentOf(b, a, parameters_);
   }
 

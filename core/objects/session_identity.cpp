@@ -123,7 +123,7 @@ void SessionDecision::TakeSessionLooks() {
 void SessionDecision::EndVanished() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     const LookCount looks = CountLooks(*object);
-    if (looks.looked_at() < parameters_.min_looked_at_cells ||
+    if (looks.looked_at() < parameters_.parts.min_points ||
         static_cast<double>(looks.gone) <
             parameters_.shares.majority * static_cast<double>(looks.looked_at())) {
       continue;
@@ -350,9 +350,9 @@ void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
        SeparateNewRegions(parameters_.parts, *structure->object, seen->object, map_)) {
     objects_.AddRegion(region, *seen);
   }
-  const double contact_m = parameters_.parts.surface.contact_voxels * map_->scale().voxel_size_m;
   const bool is_rest = seen->object->surface().point_count() > 0;
-  if (is_rest && !AreInContact(*seen->object, *structure->object, contact_m, map_->scale())) return;
+  if (is_rest && !AreInContact(*seen->object, *structure->object, parameters_.parts, map_->scale()))
+    return;
   seen->is_decided = true;
   if (is_rest) {
     rests_.emplace_back(seen, structure);
@@ -459,7 +459,6 @@ void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const Sh
 /// True if an object of the session continues a known one that stands, or that the session hardly
 /// looked at, which then has its surface.
 bool SessionDecision::IsPartOfKnown(const TrackedObject& seen) {
-  const double contact_m = parameters_.parts.surface.contact_voxels * map_->scale().voxel_size_m;
   const bool is_leg = IsOpenLeg(seen, parameters_.parts, *map_);
   for (const KnownObject& known : objects_.known) {
     const bool may_stand = known.standing == Standing::kStands ||
@@ -467,7 +466,7 @@ bool SessionDecision::IsPartOfKnown(const TrackedObject& seen) {
     if (!may_stand || !IsOfOneClass(seen, *known.object)) continue;
     if (!IsPartOf(seen, *known.object, parameters_.parts, *map_) &&
         !(is_leg && MayBeLegOf(seen, *known.object, parameters_.parts)) &&
-        !AreInContact(seen, *known.object, contact_m, map_->scale())) {
+        !AreInContact(seen, *known.object, parameters_.parts, map_->scale())) {
       continue;
     }
     // What hides a surface that was seen was not there then.

@@ -29,9 +29,8 @@ struct SessionIdentityParameters {
   /// looks. A move is clear if without it, the best explanation of all changes agrees by more than
   /// a negligible share less.
   SurfaceShares shares;
-  /// Fewest looked-at evidence cells that decide, and smallest looked-at area, square metres; of a
-  /// smaller object, a substantial share of its cells.
-  std::size_t min_looked_at_cells = 4;
+  /// Smallest looked-at area that decides, square metres; of a smaller object, a substantial share
+  /// of its evidence cells.
   double min_looked_at_area_m2 = 0.04;
   /// Fewest evidence cells of a part that is gone.
   std::size_t min_part_cells = 25;

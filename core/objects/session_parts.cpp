@@ -21,9 +21,6 @@
 namespace steadymap {
 namespace {
 
-// Fewest points of a surface in contact.
-constexpr std::size_t kMinContactPoints = 3;
-
 // Voxels of two objects that are closer than this, voxels, are the same.
 constexpr double kSameLatticeVoxels = 0.1;
 
@@ -153,9 +150,7 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   if (overlap.known_share * overlap.close_share > 0.5) return true;
   if (!is_of_one_class || are_apart) return false;
   return overlap.known_share * overlap.fit_share > parameters_.shares.substantial &&
-         CountContacts(
-             object, other, parameters_.surface.contact_voxels * voxel_m, map_->scale()) >=
-             kMinContactPoints;
+         AreInContact(object, other, parameters_, map_->scale());
 }
 
 void PartCompletion::JoinPieces() {
@@ -216,10 +211,11 @@ bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b) {
 
 bool AreInContact(const TrackedObject& a,
                   const TrackedObject& b,
-                  double distance_m,
+                  const SessionPartParameters& parameters,
                   const VoxelScale& scale) {
+  const double distance_m = parameters.surface.contact_voxels * scale.voxel_size_m;
   return DistanceBetween(a.cuboid(), b.cuboid()) <= distance_m &&
-         CountContacts(a, b, distance_m, scale) >= kMinContactPoints;
+         CountContacts(a, b, distance_m, scale) >= parameters.min_points;
 }
 
 bool IsFragmentOf(const TrackedObject& object,

@@ -17,6 +17,8 @@ struct SessionPartParameters {
   double min_area_m2 = 0.004;
   /// Fewest frames of an object that others contradict: fewer have a wrong label.
   std::uint64_t min_doubted_frames = 5;
+  /// Fewest points or cells of a surface that show something: so many span a plane.
+  std::size_t min_points = 3;
   SurfaceMatchParameters surface;
   /// Two surfaces are of one object if they have a substantial share of the smaller one in common,
   /// or if a substantial share of the frames shows them connected: parts of one object are hidden
@@ -78,10 +80,10 @@ bool IsPartOf(const TrackedObject& object,
               const SessionPartParameters& parameters,
               const WorkingMap& map);
 
-/// True if several points of the surface of `a` are within `distance_m` of the surface of `b`.
+/// True if points of the surface of `a` are in contact with the surface of `b`.
 bool AreInContact(const TrackedObject& a,
                   const TrackedObject& b,
-                  double distance_m,
+                  const SessionPartParameters& parameters,
                   const VoxelScale& scale);
 
 }  // namespace steadymap

@@ -11,17 +11,15 @@
 namespace steadymap {
 namespace {
 
-// Cuboids whose sides differ by less than the search distance of the registration need one start.
-constexpr double kMinSideDifferenceM = 0.1;
-
 // Starts are ranked by this many points, and the best ones are registered.
 constexpr std::size_t kMaxRankingPoints = 200;
 constexpr std::size_t kMaxRegisteredStarts = 4;
 
-/// Returns the shifts along one axis that give two cuboids a side in common, or their middles.
+/// Returns the shifts along one axis that give two cuboids a side in common, or their middles. The
+/// registration finds shifts up to its search distance by itself.
 std::vector<double> ShiftsOf(double old_side_m, double new_side_m) {
   const double half_m = 0.5 * (new_side_m - old_side_m);
-  if (2.0 * std::abs(half_m) < kMinSideDifferenceM) return {0.0};
+  if (2.0 * std::abs(half_m) < RegistrationParameters().search_distance_m) return {0.0};
   return {0.0, half_m, -half_m};
 }
 

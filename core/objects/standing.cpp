@@ -18,7 +18,7 @@ std::size_t DecidingCells(const LookCount& looks,
   const double cell_m = kEvidenceSide * scale.voxel_size_m;
   const double cells = std::min(parameters.min_looked_at_area_m2 / (cell_m * cell_m),
                                 parameters.shares.substantial * static_cast<double>(looks.cells));
-  return std::max(parameters.min_looked_at_cells, static_cast<std::size_t>(cells));
+  return std::max(parameters.parts.min_points, static_cast<std::size_t>(cells));
 }
 
 /// True if another object is where the known one was, so that it cannot be there.
@@ -78,7 +78,7 @@ Standing JudgeStanding(const TrackedObject& known,
       })) {
     return Standing::kGone;
   }
-  const bool is_verified = verified >= parameters.min_looked_at_cells;
+  const bool is_verified = verified >= parameters.parts.min_points;
   return !is_verified && any_other([&](const TrackedObject* other) {
     return Hides(*other, known, parameters, scale);
   })

@@ -92,7 +92,8 @@ SegmentAssignmentParameters AssignmentParametersOf(const MapConfig& config) {
   parameters.min_width_samples = ParameterValue(config, "min_segment_width_samples");
   parameters.gaps.max_width_m = ParameterValue(config, "max_gap_m");
   parameters.gaps.max_sigmas = ParameterValue(config, "max_sigmas");
-  parameters.gaps.min_lines = CountOf(config, "min_gap_lines");
+  parameters.gaps.min_level_cosine = ParameterValue(config, "min_plane_cosine");
+  parameters.gaps.min_lines = CountOf(config, "min_points");
   return parameters;
 }
 
@@ -116,6 +117,7 @@ SessionPartParameters PartParametersOf(const MapConfig& config) {
   parameters.min_frames = CountOf(config, "min_frames");
   parameters.min_area_m2 = ParameterValue(config, "min_area_m2");
   parameters.shares = SharesOf(config);
+  parameters.min_points = CountOf(config, "min_points");
   parameters.min_doubted_frames = CountOf(config, "min_doubted_frames");
   parameters.surface.contact_voxels = ParameterValue(config, "contact_voxels");
   parameters.surface.min_normal_cosine = ParameterValue(config, "min_match_cosine");
@@ -143,7 +145,6 @@ SessionIdentityParameters IdentityParametersOf(const MapConfig& config) {
       ParameterValue(config, "max_sigmas") * ParameterValue(config, "frame_error_m");
   parameters.max_pose_sigmas = ParameterValue(config, "max_sigmas");
   parameters.shares = SharesOf(config);
-  parameters.min_looked_at_cells = CountOf(config, "min_judged_cells");
   parameters.min_looked_at_area_m2 = ParameterValue(config, "min_judged_area_m2");
   parameters.min_part_cells = CountOf(config, "min_part_cells");
   parameters.max_pause_s = ParameterValue(config, "max_pause_s");

@@ -11,10 +11,6 @@
 namespace steadymap {
 namespace {
 
-// A surface point of an object is in the segment of the sample that it projects to, if it is not
-// farther away, voxels.
-constexpr double kMaxSeedVoxels = 2.0;
-
 /// True if a segment is so narrow in the image that its shape cannot be told from noise.
 bool IsUnresolved(const FrameSegment& segment, double min_width, const SampleGrid& samples) {
   const auto columns = static_cast<std::size_t>(samples.width());
@@ -177,9 +173,10 @@ std::vector<std::pair<std::size_t, std::size_t>> SegmentAssignment::FindSeeds(
     const SurfaceSample& sample = frame_.samples[sample_index];
     const std::size_t segment = segment_of_[sample_index];
     if (!sample.is_valid() || segment == 0) continue;
+    // A point is in the segment of the sample that it projects to, unless it is farther away.
     const double distance_m =
         (sample.position_world.cast<double>() - points[i].position_world).norm();
-    if (distance_m > kMaxSeedVoxels * map_->scale().voxel_size_m) continue;
+    if (distance_m > identity_.parts.scene.near_voxels * map_->scale().voxel_size_m) continue;
     if (segment == index + 1) seeds.emplace_back(i, 1);
     if (segment == segment_on_[place]) seeds.emplace_back(i, 0);
   }

@@ -176,7 +176,7 @@ constexpr PolicyParameter kPocd[] = {
      2.0,
      kIsReal,
      "largest gap between things that may be seen as one, and between two views of a gap"},
-    {"min_gap_lines", 3.0, 1.0, 1000.0, kIsWhole, "fewest lines of a frame that show a gap"},
+    {"min_points", 3.0, 1.0, 1000.0, kIsWhole, "fewest points, cells or lines that show something"},
 
     // Looks.
     {"look_interval_s",
@@ -285,7 +285,6 @@ constexpr PolicyParameter kPocd[] = {
      kIsReal,
      "share of a surface that decides on all of it: gone, or recognised elsewhere"},
     {"min_part_cells", 25.0, 1.0, 1e6, kIsWhole, "fewest cells of a part that is gone"},
-    {"min_judged_cells", 4.0, 1.0, 1e6, kIsWhole, "fewest cells by which an object is judged"},
     {"min_judged_area_m2",
      0.04,
      0.0,

@@ -632,7 +632,7 @@ TEST_F(SessionIdentityTest, WhatIsLeftOfNothingIsNoObject) {
   SetScores(kEverywhere, -2, seen);
   const LookCount looks = CountLooks(*seen);
   ASSERT_EQ(looks.gone, looks.cells);
-  ASSERT_LT(looks.gone, SessionIdentityParameters().min_looked_at_cells) << "told as removed";
+  ASSERT_LT(looks.gone, SessionIdentityParameters().parts.min_points) << "told as removed";
   EXPECT_TRUE(Decide().empty());
 }
 
