@@ -222,7 +222,7 @@ bool IsFragmentOf(const TrackedObject& object,
                   const TrackedObject& other,
                   const SessionPartParameters& parameters) {
   if (!IsOfOneClass(object, other) || object.state().class_id == kNoClass) return false;
-  return object.SurfaceAreaM2() < parameters.shares.negligible * other.SurfaceAreaM2() &&
+  return object.SurfaceAreaM2() < parameters.fragment_share * other.SurfaceAreaM2() &&
          DistanceBetween(object.cuboid(), other.cuboid()) <
              parameters.max_hidden_gap_share * other.cuboid().size_m.maxCoeff();
 }

@@ -22,9 +22,11 @@ struct SessionPartParameters {
   SurfaceMatchParameters surface;
   /// Two surfaces are of one object if they have a substantial share of the smaller one in common,
   /// or if a substantial share of the frames shows them connected: parts of one object are hidden
-  /// by others or seen at flat angles often, but two objects are rarely seen as one. An object with
-  /// a negligible share of the surface of another one of its class beside it is a fragment of it.
+  /// by others or seen at flat angles often, but two objects are rarely seen as one.
   SurfaceShares shares;
+  /// An object with less than this share of the surface of another one of its class beside it is a
+  /// fragment of it.
+  double fragment_share = 0.1;
   /// An object goes on behind what hides it for no more than this share of its width. A fragment is
   /// closer to its object than this share of the object's length.
   double max_hidden_gap_share = 0.5;

@@ -124,6 +124,7 @@ SessionPartParameters PartParametersOf(const MapConfig& config) {
   parameters.surface.max_sigmas = ParameterValue(config, "max_sigmas");
   parameters.surface.place_sigma_m = ParameterValue(config, "place_error_m");
   parameters.surface.surface_sigma_voxels = ParameterValue(config, "surface_error_voxels");
+  parameters.fragment_share = ParameterValue(config, "fragment_share");
   parameters.max_hidden_gap_share = ParameterValue(config, "max_hidden_gap_share");
   parameters.max_leg_width_m = ParameterValue(config, "max_leg_width_m");
   parameters.max_leg_gap_m = ParameterValue(config, "max_leg_gap_m");

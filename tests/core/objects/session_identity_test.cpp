@@ -568,16 +568,16 @@ const Eigen::Vector3d kPostSizeM(0.06, 0.06, 1.2);
 
 TEST_F(SessionIdentityTest, APostBesideAThingOfItsClassIsAPartOfIt) {
   PutSeen(0.0);
-  PutSeen(1.1, kPostSizeM);
+  PutSeen(0.8, kPostSizeM);
   EXPECT_EQ(Decide().size(), 1U);
   EXPECT_EQ(map_.objects().size(), 1U);
 }
 
 TEST_F(SessionIdentityTest, APostThatWasSeenFromEndToEndIsAnObject) {
   PutSeen(0.0);
-  PutSeen(1.1, kPostSizeM);
-  MarkFree(Box(Eigen::Vector3d(1.7, 0.85, -0.5), Eigen::Vector3d(2.3, 1.4, -0.02)));
-  MarkFree(Box(Eigen::Vector3d(1.7, 0.85, 1.22), Eigen::Vector3d(2.3, 1.4, 1.6)));
+  PutSeen(0.8, kPostSizeM);
+  MarkFree(Box(Eigen::Vector3d(1.7, 0.55, -0.5), Eigen::Vector3d(2.3, 1.1, -0.02)));
+  MarkFree(Box(Eigen::Vector3d(1.7, 0.55, 1.22), Eigen::Vector3d(2.3, 1.1, 1.6)));
   EXPECT_EQ(Decide().size(), 2U);
 }
 
