@@ -37,7 +37,8 @@ class SampleGrid {
   /// Cells from one sample to the next.
   static constexpr int kStrideCells = 2;
 
-  /// Cosine of the flattest angle between a ray and the normal of surface that a frame can judge.
+  /// Cosine of the largest angle between a ray and the normal of a surface at which the frame still
+  /// tells its area and its label; of looks, the parameter `min_facing_cosine`.
   static constexpr float kMinFacingCosine = 0.25F;
 
   /// Returns the distance of neighbouring samples on surface at a depth of one metre that faces the

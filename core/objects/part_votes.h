@@ -65,7 +65,8 @@ class PartElection {
   /// True if most frames show the two objects apart or occluded.
   bool AreApart(ObjectId a, ObjectId b) const;
 
-  /// True if they are apart, also by a decision or by the frames alone that show no occlusion.
+  /// True if they are apart by a decision, or by the votes without those of frames in which one may
+  /// have occluded a connection.
   bool IsGapSeen(ObjectId a, ObjectId b) const;
 
  private:

@@ -19,7 +19,8 @@ struct SessionIdentityParameters {
   double max_session_offset_m = 0.15;
   /// Displacement at which a known object has lost half of its vote, metres, at least half a voxel.
   double vote_scale_m = 0.02;
-  /// An object that is displaced by no more than this stands where it stood, metres.
+  /// An object that is displaced by no more than this, the largest error of a registered frame,
+  /// stands where it stood, metres.
   double max_displacement_m = 0.03;
   /// The same in standard deviations of the displacements of all objects, which tell the error of
   /// the poses.

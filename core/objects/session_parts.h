@@ -17,7 +17,7 @@ struct SessionPartParameters {
   double min_area_m2 = 0.004;
   /// Fewest frames of an object that others contradict: fewer have a wrong label.
   std::uint64_t min_doubted_frames = 5;
-  /// Fewest points or cells of a surface that show something: so many span a plane.
+  /// Fewest points or cells of a surface that count as evidence: so many span a plane.
   std::size_t min_points = 3;
   SurfaceMatchParameters surface;
   /// Two surfaces are of one object if they have a substantial share of the smaller one in common,

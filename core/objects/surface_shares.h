@@ -2,13 +2,14 @@
 
 namespace steadymap {
 
-/// Shares of a surface that decide. They are the same wherever two surfaces are compared.
+/// Thresholds for shares of a surface, the same wherever a session compares two surfaces.
 struct SurfaceShares {
-  /// A smaller share tells nothing: errors of depth, poses, labels and registration explain it.
+  /// A smaller share is no evidence: errors of depth, poses, labels and registration explain it.
   double negligible = 0.15;
-  /// A share that is known, hidden, or in common with another surface tells something from here on.
+  /// From this share on, it counts that a surface is known, occluded or also that of another
+  /// object.
   double substantial = 0.3;
-  /// A share that decides on the whole: it is gone, or it is recognised elsewhere.
+  /// From this share on, a part decides for the whole object: it is gone, or recognised elsewhere.
   double majority = 0.5;
 
   /// All but less than a substantial share.

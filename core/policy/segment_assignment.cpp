@@ -173,7 +173,7 @@ std::vector<std::pair<std::size_t, std::size_t>> SegmentAssignment::FindSeeds(
     const SurfaceSample& sample = frame_.samples[sample_index];
     const std::size_t segment = segment_of_[sample_index];
     if (!sample.is_valid() || segment == 0) continue;
-    // A point is in the segment of the sample that it projects to, unless it is farther away.
+    // A point belongs to the segment of the sample that it projects to, if it is near that sample.
     const double distance_m =
         (sample.position_world.cast<double>() - points[i].position_world).norm();
     if (distance_m > identity_.parts.scene.near_voxels * map_->scale().voxel_size_m) continue;

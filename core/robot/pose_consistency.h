@@ -40,7 +40,8 @@ struct PoseConsistencyParameters {
   double min_normal_cosine = 0.85;
   /// Points at a flatter angle to the ray are not looked for.
   double min_facing_cosine = 0.25;
-  /// A view is through a surface if it ends so much further away, metres: a jump of a robot.
+  /// A view is through a surface if it ends further away by more than this, metres, and the noise
+  /// of the depth: by more than the pose of a robot can be off without a jump.
   double through_m = 0.15;
 
   friend bool operator==(const PoseConsistencyParameters&,
