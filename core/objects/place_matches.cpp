@@ -28,8 +28,8 @@ std::optional<PlaceMatch> MatchThin(const SessionIdentityParameters& parameters,
       T_known_world * seen->object->state().T_world_object.ToIsometry();
   const SurfaceOverlap overlap =
       CompareSurfaces(*seen->object, *known->object, T_known_seen, parameters.parts.surface, scale);
-  if (overlap.known_share < parameters.shares.substantial ||
-      overlap.fit_share < parameters.shares.nearly_all()) {
+  if (overlap.known_share < parameters.parts.shares.substantial ||
+      overlap.fit_share < parameters.parts.shares.nearly_all()) {
     return std::nullopt;
   }
   return PlaceMatch{seen, known, 0.0, overlap.known_share * overlap.fit_share, true};
@@ -43,15 +43,15 @@ std::optional<PlaceMatch> MatchPlace(const SessionIdentityParameters& parameters
   const std::optional<Registration> registration =
       RegisterToKnown(*seen->object, *known->object, scale);
   if (!registration) return std::nullopt;
-  if (registration->known_share < parameters.shares.substantial) {
+  if (registration->known_share < parameters.parts.shares.substantial) {
     return MatchThin(parameters, scale, seen, known);
   }
-  if (registration->dissimilarity > parameters.shares.negligible) return std::nullopt;
+  if (registration->dissimilarity > parameters.parts.shares.negligible) return std::nullopt;
   const double displacement_m = DisplacementOf(*registration, *seen->object);
   // Less of its shape need be known of what is just where it stood.
   const bool is_displaced = displacement_m > parameters.max_displacement_m;
   if (known->object->is_archived() && is_displaced &&
-      registration->known_share < parameters.shares.majority) {
+      registration->known_share < parameters.parts.shares.majority) {
     return std::nullopt;
   }
   const double fit = registration->known_share * (1.0 - registration->dissimilarity);

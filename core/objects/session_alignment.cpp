@@ -91,7 +91,7 @@ bool FitsAtRest(const Registration& registration,
   const double rest_m2 = registration.known_loss_at_rest * inlier_m * inlier_m;
   const double corrected_m2 = registration.known_loss * inlier_m * inlier_m;
   const double sigma_m = SurfaceSigmaM(parameters.parts.surface, scale);
-  return registration.known_share_at_rest >= parameters.shares.substantial &&
+  return registration.known_share_at_rest >= parameters.parts.shares.substantial &&
          rest_m2 - corrected_m2 <= std::max(sigma_m * sigma_m, corrected_m2);
 }
 
@@ -104,8 +104,8 @@ std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& 
   for (const TrackedObject* object : seen) {
     for (const TrackedObject* other : known) {
       const std::optional<Registration> registration = RegisterToKnown(*object, *other, scale);
-      if (!registration || registration->dissimilarity > parameters.shares.negligible ||
-          registration->known_share < parameters.shares.majority ||
+      if (!registration || registration->dissimilarity > parameters.parts.shares.negligible ||
+          registration->known_share < parameters.parts.shares.majority ||
           DisplacementOf(*registration, *object) > parameters.max_session_offset_m) {
         continue;
       }

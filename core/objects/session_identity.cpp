@@ -125,7 +125,7 @@ void SessionDecision::EndVanished() {
     const LookCount looks = CountLooks(*object);
     if (looks.looked_at() < parameters_.parts.min_points ||
         static_cast<double>(looks.gone) <
-            parameters_.shares.majority * static_cast<double>(looks.looked_at())) {
+            parameters_.parts.shares.majority * static_cast<double>(looks.looked_at())) {
       continue;
     }
     Create(object);
@@ -205,8 +205,9 @@ void SessionDecision::MatchInPlace() {
     if (match.seen->is_decided) continue;
     const bool is_archived = match.known->object->is_archived();
     const double doubt = DoubtOf(*match.known->object, objects_, parameters_);
-    const double displacement_m =
-        match.fits_at_rest && doubt < parameters_.shares.negligible ? 0.0 : match.displacement_m;
+    const double displacement_m = match.fits_at_rest && doubt < parameters_.parts.shares.negligible
+                                      ? 0.0
+                                      : match.displacement_m;
     if (IsOlderThanRemoval(*match.seen, *match.known)) {
       // Another session has found it gone since.
       if (displacement_m > match.seen->pose_error_m) continue;
@@ -217,7 +218,8 @@ void SessionDecision::MatchInPlace() {
     // What was gone is back where it stood, if not to the centimetre.
     if (!is_archived && displacement_m > match.seen->pose_error_m) continue;
     const bool is_displaced = displacement_m > parameters_.max_displacement_m;
-    if (doubt >= (is_displaced ? parameters_.shares.majority : parameters_.shares.nearly_all())) {
+    if (doubt >= (is_displaced ? parameters_.parts.shares.majority
+                               : parameters_.parts.shares.nearly_all())) {
       continue;
     }
     if (!is_archived) {
@@ -225,8 +227,9 @@ void SessionDecision::MatchInPlace() {
           *match.seen->object, *match.known->object, parameters_.parts.surface, map_->scale());
     }
     // A move could explain the surface clearly better.
-    const bool may_be_moved = match.close_share < parameters_.shares.nearly_all();
-    if (doubt >= (is_displaced ? parameters_.shares.negligible : parameters_.shares.majority) ||
+    const bool may_be_moved = match.close_share < parameters_.parts.shares.nearly_all();
+    if (doubt >= (is_displaced ? parameters_.parts.shares.negligible
+                               : parameters_.parts.shares.majority) ||
         may_be_moved) {
       objects_.doubted.push_back(match);
     } else {
@@ -470,7 +473,8 @@ bool SessionDecision::IsPartOfKnown(const TrackedObject& seen) {
       continue;
     }
     // What hides a surface that was seen was not there then.
-    if (HiddenShare(*known.object, seen, map_->scale()) >= parameters_.shares.substantial) continue;
+    if (HiddenShare(*known.object, seen, map_->scale()) >= parameters_.parts.shares.substantial)
+      continue;
     AddVoxels(seen, map_, known.object);
     return true;
   }
@@ -481,7 +485,7 @@ void SessionDecision::AddRest() {
   for (SeenObject& seen : objects_.seen) {
     if (seen.is_decided) continue;
     // No later session found it, so a part of its surface decides.
-    const bool is_outdated = seen.removed_share >= parameters_.shares.negligible;
+    const bool is_outdated = seen.removed_share >= parameters_.parts.shares.negligible;
     if (is_outdated || IsTooSmall(*seen.object, parameters_.parts) ||
         (!seen.is_new_region && IsPartOfKnown(*seen.object))) {
       map_->Delete(seen.object);
@@ -515,7 +519,7 @@ void SessionDecision::CutGoneParts(TrackedObject* object) {
   const LookCount looks = CountLooks(*object);
   if (looks.gone < parameters_.min_part_cells ||
       static_cast<double>(looks.gone) <
-          parameters_.shares.negligible * static_cast<double>(looks.looked_at())) {
+          parameters_.parts.shares.negligible * static_cast<double>(looks.looked_at())) {
     return;
   }
   CutGoneCells(object, map_);

@@ -60,7 +60,7 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
   }
   return match.close_share() >=
          CloseShareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_) +
-             parameters_.shares.negligible;
+             parameters_.parts.shares.negligible;
 }
 
 /// True if a known object is not where it was, or if it may have been pushed or turned to where an
@@ -80,8 +80,8 @@ bool MoveSearch::MayStand(const SeenObject& seen, const KnownObject& known) cons
 
 /// True if the surfaces of two objects are large enough to be of one.
 bool MoveSearch::AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const {
-  return seen.SurfaceAreaM2() >= parameters_.shares.substantial * known.SurfaceAreaM2() &&
-         known.SurfaceAreaM2() >= parameters_.shares.majority * seen.SurfaceAreaM2();
+  return seen.SurfaceAreaM2() >= parameters_.parts.shares.substantial * known.SurfaceAreaM2() &&
+         known.SurfaceAreaM2() >= parameters_.parts.shares.majority * seen.SurfaceAreaM2();
 }
 
 bool MoveSearch::IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const {
@@ -115,8 +115,8 @@ std::vector<SessionMove> MoveSearch::ListMoves() const {
     }
   });
   std::erase_if(candidates, [&](const SessionMove& candidate) {
-    return candidate.match.overlap.known_share < parameters_.shares.majority ||
-           candidate.match.close_share() < parameters_.shares.most() ||
+    return candidate.match.overlap.known_share < parameters_.parts.shares.majority ||
+           candidate.match.close_share() < parameters_.parts.shares.most() ||
            (MayStand(*candidate.seen, *candidate.known) &&
             !IsPushed(*candidate.seen, *candidate.known, candidate.match));
   });
@@ -131,8 +131,9 @@ bool MoveSearch::IsOfStanding(const SessionMove& candidate) const {
   return std::any_of(
       objects_->doubted.begin(), objects_->doubted.end(), [&](const PlaceMatch& match) {
         return (match.seen == candidate.seen) != (match.known == candidate.known) &&
-               match.close_share >= parameters_.shares.most() &&
-               DoubtOf(*match.known->object, *objects_, parameters_) < parameters_.shares.majority;
+               match.close_share >= parameters_.parts.shares.most() &&
+               DoubtOf(*match.known->object, *objects_, parameters_) <
+                   parameters_.parts.shares.majority;
       });
 }
 
@@ -154,7 +155,8 @@ double MoveSearch::LikelihoodOf(const SessionMove& candidate) const {
   const bool is_pushed =
       DistanceBetween(candidate.known->object->cuboid(), candidate.seen->object->cuboid()) <= 0.0 &&
       IsPushed(*candidate.seen, *candidate.known, candidate.match);
-  return candidate.match.close_share() + (is_pushed ? 2.0 * parameters_.shares.negligible : 0.0);
+  return candidate.match.close_share() +
+         (is_pushed ? 2.0 * parameters_.parts.shares.negligible : 0.0);
 }
 
 /// Returns the moves without which the best explanation of all changes would be clearly worse.
@@ -165,8 +167,12 @@ std::vector<SessionMove> MoveSearch::FindClearMoves(
   for (const SessionMove& candidate : candidates) {
     pairs.push_back({candidate.seen->index, candidate.known->index, -LikelihoodOf(candidate)});
   }
-  const std::vector<std::optional<std::size_t>> columns = AssignClearColumns(
-      objects_->seen.size(), objects_->known.size(), pairs, 0.0, parameters_.shares.negligible);
+  const std::vector<std::optional<std::size_t>> columns =
+      AssignClearColumns(objects_->seen.size(),
+                         objects_->known.size(),
+                         pairs,
+                         0.0,
+                         parameters_.parts.shares.negligible);
   std::vector<SessionMove> clear;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (columns[pairs[i].row] == pairs[i].column) clear.push_back(candidates[i]);

@@ -10,6 +10,10 @@ namespace steadymap {
 
 /// The constants of `DecideSession`.
 struct SessionIdentityParameters {
+  /// Of `parts.shares`: what disagrees with a known shape is negligible, and what is known of it is
+  /// substantial in its place, a majority elsewhere; there, most of what is known agrees within the
+  /// error of two looks. A move is clear if without it, the best explanation of all changes agrees
+  /// by more than a negligible share less.
   SessionPartParameters parts;
   /// Stationarity of a new object.
   double initial_stationarity = 0.67;
@@ -25,11 +29,6 @@ struct SessionIdentityParameters {
   /// The same in standard deviations of the displacements of all objects, which tell the error of
   /// the poses.
   double max_pose_sigmas = 3.0;
-  /// What disagrees with a known shape is negligible, and what is known of it is substantial in its
-  /// place, a majority elsewhere; there, most of what is known agrees within the error of two
-  /// looks. A move is clear if without it, the best explanation of all changes agrees by more than
-  /// a negligible share less.
-  SurfaceShares shares;
   /// Smallest looked-at area that decides, square metres; of a smaller object, a substantial share
   /// of its evidence cells.
   double min_looked_at_area_m2 = 0.04;

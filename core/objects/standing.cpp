@@ -16,8 +16,9 @@ std::size_t DecidingCells(const LookCount& looks,
                           const SessionIdentityParameters& parameters,
                           const VoxelScale& scale) {
   const double cell_m = kEvidenceSide * scale.voxel_size_m;
-  const double cells = std::min(parameters.min_looked_at_area_m2 / (cell_m * cell_m),
-                                parameters.shares.substantial * static_cast<double>(looks.cells));
+  const double cells =
+      std::min(parameters.min_looked_at_area_m2 / (cell_m * cell_m),
+               parameters.parts.shares.substantial * static_cast<double>(looks.cells));
   return std::max(parameters.parts.min_points, static_cast<std::size_t>(cells));
 }
 
@@ -29,11 +30,12 @@ bool Replaces(const TrackedObject& other,
               const VoxelScale& scale) {
   if (is_doubted) {
     const double smaller_m3 = std::min(other.cuboid().volume_m3(), known.cuboid().volume_m3());
-    return OverlapM3(other.cuboid(), known.cuboid()) > parameters.shares.substantial * smaller_m3;
+    return OverlapM3(other.cuboid(), known.cuboid()) >
+           parameters.parts.shares.substantial * smaller_m3;
   }
   const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
-  return registration && registration->dissimilarity <= parameters.shares.negligible &&
-         registration->known_share >= parameters.shares.most() &&
+  return registration && registration->dissimilarity <= parameters.parts.shares.negligible &&
+         registration->known_share >= parameters.parts.shares.most() &&
          !FitsAtRest(*registration, parameters, scale) &&
          DisplacementOf(*registration, other) > parameters.max_displacement_m;
 }
@@ -45,7 +47,7 @@ bool Hides(const TrackedObject& other,
            const SessionIdentityParameters& parameters,
            const VoxelScale& scale) {
   return DistanceBetween(other.cuboid(), known.cuboid()) <= 0.0 &&
-         HiddenShare(known, other, scale) >= parameters.shares.substantial;
+         HiddenShare(known, other, scale) >= parameters.parts.shares.substantial;
 }
 
 }  // namespace
@@ -62,12 +64,12 @@ Standing JudgeStanding(const TrackedObject& known,
                        const VoxelScale& scale) {
   const LookCount looks = CountLooks(known);
   if (looks.looked_at() < DecidingCells(looks, parameters, scale)) return Standing::kUnknown;
-  const bool is_doubted = GoneShareOf(known) >= parameters.shares.negligible;
+  const bool is_doubted = GoneShareOf(known) >= parameters.parts.shares.negligible;
   const double contact_m = parameters.parts.surface.contact_voxels * scale.voxel_size_m;
   const std::size_t verified =
       looks.looked_at() - CountExplainedCells(known, others, contact_m, scale);
   if (is_doubted && static_cast<double>(looks.gone) >=
-                        parameters.shares.majority * static_cast<double>(verified)) {
+                        parameters.parts.shares.majority * static_cast<double>(verified)) {
     return Standing::kGone;
   }
   const auto any_other = [&](const auto& is_so) {

@@ -145,7 +145,6 @@ SessionIdentityParameters IdentityParametersOf(const MapConfig& config) {
   parameters.max_displacement_m =
       ParameterValue(config, "max_sigmas") * ParameterValue(config, "frame_error_m");
   parameters.max_pose_sigmas = ParameterValue(config, "max_sigmas");
-  parameters.shares = SharesOf(config);
   parameters.min_looked_at_area_m2 = ParameterValue(config, "min_judged_area_m2");
   parameters.min_part_cells = CountOf(config, "min_part_cells");
   parameters.max_pause_s = ParameterValue(config, "max_pause_s");

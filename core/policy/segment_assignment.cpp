@@ -51,9 +51,9 @@ std::vector<SegmentAssignment::Claim> SegmentAssignment::FindClaims() const {
 bool SegmentAssignment::IsOfObject(const Claim& claim) const {
   const FrameSegment& segment = frame_.segments[claim.segment];
   if ((*in_view_)[claim.place].object->state().class_id.value() == segment.label) {
-    return claim.share >= identity_.shares.substantial;
+    return claim.share >= identity_.parts.shares.substantial;
   }
-  return claim.area_m2 >= identity_.shares.most() * segment.area_m2;
+  return claim.area_m2 >= identity_.parts.shares.most() * segment.area_m2;
 }
 
 void SegmentAssignment::AssignScene() {

@@ -89,9 +89,9 @@ TEST(FitsAtRest, NeedsEnoughKnownSurface) {
   Registration registration;
   registration.known_loss = 0.03;
   registration.known_loss_at_rest = 0.01;
-  registration.known_share_at_rest = 0.9 * parameters.shares.substantial;
+  registration.known_share_at_rest = 0.9 * parameters.parts.shares.substantial;
   EXPECT_FALSE(FitsAtRest(registration, parameters, kScale));
-  registration.known_share_at_rest = 1.1 * parameters.shares.substantial;
+  registration.known_share_at_rest = 1.1 * parameters.parts.shares.substantial;
   EXPECT_TRUE(FitsAtRest(registration, parameters, kScale));
   registration.known_loss_at_rest = 0.08;
   EXPECT_FALSE(FitsAtRest(registration, parameters, kScale));
