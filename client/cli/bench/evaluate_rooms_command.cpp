@@ -49,6 +49,12 @@ EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* contex
       ->type_name("N")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command
+      ->add_option("--variation",
+                   variations_,
+                   "Gives every case these properties; all others are as in the default setting")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(RoomVariationNames()));
   command->add_option("--seed", seed_, "Seed of the settings and of all noise")
       ->type_name("N")
       ->capture_default_str();
@@ -86,6 +92,7 @@ absl::Status EvaluateRoomsCommand::Run() const {
   }
   options.labels = FindRoomLabels(labels_);
   options.cases = cases_;
+  options.variations = variations_;
   options.seed = seed_;
   ProgressReport report(&context_->err,
                         context_->err_is_terminal,

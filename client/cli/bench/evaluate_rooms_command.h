@@ -21,6 +21,7 @@ class EvaluateRoomsCommand {
 
   CommandContext* context_;
   std::vector<std::string> changes_;
+  std::vector<std::string> variations_;
   std::string policy_ = "pocd";
   std::vector<std::string> parameters_;
   std::string labels_;

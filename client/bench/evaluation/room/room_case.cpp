@@ -1,5 +1,6 @@
 #include "client/bench/evaluation/room/room_case.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -15,25 +16,48 @@ constexpr RoomLabels kAllLabels[] = {
 
 constexpr double kVariedShare = 1.0 / 3.0;
 
+constexpr const char* kVoxelNames[] = {"voxel-2cm", "voxel-10cm"};
+constexpr const char* kLabelNames[] = {"instances", "no-labels", "no-labels"};
+constexpr const char* kPathNames[] = {"pass", "look"};
+constexpr const char* kRateNames[] = {"2hz", "15hz", "30hz"};
+constexpr const char* kCameraNames[] = {"low", "high", "down"};
+constexpr const char* kFloorNames[] = {"floor-1.2m-below", "floor-7m-up", "ramp"};
+constexpr const char* kNoiseNames[] = {"noise-0", "noise-1%", "noise-2%"};
+constexpr const char* kPoseErrorNames[] = {
+    "drift-2cm", "drift-5cm", "drift-8cm", "offset-2cm", "offset-5cm", "offset-8cm"};
+constexpr const char* kSensorNames[] = {"hard-sensor"};
+
+constexpr std::span<const char* const> kAllNames[] = {kVoxelNames,
+                                                      kLabelNames,
+                                                      kPathNames,
+                                                      kRateNames,
+                                                      kCameraNames,
+                                                      kFloorNames,
+                                                      kNoiseNames,
+                                                      kPoseErrorNames,
+                                                      kSensorNames};
+
 constexpr double kRadiansPerDegree = M_PI / 180.0;
 
 // The camera of the room sees less far than its corners.
 constexpr double kMaxDepthM = 4.0;
 
-/// Draws the variations of one case.
+/// Gives one case its variations: those in `given`, or if there are none, drawn ones.
 class Variation {
  public:
-  Variation(std::uint64_t key, RoomCase* room_case) : key_(key), case_(room_case) {}
+  Variation(std::uint64_t key, std::span<const std::string> given, RoomCase* room_case)
+      : key_(key), given_(given), case_(room_case) {}
 
-  /// With the probability of a variation, calls `vary(choice)` for one of the `names` and notes it.
+  /// Calls `vary(choice)` for the given one of the `names`, or with the probability of a variation
+  /// for a drawn one, and notes it.
   template <typename Vary>
   void Maybe(std::span<const char* const> names, const Vary& vary) {
     const std::uint64_t key = Combine(key_, property_++);
-    if (UniformBetween(key, 0, 0.0, 1.0) >= kVariedShare) return;
-    const auto choice =
-        static_cast<std::size_t>(UniformBetween(key, 1, 0.0, static_cast<double>(names.size())));
-    vary(choice);
-    case_->variations.emplace_back(names[choice]);
+    const std::optional<std::size_t> choice =
+        given_.empty() ? Draw(key, names.size()) : Find(names);
+    if (!choice) return;
+    vary(*choice);
+    case_->variations.emplace_back(names[*choice]);
   }
 
   /// Returns a uniform number of the current property.
@@ -42,7 +66,20 @@ class Variation {
   }
 
  private:
+  static std::optional<std::size_t> Draw(std::uint64_t key, std::size_t count) {
+    if (UniformBetween(key, 0, 0.0, 1.0) >= kVariedShare) return std::nullopt;
+    return static_cast<std::size_t>(UniformBetween(key, 1, 0.0, static_cast<double>(count)));
+  }
+
+  std::optional<std::size_t> Find(std::span<const char* const> names) const {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (std::find(given_.begin(), given_.end(), names[i]) != given_.end()) return i;
+    }
+    return std::nullopt;
+  }
+
   std::uint64_t key_;
+  std::span<const std::string> given_;
   std::uint64_t property_ = 0;
   RoomCase* case_;
 };
@@ -54,50 +91,41 @@ bool AreTouching(RoomChange change) {
 }
 
 void VaryMap(RoomCase* room_case, Variation* variation) {
-  static constexpr const char* kVoxels[] = {"voxel-2cm", "voxel-10cm"};
   // A voxel of 10 cm is as large as the mug.
   const bool is_small = room_case->change == RoomChange::kMugRemoved;
-  variation->Maybe(std::span(kVoxels).first(is_small ? 1 : 2), [&](std::size_t choice) {
+  variation->Maybe(std::span(kVoxelNames).first(is_small ? 1 : 2), [&](std::size_t choice) {
     room_case->voxel_size_m = std::array{0.02, 0.1}[choice];
   });
   if (AreTouching(room_case->change)) return;
-  static constexpr const char* kLabels[] = {"instances", "no-labels", "no-labels"};
   const bool can_be_told = CanBeTold(room_case->change, RoomLabels::kNone);
-  variation->Maybe(std::span(kLabels).first(can_be_told ? 3 : 1), [&](std::size_t choice) {
+  variation->Maybe(std::span(kLabelNames).first(can_be_told ? 3 : 1), [&](std::size_t choice) {
     room_case->labels = choice == 0 ? RoomLabels::kInstances : RoomLabels::kNone;
   });
 }
 
 void VarySetting(BoxRoomSetting* setting, Variation* variation) {
-  static constexpr const char* kPaths[] = {"pass", "look"};
-  variation->Maybe(kPaths, [&](std::size_t choice) {
+  variation->Maybe(kPathNames, [&](std::size_t choice) {
     setting->path = std::array{RoomPath::kPass, RoomPath::kLook}[choice];
   });
-  static constexpr const char* kRates[] = {"2hz", "15hz", "30hz"};
-  variation->Maybe(kRates, [&](std::size_t choice) {
+  variation->Maybe(kRateNames, [&](std::size_t choice) {
     setting->frame_period_s = std::array{1.0 / 2.0, 1.0 / 15.0, 1.0 / 30.0}[choice];
   });
-  static constexpr const char* kCameras[] = {"low", "high", "down"};
   const double share = variation->Between(0.0, 1.0);
-  variation->Maybe(kCameras, [&](std::size_t choice) {
+  variation->Maybe(kCameraNames, [&](std::size_t choice) {
     setting->camera_height_m = std::array{0.3, 0.9, 1.5 + 0.5 * share}[choice];
     setting->looks_down = choice == 2;
   });
-  static constexpr const char* kFloors[] = {"floor-1.2m-below", "floor-7m-up", "ramp"};
-  variation->Maybe(kFloors, [&](std::size_t choice) {
+  variation->Maybe(kFloorNames, [&](std::size_t choice) {
     setting->floor_world_m = std::array{-1.2, 7.0, 0.0}[choice];
     setting->slope_rad = choice == 2 ? 3.0 * kRadiansPerDegree : 0.0;
   });
 }
 
 void VarySensor(SensorModel* sensor, Variation* variation) {
-  static constexpr const char* kNoises[] = {"noise-0", "noise-1%", "noise-2%"};
-  variation->Maybe(kNoises, [&](std::size_t choice) {
+  variation->Maybe(kNoiseNames, [&](std::size_t choice) {
     sensor->range_noise_share = std::array{0.0, 0.01, 0.02}[choice];
   });
-  static constexpr const char* kErrors[] = {
-      "drift-2cm", "drift-5cm", "drift-8cm", "offset-2cm", "offset-5cm", "offset-8cm"};
-  variation->Maybe(kErrors, [&](std::size_t choice) {
+  variation->Maybe(kPoseErrorNames, [&](std::size_t choice) {
     const double error_m = std::array{0.02, 0.05, 0.08}[choice % 3];
     const double error_rad = std::array{0.5, 0.5, 1.0}[choice % 3] * kRadiansPerDegree;
     const bool is_drift = choice < 3;
@@ -109,8 +137,7 @@ void VarySensor(SensorModel* sensor, Variation* variation) {
 
 /// Gives a sensor the depth and labels of `SensorModel::Hard`.
 void VaryKind(SensorModel* sensor, Variation* variation) {
-  static constexpr const char* kKinds[] = {"hard-sensor"};
-  variation->Maybe(kKinds, [&](std::size_t) {
+  variation->Maybe(kSensorNames, [&](std::size_t) {
     const SensorModel hard = SensorModel::Hard();
     sensor->correlated_noise = hard.correlated_noise;
     sensor->foreground_fattening = hard.foreground_fattening;
@@ -159,7 +186,20 @@ void GiveLabels(RoomLabels labels, RoomCase* room_case) {
   room_case->labels = labels;
 }
 
-std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::uint64_t seed) {
+std::vector<std::string> RoomVariationNames() {
+  std::vector<std::string> names;
+  for (const std::span<const char* const> property : kAllNames) {
+    for (const std::string_view name : property) {
+      if (names.empty() || names.back() != name) names.emplace_back(name);
+    }
+  }
+  return names;
+}
+
+std::vector<RoomCase> ListRoomCases(RoomChange change,
+                                    std::size_t count,
+                                    std::uint64_t seed,
+                                    std::span<const std::string> variations) {
   std::vector<RoomCase> cases;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t key = Combine(Combine(seed, static_cast<std::uint64_t>(change)), i);
@@ -168,13 +208,17 @@ std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::u
     room_case.sensor = DefaultSensor();
     if (AreTouching(change)) room_case.labels = RoomLabels::kInstances;
     room_case.seed = Combine(key, 1);
-    if (i == 0) continue;
-    Variation variation(Combine(key, 0), &room_case);
+    if (i == 0 && variations.empty()) continue;
+    Variation variation(Combine(key, 0), variations, &room_case);
     VaryMap(&room_case, &variation);
     VarySetting(&room_case.setting, &variation);
     VarySensor(&room_case.sensor, &variation);
     VaryKind(&room_case.sensor, &variation);
   }
+  // A change may not allow a variation.
+  std::erase_if(cases, [&](const RoomCase& room_case) {
+    return room_case.variations.size() < variations.size();
+  });
   return cases;
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,8 +40,15 @@ struct RoomCase {
 
 /// Returns `count` cases of a change: first the default case, then ones in which each property
 /// (voxel, frame rate, path, height of the camera, floor, labels, noise, pose error) has another
-/// value with a probability of a third. Equal arguments give equal cases.
-std::vector<RoomCase> ListRoomCases(RoomChange change, std::size_t count, std::uint64_t seed);
+/// value with a probability of a third. With `variations`, every case has these and no others;
+/// there are no cases if the change does not allow them. Equal arguments give equal cases.
+std::vector<RoomCase> ListRoomCases(RoomChange change,
+                                    std::size_t count,
+                                    std::uint64_t seed,
+                                    std::span<const std::string> variations = {});
+
+/// Returns the names of all variations.
+std::vector<std::string> RoomVariationNames();
 
 /// True if cases of a change have a truth with these labels: things that touch are two only by
 /// their instances, and classes that change places cannot be seen without labels.

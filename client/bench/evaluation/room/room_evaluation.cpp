@@ -116,7 +116,8 @@ absl::StatusOr<std::vector<RoomResult>> EvaluateRooms(const RoomEvaluationOption
   std::vector<RoomResult> results;
   for (const RoomChange change : options.changes) {
     if (options.labels && !CanBeTold(change, *options.labels)) continue;
-    for (RoomCase& room_case : ListRoomCases(change, options.cases, options.seed)) {
+    for (RoomCase& room_case :
+         ListRoomCases(change, options.cases, options.seed, options.variations)) {
       if (options.labels) GiveLabels(*options.labels, &room_case);
       absl::StatusOr<RoomResult> result = EvaluateRoom(room_case, options);
       if (!result.ok()) return result.status();

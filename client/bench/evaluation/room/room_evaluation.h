@@ -19,6 +19,8 @@ namespace steadymap {
 struct RoomEvaluationOptions {
   std::vector<RoomChange> changes = AllRoomChanges();
   std::size_t cases = 4;  ///< Per change.
+  /// Of every case; if empty, those that `ListRoomCases` draws.
+  std::vector<std::string> variations;
   std::uint64_t seed = 1;
   UpdatePolicy policy = UpdatePolicy::kPocd;
   ParameterValues parameters;  ///< Of the policy.
