@@ -60,11 +60,20 @@ class Continuity {
     const double depth_m = static_cast<double>(std::max(a.depth_m, b.depth_m));
     const double noise_m = max_sigmas_ * M_SQRT2 * cloud_.CellSigmaM(depth_m);
     const double spacing_m = spacing_per_m_ * depth_m;
-    if (way.norm() > kSpacingSlack * steps * spacing_m + noise_m / max_sigmas_) return false;
+    const double reach_m = kSpacingSlack * steps * spacing_m /
+                           (a.instance == 0 ? 1.0 : std::min(FacingOf(a), FacingOf(b)));
+    if (way.norm() > reach_m + noise_m / max_sigmas_) return false;
     // At an edge between two faces, a neighbour is as far from the plane as from the sample.
     const double limit_m = noise_m + steps * spacing_m;
     return std::abs(way.dot(a.normal_world.cast<double>())) < limit_m &&
            std::abs(way.dot(b.normal_world.cast<double>())) < limit_m;
+  }
+
+  /// Returns the cosine of the angle between the plane of a sample and the image plane.
+  double FacingOf(const SurfaceSample& sample) const {
+    const Eigen::Vector3f ray =
+        sample.position_world - cloud_.T_world_camera().translation().cast<float>();
+    return static_cast<double>(std::abs(ray.normalized().dot(sample.normal_world)));
   }
 
   /// True if the cell at a sample without a plane is on the line between its two neighbours.
@@ -83,6 +92,36 @@ class Continuity {
   double max_sigmas_;
   double spacing_per_m_;  ///< Of samples, at a depth of one metre.
 };
+
+/// Adds surface at flat angles to the sets of samples that it continues, if it is of their
+/// instance: then, the instance tells what is connected.
+void AddFlatSurface(const Continuity& continuity,
+                    const SampleGrid& samples,
+                    const std::vector<SampleUse>& uses,
+                    std::map<std::size_t, std::vector<std::size_t>>* by_root) {
+  const auto columns = static_cast<std::size_t>(samples.width());
+  std::vector<char> is_taken(samples.size(), 0);
+  for (auto& [root, indices] : *by_root) {
+    if (samples[indices.front()].instance == 0) continue;
+    for (std::size_t next = 0; next < indices.size(); ++next) {
+      const std::size_t from = indices[next];
+      const auto reach = [&](std::size_t index) {
+        if (is_taken[index] != 0 || !samples[index].is_valid() ||
+            uses[index] != SampleUse::kSurface || !HaveOneKey(samples[from], samples[index]) ||
+            !continuity.Joins(samples[from], samples[index], 1)) {
+          return;
+        }
+        is_taken[index] = 1;
+        indices.push_back(index);
+      };
+      if (from % columns > 0) reach(from - 1);
+      if (from % columns + 1 < columns) reach(from + 1);
+      if (from >= columns) reach(from - columns);
+      if (from + columns < samples.size()) reach(from + columns);
+    }
+    std::sort(indices.begin(), indices.end());
+  }
+}
 
 FrameSegment MakeSegment(const SampleGrid& samples, std::vector<std::size_t> indices) {
   FrameSegment segment;
@@ -137,11 +176,13 @@ std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
   for (std::size_t index = 0; index < samples.size(); ++index) {
     if (is_in(index)) by_root[sets.RootOf(index)].push_back(index);
   }
+  std::erase_if(by_root,
+                [&](const auto& set) { return set.second.size() < parameters.min_samples; });
+  AddFlatSurface(continuity, samples, uses, &by_root);
   std::vector<FrameSegment> segments;
-  for (auto& [root, indices] : by_root) {
-    if (indices.size() < parameters.min_samples) continue;
+  segments.reserve(by_root.size());
+  for (auto& [root, indices] : by_root)
     segments.push_back(MakeSegment(samples, std::move(indices)));
-  }
   return segments;
 }
 

@@ -221,7 +221,7 @@ void EvidenceMapper::FindSurfaceOf(std::size_t place) {
       const bool is_on_object = distance.known ? IsOnSurface(sample, distance, normal)
                                                : sampler.SampleNearest(point, &nearest_m) &&
                                                      std::abs(nearest_m) <= LimitAt(sample.depth_m);
-      if (is_on_object) on_objects_.push_back({index, place});
+      if (is_on_object) on_objects_.push_back({index, place, distance.known});
     }
   }
 }

@@ -276,9 +276,14 @@ void SegmentAssignment::SetOwners() {
   for (const SampleOnObject& found : frame_.on_objects) {
     if (association_.owner[found.sample] == found.place + 1) is_on_owner[found.sample] = 1;
   }
-  for (const SampleOnObject& found : frame_.on_objects) {
-    if ((*in_view_)[found.place].object->is_archived()) continue;
-    if (is_on_owner[found.sample] == 0) GiveToConnected(found);
+  // What is observed of an object is known better than what is beyond its border.
+  for (const bool is_observed : {false, true}) {
+    for (const SampleOnObject& found : frame_.on_objects) {
+      if (found.is_observed != is_observed || (*in_view_)[found.place].object->is_archived()) {
+        continue;
+      }
+      if (is_on_owner[found.sample] == 0) GiveToConnected(found);
+    }
   }
 }
 
@@ -287,12 +292,21 @@ void SegmentAssignment::SetOwners() {
 void SegmentAssignment::GiveToConnected(const SampleOnObject& found) {
   const ClassId class_id = (*in_view_)[found.place].object->state().class_id;
   const std::uint32_t owner = association_.owner[found.sample];
+  if (IsOfOtherInstance(found)) return;
   const bool is_unassigned = frame_.uses[found.sample] != SampleUse::kSegment &&
                              class_id.value() == frame_.samples[found.sample].label;
   const bool is_connected = Association::IsObject(owner) && segment_on_[found.place] == 0 &&
                             (*in_view_)[owner - 1].object->state().class_id == class_id;
   if (!is_unassigned && !is_connected) return;
   association_.owner[found.sample] = static_cast<std::uint32_t>(found.place + 1);
+}
+
+/// True if the frame shows the object by an instance that a sample on its surface is not of.
+bool SegmentAssignment::IsOfOtherInstance(const SampleOnObject& found) const {
+  if (segment_on_[found.place] == 0) return false;
+  const std::uint16_t instance = frame_.segments[segment_on_[found.place] - 1].instance;
+  const std::uint16_t of_sample = frame_.samples[found.sample].instance;
+  return instance != 0 && of_sample != 0 && instance != of_sample;
 }
 
 /// Gives the surface that belongs to no object to the unsegmented surface of its class.

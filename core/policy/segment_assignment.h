@@ -20,6 +20,8 @@ namespace steadymap {
 struct SampleOnObject {
   std::size_t sample = 0;
   std::size_t place = 0;  ///< Of the object in the list of objects in view.
+  /// True between observed voxels; false for at most a voxel beyond the observed surface.
+  bool is_observed = false;
 };
 
 /// One frame, for the assignment of its segments.
@@ -117,6 +119,7 @@ class SegmentAssignment {
   void CountBordersOn(const SampleLine& line, BorderCounts* borders) const;
   bool IsBorder(const SurfaceSample& a, const SurfaceSample& b, float nearest_between_m) const;
   void SetOwners();
+  bool IsOfOtherInstance(const SampleOnObject& found) const;
   void GiveToConnected(const SampleOnObject& found);
   void SetAside();
   std::size_t PlaceOfUnsegmented(ClassId class_id, const SurfaceSample& sample);

@@ -95,6 +95,23 @@ TEST_F(FrameSegmentsTest, InstancesDivideWhatTouches) {
   EXPECT_NE(boxes[0].instance, boxes[1].instance);
 }
 
+TEST_F(FrameSegmentsTest, SurfaceAtAFlatAngleIsOfTheSegmentOfItsInstance) {
+  Frame frame = RenderScene({DistantWall(), BoxAt(1.5, -0.25, 0.25)}, {});
+  const auto give_instance = [&](std::uint16_t instance) {
+    frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px, instance);
+    Look(frame);
+    for (std::size_t index = 0; index < samples_.size(); ++index) {
+      if (samples_[index].position_world.y() > 0.0F) uses_[index] = SampleUse::kSurface;
+    }
+  };
+  give_instance(0);
+  ASSERT_EQ(FindOf(kGoodsClass).size(), 1U);
+  EXPECT_NEAR(FindOf(kGoodsClass).front().area_m2, 0.25 * 0.6, 0.03);
+  give_instance(1);
+  ASSERT_EQ(FindOf(kGoodsClass).size(), 1U);
+  EXPECT_NEAR(FindOf(kGoodsClass).front().area_m2, 0.5 * 0.6, 0.05);
+}
+
 TEST_F(FrameSegmentsTest, ExcludedSamplesAreInNoSegment) {
   Look(RenderScene({DistantWall(), BoxAt(1.5, -0.25, 0.25)}, {}));
   const std::size_t excluded = FindOf(kGoodsClass).front().samples.front();

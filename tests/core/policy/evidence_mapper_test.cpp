@@ -662,6 +662,33 @@ TEST_F(EvidenceMapperTest, FlatAnglesDoNotConnectNeighbours) {
   }
 }
 
+TEST_F(EvidenceMapperTest, ThingsOfTwoInstancesThatTouchDoNotGrowIntoEachOther) {
+  // In one line, so that their sides and tops are one surface for a camera that looks along them.
+  std::vector<Frame> frames =
+      testing::LookAtScene({FarWall(),
+                            Body(kGoodsClass, {1.0, 0.3, -0.6}, {1.5, 0.7, -0.1}),
+                            Body(kGoodsClass, {1.5, 0.3, -0.6}, {2.0, 0.7, -0.1})},
+                           0,
+                           3 * kFrames);
+  for (Frame& frame : frames) {
+    frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px);
+    for (int v = 0; v < frame.camera.height_px; ++v) {
+      for (int u = 0; u < frame.camera.width_px; ++u) {
+        if (frame.labels.At(u, v) != kGoodsClass) continue;
+        const double depth_m = frame.depth.units.At(u, v) * frame.depth.metres_per_unit;
+        const Eigen::Vector3d point_world =
+            frame.T_world_camera * (frame.camera.Ray(u, v) * depth_m);
+        frame.instances.At(u, v) = point_world.x() < 1.5 ? 1 : 2;
+      }
+    }
+  }
+  story_.Play(frames);
+  story_.EndSession();
+  const auto things = story_.Present(kGoodsClass);
+  ASSERT_EQ(things.size(), 2U);
+  for (const auto& thing : things) EXPECT_LT(thing->cuboid.size_m.x(), 0.6);
+}
+
 /// Returns the votes on all pairs of goods of a session together.
 PartVotes VotesOnGoods(const MapSnapshot& map) {
   PartVotes sum;
