@@ -231,8 +231,16 @@ bool EvidenceMapper::IsStructureInView(const TrackedObject& object) const {
   return !has_labels_ && IsStructure(object, parameters_.identity.parts.scene);
 }
 
+/// Returns the weight of the cell of a sample.
+double EvidenceMapper::WeightOf(std::size_t index) const {
+  const auto columns = static_cast<std::size_t>(samples_.width());
+  const int column = static_cast<int>(index % columns) * SampleGrid::kStrideCells;
+  const int row = static_cast<int>(index / columns) * SampleGrid::kStrideCells;
+  return static_cast<double>(cloud_->At(column, row).weight);
+}
+
 /// Finds the samples on known surface of the session, of structures or of the background. A label
-/// that contradicts the surface is wrong.
+/// that contradicts the surface is wrong, unless few frames have shown the background there.
 void EvidenceMapper::FindSurfaces() {
   on_objects_.clear();
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
@@ -245,14 +253,16 @@ void EvidenceMapper::FindSurfaces() {
   uses_.assign(samples_.size(), SampleUse::kSegment);
   const Eigen::Vector3d camera_world = cloud_->T_world_camera().translation();
   TsdfSampler sampler(map_->background(), map_->scale());
+  const auto min_frames = static_cast<double>(parameters_.identity.parts.min_doubted_frames);
   for (std::size_t index = 0; index < samples_.size(); ++index) {
     const SurfaceSample& sample = samples_[index];
     if (!sample.is_valid() || (has_labels_ && config_.IsInBackground(ClassId(sample.label)))) {
       continue;
     }
-    const bool is_on_background = IsOnSurface(sample,
-                                              sampler.Sample(sample.position_world.cast<double>()),
-                                              sample.normal_world.cast<double>());
+    const DistanceSample background = sampler.Sample(sample.position_world.cast<double>());
+    const bool is_on_background =
+        IsOnSurface(sample, background, sample.normal_world.cast<double>()) &&
+        (!has_labels_ || background.weight >= min_frames * WeightOf(index));
     const Eigen::Vector3d to_camera =
         (camera_world - sample.position_world.cast<double>()).normalized();
     const bool is_flat = to_camera.dot(sample.normal_world.cast<double>()) <

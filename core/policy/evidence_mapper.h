@@ -72,6 +72,7 @@ class EvidenceMapper final : public MapUpdater {
   void CorrectPose(const Frame& frame);
   void FindObjects(const SensorName& source);
   void LookAtObjects(const SensorName& source);
+  double WeightOf(std::size_t index) const;
   void FindSurfaces();
   void FindSurfaceOf(std::size_t place);
   double LimitAt(float depth_m) const;

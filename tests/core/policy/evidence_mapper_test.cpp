@@ -31,6 +31,7 @@ using ::steadymap::testing::SceneBody;
 
 constexpr int kFrames = 10;
 
+constexpr std::uint16_t kFloorClass = 1;
 constexpr std::uint16_t kTableClass = 8;
 
 const SensorName kOne{"one", SensorName::kDefaultSensor};
@@ -643,6 +644,19 @@ TEST_F(EvidenceMapperTest, ALegBesideAKnownOneIsAPartOfIt) {
   Visit({FarWall(), Post(-0.3, -0.5, 3.0), Post(0.5, -0.5, 3.0)});
   EXPECT_EQ(story_.EventsOf(EventType::kCreated, kGoodsClass).size(), 1U);
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
+}
+
+TEST_F(EvidenceMapperTest, TwoFramesWithAWrongLabelDoNotMakeAThingBackground) {
+  std::vector<Frame> frames = testing::LookAtScene({FarWall(), Goods(0.0)}, 0, kFrames);
+  for (std::size_t i = 0; i < 2; ++i) {
+    Image<std::uint16_t>& labels = frames[i].labels;
+    std::replace(labels.data(), labels.data() + labels.size(), kGoodsClass, kFloorClass);
+  }
+  story_.Play(frames);
+  story_.EndSession();
+  const auto things = story_.Present(kGoodsClass);
+  ASSERT_EQ(things.size(), 1U);
+  EXPECT_GT(things.front()->cuboid.size_m.maxCoeff(), 0.55);
 }
 
 TEST_F(EvidenceMapperTest, ASideAtAFlatAngleBelongsToItsThing) {
