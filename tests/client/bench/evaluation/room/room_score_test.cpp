@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "client/bench/evaluation/room/room_case.h"
-
 namespace steadymap {
 namespace {
 
@@ -139,18 +137,6 @@ TEST_F(ScoreRoomTest, ClassesCountUnlessTheFramesHaveNone) {
   map_.objects.back()->class_id = ClassId(12);
   EXPECT_FALSE(Score().is_exact());
   EXPECT_TRUE(Score({.compares_classes = false}).is_exact());
-}
-
-TEST(ListRoomCases, BeginsWithTheDefaultAndIsTheSameEveryTime) {
-  const std::vector<RoomCase> cases = ListRoomCases(RoomChange::kRemoved, 40, 3);
-  ASSERT_EQ(cases.size(), 40U);
-  EXPECT_TRUE(cases.front().variations.empty());
-  std::size_t varied = 0;
-  for (const RoomCase& room_case : cases) varied += room_case.variations.size();
-  // Nine properties, each with a probability of a third.
-  EXPECT_NEAR(static_cast<double>(varied), 39.0 * 9.0 / 3.0, 30.0);
-  EXPECT_EQ(ListRoomCases(RoomChange::kRemoved, 40, 3).back().variations, cases.back().variations);
-  EXPECT_NE(ListRoomCases(RoomChange::kRemoved, 40, 4)[5].seed, cases[5].seed);
 }
 
 }  // namespace
