@@ -93,35 +93,42 @@ class Continuity {
   double spacing_per_m_;  ///< Of samples, at a depth of one metre.
 };
 
-/// Adds surface at flat angles to the sets of samples that it continues, if it is of their
-/// instance: then, the instance tells what is connected.
-void AddFlatSurface(const Continuity& continuity,
-                    const SampleGrid& samples,
-                    const std::vector<SampleUse>& uses,
-                    std::map<std::size_t, std::vector<std::size_t>>* by_root) {
-  const auto columns = static_cast<std::size_t>(samples.width());
-  std::vector<char> is_taken(samples.size(), 0);
-  for (auto& [root, indices] : *by_root) {
-    if (samples[indices.front()].instance == 0) continue;
-    for (std::size_t next = 0; next < indices.size(); ++next) {
-      const std::size_t from = indices[next];
-      const auto reach = [&](std::size_t index) {
-        if (is_taken[index] != 0 || !samples[index].is_valid() ||
-            uses[index] != SampleUse::kSurface || !HaveOneKey(samples[from], samples[index]) ||
-            !continuity.Joins(samples[from], samples[index], 1)) {
-          return;
-        }
-        is_taken[index] = 1;
-        indices.push_back(index);
-      };
-      if (from % columns > 0) reach(from - 1);
-      if (from % columns + 1 < columns) reach(from + 1);
-      if (from >= columns) reach(from - columns);
-      if (from + columns < samples.size()) reach(from + columns);
+/// The surface of a frame at flat angles, which belongs to the segment of its instance that it
+/// continues: there, the instance tells what is connected.
+class FlatSurface {
+ public:
+  FlatSurface(const Continuity& continuity,
+              const SampleGrid& samples,
+              const std::vector<SampleUse>& uses)
+      : continuity_(continuity), samples_(samples), uses_(uses), is_taken_(samples.size(), 0) {}
+
+  /// Adds what continues a segment. The order of its samples is lost.
+  void AddTo(std::vector<std::size_t>* segment) {
+    const auto columns = static_cast<std::size_t>(samples_.width());
+    for (std::size_t next = 0; next < segment->size(); ++next) {
+      const std::size_t from = (*segment)[next];
+      if (from % columns > 0) Reach(from, from - 1, segment);
+      if (from % columns + 1 < columns) Reach(from, from + 1, segment);
+      if (from >= columns) Reach(from, from - columns, segment);
+      if (from + columns < samples_.size()) Reach(from, from + columns, segment);
     }
-    std::sort(indices.begin(), indices.end());
   }
-}
+
+ private:
+  void Reach(std::size_t from, std::size_t index, std::vector<std::size_t>* segment) {
+    const SurfaceSample& sample = samples_[index];
+    if (is_taken_[index] != 0 || !sample.is_valid() || uses_[index] != SampleUse::kSurface) return;
+    if (!HaveOneKey(samples_[from], sample) || !continuity_.Joins(samples_[from], sample, 1))
+      return;
+    is_taken_[index] = 1;
+    segment->push_back(index);
+  }
+
+  const Continuity& continuity_;
+  const SampleGrid& samples_;
+  const std::vector<SampleUse>& uses_;
+  std::vector<char> is_taken_;
+};
 
 FrameSegment MakeSegment(const SampleGrid& samples, std::vector<std::size_t> indices) {
   FrameSegment segment;
@@ -178,7 +185,12 @@ std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
   }
   std::erase_if(by_root,
                 [&](const auto& set) { return set.second.size() < parameters.min_samples; });
-  AddFlatSurface(continuity, samples, uses, &by_root);
+  FlatSurface flat(continuity, samples, uses);
+  for (auto& [root, indices] : by_root) {
+    if (samples[indices.front()].instance == 0) continue;
+    flat.AddTo(&indices);
+    std::sort(indices.begin(), indices.end());
+  }
   std::vector<FrameSegment> segments;
   segments.reserve(by_root.size());
   for (auto& [root, indices] : by_root)

@@ -15,7 +15,8 @@ struct SessionPartParameters {
   /// Fewest frames and smallest surface, square metres, of an object.
   std::uint64_t min_frames = 2;
   double min_area_m2 = 0.004;
-  /// Fewest frames of an object that others contradict: fewer have a wrong label.
+  /// Fewest frames of an object, or of background, that others contradict: fewer have a wrong
+  /// label.
   std::uint64_t min_doubted_frames = 5;
   /// Fewest points or cells of a surface that count as evidence: so many span a plane.
   std::size_t min_points = 3;

@@ -209,7 +209,7 @@ constexpr PolicyParameter kPocd[] = {
      1.0,
      1000.0,
      kIsWhole,
-     "fewest frames of an object that as many frames have not found"},
+     "fewest frames of a surface whose label as many frames contradict"},
     {"min_area_m2", 0.004, 0.0, 10.0, kIsReal, "smallest surface of an object with a label"},
     {"contact_voxels",
      1.5,
