@@ -52,7 +52,8 @@ EvaluateRoomsCommand::EvaluateRoomsCommand(CLI::App* app, CommandContext* contex
   command
       ->add_option("--variation",
                    variations_,
-                   "Gives every case these properties; all others are as in the default setting")
+                   "Properties of all cases, instead of drawn ones; the others are as in the "
+                   "default setting. Leaves out changes that do not allow them")
       ->type_name("NAME")
       ->check(CLI::IsMember(RoomVariationNames()));
   command->add_option("--seed", seed_, "Seed of the settings and of all noise")

@@ -125,6 +125,9 @@ absl::StatusOr<std::vector<RoomResult>> EvaluateRooms(const RoomEvaluationOption
       if (options.on_case) options.on_case();
     }
   }
+  if (results.empty()) {
+    return absl::InvalidArgumentError("no change allows these variations and labels together");
+  }
   return results;
 }
 

@@ -44,7 +44,8 @@ struct RoomResult {
 };
 
 /// Plays every case into a map of its own and compares events and objects with the truth. Errors:
-/// those of `Mapper::Create`.
+/// those of `Mapper::Create`, and `InvalidArgument` if there is no case: two variations of one
+/// property, or changes that do not allow the variations or labels.
 absl::StatusOr<std::vector<RoomResult>> EvaluateRooms(const RoomEvaluationOptions& options);
 
 /// Returns a table of the share of exact cases and of the RMS errors of the poses: in total, by

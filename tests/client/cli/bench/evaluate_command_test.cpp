@@ -183,6 +183,15 @@ TEST(EvaluateRoomsCommand, RefusesAnUnknownChangeOrPolicy) {
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--change", "painted"}).exit_code, 2);
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--policy", "best"}).exit_code, 2);
   EXPECT_EQ(Steadymap({"evaluate-rooms", "--cases", "0"}).exit_code, 2);
+  EXPECT_EQ(Steadymap({"evaluate-rooms", "--variation", "31hz"}).exit_code, 2);
+}
+
+TEST(EvaluateRoomsCommand, RefusesVariationsThatNoChangeAllowsTogether) {
+  const Outcome outcome =
+      Steadymap({"evaluate-rooms", "--variation", "15hz", "--variation", "30hz"});
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("no change allows these variations"), std::string::npos)
+      << outcome.err;
 }
 
 TEST(EvaluateFleetCommand, PrintsARowForEachCase) {
