@@ -60,20 +60,16 @@ class Continuity {
     const double depth_m = static_cast<double>(std::max(a.depth_m, b.depth_m));
     const double noise_m = max_sigmas_ * M_SQRT2 * cloud_.CellSigmaM(depth_m);
     const double spacing_m = spacing_per_m_ * depth_m;
-    const double reach_m = kSpacingSlack * steps * spacing_m /
-                           (a.instance == 0 ? 1.0 : std::min(FacingOf(a), FacingOf(b)));
+    // Within one instance there is no gap to miss, and the spacing grows with the slant.
+    const double reach_m =
+        kSpacingSlack * steps *
+        (a.instance == 0 ? spacing_m
+                         : static_cast<double>(std::max(a.area_m2, b.area_m2)) / spacing_m);
     if (way.norm() > reach_m + noise_m / max_sigmas_) return false;
     // At an edge between two faces, a neighbour is as far from the plane as from the sample.
     const double limit_m = noise_m + steps * spacing_m;
     return std::abs(way.dot(a.normal_world.cast<double>())) < limit_m &&
            std::abs(way.dot(b.normal_world.cast<double>())) < limit_m;
-  }
-
-  /// Returns the cosine of the angle between the plane of a sample and the image plane.
-  double FacingOf(const SurfaceSample& sample) const {
-    const Eigen::Vector3f ray =
-        sample.position_world - cloud_.T_world_camera().translation().cast<float>();
-    return static_cast<double>(std::abs(ray.normalized().dot(sample.normal_world)));
   }
 
   /// True if the cell at a sample without a plane is on the line between its two neighbours.
@@ -93,16 +89,16 @@ class Continuity {
   double spacing_per_m_;  ///< Of samples, at a depth of one metre.
 };
 
-/// The surface of a frame at flat angles, which belongs to the segment of its instance that it
-/// continues: there, the instance tells what is connected.
-class FlatSurface {
+/// Adds the surface that a frame sees at flat angles to adjacent segments of the same instance: the
+/// depth does not tell what is connected there, but the instance does.
+class FlatAngleSurface {
  public:
-  FlatSurface(const Continuity& continuity,
-              const SampleGrid& samples,
-              const std::vector<SampleUse>& uses)
+  FlatAngleSurface(const Continuity& continuity,
+                   const SampleGrid& samples,
+                   const std::vector<SampleUse>& uses)
       : continuity_(continuity), samples_(samples), uses_(uses), is_taken_(samples.size(), 0) {}
 
-  /// Adds what continues a segment. The order of its samples is lost.
+  /// Appends the samples that are connected to those of a segment.
   void AddTo(std::vector<std::size_t>* segment) {
     const auto columns = static_cast<std::size_t>(samples_.width());
     for (std::size_t next = 0; next < segment->size(); ++next) {
@@ -185,7 +181,7 @@ std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
   }
   std::erase_if(by_root,
                 [&](const auto& set) { return set.second.size() < parameters.min_samples; });
-  FlatSurface flat(continuity, samples, uses);
+  FlatAngleSurface flat(continuity, samples, uses);
   for (auto& [root, indices] : by_root) {
     if (samples[indices.front()].instance == 0) continue;
     flat.AddTo(&indices);

@@ -40,9 +40,8 @@ struct ContinuityParameters {
 
 /// Divides the valid samples of a frame, those of `cloud`, whose use is `kSegment`, into segments.
 /// Neighbours are of one segment if they have one instance, or else one class, and no gap in depth
-/// is between them. Samples of the use `kSurface` with an instance are of the segment of that
-/// instance that they continue. Returns the segments in the order of the first sample of
-/// `kSegment`.
+/// is between them. A sample with the use `kSurface` joins an adjacent segment of its instance.
+/// Returns the segments in the order of their first samples with the use `kSegment`.
 std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
                                             const SampleGrid& samples,
                                             const std::vector<SampleUse>& uses,

@@ -231,7 +231,7 @@ bool EvidenceMapper::IsStructureInView(const TrackedObject& object) const {
   return !has_labels_ && IsStructure(object, parameters_.identity.parts.scene);
 }
 
-/// Returns the weight of the cell of a sample.
+/// Returns the weight with which the frame measures the surface at a sample.
 double EvidenceMapper::WeightOf(std::size_t index) const {
   const auto columns = static_cast<std::size_t>(samples_.width());
   const int column = static_cast<int>(index % columns) * SampleGrid::kStrideCells;
@@ -240,7 +240,8 @@ double EvidenceMapper::WeightOf(std::size_t index) const {
 }
 
 /// Finds the samples on known surface of the session, of structures or of the background. A label
-/// that contradicts the surface is wrong, unless few frames have shown the background there.
+/// that contradicts the surface is wrong. Background that only a few frames have measured does not
+/// contradict a label: those frames may have had the wrong one.
 void EvidenceMapper::FindSurfaces() {
   on_objects_.clear();
   for (std::size_t place = 0; place < in_view_.size(); ++place) {

@@ -276,7 +276,8 @@ void SegmentAssignment::SetOwners() {
   for (const SampleOnObject& found : frame_.on_objects) {
     if (association_.owner[found.sample] == found.place + 1) is_on_owner[found.sample] = 1;
   }
-  // What is observed of an object is known better than what is beyond its border.
+  // The last one to take a sample keeps it: an object whose observed surface the sample is on
+  // prevails over one that merely ends beside it.
   for (const bool is_observed : {false, true}) {
     for (const SampleOnObject& found : frame_.on_objects) {
       if (found.is_observed != is_observed || (*in_view_)[found.place].object->is_archived()) {
@@ -288,11 +289,11 @@ void SegmentAssignment::SetOwners() {
 }
 
 /// Gives a sample to the object whose surface it is on, if the sample is in no segment, or if its
-/// segment connects the object with another one.
+/// segment connects the object with another one; not if the frame shows them as two instances.
 void SegmentAssignment::GiveToConnected(const SampleOnObject& found) {
+  if (IsOfOtherInstance(found)) return;
   const ClassId class_id = (*in_view_)[found.place].object->state().class_id;
   const std::uint32_t owner = association_.owner[found.sample];
-  if (IsOfOtherInstance(found)) return;
   const bool is_unassigned = frame_.uses[found.sample] != SampleUse::kSegment &&
                              class_id.value() == frame_.samples[found.sample].label;
   const bool is_connected = Association::IsObject(owner) && segment_on_[found.place] == 0 &&
@@ -301,7 +302,7 @@ void SegmentAssignment::GiveToConnected(const SampleOnObject& found) {
   association_.owner[found.sample] = static_cast<std::uint32_t>(found.place + 1);
 }
 
-/// True if the frame shows the object by an instance that a sample on its surface is not of.
+/// True if a sample and the segment of the object whose surface it is on differ in their instance.
 bool SegmentAssignment::IsOfOtherInstance(const SampleOnObject& found) const {
   if (segment_on_[found.place] == 0) return false;
   const std::uint16_t instance = frame_.segments[segment_on_[found.place] - 1].instance;
