@@ -269,7 +269,10 @@ void WorkingMap::StoreRobot(const SensorName& sensor, const RobotState& state) {
   changed_robots_.insert(sensor);
   if (map_.robots.size() <= kMaxRobots) return;
   const auto longest_ago =
-      std::min_element(map_.robots.begin(), map_.robots.end(), [](const auto& a, const auto& b) {
+      std::min_element(map_.robots.begin(), map_.robots.end(), [&](const auto& a, const auto& b) {
+        const bool is_a_stored = a.first == sensor;
+        const bool is_b_stored = b.first == sensor;
+        if (is_a_stored || is_b_stored) return is_b_stored && !is_a_stored;
         return a.second.last_capture_time < b.second.last_capture_time;
       });
   changed_robots_.insert(longest_ago->first);

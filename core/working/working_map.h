@@ -142,8 +142,8 @@ class WorkingMap {
   /// Returns the state of a robot; null if there is none. Valid until the next `StoreRobot`.
   const RobotState* FindRobot(const SensorName& sensor) const;
 
-  /// Stores the state of a robot. Beyond the maximum number of robots, removes the one with the
-  /// oldest last frame.
+  /// Stores the state of a robot. Beyond the maximum number of robots, removes the one of the
+  /// others with the oldest last frame.
   void StoreRobot(const SensorName& sensor, const RobotState& state);
 
   /// Makes an event with the current state of an object. Complete it and pass it to `RecordEvent`.

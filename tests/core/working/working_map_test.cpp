@@ -2,6 +2,7 @@
 
 #include <map>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -190,6 +191,19 @@ TEST(WorkingMap, SharesVolumesWithTheSnapshotItWasRestoredFromUntilItWritesThem)
   EXPECT_NE(&object.volume(), volume.get());
   EXPECT_EQ(object.volume().leaf_count(), leaves + 1);
   EXPECT_EQ(volume->leaf_count(), leaves);
+}
+
+TEST(WorkingMap, KeepsTheRobotThatItStoresThoughAllOthersAreNewer) {
+  WorkingMap map((MapConfig()));
+  constexpr int kRobots = 1500;
+  for (int i = 0; i < kRobots; ++i) {
+    const SensorName sensor{"robot-" + std::to_string(i), SensorName::kDefaultSensor};
+    RobotState state;
+    state.last_capture_time = Timestamp::FromSeconds(kRobots - i);
+    map.StoreRobot(sensor, state);
+    ASSERT_NE(map.FindRobot(sensor), nullptr) << i;
+  }
+  EXPECT_LT(map.Commit().snapshot->robots.size(), kRobots);
 }
 
 TEST(WorkingMap, FindsNothingInAnEmptyBoxNorAnObjectWithoutSurface) {
