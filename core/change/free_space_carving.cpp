@@ -13,6 +13,7 @@ constexpr double kMarginM = 0.15;
 
 void CarveFreeSpace(const SampleGrid& samples,
                     const Eigen::Vector3d& camera_world,
+                    Timestamp session_start,
                     WorkingMap* map) {
   for (int row = 0; row < samples.height(); row += kStride) {
     for (int column = 0; column < samples.width(); column += kStride) {
@@ -22,7 +23,8 @@ void CarveFreeSpace(const SampleGrid& samples,
       const double length_m = way.norm();
       if (length_m < 2.0 * kMarginM) continue;
       map->MarkFree(camera_world + way * (kMarginM / length_m),
-                    camera_world + way * (1.0 - kMarginM / length_m));
+                    camera_world + way * (1.0 - kMarginM / length_m),
+                    session_start);
     }
   }
 }

@@ -56,12 +56,12 @@ std::vector<ObjectChange> DiffObjects(const MapSnapshot& before, const MapSnapsh
 }
 
 std::vector<FreeBlockChange> DiffFreeSpace(const FreeSpace& before, const FreeSpace& after) {
-  std::map<LeafOrigin, LeafMask> changes;
-  before.ForEachBlock([&](LeafOrigin origin, const LeafMask&) { changes[origin] = {}; });
-  after.ForEachBlock([&](LeafOrigin origin, const LeafMask& cells) { changes[origin] = cells; });
+  std::map<LeafOrigin, FreeBlock> changes;
+  before.ForEachBlock([&](LeafOrigin origin, const FreeBlock&) { changes[origin] = {}; });
+  after.ForEachBlock([&](LeafOrigin origin, const FreeBlock& block) { changes[origin] = block; });
   std::vector<FreeBlockChange> blocks;
-  for (const auto& [origin, cells] : changes) {
-    if (before.FindBlock(origin) != cells) blocks.push_back({origin, cells});
+  for (const auto& [origin, block] : changes) {
+    if (before.FindBlock(origin) != block) blocks.push_back({origin, block});
   }
   return blocks;
 }
@@ -141,7 +141,7 @@ absl::Status Apply(const MapDelta& delta, MapSnapshot* snapshot) {
   }
   edits.Finish();
   for (const FreeBlockChange& change : delta.free_blocks) {
-    snapshot->free_space.StoreBlock(change.origin, change.cells);
+    snapshot->free_space.StoreBlock(change.origin, change.block);
   }
   for (const RobotChange& change : delta.robots) {
     if (change.state.has_value()) {

@@ -37,7 +37,7 @@ struct ObjectChange {
 /// The new state of one block of free space.
 struct FreeBlockChange {
   LeafOrigin origin;
-  LeafMask cells{};
+  FreeBlock block;
 
   friend bool operator==(const FreeBlockChange&, const FreeBlockChange&) = default;
 };

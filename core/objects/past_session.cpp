@@ -13,7 +13,8 @@ bool IsOfPast(const SessionObjects& objects, Timestamp end, double max_pause_s) 
   });
 }
 
-void FindRemovedSince(const FreeSpace& free_space, SessionObjects* objects) {
+void FindRemovedSince(const WorkingMap& map, SessionObjects* objects) {
+  const FreeSpaceSince free_space(map.free_space(), map.now());
   for (SeenObject& seen : objects->seen) {
     seen.removed_share = FreeShareOf(*seen.object, free_space);
   }
@@ -23,7 +24,8 @@ void CutRemovedSince(const SeenObject& seen, WorkingMap* map) {
   if (!(seen.removed_share > 0.0)) return;
   {
     ObjectEdit edit = map->Edit(seen.object);
-    DoubtFreeCells(*seen.object, map->free_space(), &edit.state().evidence);
+    DoubtFreeCells(
+        *seen.object, FreeSpaceSince(map->free_space(), map->now()), &edit.state().evidence);
   }
   CutGoneCells(seen.object, map);
 }

@@ -12,7 +12,7 @@ namespace steadymap {
 bool IsOfPast(const SessionObjects& objects, Timestamp end, double max_pause_s);
 
 /// Finds which share of each object of a session of the past later sessions have looked through.
-void FindRemovedSince(const FreeSpace& free_space, SessionObjects* objects);
+void FindRemovedSince(const WorkingMap& map, SessionObjects* objects);
 
 /// Cuts that off an object.
 void CutRemovedSince(const SeenObject& seen, WorkingMap* map);

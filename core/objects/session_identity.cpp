@@ -44,7 +44,7 @@ class SessionDecision {
     ListObjects();
     Align();
     is_of_past_ = IsOfPast(objects_, map_->now(), parameters_.max_pause_s);
-    if (is_of_past_) FindRemovedSince(map_->free_space(), &objects_);
+    if (is_of_past_) FindRemovedSince(*map_, &objects_);
     SeparateNew();
     MatchInPlace();
     JudgeKnown();

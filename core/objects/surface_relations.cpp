@@ -47,7 +47,7 @@ class OtherSurface {
 /// True if the space just behind a surface is free.
 bool IsFreeBehind(const SurfaceVoxel& point,
                   const Eigen::Isometry3d& T_world_object,
-                  const FreeSpace& free_space) {
+                  const FreeSpaceSince& free_space) {
   const Eigen::Vector3d behind = point.position_object.cast<double>() -
                                  free_space.cell_size_m() * point.normal_object.cast<double>();
   return free_space.IsFree(T_world_object * behind);
@@ -115,7 +115,7 @@ double HiddenShare(const TrackedObject& object,
   return tested == 0 ? 0.0 : static_cast<double>(hidden) / static_cast<double>(tested);
 }
 
-double FreeShareOf(const TrackedObject& object, const FreeSpace& free_space) {
+double FreeShareOf(const TrackedObject& object, const FreeSpaceSince& free_space) {
   const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
   std::size_t free = 0;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
@@ -128,7 +128,7 @@ double FreeShareOf(const TrackedObject& object, const FreeSpace& free_space) {
 }
 
 void DoubtFreeCells(const TrackedObject& object,
-                    const FreeSpace& free_space,
+                    const FreeSpaceSince& free_space,
                     ObjectEvidence* evidence) {
   const Eigen::Isometry3d T_world_object = object.state().T_world_object.ToIsometry();
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {

@@ -24,12 +24,12 @@ double HiddenShare(const TrackedObject& object,
 
 /// Returns the share of the surface of `object` that has free space just behind it: something was
 /// seen through it.
-double FreeShareOf(const TrackedObject& object, const FreeSpace& free_space);
+double FreeShareOf(const TrackedObject& object, const FreeSpaceSince& free_space);
 
 /// Sets the scores of the cells in `evidence` of which that is true for most of the surface to
 /// gone.
 void DoubtFreeCells(const TrackedObject& object,
-                    const FreeSpace& free_space,
+                    const FreeSpaceSince& free_space,
                     ObjectEvidence* evidence);
 
 }  // namespace steadymap

@@ -91,7 +91,10 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   stages_.Enter(MapperStage::kIntegration);
   FuseSession(assignment);
   stages_.Enter(MapperStage::kFreeSpace);
-  CarveFreeSpace(samples_, cloud_->T_world_camera().translation(), map);
+  CarveFreeSpace(samples_,
+                 cloud_->T_world_camera().translation(),
+                 *map->FindRobot(frame.source)->session_start,
+                 map);
 }
 
 void EvidenceMapper::BeginSession(const Frame& frame) {

@@ -67,12 +67,12 @@ std::size_t FreeSpace::PlaceInTile(LeafOrigin block) {
   return (place(block.x) * kTileBlocks + place(block.y)) * kTileBlocks + place(block.z);
 }
 
-LeafMask FreeSpace::FindBlock(LeafOrigin origin) const {
+FreeBlock FreeSpace::FindBlock(LeafOrigin origin) const {
   const auto tile = tiles_.find(TileOf(origin));
-  return tile == tiles_.end() ? LeafMask{} : (*tile->second)[PlaceInTile(origin)];
+  return tile == tiles_.end() ? FreeBlock() : (*tile->second)[PlaceInTile(origin)];
 }
 
-LeafMask& FreeSpace::MutableBlock(LeafOrigin origin) {
+FreeBlock& FreeSpace::MutableBlock(LeafOrigin origin) {
   std::shared_ptr<Tile>& tile = tiles_[TileOf(origin)];
   if (tile == nullptr) {
     tile = std::make_shared<Tile>();
@@ -82,10 +82,10 @@ LeafMask& FreeSpace::MutableBlock(LeafOrigin origin) {
   return (*tile)[PlaceInTile(origin)];
 }
 
-void FreeSpace::ForEachBlock(const std::function<void(LeafOrigin, const LeafMask&)>& visit) const {
+void FreeSpace::ForEachBlock(const std::function<void(LeafOrigin, const FreeBlock&)>& visit) const {
   for (const auto& [lowest, tile] : tiles_) {
     for (std::size_t place = 0; place < tile->size(); ++place) {
-      if ((*tile)[place] == LeafMask{}) continue;
+      if ((*tile)[place].cells == LeafMask{}) continue;
       const auto index = static_cast<std::int32_t>(place);
       visit({lowest.x + index / (kTileBlocks * kTileBlocks) * kLeafSide,
              lowest.y + index / kTileBlocks % kTileBlocks * kLeafSide,
@@ -99,8 +99,8 @@ bool operator==(const FreeSpace& a, const FreeSpace& b) {
   if (a.cell_size_m_ != b.cell_size_m_) return false;
   const auto covers = [](const FreeSpace& whole, const FreeSpace& part) {
     bool is_covered = true;
-    part.ForEachBlock([&](LeafOrigin origin, const LeafMask& cells) {
-      is_covered = is_covered && whole.FindBlock(origin) == cells;
+    part.ForEachBlock([&](LeafOrigin origin, const FreeBlock& block) {
+      is_covered = is_covered && whole.FindBlock(origin) == block;
     });
     return is_covered;
   };
@@ -109,8 +109,14 @@ bool operator==(const FreeSpace& a, const FreeSpace& b) {
 
 bool FreeSpace::IsFree(const Eigen::Vector3d& point_world) const {
   const CellIndex cell = CellAt(point_world / cell_size_m_);
-  const LeafMask block = FindBlock(LeafOf(cell.x, cell.y, cell.z));
-  return IsSet(block, OffsetInLeaf(cell.x, cell.y, cell.z));
+  const FreeBlock block = FindBlock(LeafOf(cell.x, cell.y, cell.z));
+  return IsSet(block.cells, OffsetInLeaf(cell.x, cell.y, cell.z));
+}
+
+bool FreeSpace::IsFreeSince(const Eigen::Vector3d& point_world, Timestamp time) const {
+  const CellIndex cell = CellAt(point_world / cell_size_m_);
+  const FreeBlock block = FindBlock(LeafOf(cell.x, cell.y, cell.z));
+  return block.recent_since >= time && IsSet(block.recent, OffsetInLeaf(cell.x, cell.y, cell.z));
 }
 
 Box FreeSpace::Bounds() const {
@@ -137,7 +143,7 @@ double FreeSpace::FreeRun(const Eigen::Vector3d& start_world,
     if (origin != block_origin) {
       if (!work->Take()) break;
       block_origin = origin;
-      block = FindBlock(origin);
+      block = FindBlock(origin).cells;
     }
     if (!IsSet(block, OffsetInLeaf(cell.x, cell.y, cell.z))) break;
     walk.Advance();
@@ -147,6 +153,7 @@ double FreeSpace::FreeRun(const Eigen::Vector3d& start_world,
 
 void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,
                         const Eigen::Vector3d& to_world,
+                        const RayTime& ray_time,
                         std::vector<LeafOrigin>* changed_blocks) {
   const Eigen::Vector3d from_cells = from_world / cell_size_m_;
   const Eigen::Vector3d way_cells = to_world / cell_size_m_ - from_cells;
@@ -156,17 +163,24 @@ void FreeSpace::MarkRay(const Eigen::Vector3d& from_world,
   const Eigen::Vector3d step_cells = way_cells / std::max(steps, 1);
   Eigen::Vector3d point_cells = from_cells;
   LeafOrigin block_origin{1, 0, 0};  // Not the origin of any block.
-  LeafMask block{};
+  FreeBlock block;
+  bool is_recent = false;
   for (int i = 0; i <= steps; ++i, point_cells += step_cells) {
     const CellIndex cell = CellAt(point_cells);
     const LeafOrigin origin = LeafOf(cell.x, cell.y, cell.z);
     if (origin != block_origin) {
       block_origin = origin;
       block = FindBlock(origin);
+      if (ray_time.session_start > block.recent_since && ray_time.session_start <= ray_time.time) {
+        block.recent = {};
+        block.recent_since = ray_time.session_start;
+      }
+      is_recent = ray_time.time >= block.recent_since;
     }
     const std::size_t offset = OffsetInLeaf(cell.x, cell.y, cell.z);
-    if (IsSet(block, offset)) continue;
-    SetBit(offset, &block);
+    if (IsSet(block.cells, offset) && (!is_recent || IsSet(block.recent, offset))) continue;
+    SetBit(offset, &block.cells);
+    if (is_recent) SetBit(offset, &block.recent);
     MutableBlock(origin) = block;
     if (changed_blocks->empty() || changed_blocks->back() != origin) {
       changed_blocks->push_back(origin);

@@ -255,8 +255,10 @@ std::size_t WorkingMap::surface_bytes() const {
   return bytes;
 }
 
-void WorkingMap::MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) {
-  map_.free_space.MarkRay(from_world, to_world, &changed_blocks_);
+void WorkingMap::MarkFree(const Eigen::Vector3d& from_world,
+                          const Eigen::Vector3d& to_world,
+                          Timestamp session_start) {
+  map_.free_space.MarkRay(from_world, to_world, {session_start, now_}, &changed_blocks_);
 }
 
 const RobotState* WorkingMap::FindRobot(const SensorName& sensor) const {

@@ -136,8 +136,11 @@ class WorkingMap {
   /// Returns the memory of the surfaces of all objects, bytes.
   std::size_t surface_bytes() const;
 
-  /// Marks the segment between two points as free space.
-  void MarkFree(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world);
+  /// Marks the segment between two points as free space, seen now by the session that started at
+  /// `session_start`.
+  void MarkFree(const Eigen::Vector3d& from_world,
+                const Eigen::Vector3d& to_world,
+                Timestamp session_start);
 
   /// Returns the state of a robot; null if there is none. Valid until the next `StoreRobot`.
   const RobotState* FindRobot(const SensorName& sensor) const;

@@ -326,19 +326,31 @@ absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record) {
   return event;
 }
 
-storage::v1::FreeBlockRecord ToProto(const LeafMask& cells) {
+storage::v1::FreeBlockRecord ToProto(const FreeBlock& block) {
   storage::v1::FreeBlockRecord record;
-  for (const std::uint64_t word : cells) record.add_cells(word);
+  for (const std::uint64_t word : block.cells) record.add_cells(word);
+  record.set_recent_since_ns(block.recent_since.nanoseconds());
+  if (block.recent == LeafMask{}) return record;
+  for (const std::uint64_t word : block.recent) record.add_recent(word);
   return record;
 }
 
-absl::StatusOr<LeafMask> FromProto(const storage::v1::FreeBlockRecord& record) {
-  LeafMask cells{};
-  if (record.cells_size() != static_cast<int>(cells.size())) {
+absl::StatusOr<FreeBlock> FromProto(const storage::v1::FreeBlockRecord& record) {
+  FreeBlock block;
+  if (record.cells_size() != static_cast<int>(block.cells.size()) ||
+      (record.recent_size() != 0 &&
+       record.recent_size() != static_cast<int>(block.recent.size()))) {
     return CorruptRecord("a free-space record does not contain a valid block");
   }
-  std::copy(record.cells().begin(), record.cells().end(), cells.begin());
-  return cells;
+  std::copy(record.cells().begin(), record.cells().end(), block.cells.begin());
+  std::copy(record.recent().begin(), record.recent().end(), block.recent.begin());
+  block.recent_since = Timestamp::FromNanoseconds(record.recent_since_ns());
+  for (std::size_t x = 0; x < block.cells.size(); ++x) {
+    if ((block.recent[x] & ~block.cells[x]) != 0) {
+      return CorruptRecord("a free-space record has a recent cell that was never free");
+    }
+  }
+  return block;
 }
 
 }  // namespace steadymap

@@ -22,7 +22,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
 storage::v1::EventRecord ToProto(const ObjectEvent& event);
 absl::StatusOr<ObjectEvent> FromProto(const storage::v1::EventRecord& record);
 
-storage::v1::FreeBlockRecord ToProto(const LeafMask& cells);
-absl::StatusOr<LeafMask> FromProto(const storage::v1::FreeBlockRecord& record);
+storage::v1::FreeBlockRecord ToProto(const FreeBlock& block);
+absl::StatusOr<FreeBlock> FromProto(const storage::v1::FreeBlockRecord& record);
 
 }  // namespace steadymap

@@ -69,9 +69,9 @@ class ContentLoader {
     if (!origin) return DamagedValue(place, "has a key that is not a free-space key");
     storage::v1::FreeBlockRecord record;
     if (absl::Status status = UnsealRecord(place, value, &record); !status.ok()) return status;
-    const absl::StatusOr<LeafMask> cells = FromProto(record);
-    if (!cells.ok()) return DamagedValue(place, std::string(cells.status().message()));
-    content_->free_space.StoreBlock(*origin, *cells);
+    const absl::StatusOr<FreeBlock> block = FromProto(record);
+    if (!block.ok()) return DamagedValue(place, std::string(block.status().message()));
+    content_->free_space.StoreBlock(*origin, *block);
     return absl::OkStatus();
   }
 

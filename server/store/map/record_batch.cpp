@@ -30,8 +30,8 @@ void RecordBatch::PutContent(const MapDelta& delta) {
     *record.mutable_state() = ToProto(*object.state);
     Put(Family::kObject, key, record);
   }
-  for (const FreeBlockChange& block : delta.free_blocks) {
-    Put(Family::kFree, FreeBlockKey(block.origin), ToProto(block.cells));
+  for (const FreeBlockChange& change : delta.free_blocks) {
+    Put(Family::kFree, FreeBlockKey(change.origin), ToProto(change.block));
   }
   for (const RobotChange& robot : delta.robots) {
     const std::string key = RobotKey(robot.sensor);

@@ -36,9 +36,9 @@ TsdfGrid VolumeOf(const std::function<Voxel(int x, int y, int z)>& voxel_at) {
 }
 
 /// Returns the changes if a block of voxels, [low, high), becomes free.
-std::vector<VoxelChange> FreeBlock(const Eigen::Vector3i& low,
-                                   const Eigen::Vector3i& high,
-                                   float weight = 1.0F) {
+std::vector<VoxelChange> FreedIn(const Eigen::Vector3i& low,
+                                 const Eigen::Vector3i& high,
+                                 float weight = 1.0F) {
   const TsdfGrid before = VolumeOf([](int, int, int) { return MakeVoxel(0.0, 1.0); });
   const TsdfGrid after = VolumeOf([&](int x, int y, int z) {
     const Eigen::Vector3i voxel(x, y, z);
@@ -50,7 +50,7 @@ std::vector<VoxelChange> FreeBlock(const Eigen::Vector3i& low,
 }
 
 TEST(FindChanges, FindsABlockAcrossTwoLeaves) {
-  const std::vector<VoxelChange> changes = FreeBlock({5, 2, 3}, {11, 5, 5});
+  const std::vector<VoxelChange> changes = FreedIn({5, 2, 3}, {11, 5, 5});
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_EQ(changes[0].voxels, 36U);
   EXPECT_EQ(changes[0].freed, 36U);
@@ -60,18 +60,18 @@ TEST(FindChanges, FindsABlockAcrossTwoLeaves) {
 }
 
 TEST(FindChanges, LeavesOutWhatIsTooSmall) {
-  EXPECT_TRUE(FreeBlock({1, 1, 1}, {4, 4, 4}).empty()) << "27 voxels";
-  EXPECT_EQ(FreeBlock({1, 1, 1}, {4, 4, 5}).size(), 1U) << "36 voxels";
+  EXPECT_TRUE(FreedIn({1, 1, 1}, {4, 4, 4}).empty()) << "27 voxels";
+  EXPECT_EQ(FreedIn({1, 1, 1}, {4, 4, 5}).size(), 1U) << "36 voxels";
 }
 
 TEST(FindChanges, LeavesOutWhatIsOneVoxelThick) {
-  EXPECT_TRUE(FreeBlock({1, 1, 3}, {8, 8, 4}).empty());
-  EXPECT_TRUE(FreeBlock({3, 1, 1}, {4, 8, 8}).empty());
+  EXPECT_TRUE(FreedIn({1, 1, 3}, {8, 8, 4}).empty());
+  EXPECT_TRUE(FreedIn({3, 1, 1}, {4, 8, 8}).empty());
 }
 
 TEST(FindChanges, ComparesOnlyWhatWeighsEnough) {
-  EXPECT_TRUE(FreeBlock({1, 1, 1}, {5, 5, 5}, 0.25F).empty());
-  EXPECT_EQ(FreeBlock({1, 1, 1}, {5, 5, 5}, 0.35F).size(), 1U);
+  EXPECT_TRUE(FreedIn({1, 1, 1}, {5, 5, 5}, 0.25F).empty());
+  EXPECT_EQ(FreedIn({1, 1, 1}, {5, 5, 5}, 0.35F).size(), 1U);
 }
 
 TEST(FindChanges, TellsWhatWasTakenFromWhatWasFreed) {

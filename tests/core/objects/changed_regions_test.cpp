@@ -101,7 +101,7 @@ TEST_F(ChangedRegionsTest, ABoxThatCameIsARegion) {
   for (int x = -9; x <= 10; ++x) {
     for (int y = -9; y <= 10; ++y) {
       const Eigen::Vector3d low(0.1 * x - 0.05, 0.1 * y - 0.05, 0.15);
-      map_.MarkFree(low, {low.x(), low.y(), 0.55});
+      map_.MarkFree(low, {low.x(), low.y(), 0.55}, map_.now());
     }
   }
   const std::vector<TrackedObject*> regions = SeparateNewRegions(parameters_, *known, seen, &map_);
@@ -129,7 +129,9 @@ TEST_F(ChangedRegionsTest, AFaceInOneLayerOfVoxelsIsNotNew) {
   });
   for (int y = -2; y <= 2; ++y) {
     for (int x = 2; x <= 4; ++x) {
-      map_.MarkFree({0.1 * x + 0.05, 0.1 * y + 0.05, 0.05}, {0.1 * x + 0.05, 0.1 * y + 0.05, 0.55});
+      map_.MarkFree({0.1 * x + 0.05, 0.1 * y + 0.05, 0.05},
+                    {0.1 * x + 0.05, 0.1 * y + 0.05, 0.55},
+                    map_.now());
     }
   }
   EXPECT_TRUE(SeparateNewRegions(parameters_, *known, seen, &map_).empty());

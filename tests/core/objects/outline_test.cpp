@@ -45,7 +45,7 @@ class OutlineTestTest : public ::testing::Test {
       for (int j = 0; j <= static_cast<int>(steps.y()); ++j) {
         const Eigen::Vector3d low =
             bounds_world.min() + kUprightSpacingM * Eigen::Vector3d(static_cast<double>(i), j, 0.0);
-        map_.MarkFree(low, {low.x(), low.y(), bounds_world.max().z()});
+        map_.MarkFree(low, {low.x(), low.y(), bounds_world.max().z()}, map_.now());
       }
     }
   }

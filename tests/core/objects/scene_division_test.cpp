@@ -77,7 +77,7 @@ class SceneDivisionTest : public ::testing::Test {
       const Eigen::Vector3d point =
           step_m * cell.cast<double>() + Eigen::Vector3d(-1.95, -1.95, 0.05);
       if (point.x() < 1.6 && DistanceFrom(bodies, point) > map_.scale().voxel_size_m) {
-        map_.MarkFree(point, point);
+        map_.MarkFree(point, point, map_.now());
       }
     }
   }

@@ -117,7 +117,7 @@ class SessionIdentityTest : public ::testing::Test {
     for (int x = 0; x <= steps.x(); ++x) {
       for (int y = 0; y <= steps.y(); ++y) {
         const Eigen::Vector3d low = bounds_world.min() + step_m * Eigen::Vector3d(x, y, 0.0);
-        map_.MarkFree(low, {low.x(), low.y(), bounds_world.max().z()});
+        map_.MarkFree(low, {low.x(), low.y(), bounds_world.max().z()}, map_.now());
       }
     }
   }

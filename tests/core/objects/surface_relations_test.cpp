@@ -54,16 +54,16 @@ class SurfaceRelationsTest : public ::testing::Test {
 
 TEST_F(SurfaceRelationsTest, ASurfaceIsFreeWhereSomethingWasSeenBehindIt) {
   TrackedObject* object = Put({2.0, 0.0, 0.0});
-  EXPECT_EQ(FreeShareOf(*object, map_.free_space()), 0.0);
+  EXPECT_EQ(FreeShareOf(*object, FreeSpaceSince(map_.free_space(), map_.now())), 0.0);
   // Rays through the half of it with y < 0.4.
   for (int column = 0; column < 8; ++column) {
     for (int row = 0; row < 12; ++row) {
       const double y = 0.05 * column + 0.025;
       const double z = 0.05 * row + 0.025;
-      map_.MarkFree({0.0, y, z}, {4.0, y, z});
+      map_.MarkFree({0.0, y, z}, {4.0, y, z}, map_.now());
     }
   }
-  EXPECT_NEAR(FreeShareOf(*object, map_.free_space()), 0.5, 0.1);
+  EXPECT_NEAR(FreeShareOf(*object, FreeSpaceSince(map_.free_space(), map_.now())), 0.5, 0.1);
 }
 
 TEST_F(SurfaceRelationsTest, ACoincidentSurfaceExplainsAllThatWasFound) {

@@ -343,6 +343,18 @@ TEST_F(EvidenceMapperTest, ADriveOfThePastAddsNothingWhereALaterOneSawFreeSpace)
   EXPECT_EQ(story_.Present(kGoodsClass).size(), 1U);
 }
 
+TEST_F(EvidenceMapperTest, ADriveOfThePastAddsAThingWhereAnEarlierOneSawFreeSpace) {
+  const SceneBody screen = Body(kWallClass, {1.0, -0.1, -3.0}, {1.1, 4.0, 3.0});
+  story_.Play(LookAtScene({FarWall(), Goods(-0.6)}, 0, kFrames));
+  story_.EndSession();
+  // A later drive sees the other goods again, and not the place of the new ones.
+  story_.Play(LookAtScene({FarWall(), Goods(-0.6), screen}, 0, kFrames, 2));
+  story_.EndSession();
+  story_.Play(TakenBy(kOther, LookAtScene({FarWall(), Goods(-0.6), Goods(0.6)}, 0, kFrames, 1)));
+  story_.EndSession(kOther);
+  EXPECT_EQ(story_.Present(kGoodsClass).size(), 2U);
+}
+
 TEST_F(EvidenceMapperTest, ADriveOfThePastAddsNothingToAThingThatHasBecomeSmaller) {
   const SceneBody whole = Goods(0.0);
   SceneBody half = whole;

@@ -222,7 +222,7 @@ TEST(CountMap, FreeSpaceAndEvidenceTakeMemory) {
   MapSnapshot map = FloorMap();
   const std::size_t floor_bytes = CountMap(map).memory_bytes;
   std::vector<LeafOrigin> changed_blocks;
-  map.free_space.MarkRay({0.05, 0.05, 1.05}, {0.95, 0.05, 1.05}, &changed_blocks);
+  map.free_space.MarkRay({0.05, 0.05, 1.05}, {0.95, 0.05, 1.05}, RayTime(), &changed_blocks);
   const std::size_t free_bytes = map.free_space.memory_bytes();
   EXPECT_GT(free_bytes, 0U);
   EXPECT_EQ(CountMap(map).memory_bytes, floor_bytes + free_bytes);

@@ -29,7 +29,7 @@ void LookThrough(const Eigen::Vector3d& from, const Eigen::Vector3d& to, MapSnap
   constexpr int kPoints = 5000;
   for (int i = 0; i <= kPoints; ++i) {
     const Eigen::Vector3d point = from + (to - from) * i / kPoints;
-    map->free_space.MarkRay(point, point, &changed);
+    map->free_space.MarkRay(point, point, RayTime(), &changed);
   }
 }
 
@@ -152,7 +152,7 @@ TEST(StateOfRay, PointsOfItsFreePartAreFree) {
     return Eigen::Vector3d(coordinate(random), coordinate(random), coordinate(random) + 1.5);
   };
   std::vector<LeafOrigin> changed;
-  for (int i = 0; i < 3000; ++i) map.free_space.MarkRay(point(), point(), &changed);
+  for (int i = 0; i < 3000; ++i) map.free_space.MarkRay(point(), point(), RayTime(), &changed);
   MapSampler sampler(map);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   std::size_t checked = 0;

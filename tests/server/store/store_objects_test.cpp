@@ -46,8 +46,8 @@ MapDelta FirstDelta() {
       MakeDelta(0, 2, {MakeLeaf(1, 2, 3, 1), LeafOfObject(1, 5, 2), LeafOfObject(4, -5, 3)});
   delta.newest_object = ObjectId{6};
   delta.objects = {{ObjectId{1}, MakeObject(1, 11)}, {ObjectId{4}, MakeObject(4, 14)}};
-  delta.free_blocks = {{{-64, 8, 0}, {1, 0, 0, 0, 0, 0, 0, ~std::uint64_t{0}}},
-                       {{0, 0, 0}, {0, 2, 0, 0, 0, 0, 0, 0}}};
+  delta.free_blocks = {{{-64, 8, 0}, FreeBlock{{1, 0, 0, 0, 0, 0, 0, ~std::uint64_t{0}}}},
+                       {{0, 0, 0}, FreeBlock{{0, 2}, {0, 2}, Timestamp::FromSeconds(100.0)}}};
   delta.robots = {{{"robot-1", "camera"}, MakeRobot(Trust::kTrusted, 31)},
                   {{"robot-2", "camera"}, MakeRobot(Trust::kDoubted, 32)},
                   {{"robot-3", "camera"}, MakeRobot(Trust::kLost, 33)},
@@ -66,7 +66,7 @@ TEST_P(StoreObjects, SurviveARestartBitForBit) {
   MapDelta second = MakeDelta(2, 4, {LeafOfObject(1, 5, 9), {{ObjectId{4}, {-40, 0, 0}}, {}}});
   second.newest_object = ObjectId{7};
   second.objects = {{ObjectId{1}, MakeObject(1, 111)}, {ObjectId{4}, std::nullopt}};
-  second.free_blocks = {{{0, 0, 0}, {0, 3, 0, 0, 0, 0, 0, 0}}};
+  second.free_blocks = {{{0, 0, 0}, FreeBlock{{0, 3}, {0, 1}, Timestamp::FromSeconds(200.0)}}};
   second.robots = {{{"robot-1", "camera"}, MakeRobot(Trust::kDoubted, 131)},
                    {{"robot-4", "camera"}, std::nullopt}};
   second.events = {MakeEvent(EventType::kRemoved, 4, 24)};
@@ -248,10 +248,23 @@ TEST(RobotRecords, RefuseWhatCannotHaveBeenWritten) {
 }
 
 TEST(FreeBlockRecords, RefuseWhatCannotHaveBeenWritten) {
-  storage::v1::FreeBlockRecord record = ToProto(LeafMask{1, 2, 3});
-  EXPECT_EQ(*FromProto(record), (LeafMask{1, 2, 3}));
-  record.add_cells(4);
-  EXPECT_EQ(FromProto(record).status().code(), absl::StatusCode::kDataLoss);
+  const FreeBlock block{{1, 2, 3}, {1, 0, 2}, Timestamp::FromSeconds(100.0)};
+  const storage::v1::FreeBlockRecord record = ToProto(block);
+  EXPECT_EQ(*FromProto(record), block);
+  const auto refuse = [&](const std::function<void(storage::v1::FreeBlockRecord*)>& damage) {
+    storage::v1::FreeBlockRecord damaged = record;
+    damage(&damaged);
+    EXPECT_EQ(FromProto(damaged).status().code(), absl::StatusCode::kDataLoss);
+  };
+  refuse([](storage::v1::FreeBlockRecord* damaged) { damaged->add_cells(4); });
+  refuse([](storage::v1::FreeBlockRecord* damaged) { damaged->add_recent(4); });
+  refuse([](storage::v1::FreeBlockRecord* damaged) { damaged->set_recent(0, 4); });
+}
+
+TEST(FreeBlockRecords, WithoutRecentCellsAreOfAnOlderStore) {
+  storage::v1::FreeBlockRecord record = ToProto(FreeBlock{{1, 2, 3}});
+  EXPECT_EQ(record.recent_size(), 0);
+  EXPECT_EQ(*FromProto(record), (FreeBlock{{1, 2, 3}}));
 }
 
 }  // namespace
