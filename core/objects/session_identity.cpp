@@ -61,6 +61,7 @@ class SessionDecision {
   }
 
  private:
+  Timestamp StartOfSession() const;
   Timestamp LastLookAt(const TrackedObject& known) const;
   void TakeSessionLooks();
   void Settle(TrackedObject* object);
@@ -98,6 +99,12 @@ class SessionDecision {
   bool is_of_past_ = false;                                  ///< See `past_session.h`.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
 };
+
+/// Returns the time of the first frame of the session; if it had none, of the last frame.
+Timestamp SessionDecision::StartOfSession() const {
+  const RobotState* robot = map_->FindRobot(source_);
+  return robot == nullptr ? map_->now() : robot->session_start.value_or(map_->now());
+}
 
 /// Returns when the session last looked at a known object; without looks, the time of its last
 /// frame.
@@ -403,7 +410,9 @@ void SessionDecision::ConfirmStructure(TrackedObject* object) {
 
 /// Joins objects of the session with the gone, pushed or archived objects whose shape they have.
 void SessionDecision::FindMoves() {
-  for (const SessionMove& move : FindSessionMoves(parameters_, map_->scale(), &objects_)) {
+  const FreeSpaceSince free_space(map_->free_space(), StartOfSession());
+  for (const SessionMove& move :
+       FindSessionMoves(parameters_, free_space, map_->scale(), &objects_)) {
     KnownObject& known = *move.known;
     const bool is_outdated = IsOlderThanLastLook(*move.seen, known);
     // `JudgeKnown` has asked whether what is gone is contradicted. The past contradicts nothing.

@@ -18,9 +18,10 @@ namespace {
 class MoveSearch {
  public:
   MoveSearch(const SessionIdentityParameters& parameters,
+             const FreeSpaceSince& free_space,
              const VoxelScale& scale,
              SessionObjects* objects)
-      : parameters_(parameters), scale_(scale), objects_(objects) {}
+      : parameters_(parameters), free_space_(free_space), scale_(scale), objects_(objects) {}
 
   std::vector<SessionMove> Run() {
     std::vector<SessionMove> candidates = ListMoves();
@@ -43,6 +44,7 @@ class MoveSearch {
   std::vector<SessionMove> FindClearMoves(const std::vector<SessionMove>& candidates) const;
 
   const SessionIdentityParameters& parameters_;
+  const FreeSpaceSince& free_space_;
   const VoxelScale& scale_;
   SessionObjects* objects_;
 };
@@ -110,8 +112,11 @@ std::vector<SessionMove> MoveSearch::ListMoves() const {
   ParallelFor(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       SessionMove& candidate = candidates[i];
-      candidate.match = MatchShapes(
-          *candidate.known->object, *candidate.seen->object, parameters_.parts.surface, scale_);
+      candidate.match = MatchShapes(*candidate.known->object,
+                                    *candidate.seen->object,
+                                    free_space_,
+                                    parameters_.parts.surface,
+                                    scale_);
     }
   });
   std::erase_if(candidates, [&](const SessionMove& candidate) {
@@ -183,9 +188,10 @@ std::vector<SessionMove> MoveSearch::FindClearMoves(
 }  // namespace
 
 std::vector<SessionMove> FindSessionMoves(const SessionIdentityParameters& parameters,
+                                          const FreeSpaceSince& free_space,
                                           const VoxelScale& scale,
                                           SessionObjects* objects) {
-  return MoveSearch(parameters, scale, objects).Run();
+  return MoveSearch(parameters, free_space, scale, objects).Run();
 }
 
 }  // namespace steadymap

@@ -18,9 +18,10 @@ struct SessionMove {
 };
 
 /// Returns the moves of undecided objects of the session without which the best explanation of all
-/// changes would be clearly worse; twins are not guessed. Drops the doubted matches in place that a
-/// push explains better.
+/// changes would be clearly worse; twins are not guessed. `free_space`: seen by the session. Drops
+/// the doubted matches in place that a push explains better.
 std::vector<SessionMove> FindSessionMoves(const SessionIdentityParameters& parameters,
+                                          const FreeSpaceSince& free_space,
                                           const VoxelScale& scale,
                                           SessionObjects* objects);
 

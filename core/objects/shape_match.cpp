@@ -101,6 +101,7 @@ UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object) {
 
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
+                       const FreeSpaceSince& free_space,
                        const SurfaceMatchParameters& parameters,
                        const VoxelScale& scale) {
   const std::vector<Eigen::Vector3d> points_world = after.SurfaceInWorld();
@@ -117,7 +118,7 @@ ShapeMatch MatchShapes(const TrackedObject& before,
     if (match.close_confidence() > best.close_confidence()) best = match;
   }
   best.reverse_overlap = CompareSurfaces(
-      before, after, T_world_after.inverse() * best.T_world_object, parameters, scale);
+      before, after, T_world_after.inverse() * best.T_world_object, parameters, scale, &free_space);
   return best;
 }
 

@@ -29,9 +29,11 @@ UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object);
 
 /// Places the shape of `before` at the surface of `after`: by their cuboids, turned by each quarter
 /// turn and with any sides in common, since a frame shows a part of the sides only. Registers those
-/// from which the surfaces are closest, and returns the best.
+/// from which the surfaces are closest, and returns the best. `free_space`: seen together with
+/// `after`; the placed shape has no surface there.
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
+                       const FreeSpaceSince& free_space,
                        const SurfaceMatchParameters& parameters,
                        const VoxelScale& scale);
 

@@ -30,6 +30,16 @@ bool HasFace(const Eigen::Vector3d& point,
   return false;
 }
 
+/// True if a point of a surface, what is before it and what is behind it are free: the surface
+/// would have been seen.
+bool IsInFreeSpace(const Eigen::Vector3d& point_world,
+                   const Eigen::Vector3d& normal_world,
+                   const FreeSpaceSince& free_space) {
+  const Eigen::Vector3d step = free_space.cell_size_m() * normal_world;
+  return free_space.IsFree(point_world) && free_space.IsFree(point_world + step) &&
+         free_space.IsFree(point_world - step);
+}
+
 }  // namespace
 
 double SurfaceSigmaM(const SurfaceMatchParameters& parameters, const VoxelScale& scale) {
@@ -40,7 +50,9 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
                                const SurfaceMatchParameters& parameters,
-                               const VoxelScale& scale) {
+                               const VoxelScale& scale,
+                               const FreeSpaceSince* free_space) {
+  const Eigen::Isometry3d T_world_other = other.state().T_world_object.ToIsometry();
   const double tolerance_m = parameters.contact_voxels * scale.voxel_size_m;
   const double close_m = parameters.max_sigmas * SurfaceSigmaM(parameters, scale);
   const double min_cosine = parameters.min_normal_cosine;
@@ -55,7 +67,13 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
       const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
       double distance_m = 0.0;
       const bool is_inner = sampler.SampleDistance(position, &distance_m);
-      if (!is_inner && !sampler.SampleNearestPlane(position, normal, &distance_m)) continue;
+      if (!is_inner && !sampler.SampleNearestPlane(position, normal, &distance_m)) {
+        if (free_space != nullptr &&
+            IsInFreeSpace(T_world_other * position, T_world_other.linear() * normal, *free_space)) {
+          ++known;
+        }
+        continue;
+      }
       ++known;
       if (std::abs(distance_m) > tolerance_m) continue;
       if (is_inner && !HasFace(position, normal, tolerance_m, min_cosine, &sampler)) continue;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "core/map/pose_error.h"
+#include "core/volume/free_space.h"
 #include "core/working/tracked_object.h"
 
 namespace steadymap {
@@ -37,12 +38,15 @@ double SurfaceSigmaM(const SurfaceMatchParameters& parameters, const VoxelScale&
 
 /// Compares the surface of `object`, moved by `T_other_object`, with the volume of `other`. A point
 /// is on the surface within `contact_voxels`, and close to it within `max_sigmas`. Zeros for an
-/// object without surface.
+/// object without surface. With `free_space` around `other` where it stands, it is known that the
+/// other one has no surface in free space; without (null), what its volume has not observed is
+/// unknown.
 SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const TrackedObject& other,
                                const Eigen::Isometry3d& T_other_object,
                                const SurfaceMatchParameters& parameters,
-                               const VoxelScale& scale);
+                               const VoxelScale& scale,
+                               const FreeSpaceSince* free_space = nullptr);
 
 /// Returns the share of what is known of two surfaces where they stand that agrees within the error
 /// of two looks, averaged over both, in [0, 1].
