@@ -19,6 +19,7 @@
 #include "core/objects/standing.h"
 #include "core/objects/surface_overlap.h"
 #include "core/objects/surface_relations.h"
+#include "core/objects/wrong_labels.h"
 #include "core/working/object_split.h"
 
 namespace steadymap {
@@ -126,7 +127,8 @@ void SessionDecision::TakeSessionLooks() {
   }
 }
 
-/// Makes known objects of those that were seen and then found gone in the same session.
+/// Makes known objects of those that were seen and then found gone in the same session. Deletes
+/// wrong labels.
 void SessionDecision::EndVanished() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     const LookCount looks = CountLooks(*object);
@@ -135,7 +137,11 @@ void SessionDecision::EndVanished() {
             parameters_.parts.shares.majority * static_cast<double>(looks.looked_at())) {
       continue;
     }
-    Create(object);
+    if (HasSurfaceOfOther(*object, source_, parameters_.parts, *map_)) {
+      map_->Delete(object);
+    } else {
+      Create(object);
+    }
   }
 }
 

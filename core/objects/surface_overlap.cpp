@@ -40,6 +40,49 @@ bool IsInFreeSpace(const Eigen::Vector3d& point_world,
          free_space.IsFree(point_world - step);
 }
 
+/// Compares the surface of an object with a volume. What the volume has not observed is known if
+/// `is_in_free_space(point, normal)` is true, in the frame of the volume.
+template <typename IsInFreeSpaceFunction>
+SurfaceOverlap Compare(const TrackedObject& object,
+                       const Eigen::Isometry3d& T_volume_object,
+                       const SurfaceMatchParameters& parameters,
+                       const IsInFreeSpaceFunction& is_in_free_space,
+                       TsdfSampler* sampler) {
+  const VoxelScale& scale = sampler->scale();
+  const double tolerance_m = parameters.contact_voxels * scale.voxel_size_m;
+  const double close_m = parameters.max_sigmas * SurfaceSigmaM(parameters, scale);
+  const double min_cosine = parameters.min_normal_cosine;
+  std::size_t known = 0;
+  std::size_t fitting = 0;
+  std::size_t close = 0;
+  SurfaceOverlap overlap;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    for (const SurfaceVoxel& point : leaf.points) {
+      const Eigen::Vector3d position = T_volume_object * point.position_object.cast<double>();
+      const Eigen::Vector3d normal = T_volume_object.linear() * point.normal_object.cast<double>();
+      double distance_m = 0.0;
+      const bool is_inner = sampler->SampleDistance(position, &distance_m);
+      if (!is_inner && !sampler->SampleNearestPlane(position, normal, &distance_m)) {
+        if (is_in_free_space(position, normal)) ++known;
+        continue;
+      }
+      ++known;
+      if (std::abs(distance_m) > tolerance_m) continue;
+      if (is_inner && !HasFace(position, normal, tolerance_m, min_cosine, sampler)) continue;
+      ++fitting;
+      if (std::abs(distance_m) > close_m) continue;
+      if (is_inner && !HasFace(position, normal, close_m, min_cosine, sampler)) continue;
+      ++close;
+    }
+  }
+  if (known == 0) return overlap;
+  overlap.known_share =
+      static_cast<double>(known) / static_cast<double>(object.surface().point_count());
+  overlap.fit_share = static_cast<double>(fitting) / static_cast<double>(known);
+  overlap.close_share = static_cast<double>(close) / static_cast<double>(known);
+  return overlap;
+}
+
 }  // namespace
 
 double SurfaceSigmaM(const SurfaceMatchParameters& parameters, const VoxelScale& scale) {
@@ -53,42 +96,24 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const VoxelScale& scale,
                                const FreeSpaceSince* free_space) {
   const Eigen::Isometry3d T_world_other = other.state().T_world_object.ToIsometry();
-  const double tolerance_m = parameters.contact_voxels * scale.voxel_size_m;
-  const double close_m = parameters.max_sigmas * SurfaceSigmaM(parameters, scale);
-  const double min_cosine = parameters.min_normal_cosine;
+  const auto is_in_free_space = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+    return free_space != nullptr &&
+           IsInFreeSpace(T_world_other * point, T_world_other.linear() * normal, *free_space);
+  };
   TsdfSampler sampler(other.volume(), scale);
-  std::size_t known = 0;
-  std::size_t fitting = 0;
-  std::size_t close = 0;
-  SurfaceOverlap overlap;
-  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
-    for (const SurfaceVoxel& point : leaf.points) {
-      const Eigen::Vector3d position = T_other_object * point.position_object.cast<double>();
-      const Eigen::Vector3d normal = T_other_object.linear() * point.normal_object.cast<double>();
-      double distance_m = 0.0;
-      const bool is_inner = sampler.SampleDistance(position, &distance_m);
-      if (!is_inner && !sampler.SampleNearestPlane(position, normal, &distance_m)) {
-        if (free_space != nullptr &&
-            IsInFreeSpace(T_world_other * position, T_world_other.linear() * normal, *free_space)) {
-          ++known;
-        }
-        continue;
-      }
-      ++known;
-      if (std::abs(distance_m) > tolerance_m) continue;
-      if (is_inner && !HasFace(position, normal, tolerance_m, min_cosine, &sampler)) continue;
-      ++fitting;
-      if (std::abs(distance_m) > close_m) continue;
-      if (is_inner && !HasFace(position, normal, close_m, min_cosine, &sampler)) continue;
-      ++close;
-    }
-  }
-  if (known == 0) return overlap;
-  overlap.known_share =
-      static_cast<double>(known) / static_cast<double>(object.surface().point_count());
-  overlap.fit_share = static_cast<double>(fitting) / static_cast<double>(known);
-  overlap.close_share = static_cast<double>(close) / static_cast<double>(known);
-  return overlap;
+  return Compare(object, T_other_object, parameters, is_in_free_space, &sampler);
+}
+
+SurfaceOverlap CompareWithBackground(const TrackedObject& object,
+                                     const Background& background,
+                                     const SurfaceMatchParameters& parameters,
+                                     const VoxelScale& scale) {
+  const auto is_in_free_space = [](const Eigen::Vector3d&, const Eigen::Vector3d&) {
+    return false;
+  };
+  TsdfSampler sampler(background, scale);
+  return Compare(
+      object, object.state().T_world_object.ToIsometry(), parameters, is_in_free_space, &sampler);
 }
 
 double CloseShareInPlace(const TrackedObject& a,

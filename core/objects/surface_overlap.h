@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "core/map/pose_error.h"
+#include "core/volume/background.h"
 #include "core/volume/free_space.h"
 #include "core/working/tracked_object.h"
 
@@ -47,6 +48,12 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const SurfaceMatchParameters& parameters,
                                const VoxelScale& scale,
                                const FreeSpaceSince* free_space = nullptr);
+
+/// Compares the surface of `object`, where it stands, with the background in the same way.
+SurfaceOverlap CompareWithBackground(const TrackedObject& object,
+                                     const Background& background,
+                                     const SurfaceMatchParameters& parameters,
+                                     const VoxelScale& scale);
 
 /// Returns the share of what is known of two surfaces where they stand that agrees within the error
 /// of two looks, averaged over both, in [0, 1].

@@ -82,6 +82,22 @@ class SessionIdentityTest : public ::testing::Test {
     return Put(ObjectStatus::kTentative, {2.0, y_m, 0.0}, size);
   }
 
+  /// Adds a level surface of the session.
+  TrackedObject* PutSheet() {
+    TrackedObject& object = map_.AddObject(Eigen::Vector3d::Zero());
+    ObjectEdit edit = map_.Edit(&object);
+    StoreVolume(
+        testing::MakeVolume([](const Eigen::Vector3d& point) { return point.z() - 0.2; },
+                            Box(Eigen::Vector3d(0.0, 0.0, 0.05), Eigen::Vector3d(0.8, 0.8, 0.35)),
+                            map_.scale(),
+                            [](const Eigen::Vector3d&) { return true; }),
+        &edit);
+    edit.state().status = ObjectStatus::kTentative;
+    edit.state().class_id = ClassId(7);
+    edit.state().supporting_frames = 20;
+    return &object;
+  }
+
   /// Adds a large slab with a box on it, known as one object without a label, of which looks found
   /// all but the box if that is gone.
   TrackedObject* PutStructure(const Box& box, bool is_box_gone) {
@@ -543,6 +559,37 @@ TEST_F(SessionIdentityTest, PartsWithNothingSeenBetweenThemAreOneObject) {
   PutSeen(0.0);
   PutSeen(0.7);
   EXPECT_EQ(Decide().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, AThingSeenAndThenFoundGoneCameAndLeft) {
+  SetScores(kEverywhere, -2, PutSheet());
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].type, EventType::kCreated);
+  EXPECT_EQ(events[1].type, EventType::kRemoved);
+}
+
+TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfTheBackgroundAndIsGoneWasAWrongLabel) {
+  TrackedObject* sheet = PutSheet();
+  SetScores(kEverywhere, -2, sheet);
+  sheet->volume().VisitLeaves([&](LeafOrigin origin, const LeafView& leaf) {
+    LeafVoxels voxels;
+    CopyLeaf(leaf, &voxels);
+    map_.StoreBackgroundLeaf(origin, voxels);
+    return true;
+  });
+  EXPECT_TRUE(Decide().empty());
+}
+
+TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfAnotherClassAndIsGoneWasAWrongLabel) {
+  SetScores(kEverywhere, -2, PutSheet());
+  TrackedObject* other = PutSheet();
+  {
+    ObjectEdit edit = map_.Edit(other);
+    edit.state().class_id = ClassId(8);
+    edit.state().status = ObjectStatus::kPresent;
+  }
+  EXPECT_TRUE(Decide().empty());
 }
 
 TEST_F(SessionIdentityTest, ThingsWithFreeSpaceBetweenThemAreTwoObjects) {

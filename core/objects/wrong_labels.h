@@ -1,0 +1,17 @@
+#pragma once
+
+#include "core/map/robot_state.h"
+#include "core/objects/session_parts.h"
+#include "core/working/working_map.h"
+
+namespace steadymap {
+
+/// True if the background, or an object of another class, known or of the session of a source, has
+/// most of the surface of `object`, an object of the session. If looks then found `object` gone, it
+/// was a wrong label: what leaves takes its surface with it.
+bool HasSurfaceOfOther(const TrackedObject& object,
+                       const SensorName& source,
+                       const SessionPartParameters& parameters,
+                       const WorkingMap& map);
+
+}  // namespace steadymap
