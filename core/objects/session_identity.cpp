@@ -236,8 +236,10 @@ void SessionDecision::MatchInPlace() {
       continue;
     }
     if (!is_archived) {
-      match.close_share = CloseShareInPlace(
-          *match.seen->object, *match.known->object, parameters_.parts.surface, map_->scale());
+      match.close_share =
+          CompareInPlace(
+              *match.seen->object, *match.known->object, parameters_.parts.surface, map_->scale())
+              .close_share();
     }
     // A move could explain the surface clearly better.
     const bool may_be_moved = match.close_share < parameters_.parts.shares.nearly_all();

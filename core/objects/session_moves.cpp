@@ -50,7 +50,7 @@ class MoveSearch {
 };
 
 /// True if an object of the session that may be a known one in place rather is that one, displaced
-/// or turned: its surface then agrees clearly better.
+/// or turned: clearly more of its surface then agrees.
 bool MoveSearch::IsPushed(const SeenObject& seen,
                           const KnownObject& known,
                           const ShapeMatch& match) const {
@@ -60,9 +60,9 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
       std::max(seen.pose_error_m, 0.5 * scale_.voxel_size_m)) {
     return false;
   }
-  return match.close_share() >=
-         CloseShareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_) +
-             parameters_.parts.shares.negligible;
+  const MutualOverlap in_place =
+      CompareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_, &free_space_);
+  return match.likely_share() >= in_place.likely_share() + parameters_.parts.shares.negligible;
 }
 
 /// True if a known object is not where it was, or if it may have been pushed or turned to where an

@@ -8,20 +8,14 @@
 namespace steadymap {
 
 /// The pose at which the shape of one object agrees best with the surface of another object.
-struct ShapeMatch {
+struct ShapeMatch : MutualOverlap {  // `overlap`: of the surface of the other object.
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
-  SurfaceOverlap overlap;          ///< Of the surface of the other object.
-  SurfaceOverlap reverse_overlap;  ///< Of the surface of the placed object.
 
   /// Returns the share of the surface of the other object that is known to agree, in [0, 1].
   double confidence() const { return overlap.known_share * overlap.fit_share; }
 
   /// Returns the same within the error of two looks.
   double close_confidence() const { return overlap.known_share * overlap.close_share; }
-
-  /// Returns the share of what is known of a surface that agrees within the error of two looks,
-  /// averaged over both surfaces, in [0, 1].
-  double close_share() const { return 0.5 * (overlap.close_share + reverse_overlap.close_share); }
 };
 
 /// Returns the pose of an upright object; drops rotations about other axes than z.

@@ -116,14 +116,15 @@ SurfaceOverlap CompareWithBackground(const TrackedObject& object,
       object, object.state().T_world_object.ToIsometry(), parameters, is_in_free_space, &sampler);
 }
 
-double CloseShareInPlace(const TrackedObject& a,
-                         const TrackedObject& b,
-                         const SurfaceMatchParameters& parameters,
-                         const VoxelScale& scale) {
+MutualOverlap CompareInPlace(const TrackedObject& a,
+                             const TrackedObject& b,
+                             const SurfaceMatchParameters& parameters,
+                             const VoxelScale& scale,
+                             const FreeSpaceSince* free_space) {
   const Eigen::Isometry3d T_b_a =
       b.state().T_world_object.ToIsometry().inverse() * a.state().T_world_object.ToIsometry();
-  return 0.5 * (CompareSurfaces(a, b, T_b_a, parameters, scale).close_share +
-                CompareSurfaces(b, a, T_b_a.inverse(), parameters, scale).close_share);
+  return {CompareSurfaces(a, b, T_b_a, parameters, scale),
+          CompareSurfaces(b, a, T_b_a.inverse(), parameters, scale, free_space)};
 }
 
 }  // namespace steadymap

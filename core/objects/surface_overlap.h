@@ -31,6 +31,25 @@ struct SurfaceOverlap {
   double known_share = 0.0;  ///< Share of the points in what the other has observed.
   double fit_share = 0.0;    ///< Of those, the share on its surface, facing the same way.
   double close_share = 0.0;  ///< Of those, the share on it within the error of two looks.
+
+  /// Returns the expected share of all points on the surface within the error of two looks, if a
+  /// point of which nothing is known is on it with even odds.
+  double likely_share() const { return known_share * close_share + 0.5 * (1.0 - known_share); }
+};
+
+/// How the surfaces of two objects agree, each compared with the volume of the other one.
+struct MutualOverlap {
+  SurfaceOverlap overlap;
+  SurfaceOverlap reverse_overlap;
+
+  /// Returns the share of what is known of a surface that agrees within the error of two looks,
+  /// averaged over both surfaces, in [0, 1].
+  double close_share() const { return 0.5 * (overlap.close_share + reverse_overlap.close_share); }
+
+  /// Returns the same of all of a surface, see `SurfaceOverlap::likely_share`.
+  double likely_share() const {
+    return 0.5 * (overlap.likely_share() + reverse_overlap.likely_share());
+  }
 };
 
 /// Returns the standard deviation of the distance between two looks at one surface in place,
@@ -55,11 +74,11 @@ SurfaceOverlap CompareWithBackground(const TrackedObject& object,
                                      const SurfaceMatchParameters& parameters,
                                      const VoxelScale& scale);
 
-/// Returns the share of what is known of two surfaces where they stand that agrees within the error
-/// of two looks, averaged over both, in [0, 1].
-double CloseShareInPlace(const TrackedObject& a,
-                         const TrackedObject& b,
-                         const SurfaceMatchParameters& parameters,
-                         const VoxelScale& scale);
+/// Compares the surfaces of two objects where they stand. `free_space` around `a`, if it is known.
+MutualOverlap CompareInPlace(const TrackedObject& a,
+                             const TrackedObject& b,
+                             const SurfaceMatchParameters& parameters,
+                             const VoxelScale& scale,
+                             const FreeSpaceSince* free_space = nullptr);
 
 }  // namespace steadymap

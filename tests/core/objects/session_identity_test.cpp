@@ -82,20 +82,35 @@ class SessionIdentityTest : public ::testing::Test {
     return Put(ObjectStatus::kTentative, {2.0, y_m, 0.0}, size);
   }
 
-  /// Adds a level surface of the session.
-  TrackedObject* PutSheet() {
+  /// Adds a level surface, of which what is within its bounds was observed.
+  TrackedObject* PutLevelSurface(ObjectStatus status, const Eigen::Vector2d& half_m) {
     TrackedObject& object = map_.AddObject(Eigen::Vector3d::Zero());
     ObjectEdit edit = map_.Edit(&object);
-    StoreVolume(
-        testing::MakeVolume([](const Eigen::Vector3d& point) { return point.z() - 0.2; },
-                            Box(Eigen::Vector3d(0.0, 0.0, 0.05), Eigen::Vector3d(0.8, 0.8, 0.35)),
-                            map_.scale(),
-                            [](const Eigen::Vector3d&) { return true; }),
-        &edit);
-    edit.state().status = ObjectStatus::kTentative;
+    const Eigen::Vector3d half(half_m.x(), half_m.y(), 0.15);
+    const Box bounds(-half, half);
+    StoreVolume(testing::MakeVolume([](const Eigen::Vector3d& point) { return point.z(); },
+                                    bounds,
+                                    map_.scale(),
+                                    [&](const Eigen::Vector3d& point) {
+                                      return Grow(bounds, 1e-6).contains(point);
+                                    }),
+                &edit);
+    edit.state().status = status;
     edit.state().class_id = ClassId(7);
+    edit.state().belief = InitialBelief(0.6);
     edit.state().supporting_frames = 20;
     return &object;
+  }
+
+  /// Adds a level surface of the session.
+  TrackedObject* PutSheet() { return PutLevelSurface(ObjectStatus::kTentative, {0.4, 0.4}); }
+
+  /// Adds a long level surface, turned about its middle.
+  TrackedObject* PutStrip(ObjectStatus status, double yaw_rad) {
+    TrackedObject* strip = PutLevelSurface(status, {0.6, 0.15});
+    ObjectEdit edit = map_.Edit(strip);
+    edit.state().T_world_object.yaw_rad = yaw_rad;
+    return strip;
   }
 
   /// Adds a large slab with a box on it, known as one object without a label, of which looks found
@@ -287,6 +302,21 @@ TEST_F(SessionIdentityTest, AnObjectThatLooksMissIsRemovedAndKeptAsHistory) {
   EXPECT_TRUE(gone->is_history());
   EXPECT_EQ(gone->state().evidence.present_cells, 0.0);
   EXPECT_GT(gone->state().evidence.absent_cells, 0.0);
+}
+
+// Where the old and the new place of a strip cross, both agree; the rest of each is not known to
+// the other one.
+TEST_F(SessionIdentityTest, AFlatThingThatWasTurnedHasMoved) {
+  TrackedObject* strip = PutStrip(ObjectStatus::kPresent, 0.0);
+  SetScores(kEverywhere, -2, strip);
+  const Eigen::Vector3d center_world = strip->BoundsInWorld().center();
+  const Eigen::Vector3d reach_m = Eigen::Vector3d::Constant(0.2);
+  SetScores({center_world - reach_m, center_world + reach_m}, 2, strip);
+  PutStrip(ObjectStatus::kTentative, M_PI / 3.0);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, strip->id());
 }
 
 TEST_F(SessionIdentityTest, AShapeThatLeftOnePlaceForAnotherHasMoved) {

@@ -51,18 +51,25 @@ TEST(CompareSurfaces, IsWholeForTheSameSurface) {
   EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9);
 }
 
-TEST(CloseShareInPlace, TellsADisplacementOfThreeCentimetres) {
+TEST(CompareInPlace, TellsADisplacementOfThreeCentimetres) {
   const TrackedObject known = Front(1, 0.0, 0.8);
-  EXPECT_NEAR(CloseShareInPlace(Front(2, 0.0, 0.8), known, kParameters, kScale), 1.0, 1e-9);
+  EXPECT_NEAR(
+      CompareInPlace(Front(2, 0.0, 0.8), known, kParameters, kScale).close_share(), 1.0, 1e-9);
   TrackedObject displaced = Front(3, 0.0, 0.8);
   StateOf(&displaced).T_world_object.position_world.x() += 0.03;
-  EXPECT_NEAR(CloseShareInPlace(displaced, known, kParameters, kScale), 0.0, 1e-9);
+  EXPECT_NEAR(CompareInPlace(displaced, known, kParameters, kScale).close_share(), 0.0, 1e-9);
 }
 
 TEST(CompareSurfaces, KnowsOnlyThePartThatOverlaps) {
   const SurfaceOverlap overlap = Compare(Front(1, 0.0, 3.2), Front(2, 1.6, 3.2));
   EXPECT_NEAR(overlap.known_share, 0.5, 0.08);
   EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9);
+}
+
+TEST(CompareSurfaces, WhatIsNotKnownAgreesWithEvenOdds) {
+  const SurfaceOverlap overlap = Compare(Front(1, 0.0, 3.2), Front(2, 1.6, 3.2));
+  EXPECT_NEAR(overlap.likely_share(), 0.75, 0.04);
+  EXPECT_NEAR(SurfaceOverlap().likely_share(), 0.5, 1e-9);
 }
 
 TEST(CompareSurfaces, FitsNothingThatLiesTooFarInFront) {
