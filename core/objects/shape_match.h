@@ -8,7 +8,8 @@
 namespace steadymap {
 
 /// The pose at which the shape of one object agrees best with the surface of another object.
-struct ShapeMatch : MutualOverlap {  // `overlap`: of the surface of the other object.
+/// `overlap` is of the surface of the other object, `reverse_overlap` of that of the placed shape.
+struct ShapeMatch : MutualOverlap {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
 
   /// Returns the share of the surface of the other object that is known to agree, in [0, 1].

@@ -270,12 +270,12 @@ void WorkingMap::StoreRobot(const SensorName& sensor, const RobotState& state) {
   map_.robots[sensor] = state;
   changed_robots_.insert(sensor);
   if (map_.robots.size() <= kMaxRobots) return;
+  const auto order_of = [&](const auto& robot) {
+    return std::pair(robot.first == sensor, robot.second.last_capture_time);
+  };
   const auto longest_ago =
       std::min_element(map_.robots.begin(), map_.robots.end(), [&](const auto& a, const auto& b) {
-        const bool is_a_stored = a.first == sensor;
-        const bool is_b_stored = b.first == sensor;
-        if (is_a_stored || is_b_stored) return is_b_stored && !is_a_stored;
-        return a.second.last_capture_time < b.second.last_capture_time;
+        return order_of(a) < order_of(b);
       });
   changed_robots_.insert(longest_ago->first);
   map_.robots.erase(longest_ago);
