@@ -8,8 +8,8 @@
 namespace steadymap {
 namespace {
 
-/// Returns the share of all of a surface that agrees.
-double FitOf(const SurfaceOverlap& overlap) { return overlap.known_share * overlap.fit_share; }
+/// Returns the share of all of a surface that agrees within the error of two looks.
+double FitOf(const SurfaceOverlap& overlap) { return overlap.known_share * overlap.close_share; }
 
 }  // namespace
 

@@ -622,6 +622,21 @@ TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfAnotherClassAndIsGoneWasAWrongLab
   EXPECT_TRUE(Decide().empty());
 }
 
+TEST_F(SessionIdentityTest, WhatLayOnAnotherClassCameAndLeft) {
+  SetScores(kEverywhere, -2, PutSheet());
+  TrackedObject* support = PutSheet();
+  {
+    ObjectEdit edit = map_.Edit(support);
+    edit.state().class_id = ClassId(8);
+    edit.state().status = ObjectStatus::kPresent;
+    edit.state().T_world_object.position_world.z() -= map_.scale().voxel_size_m;
+  }
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].type, EventType::kCreated);
+  EXPECT_EQ(events[1].type, EventType::kRemoved);
+}
+
 TEST_F(SessionIdentityTest, ThingsWithFreeSpaceBetweenThemAreTwoObjects) {
   PutSeen(0.0);
   PutSeen(0.7);
