@@ -55,7 +55,12 @@ std::optional<PlaceMatch> MatchPlace(const SessionIdentityParameters& parameters
     return std::nullopt;
   }
   const double fit = registration->known_share * (1.0 - registration->dissimilarity);
-  return PlaceMatch{seen, known, displacement_m, fit, FitsAtRest(*registration, parameters, scale)};
+  const bool fits_at_rest =
+      FitsAtRest(*registration, parameters, scale) ||
+      (is_displaced &&
+       FitsNoBetterMoved(
+           *registration, *seen->object, *known->object, parameters.parts.surface, scale));
+  return PlaceMatch{seen, known, displacement_m, fit, fits_at_rest};
 }
 
 }  // namespace

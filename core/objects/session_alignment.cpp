@@ -95,6 +95,21 @@ bool FitsAtRest(const Registration& registration,
          rest_m2 - corrected_m2 <= std::max(sigma_m * sigma_m, corrected_m2);
 }
 
+bool FitsNoBetterMoved(const Registration& registration,
+                       const TrackedObject& seen,
+                       const TrackedObject& known,
+                       const SurfaceMatchParameters& parameters,
+                       const VoxelScale& scale) {
+  const Eigen::Isometry3d T_known_world = known.state().T_world_object.ToIsometry().inverse();
+  const Eigen::Isometry3d T_world_seen = seen.state().T_world_object.ToIsometry();
+  const auto close_share = [&](const Eigen::Isometry3d& T_correction) {
+    const SurfaceOverlap overlap = CompareSurfaces(
+        seen, known, T_known_world * T_correction * T_world_seen, parameters, scale);
+    return overlap.known_share * overlap.close_share;
+  };
+  return close_share(Eigen::Isometry3d::Identity()) >= close_share(registration.T_correction);
+}
+
 std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,
                                        const std::vector<const TrackedObject*>& known,
                                        const SessionIdentityParameters& parameters,

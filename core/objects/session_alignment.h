@@ -33,6 +33,15 @@ bool FitsAtRest(const Registration& registration,
                 const SessionIdentityParameters& parameters,
                 const VoxelScale& scale);
 
+/// True if the correction brings no more of the surface of `seen` within the error of two looks at
+/// `known`. Registration needs eight observed voxels around a point; thin surface has few such
+/// points, and they can drift. This test asks the nearest voxels.
+bool FitsNoBetterMoved(const Registration& registration,
+                       const TrackedObject& seen,
+                       const TrackedObject& known,
+                       const SurfaceMatchParameters& parameters,
+                       const VoxelScale& scale);
+
 /// Finds the offset of the poses of a session by the known objects in place. None if there are
 /// none; the time of the result is not set.
 std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,

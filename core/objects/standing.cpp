@@ -37,7 +37,8 @@ bool Replaces(const TrackedObject& other,
   return registration && registration->dissimilarity <= parameters.parts.shares.negligible &&
          registration->known_share >= parameters.parts.shares.most() &&
          !FitsAtRest(*registration, parameters, scale) &&
-         DisplacementOf(*registration, other) > parameters.max_displacement_m;
+         DisplacementOf(*registration, other) > parameters.max_displacement_m &&
+         !FitsNoBetterMoved(*registration, other, known, parameters.parts.surface, scale);
 }
 
 /// True if another object is in front of what was seen of the known one, so that it was not there

@@ -123,5 +123,20 @@ TEST(FitsAtRest, ACorrectionOfNoisySurfaceMustExplainMostOfItsDistances) {
   EXPECT_FALSE(FitsAtRest(registration, SessionIdentityParameters(), kScale));
 }
 
+TEST(FitsNoBetterMoved, TellsACorrectionThatTheSurfaceDoesNotNeed) {
+  const SurfaceMatchParameters parameters;
+  const TrackedObject known = BoxAt(std::uint64_t{1}, 0.0, 0.0);
+  for (const double displacement_m : {0.0, 0.06}) {
+    const TrackedObject seen = BoxAt(std::uint64_t{2}, displacement_m, 0.0);
+    for (const double correction_m : {0.0, -0.06, 0.06}) {
+      Registration registration;
+      registration.T_correction.translation().x() = correction_m;
+      EXPECT_EQ(FitsNoBetterMoved(registration, seen, known, parameters, kScale),
+                displacement_m == 0.0 || correction_m >= 0.0)
+          << displacement_m << " " << correction_m;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace steadymap
