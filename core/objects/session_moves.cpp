@@ -82,7 +82,7 @@ bool MoveSearch::MayStand(const SeenObject& seen, const KnownObject& known) cons
 
 /// True if the surfaces of two objects are large enough to be of one.
 bool MoveSearch::AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const {
-  return seen.SurfaceAreaM2() >= parameters_.parts.shares.substantial * known.SurfaceAreaM2() &&
+  return seen.SurfaceAreaM2() >= parameters_.parts.shares.negligible * known.SurfaceAreaM2() &&
          known.SurfaceAreaM2() >= parameters_.parts.shares.majority * seen.SurfaceAreaM2();
 }
 

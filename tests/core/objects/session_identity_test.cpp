@@ -84,11 +84,15 @@ class SessionIdentityTest : public ::testing::Test {
 
   /// Adds a level surface, of which what is within its bounds was observed.
   TrackedObject* PutLevelSurface(ObjectStatus status, const Eigen::Vector2d& half_m) {
+    const Eigen::Vector3d half(half_m.x(), half_m.y(), 0.15);
+    return PutPlane(status, Eigen::Vector3d::UnitZ(), Box(-half, half));
+  }
+
+  /// Adds a plane through the origin, of which what is within bounds was observed.
+  TrackedObject* PutPlane(ObjectStatus status, const Eigen::Vector3d& normal, const Box& bounds) {
     TrackedObject& object = map_.AddObject(Eigen::Vector3d::Zero());
     ObjectEdit edit = map_.Edit(&object);
-    const Eigen::Vector3d half(half_m.x(), half_m.y(), 0.15);
-    const Box bounds(-half, half);
-    StoreVolume(testing::MakeVolume([](const Eigen::Vector3d& point) { return point.z(); },
+    StoreVolume(testing::MakeVolume([&](const Eigen::Vector3d& point) { return normal.dot(point); },
                                     bounds,
                                     map_.scale(),
                                     [&](const Eigen::Vector3d& point) {
@@ -328,6 +332,25 @@ TEST_F(SessionIdentityTest, AShapeThatLeftOnePlaceForAnotherHasMoved) {
   EXPECT_EQ(events[0].type, EventType::kMoved);
   EXPECT_EQ(events[0].object, moved->id());
   EXPECT_NEAR((events[0].center_world - *events[0].old_center_world).y(), 5.0, 0.03);
+  EXPECT_EQ(events[1].type, EventType::kRemoved);
+}
+
+TEST_F(SessionIdentityTest, AThingOfWhichOneSideIsSeenElsewhereHasMoved) {
+  const TrackedObject* moved = PutKnown(0.0, -2);
+  PutKnown(2.0, -2, kOtherSizeM);
+  const Eigen::Vector3d half(0.15, 0.5 * kSizeM.y(), 0.5 * kSizeM.z());
+  TrackedObject* side =
+      PutPlane(ObjectStatus::kTentative, -Eigen::Vector3d::UnitX(), Box(-half, half));
+  ASSERT_LT(side->SurfaceAreaM2(), 0.3 * moved->SurfaceAreaM2());
+  {
+    ObjectEdit edit = map_.Edit(side);
+    edit.state().T_world_object.position_world = {5.0, 0.0, 0.3};
+  }
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, moved->id());
+  EXPECT_NEAR(events[0].center_world.x(), 5.0 + 0.5 * kSizeM.x(), 0.03);
   EXPECT_EQ(events[1].type, EventType::kRemoved);
 }
 
