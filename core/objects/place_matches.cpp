@@ -32,7 +32,7 @@ std::optional<PlaceMatch> MatchThin(const SessionIdentityParameters& parameters,
       overlap.fit_share < parameters.parts.shares.nearly_all()) {
     return std::nullopt;
   }
-  return PlaceMatch{seen, known, 0.0, overlap.known_share * overlap.fit_share, true};
+  return PlaceMatch{seen, known, 0.0, overlap.known_fit_share(), true};
 }
 
 /// Matches an object of the session with a known one of its class around it, if they agree.
@@ -56,10 +56,7 @@ std::optional<PlaceMatch> MatchPlace(const SessionIdentityParameters& parameters
   }
   const double fit = registration->known_share * (1.0 - registration->dissimilarity);
   const bool fits_at_rest =
-      FitsAtRest(*registration, parameters, scale) ||
-      (is_displaced &&
-       FitsNoBetterMoved(
-           *registration, *seen->object, *known->object, parameters.parts.surface, scale));
+      !IsDisplaced(*registration, *seen->object, *known->object, parameters, scale);
   return PlaceMatch{seen, known, displacement_m, fit, fits_at_rest};
 }
 

@@ -62,6 +62,29 @@ PoseOffset OffsetOf(const AnchorAlignment& alignment, double anchor_sigma_m, dou
   return offset;
 }
 
+/// True if much of the surface of `seen` is within the error of two looks at `known`, and the
+/// correction brings no more there. Registration needs eight observed voxels around a point; thin
+/// surface has few such points, which can be drawn off their place. This asks the nearest voxels.
+bool FitsNoBetterMoved(const Registration& registration,
+                       const TrackedObject& seen,
+                       const TrackedObject& known,
+                       const SessionIdentityParameters& parameters,
+                       const VoxelScale& scale) {
+  const Eigen::Isometry3d T_known_world = known.state().T_world_object.ToIsometry().inverse();
+  const Eigen::Isometry3d T_world_seen = seen.state().T_world_object.ToIsometry();
+  const auto close_share = [&](const Eigen::Isometry3d& T_correction) {
+    return CompareSurfaces(seen,
+                           known,
+                           T_known_world * T_correction * T_world_seen,
+                           parameters.parts.surface,
+                           scale)
+        .known_close_share();
+  };
+  const double at_rest = close_share(Eigen::Isometry3d::Identity());
+  return at_rest >= parameters.parts.shares.substantial &&
+         at_rest >= close_share(registration.T_correction);
+}
+
 }  // namespace
 
 std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
@@ -95,19 +118,14 @@ bool FitsAtRest(const Registration& registration,
          rest_m2 - corrected_m2 <= std::max(sigma_m * sigma_m, corrected_m2);
 }
 
-bool FitsNoBetterMoved(const Registration& registration,
-                       const TrackedObject& seen,
-                       const TrackedObject& known,
-                       const SurfaceMatchParameters& parameters,
-                       const VoxelScale& scale) {
-  const Eigen::Isometry3d T_known_world = known.state().T_world_object.ToIsometry().inverse();
-  const Eigen::Isometry3d T_world_seen = seen.state().T_world_object.ToIsometry();
-  const auto close_share = [&](const Eigen::Isometry3d& T_correction) {
-    const SurfaceOverlap overlap = CompareSurfaces(
-        seen, known, T_known_world * T_correction * T_world_seen, parameters, scale);
-    return overlap.known_share * overlap.close_share;
-  };
-  return close_share(Eigen::Isometry3d::Identity()) >= close_share(registration.T_correction);
+bool IsDisplaced(const Registration& registration,
+                 const TrackedObject& seen,
+                 const TrackedObject& known,
+                 const SessionIdentityParameters& parameters,
+                 const VoxelScale& scale) {
+  return DisplacementOf(registration, seen) > parameters.max_displacement_m &&
+         !FitsAtRest(registration, parameters, scale) &&
+         !FitsNoBetterMoved(registration, seen, known, parameters, scale);
 }
 
 std::optional<PoseOffset> AlignSession(const std::vector<const TrackedObject*>& seen,

@@ -33,14 +33,13 @@ bool FitsAtRest(const Registration& registration,
                 const SessionIdentityParameters& parameters,
                 const VoxelScale& scale);
 
-/// True if the correction brings no more of the surface of `seen` within the error of two looks at
-/// `known`. Registration needs eight observed voxels around a point; thin surface has few such
-/// points, and they can drift. This test asks the nearest voxels.
-bool FitsNoBetterMoved(const Registration& registration,
-                       const TrackedObject& seen,
-                       const TrackedObject& known,
-                       const SurfaceMatchParameters& parameters,
-                       const VoxelScale& scale);
+/// True if a correction shows that an object of a session is not where a known one stood: it is
+/// beyond the error of a registered frame, and the surfaces agree better with it than without.
+bool IsDisplaced(const Registration& registration,
+                 const TrackedObject& seen,
+                 const TrackedObject& known,
+                 const SessionIdentityParameters& parameters,
+                 const VoxelScale& scale);
 
 /// Finds the offset of the poses of a session by the known objects in place. None if there are
 /// none; the time of the result is not set.

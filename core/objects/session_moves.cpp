@@ -80,7 +80,8 @@ bool MoveSearch::MayStand(const SeenObject& seen, const KnownObject& known) cons
           known.standing != Standing::kUnverified);
 }
 
-/// True if the surfaces of two objects are large enough to be of one.
+/// True if the surfaces of two objects are large enough to be of one. Of an object at a new place,
+/// a look may show one side only.
 bool MoveSearch::AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const {
   return seen.SurfaceAreaM2() >= parameters_.parts.shares.negligible * known.SurfaceAreaM2() &&
          known.SurfaceAreaM2() >= parameters_.parts.shares.majority * seen.SurfaceAreaM2();

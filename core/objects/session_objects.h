@@ -39,7 +39,7 @@ struct PlaceMatch {
   KnownObject* known = nullptr;
   double displacement_m = 0.0;
   double fit = 0.0;           ///< Share of the surface that agrees.
-  bool fits_at_rest = false;  ///< See `FitsAtRest`: the displacement tells nothing.
+  bool fits_at_rest = false;  ///< See `IsDisplaced`: the displacement tells nothing.
   double close_share = 1.0;   ///< Share of both surfaces that agrees within the error of two looks.
 };
 

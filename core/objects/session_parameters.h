@@ -12,8 +12,8 @@ namespace steadymap {
 struct SessionIdentityParameters {
   /// Of `parts.shares`: what disagrees with a known shape is negligible, and what is known of it is
   /// substantial in its place, a majority elsewhere; there, most of what is known agrees within the
-  /// error of two looks. A move is clear if without it, the best explanation of all changes agrees
-  /// by more than a negligible share less.
+  /// error of two looks, and its area is no negligible share of the known one. A move is clear if
+  /// without it, the best explanation of all changes agrees by more than a negligible share less.
   SessionPartParameters parts;
   /// Stationarity of a new object.
   double initial_stationarity = 0.67;

@@ -147,9 +147,9 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
       CompareSurfaces(object, other, T_other_object, parameters_.surface, map_->scale());
   // Two things cannot have one surface, even if frames show them apart, as they do where noise or a
   // wrong label divides a thing. Of two classes, that of the larger object is right.
-  if (overlap.known_share * overlap.close_share > 0.5) return true;
+  if (overlap.known_close_share() > parameters_.shares.majority) return true;
   if (!is_of_one_class || are_apart) return false;
-  return overlap.known_share * overlap.fit_share > parameters_.shares.substantial &&
+  return overlap.known_fit_share() > parameters_.shares.substantial &&
          AreInContact(object, other, parameters_, map_->scale());
 }
 

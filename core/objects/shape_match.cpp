@@ -115,7 +115,7 @@ ShapeMatch MatchShapes(const TrackedObject& before,
     match.T_world_object = registration.T_correction.inverse() * T_world_guess;
     match.overlap = CompareSurfaces(
         after, before, match.T_world_object.inverse() * T_world_after, parameters, scale);
-    if (match.close_confidence() > best.close_confidence()) best = match;
+    if (match.overlap.known_close_share() > best.overlap.known_close_share()) best = match;
   }
   best.reverse_overlap = CompareSurfaces(
       before, after, T_world_after.inverse() * best.T_world_object, parameters, scale, &free_space);

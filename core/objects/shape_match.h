@@ -13,10 +13,7 @@ struct ShapeMatch : MutualOverlap {
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();
 
   /// Returns the share of the surface of the other object that is known to agree, in [0, 1].
-  double confidence() const { return overlap.known_share * overlap.fit_share; }
-
-  /// Returns the same within the error of two looks.
-  double close_confidence() const { return overlap.known_share * overlap.close_share; }
+  double confidence() const { return overlap.known_fit_share(); }
 };
 
 /// Returns the pose of an upright object; drops rotations about other axes than z.

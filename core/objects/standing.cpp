@@ -36,9 +36,7 @@ bool Replaces(const TrackedObject& other,
   const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
   return registration && registration->dissimilarity <= parameters.parts.shares.negligible &&
          registration->known_share >= parameters.parts.shares.most() &&
-         !FitsAtRest(*registration, parameters, scale) &&
-         DisplacementOf(*registration, other) > parameters.max_displacement_m &&
-         !FitsNoBetterMoved(*registration, other, known, parameters.parts.surface, scale);
+         IsDisplaced(*registration, other, known, parameters, scale);
 }
 
 /// True if another object is in front of what was seen of the known one, so that it was not there

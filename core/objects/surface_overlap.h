@@ -32,9 +32,15 @@ struct SurfaceOverlap {
   double fit_share = 0.0;    ///< Of those, the share on its surface, facing the same way.
   double close_share = 0.0;  ///< Of those, the share on it within the error of two looks.
 
+  /// Returns the share of all points that are known to be on the surface.
+  double known_fit_share() const { return known_share * fit_share; }
+
+  /// Returns the share of all points that are known to be on it within the error of two looks.
+  double known_close_share() const { return known_share * close_share; }
+
   /// Returns the expected share of all points on the surface within the error of two looks, if a
   /// point of which nothing is known is on it with even odds.
-  double likely_share() const { return known_share * close_share + 0.5 * (1.0 - known_share); }
+  double likely_share() const { return known_close_share() + 0.5 * (1.0 - known_share); }
 };
 
 /// How the surfaces of two objects agree, each compared with the volume of the other one.

@@ -6,22 +6,15 @@
 #include "core/objects/surface_overlap.h"
 
 namespace steadymap {
-namespace {
-
-/// Returns the share of all of a surface that agrees within the error of two looks.
-double FitOf(const SurfaceOverlap& overlap) { return overlap.known_share * overlap.close_share; }
-
-}  // namespace
 
 bool HasSurfaceOfOther(const TrackedObject& object,
                        const SensorName& source,
                        const SessionPartParameters& parameters,
                        const WorkingMap& map) {
   const double min_share = parameters.shares.majority;
-  if (FitOf(CompareWithBackground(object, map.background(), parameters.surface, map.scale())) >=
-      min_share) {
-    return true;
-  }
+  const SurfaceOverlap with_background =
+      CompareWithBackground(object, map.background(), parameters.surface, map.scale());
+  if (with_background.known_close_share() >= min_share) return true;
   const std::vector<const TrackedObject*> others = map.ObjectsNear(object.BoundsInWorld());
   return std::any_of(others.begin(), others.end(), [&](const TrackedObject* other) {
     const ObjectState& state = other->state();
@@ -31,8 +24,8 @@ bool HasSurfaceOfOther(const TrackedObject& object,
     }
     const Eigen::Isometry3d T_other_object =
         state.T_world_object.ToIsometry().inverse() * object.state().T_world_object.ToIsometry();
-    return FitOf(CompareSurfaces(
-               object, *other, T_other_object, parameters.surface, map.scale())) >= min_share;
+    return CompareSurfaces(object, *other, T_other_object, parameters.surface, map.scale())
+               .known_close_share() >= min_share;
   });
 }
 

@@ -123,19 +123,28 @@ TEST(FitsAtRest, ACorrectionOfNoisySurfaceMustExplainMostOfItsDistances) {
   EXPECT_FALSE(FitsAtRest(registration, SessionIdentityParameters(), kScale));
 }
 
-TEST(FitsNoBetterMoved, TellsACorrectionThatTheSurfaceDoesNotNeed) {
-  const SurfaceMatchParameters parameters;
+TEST(IsDisplaced, NeedsACorrectionThatBringsMoreOfTheSurfaceClose) {
+  const SessionIdentityParameters parameters;
   const TrackedObject known = BoxAt(std::uint64_t{1}, 0.0, 0.0);
   for (const double displacement_m : {0.0, 0.06}) {
     const TrackedObject seen = BoxAt(std::uint64_t{2}, displacement_m, 0.0);
     for (const double correction_m : {0.0, -0.06, 0.06}) {
-      Registration registration;
+      Registration registration;  // Knows no surface at rest, so that `FitsAtRest` is false.
       registration.T_correction.translation().x() = correction_m;
-      EXPECT_EQ(FitsNoBetterMoved(registration, seen, known, parameters, kScale),
-                displacement_m == 0.0 || correction_m >= 0.0)
+      registration.shift_world.x() = correction_m;
+      EXPECT_EQ(IsDisplaced(registration, seen, known, parameters, kScale),
+                displacement_m > 0.0 && correction_m < 0.0)
           << displacement_m << " " << correction_m;
     }
   }
+}
+
+TEST(IsDisplaced, FollowsTheCorrectionIfHardlyAnySurfaceIsCloseAtRest) {
+  const TrackedObject known = BoxAt(std::uint64_t{1}, 0.0, 0.0);
+  const TrackedObject seen = BoxAt(std::uint64_t{2}, 2.0, 0.0);
+  Registration registration;
+  registration.shift_world.x() = 0.06;
+  EXPECT_TRUE(IsDisplaced(registration, seen, known, SessionIdentityParameters(), kScale));
 }
 
 }  // namespace

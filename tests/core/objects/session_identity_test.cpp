@@ -109,6 +109,13 @@ class SessionIdentityTest : public ::testing::Test {
   /// Adds a level surface of the session.
   TrackedObject* PutSheet() { return PutLevelSurface(ObjectStatus::kTentative, {0.4, 0.4}); }
 
+  /// Adds a known level surface of another class.
+  void PutKnownSheet(double z_m) {
+    ObjectEdit edit = map_.Edit(PutLevelSurface(ObjectStatus::kPresent, {0.4, 0.4}));
+    edit.state().class_id = ClassId(8);
+    edit.state().T_world_object.position_world.z() = z_m;
+  }
+
   /// Adds a long level surface, turned about its middle.
   TrackedObject* PutStrip(ObjectStatus status, double yaw_rad) {
     TrackedObject* strip = PutLevelSurface(status, {0.6, 0.15});
@@ -636,24 +643,13 @@ TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfTheBackgroundAndIsGoneWasAWrongLa
 
 TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfAnotherClassAndIsGoneWasAWrongLabel) {
   SetScores(kEverywhere, -2, PutSheet());
-  TrackedObject* other = PutSheet();
-  {
-    ObjectEdit edit = map_.Edit(other);
-    edit.state().class_id = ClassId(8);
-    edit.state().status = ObjectStatus::kPresent;
-  }
+  PutKnownSheet(0.0);
   EXPECT_TRUE(Decide().empty());
 }
 
-TEST_F(SessionIdentityTest, WhatLayOnAnotherClassCameAndLeft) {
+TEST_F(SessionIdentityTest, AThinThingOnAnotherObjectCameAndLeft) {
   SetScores(kEverywhere, -2, PutSheet());
-  TrackedObject* support = PutSheet();
-  {
-    ObjectEdit edit = map_.Edit(support);
-    edit.state().class_id = ClassId(8);
-    edit.state().status = ObjectStatus::kPresent;
-    edit.state().T_world_object.position_world.z() -= map_.scale().voxel_size_m;
-  }
+  PutKnownSheet(-map_.scale().voxel_size_m);
   const std::vector<ObjectEvent> events = Decide();
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].type, EventType::kCreated);
