@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/change/surface_looks.h"
-#include "core/map/contradiction.h"
 #include "core/objects/changed_regions.h"
 #include "core/objects/legs.h"
 #include "core/objects/past_session.h"
@@ -14,13 +13,12 @@
 #include "core/objects/session_alignment.h"
 #include "core/objects/session_moves.h"
 #include "core/objects/session_objects.h"
+#include "core/objects/session_outcomes.h"
 #include "core/objects/session_parts.h"
-#include "core/objects/shape_match.h"
 #include "core/objects/standing.h"
 #include "core/objects/surface_overlap.h"
 #include "core/objects/surface_relations.h"
 #include "core/objects/wrong_labels.h"
-#include "core/working/object_split.h"
 
 namespace steadymap {
 namespace {
@@ -35,7 +33,10 @@ class SessionDecision {
                   const SessionIdentityParameters& parameters,
                   const SensorName& source,
                   WorkingMap* map)
-      : config_(config), parameters_(parameters), source_(source), map_(map) {}
+      : parameters_(parameters),
+        source_(source),
+        map_(map),
+        outcomes_(config, parameters, source, map) {}
 
   std::optional<PoseOffset> Run() {
     TakeSessionLooks();
@@ -56,45 +57,37 @@ class SessionDecision {
     AddRest();
     EndGone();
     for (TrackedObject* object : map_->AllObjects()) {
-      if (object->state().status != ObjectStatus::kTentative) Settle(object);
+      if (object->state().status != ObjectStatus::kTentative) outcomes_.Settle(object);
     }
     return offset_;
   }
 
  private:
   Timestamp StartOfSession() const;
-  Timestamp LastLookAt(const TrackedObject& known) const;
   void TakeSessionLooks();
-  void Settle(TrackedObject* object);
   void ListObjects();
   void SeparateNew();
   void SeparateNewOn(KnownObject* structure, SeenObject* seen);
   void SeparateGone();
   void AddRestsToStructures();
-  void ConfirmStructure(TrackedObject* object);
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   void MatchInPlace();
   void MatchDoubted();
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
-  bool IsContradicted(TrackedObject* object);
-  void KeepContradicted(TrackedObject* object);
   void EndVanished();
   void CutGone();
   void FindMoves();
-  void Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match);
-  void Create(TrackedObject* object);
   void AddRest();
   bool IsPartOfKnown(const TrackedObject& seen);
   void EndGone();
   void CutGoneParts(TrackedObject* object);
-  void UpdateBeliefOf(double change_m, TrackedObject* object);
 
-  const MapConfig& config_;
   const SessionIdentityParameters& parameters_;
   const SensorName& source_;
   WorkingMap* map_;
+  SessionOutcomes outcomes_;
   SessionObjects objects_;
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
   bool is_of_past_ = false;                                  ///< See `past_session.h`.
@@ -105,13 +98,6 @@ class SessionDecision {
 Timestamp SessionDecision::StartOfSession() const {
   const RobotState* robot = map_->FindRobot(source_);
   return robot == nullptr ? map_->now() : robot->session_start.value_or(map_->now());
-}
-
-/// Returns when the session last looked at a known object; without looks, the time of its last
-/// frame.
-Timestamp SessionDecision::LastLookAt(const TrackedObject& known) const {
-  const Timestamp last_look = LastLook(known.state().evidence.leaves);
-  return last_look > Timestamp() ? last_look : map_->now();
 }
 
 /// Makes the looks of the session the evidence for each known object. Looks from before another
@@ -140,7 +126,7 @@ void SessionDecision::EndVanished() {
     if (HasSurfaceOfOther(*object, source_, parameters_.parts, *map_)) {
       map_->Delete(object);
     } else {
-      Create(object);
+      outcomes_.Create(object);
     }
   }
 }
@@ -151,30 +137,6 @@ void SessionDecision::CutGone() {
     CutGoneCells(object, map_);
     if (IsTooSmall(*object, parameters_.parts)) map_->Delete(object);
   }
-}
-
-/// Adds an object of the session to the map.
-void SessionDecision::Create(TrackedObject* object) {
-  {
-    ObjectEdit edit = map_->Edit(object);
-    edit.state().status = ObjectStatus::kPresent;
-    edit.state().source = source_;
-    edit.state().in_place_since = object->state().first_seen;
-  }
-  map_->RecordEvent(map_->MakeEvent(EventType::kCreated, EventReason::kNewSurface, *object));
-}
-
-/// Keeps the sums of the evidence of the session.
-void SessionDecision::Settle(TrackedObject* object) {
-  if (object->state().evidence.leaves.empty() && object->state().parts.empty()) return;
-  const LookCount looks = CountLooks(*object);
-  ObjectEdit edit = map_->Edit(object);
-  ObjectEvidence& evidence = edit.state().evidence;
-  evidence = {};
-  evidence.present_cells = static_cast<double>(looks.found);
-  evidence.absent_cells = static_cast<double>(looks.gone);
-  edit.state().parts.clear();
-  edit.state().gaps.clear();
 }
 
 void SessionDecision::ListObjects() {
@@ -266,40 +228,14 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   known->standing = Standing::kStands;
   // A fragment does not tell where the rest is.
   known->is_taken = known->is_taken || !IsFragmentOf(*seen->object, *object, parameters_.parts);
-  const bool is_back = object->is_archived();
   CutRemovedSince(*seen, map_);
-  if (object->state().class_id == kNoClass && !is_back) {
+  if (object->state().class_id == kNoClass && !object->is_archived()) {
     for (TrackedObject* region :
          SeparateNewRegions(parameters_.parts, *object, seen->object, map_)) {
       objects_.AddRegion(region, *seen);
     }
   }
-  AddVoxels(*seen->object, map_, object);
-  {
-    ObjectEdit edit = map_->Edit(object);
-    ObjectState& state = edit.state();
-    if (is_back) {
-      state.status = ObjectStatus::kPresent;
-      state.in_place_since = seen->object->state().first_seen;
-      state.belief = InitialBelief(parameters_.initial_stationarity);
-    }
-    ReportPresence(source_, seen->object->state().last_seen, &state);
-    state.supporting_frames += seen->object->state().supporting_frames;
-  }
-  if (is_back) {
-    map_->RecordEvent(map_->MakeEvent(EventType::kReturned, EventReason::kNewSurface, *object));
-  } else {
-    UpdateBeliefOf(0.0, object);
-  }
-  map_->Delete(seen->object);
-}
-
-void SessionDecision::UpdateBeliefOf(double change_m, TrackedObject* object) {
-  ObjectEdit edit = map_->Edit(object);
-  ObjectState& state = edit.state();
-  state.belief = UpdateStationarity(
-                     state.belief, change_m, PriorOf(config_, state.class_id), parameters_.belief)
-                     .belief;
+  outcomes_.Confirm(seen->object, object);
 }
 
 void SessionDecision::JudgeKnown() {
@@ -314,37 +250,10 @@ void SessionDecision::JudgeKnown() {
       }
     }
     known.standing = JudgeStanding(*known.object, others, parameters_, map_->scale());
-    if (known.standing == Standing::kGone && IsContradicted(known.object)) {
+    if (known.standing == Standing::kGone && outcomes_.IsContradicted(known.object)) {
       known.standing = Standing::kContradicted;
     }
   }
-}
-
-/// Takes in that the session found a known object gone. True if another sensor insists that it
-/// stands.
-bool SessionDecision::IsContradicted(TrackedObject* object) {
-  const Timestamp last_look = LastLookAt(*object);
-  ObjectEdit edit = map_->Edit(object);
-  const Contradiction* contradiction =
-      ReportAbsence(source_, last_look, parameters_.contradiction_window_s, &edit.state());
-  return contradiction != nullptr && contradiction->is_confirmed();
-}
-
-/// Keeps an object that is gone for the session alone. The contradiction is told once.
-void SessionDecision::KeepContradicted(TrackedObject* object) {
-  const Belief before = object->state().belief;
-  UpdateBeliefOf(parameters_.belief.max_change_m, object);
-  const std::vector<Contradiction>& all = object->state().contradictions;
-  if (std::none_of(all.begin(), all.end(), [&](const Contradiction& contradiction) {
-        return contradiction.absent == source_ && contradiction.sessions == kConfirmingSessions;
-      })) {
-    return;
-  }
-  ObjectEvent event =
-      map_->MakeEvent(EventType::kContradicted, EventReason::kDisagreement, *object);
-  event.before = before;
-  event.source = source_;
-  map_->RecordEvent(event);
 }
 
 /// Separates what is new on structures from what had not been seen of them.
@@ -388,7 +297,7 @@ void SessionDecision::SeparateGone() {
         object->state().class_id != kNoClass) {
       continue;
     }
-    if (IsStructure(*object, parameters_.parts.scene)) ConfirmStructure(object);
+    if (IsStructure(*object, parameters_.parts.scene)) outcomes_.ConfirmStructure(object);
     for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
       objects_.AddKnown(region, Standing::kGone);
     }
@@ -407,15 +316,6 @@ void SessionDecision::AddRestsToStructures() {
   }
 }
 
-/// Keeps that a structure, of which a session fuses only what is not known, was seen again.
-void SessionDecision::ConfirmStructure(TrackedObject* object) {
-  if (CountLooks(*object).found == 0) return;
-  UpdateBeliefOf(0.0, object);
-  const Timestamp last_look = LastLookAt(*object);
-  ObjectEdit edit = map_->Edit(object);
-  ReportPresence(source_, last_look, &edit.state());
-}
-
 /// Joins objects of the session with the gone, pushed or archived objects whose shape they have.
 void SessionDecision::FindMoves() {
   const FreeSpaceSince free_space(map_->free_space(), StartOfSession());
@@ -428,7 +328,7 @@ void SessionDecision::FindMoves() {
                                      known.standing != Standing::kGone &&
                                      !(is_outdated && is_of_past_);
     if (may_be_contradicted &&
-        (known.standing == Standing::kContradicted || IsContradicted(known.object))) {
+        (known.standing == Standing::kContradicted || outcomes_.IsContradicted(known.object))) {
       known.standing = Standing::kContradicted;
       continue;
     }
@@ -438,42 +338,10 @@ void SessionDecision::FindMoves() {
       map_->Delete(move.seen->object);
       continue;
     }
-    Join(known.object, move.seen->object, move.match);
+    outcomes_.Join(move.match, known.object, move.seen->object);
     known.standing = Standing::kStands;
     known.is_taken = true;
   }
-}
-
-/// Makes one object of both ends of a move. It keeps the identity and the history of the first one.
-void SessionDecision::Join(TrackedObject* before, TrackedObject* after, const ShapeMatch& match) {
-  const Eigen::Vector3d old_center_world = before->cuboid().center_world;
-  const UprightPose T_world_before = before->state().T_world_object;
-  {
-    ObjectEdit edit = map_->Edit(after);
-    ResampleVoxels(*before, match.T_world_object, 1.0, map_->scale(), &edit);
-  }
-  const Belief belief_before = before->state().belief;
-  {
-    ObjectEdit edit = map_->Edit(before);
-    edit.TakeVolume(*after);
-    ObjectState& state = edit.state();
-    state.status = ObjectStatus::kPresent;
-    state.evidence = {};  // Of the old place.
-    state.looks.clear();
-    state.belief = InitialBelief(parameters_.initial_stationarity);
-    state.in_place_since = after->state().first_seen;
-    state.last_seen = after->state().last_seen;
-    state.source = source_;
-    state.supporting_frames += after->state().supporting_frames;
-  }
-  ObjectEvent event = map_->MakeEvent(EventType::kMoved, EventReason::kShapeMatched, *before);
-  event.before = belief_before;
-  event.old_center_world = old_center_world;
-  event.move = {T_world_before, UprightPoseOf(match.T_world_object)};
-  event.confidence = match.confidence();
-  event.related = after->id();
-  map_->RecordEvent(event);
-  map_->Delete(after);
 }
 
 /// True if an object of the session continues a known one that stands, or that the session hardly
@@ -508,7 +376,7 @@ void SessionDecision::AddRest() {
       map_->Delete(seen.object);
       continue;
     }
-    Create(seen.object);
+    outcomes_.Create(seen.object);
   }
 }
 
@@ -516,18 +384,8 @@ void SessionDecision::EndGone() {
   for (const KnownObject& known : objects_.known) {
     if (known.object->is_archived()) continue;
     if (known.standing == Standing::kStands) CutGoneParts(known.object);
-    if (known.standing == Standing::kContradicted) KeepContradicted(known.object);
-    if (known.standing != Standing::kGone) continue;
-    const Belief before = known.object->state().belief;
-    UpdateBeliefOf(parameters_.belief.max_change_m, known.object);
-    ObjectEvent event =
-        map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *known.object);
-    event.before = before;
-    map_->RecordEvent(event);
-    ObjectEdit edit = map_->Edit(known.object);
-    edit.state().status = ObjectStatus::kArchived;
-    edit.state().in_place_since = LastLookAt(*known.object);
-    edit.state().looks.clear();
+    if (known.standing == Standing::kContradicted) outcomes_.KeepContradicted(known.object);
+    if (known.standing == Standing::kGone) outcomes_.Remove(known.object);
   }
 }
 
