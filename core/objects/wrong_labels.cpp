@@ -11,10 +11,10 @@ bool HasSurfaceOfOther(const TrackedObject& object,
                        const SensorName& source,
                        const SessionPartParameters& parameters,
                        const WorkingMap& map) {
-  const double min_share = parameters.shares.majority;
+  const double min_share = parameters.shares.most();
   const SurfaceOverlap with_background =
       CompareWithBackground(object, map.background(), parameters.surface, map.scale());
-  if (with_background.known_close_share() >= min_share) return true;
+  if (with_background.known_fit_share() >= min_share) return true;
   const std::vector<const TrackedObject*> others = map.ObjectsNear(object.BoundsInWorld());
   return std::any_of(others.begin(), others.end(), [&](const TrackedObject* other) {
     const ObjectState& state = other->state();
@@ -25,7 +25,7 @@ bool HasSurfaceOfOther(const TrackedObject& object,
     const Eigen::Isometry3d T_other_object =
         state.T_world_object.ToIsometry().inverse() * object.state().T_world_object.ToIsometry();
     return CompareSurfaces(object, *other, T_other_object, parameters.surface, map.scale())
-               .known_close_share() >= min_share;
+               .known_fit_share() >= min_share;
   });
 }
 

@@ -110,10 +110,9 @@ class SessionIdentityTest : public ::testing::Test {
   TrackedObject* PutSheet() { return PutLevelSurface(ObjectStatus::kTentative, {0.4, 0.4}); }
 
   /// Adds a known level surface of another class.
-  void PutKnownSheet(double z_m) {
-    ObjectEdit edit = map_.Edit(PutLevelSurface(ObjectStatus::kPresent, {0.4, 0.4}));
+  void PutKnownSheet(const Eigen::Vector2d& half_m) {
+    ObjectEdit edit = map_.Edit(PutLevelSurface(ObjectStatus::kPresent, half_m));
     edit.state().class_id = ClassId(8);
-    edit.state().T_world_object.position_world.z() = z_m;
   }
 
   /// Adds a long level surface, turned about its middle.
@@ -643,13 +642,13 @@ TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfTheBackgroundAndIsGoneWasAWrongLa
 
 TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfAnotherClassAndIsGoneWasAWrongLabel) {
   SetScores(kEverywhere, -2, PutSheet());
-  PutKnownSheet(0.0);
+  PutKnownSheet({0.4, 0.4});
   EXPECT_TRUE(Decide().empty());
 }
 
-TEST_F(SessionIdentityTest, AThinThingOnAnotherObjectCameAndLeft) {
+TEST_F(SessionIdentityTest, AThingOfWhichAnotherClassHasHalfTheSurfaceCameAndLeft) {
   SetScores(kEverywhere, -2, PutSheet());
-  PutKnownSheet(-map_.scale().voxel_size_m);
+  PutKnownSheet({0.4, 0.2});
   const std::vector<ObjectEvent> events = Decide();
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].type, EventType::kCreated);
