@@ -7,9 +7,10 @@
 namespace steadymap {
 
 /// True if the background, or an object of another class, known or of the session of a source, has
-/// most of the surface of `object`, an object of the session. If the looks of the session found
-/// `object` gone, its label was wrong: a thing that leaves takes its surface with it. Half of the
-/// surface is not enough: so much of a thing on a floor is near that, with large voxels.
+/// the surface of `object`, an object of the session: the majority of it within the error of two
+/// looks, or most of it within the noise of single frames. If the looks of the session found
+/// `object` gone, its label was wrong: a thing that leaves takes its surface with it. With large
+/// voxels, half of a thing on a floor is within the noise of that floor.
 bool HasSurfaceOfOther(const TrackedObject& object,
                        const SensorName& source,
                        const SessionPartParameters& parameters,

@@ -109,10 +109,11 @@ class SessionIdentityTest : public ::testing::Test {
   /// Adds a level surface of the session.
   TrackedObject* PutSheet() { return PutLevelSurface(ObjectStatus::kTentative, {0.4, 0.4}); }
 
-  /// Adds a known level surface of another class.
-  void PutKnownSheet(const Eigen::Vector2d& half_m) {
+  /// Adds a known level surface of another class, `above_m` the surface of `PutSheet`.
+  void PutKnownSheet(const Eigen::Vector2d& half_m, double above_m) {
     ObjectEdit edit = map_.Edit(PutLevelSurface(ObjectStatus::kPresent, half_m));
     edit.state().class_id = ClassId(8);
+    edit.state().T_world_object.position_world.z() += above_m;
   }
 
   /// Adds a long level surface, turned about its middle.
@@ -640,15 +641,23 @@ TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfTheBackgroundAndIsGoneWasAWrongLa
   EXPECT_TRUE(Decide().empty());
 }
 
-TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfAnotherClassAndIsGoneWasAWrongLabel) {
+constexpr double kWithinNoiseM = 0.06;
+
+TEST_F(SessionIdentityTest, WhatHasMostOfTheSurfaceOfAnotherClassAndIsGoneWasAWrongLabel) {
   SetScores(kEverywhere, -2, PutSheet());
-  PutKnownSheet({0.4, 0.4});
+  PutKnownSheet({0.4, 0.4}, kWithinNoiseM);
   EXPECT_TRUE(Decide().empty());
 }
 
-TEST_F(SessionIdentityTest, AThingOfWhichAnotherClassHasHalfTheSurfaceCameAndLeft) {
+TEST_F(SessionIdentityTest, WhatHasHalfOfItsSurfaceInCommonWithAnotherClassWasAWrongLabel) {
   SetScores(kEverywhere, -2, PutSheet());
-  PutKnownSheet({0.4, 0.2});
+  PutKnownSheet({0.4, 0.25}, 0.0);
+  EXPECT_TRUE(Decide().empty());
+}
+
+TEST_F(SessionIdentityTest, AThingOfWhichHalfIsNearAnotherClassCameAndLeft) {
+  SetScores(kEverywhere, -2, PutSheet());
+  PutKnownSheet({0.4, 0.25}, kWithinNoiseM);
   const std::vector<ObjectEvent> events = Decide();
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].type, EventType::kCreated);
