@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace steadymap {
 namespace {
@@ -87,26 +88,53 @@ class ObjectLook {
   Eigen::Vector3f camera_world_;
 };
 
-bool IsWholeGone(const LookParameters& parameters, const LookCount& looks) {
-  return looks.gone >= parameters.min_gone_cells &&
+/// Returns the evidence cells of a leaf that have surface, one bit each.
+std::uint64_t CellsOf(const SurfaceLeaf& leaf) {
+  std::uint64_t cells = 0;
+  for (const SurfaceVoxel& point : leaf.points) cells |= std::uint64_t{1} << point.cell();
+  return cells;
+}
+
+std::size_t CountCells(const TrackedObject& object) {
+  std::size_t count = 0;
+  for (const SurfaceLeaf& leaf : object.surface().leaves()) {
+    count += static_cast<std::size_t>(std::popcount(CellsOf(leaf)));
+  }
+  return count;
+}
+
+/// True if looks show that a whole object is gone. `gone`: of the cells that are gone, those that
+/// count.
+bool IsWholeGone(const LookParameters& parameters,
+                 const LookCount& looks,
+                 std::size_t gone,
+                 const TrackedObject& object) {
+  return gone >= parameters.min_gone_cells &&
          static_cast<double>(looks.gone) >=
-             parameters.whole_gone_share * static_cast<double>(looks.looked_at());
+             parameters.whole_gone_share * static_cast<double>(looks.looked_at()) &&
+         static_cast<double>(gone) >=
+             parameters.negligible_share * static_cast<double>(CountCells(object));
 }
 
 /// The evidence cells of a leaf that a frame shows, one bit each.
-using ShownCells = std::map<LeafOrigin, std::uint64_t>;
+struct ShownCells {
+  LeafOrigin origin;
+  std::uint64_t cells = 0;
+};
 
 /// Lowers the positive scores of the cells that a frame does not show by one: a thing moves as a
 /// whole.
-void DoubtOtherCells(const ShownCells& shown,
+void DoubtOtherCells(const std::vector<ShownCells>& shown,
                      double min_interval_s,
                      Timestamp now,
                      ObjectEvidence* evidence) {
   for (LeafEvidence& leaf : evidence->leaves) {
-    const auto found = shown.find(leaf.origin);
+    const auto found = std::find_if(shown.begin(), shown.end(), [&](const ShownCells& entry) {
+      return entry.origin == leaf.origin;
+    });
     if (found == shown.end() && (now - leaf.last_look).seconds() < min_interval_s) continue;
     leaf.last_look = now;
-    const std::uint64_t cells = found == shown.end() ? 0 : found->second;
+    const std::uint64_t cells = found == shown.end() ? 0 : found->cells;
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if ((cells >> cell & 1) == 0 && leaf.score[cell] > 0) --leaf.score[cell];
     }
@@ -135,7 +163,8 @@ bool AddLook(const LookedAtFrame& frame,
   const bool is_of_session = object.state().status == ObjectStatus::kTentative;
   bool has_looked = false;
   LookCount looks;
-  ShownCells shown;  // Of an object of the session.
+  std::size_t vanished = 0;  // Cells that earlier looks have found.
+  std::vector<ShownCells> shown;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     const LeafEvidence* const known = evidence->FindLeaf(leaf.origin);
     if (known != nullptr && (now - known->last_look).seconds() < parameters.min_interval_s)
@@ -156,14 +185,15 @@ bool AddLook(const LookedAtFrame& frame,
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
       if (balance[cell] == 0) continue;
       ++(balance[cell] > 0 ? looks.found : looks.gone);
+      if (balance[cell] < 0 && scores.score[cell] > 0) ++vanished;
       shown_cells |= std::uint64_t{1} << cell;
       const int score = scores.score[cell] + (balance[cell] > 0 ? 1 : -1);
       scores.score[cell] = static_cast<std::int8_t>(
           std::clamp(score, -parameters.confirming_looks, parameters.confirming_looks));
     }
-    if (is_of_session) shown.emplace(leaf.origin, shown_cells);
+    shown.push_back({leaf.origin, shown_cells});
   }
-  if (is_of_session && IsWholeGone(parameters, looks)) {
+  if (IsWholeGone(parameters, looks, is_of_session ? looks.gone : vanished, object)) {
     DoubtOtherCells(shown, parameters.min_interval_s, now, evidence);
   }
   return has_looked;
@@ -171,27 +201,20 @@ bool AddLook(const LookedAtFrame& frame,
 
 bool HasLeft(const LookParameters& parameters, double pause_s, const TrackedObject& object) {
   if (std::cmp_less(object.state().supporting_frames, parameters.confirming_looks)) return false;
-  LookCount looks;
-  for (const LeafEvidence& leaf : object.state().evidence.leaves) {
-    if ((leaf.last_look - object.state().last_seen).seconds() <= pause_s) continue;
-    for (const std::int8_t score : leaf.score) {
-      if (score > 0) ++looks.found;
-      if (score < 0) ++looks.gone;
-    }
-  }
-  return IsWholeGone(parameters, looks);
+  const Timestamp since = object.state().last_seen + Duration::FromSeconds(pause_s);
+  const LookCount looks = CountLooks(object, since);
+  return IsWholeGone(parameters, looks, looks.gone, object);
 }
 
-LookCount CountLooks(const TrackedObject& object) {
+LookCount CountLooks(const TrackedObject& object, Timestamp since) {
   LookCount count;
   for (const SurfaceLeaf& leaf : object.surface().leaves()) {
     const LeafEvidence* evidence = object.state().evidence.FindLeaf(leaf.origin);
-    std::array<bool, kEvidenceCells> has_surface{};
-    for (const SurfaceVoxel& point : leaf.points) has_surface[point.cell()] = true;
+    const std::uint64_t cells = CellsOf(leaf);
     for (std::size_t cell = 0; cell < kEvidenceCells; ++cell) {
-      if (!has_surface[cell]) continue;
+      if ((cells >> cell & 1) == 0) continue;
       ++count.cells;
-      if (evidence == nullptr) continue;
+      if (evidence == nullptr || evidence->last_look <= since) continue;
       if (evidence->score[cell] > 0) ++count.found;
       if (evidence->score[cell] < 0) ++count.gone;
     }

@@ -35,9 +35,10 @@ struct LookParameters {
   /// So many looks confirm each other; what one alone shows may be noise. Also the largest
   /// magnitude of a score, so that as many looks take it back.
   int confirming_looks = 2;
-  /// A whole object is gone if at least so many of its evidence cells, and this share of those that
-  /// were looked at, are gone.
-  std::size_t min_gone_cells = 16;
+  /// A whole object is gone if of its evidence cells at least so many, no negligible share of all,
+  /// and most of those that were looked at are gone.
+  std::size_t min_gone_cells = 3;
+  double negligible_share = 0.15;
   double whole_gone_share = 0.7;
 
   friend bool operator==(const LookParameters&, const LookParameters&) = default;
@@ -60,9 +61,10 @@ struct LookCount {
 
 /// Adds one look of a frame at each evidence cell of an object that faces the camera and is not
 /// occluded: one up where surface of its class is measured, one down where there is none. Scores
-/// are limited on either side. If the frame shows that a whole object of the session is gone, the
-/// positive scores of the cells that it does not show go one down too. Returns false if no cell was
-/// looked at. `now` is the capture time of the frame.
+/// are limited on either side. If the frame shows that a whole object is gone, the positive scores
+/// of the cells that it does not show go one down too: of an object of the session, or if looks of
+/// the session have found the cells that are gone now. Returns false if no cell was looked at.
+/// `now` is the capture time of the frame.
 bool AddLook(const LookedAtFrame& frame,
              const LookParameters& parameters,
              const VoxelScale& scale,
@@ -74,7 +76,8 @@ bool AddLook(const LookedAtFrame& frame,
 /// looks at it from `pause_s` seconds on after the last of these frames.
 bool HasLeft(const LookParameters& parameters, double pause_s, const TrackedObject& object);
 
-/// Counts the evidence cells of an object's surface by the balance of their looks.
-LookCount CountLooks(const TrackedObject& object);
+/// Counts the evidence cells of an object's surface by the balance of their looks, of those that a
+/// frame has looked at after `since`.
+LookCount CountLooks(const TrackedObject& object, Timestamp since = Timestamp::Earliest());
 
 }  // namespace steadymap

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,7 @@ class SessionDecision {
   std::optional<PoseOffset> Run() {
     TakeSessionLooks();
     CompleteSessionObjects(parameters_.parts, source_, map_);
-    EndVanished();
+    FindLeft();
     CutGone();
     ListObjects();
     Align();
@@ -49,6 +50,7 @@ class SessionDecision {
     if (is_of_past_) FindRemovedSince(*map_, &objects_);
     SeparateNew();
     MatchInPlace();
+    AddLeft();
     JudgeKnown();
     SeparateGone();
     AddRestsToStructures();
@@ -73,10 +75,13 @@ class SessionDecision {
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   void MatchInPlace();
+  bool HasLeftPlace(const PlaceMatch& match) const;
+  void EndInPlace(const PlaceMatch& match);
+  void AddLeft();
   void MatchDoubted();
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
-  void EndVanished();
+  void FindLeft();
   void CutGone();
   void FindMoves();
   void AddRest();
@@ -89,6 +94,7 @@ class SessionDecision {
   WorkingMap* map_;
   SessionOutcomes outcomes_;
   SessionObjects objects_;
+  std::set<const TrackedObject*> left_;  ///< Objects that later frames of the session found gone.
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
   bool is_of_past_ = false;                                  ///< See `past_session.h`.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
@@ -113,9 +119,8 @@ void SessionDecision::TakeSessionLooks() {
   }
 }
 
-/// Makes known objects of those that were seen and then found gone in the same session. Deletes
-/// wrong labels.
-void SessionDecision::EndVanished() {
+/// Finds the objects that were seen and then found gone in the same session. Deletes wrong labels.
+void SessionDecision::FindLeft() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     const LookCount looks = CountLooks(*object);
     if (looks.looked_at() < parameters_.parts.min_points ||
@@ -126,14 +131,15 @@ void SessionDecision::EndVanished() {
     if (HasSurfaceOfOther(*object, source_, parameters_.parts, *map_)) {
       map_->Delete(object);
     } else {
-      outcomes_.Create(object);
+      left_.insert(object);
     }
   }
 }
 
-/// Deletes what the session saw and then found gone, and what is too small without it.
+/// Deletes what is gone of objects that stand, and what is too small without it.
 void SessionDecision::CutGone() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
+    if (left_.contains(object)) continue;
     CutGoneCells(object, map_);
     if (IsTooSmall(*object, parameters_.parts)) map_->Delete(object);
   }
@@ -143,7 +149,7 @@ void SessionDecision::ListObjects() {
   for (TrackedObject* object : map_->AllObjects()) {
     if (object->is_deleted()) continue;
     if (IsInSession(object->state(), source_)) {
-      objects_.AddSeen(object);
+      objects_.AddSeen(object, left_.contains(object));
     } else if (object->state().status != ObjectStatus::kTentative) {
       objects_.AddKnown(object, Standing::kUnknown);
     }
@@ -179,6 +185,10 @@ void SessionDecision::MatchInPlace() {
   for (PlaceMatch match : matches) {
     if (match.seen->is_decided) continue;
     const bool is_archived = match.known->object->is_archived();
+    if (HasLeftPlace(match)) {
+      EndInPlace(match);
+      continue;
+    }
     const double doubt = DoubtOf(*match.known->object, objects_, parameters_);
     const double displacement_m = match.fits_at_rest && doubt < parameters_.parts.shares.negligible
                                       ? 0.0
@@ -212,6 +222,42 @@ void SessionDecision::MatchInPlace() {
     } else {
       Confirm(match.seen, match.known);
     }
+  }
+}
+
+/// True if the session saw a known object in place and found it gone afterwards: by what it has
+/// seen of it, or by the rest of the surface of the known one.
+bool SessionDecision::HasLeftPlace(const PlaceMatch& match) const {
+  if (match.displacement_m > match.seen->pose_error_m && !match.fits_at_rest) return false;
+  if (match.seen->has_left) return true;
+  if (match.known->object->is_archived()) return false;
+  const LookCount looks = CountLooks(*match.known->object, match.seen->object->state().last_seen);
+  return looks.gone >= parameters_.parts.min_points &&
+         static_cast<double>(looks.gone) >=
+             parameters_.parts.shares.most() * static_cast<double>(looks.looked_at()) &&
+         GoneShareOf(*match.known->object) >= parameters_.parts.shares.majority;
+}
+
+/// Makes one object of a known one and of what a session saw in its place until it left.
+void SessionDecision::EndInPlace(const PlaceMatch& match) {
+  if (match.known->standing == Standing::kStands) {
+    match.seen->is_decided = true;
+    map_->Delete(match.seen->object);
+    return;
+  }
+  Confirm(match.seen, match.known);
+  match.known->is_taken = false;
+  match.known->standing =
+      outcomes_.IsContradicted(match.known->object) ? Standing::kContradicted : Standing::kGone;
+}
+
+/// Makes known objects of those that were seen for the first time and then found gone.
+void SessionDecision::AddLeft() {
+  for (SeenObject& seen : objects_.seen) {
+    if (!seen.has_left || seen.is_decided) continue;
+    seen.is_decided = true;
+    outcomes_.Create(seen.object);
+    objects_.AddKnown(seen.object, Standing::kGone);
   }
 }
 

@@ -26,6 +26,7 @@ struct SeenObject {
   TrackedObject* object = nullptr;
   std::size_t index = 0;
   bool is_new_region = false;  ///< Was not there when a known object beside it was seen.
+  bool has_left = false;       ///< Later frames of the session have found it gone.
   double pose_error_m = 0.0;   ///< What is displaced by no more may stand where it stood.
   /// Share of its surface that later sessions have looked through; 0 unless the session is of the
   /// past.
@@ -51,11 +52,14 @@ struct SessionObjects {
   std::vector<PlaceMatch> doubted;
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();  ///< Of the session onto the map.
 
-  void AddSeen(TrackedObject* object) { seen.push_back({object, seen.size()}); }
+  void AddSeen(TrackedObject* object, bool has_left) {
+    seen.push_back({object, seen.size(), /*is_new_region=*/false, has_left});
+  }
 
   /// Adds a new region of `whole`, which has the pose error of the rest.
   void AddRegion(TrackedObject* region, const SeenObject& whole) {
-    seen.push_back({region, seen.size(), /*is_new_region=*/true, whole.pose_error_m});
+    seen.push_back(
+        {region, seen.size(), /*is_new_region=*/true, /*has_left=*/false, whole.pose_error_m});
   }
 
   void AddKnown(TrackedObject* object, Standing standing) {

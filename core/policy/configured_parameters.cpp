@@ -81,8 +81,10 @@ LookParameters LookParametersOf(const MapConfig& config) {
   parameters.min_normal_cosine = ParameterValue(config, "min_surface_cosine");
   parameters.min_interval_s = ParameterValue(config, "look_interval_s");
   parameters.confirming_looks = static_cast<int>(CountOf(config, "min_frames"));
-  parameters.min_gone_cells = CountOf(config, "min_vanished_cells");
-  parameters.whole_gone_share = SharesOf(config).most();
+  const SurfaceShares shares = SharesOf(config);
+  parameters.min_gone_cells = CountOf(config, "min_points");
+  parameters.negligible_share = shares.negligible;
+  parameters.whole_gone_share = shares.most();
   return parameters;
 }
 

@@ -190,12 +190,6 @@ constexpr PolicyParameter kPocd[] = {
      10.0,
      kIsReal,
      "time after which a camera looks anew; looks in between count once, or for less"},
-    {"min_vanished_cells",
-     16.0,
-     1.0,
-     1e6,
-     kIsWhole,
-     "fewest cells of an object that a frame must find gone for all of it to be gone"},
 
     // Objects of a session.
     {"min_frames",

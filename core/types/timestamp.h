@@ -43,6 +43,9 @@ class Timestamp {
     return Timestamp(static_cast<std::int64_t>(seconds * 1e9));
   }
 
+  /// Returns the earliest time of all.
+  static constexpr Timestamp Earliest() { return Timestamp(kMin); }
+
   constexpr std::int64_t nanoseconds() const { return ns_; }
 
   constexpr double seconds() const { return static_cast<double>(ns_) / 1e9; }

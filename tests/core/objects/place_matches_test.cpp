@@ -33,7 +33,7 @@ std::vector<PlaceMatch> MatchesAt(double seen_x_m) {
   TrackedObject seen = PostAt(2, seen_x_m);
   SessionObjects objects;
   objects.AddKnown(&known, Standing::kUnknown);
-  objects.AddSeen(&seen);
+  objects.AddSeen(&seen, /*has_left=*/false);
   return FindPlaceMatches(SessionIdentityParameters(), kScale, &objects);
 }
 
@@ -52,7 +52,7 @@ TEST(SessionObjects, ANewRegionHasThePoseErrorOfTheRest) {
   TrackedObject whole = PostAt(1, 0.0);
   TrackedObject region = PostAt(2, 1.0);
   SessionObjects objects;
-  objects.AddSeen(&whole);
+  objects.AddSeen(&whole, /*has_left=*/false);
   objects.seen.front().pose_error_m = 0.05;
   objects.AddRegion(&region, objects.seen.front());
   EXPECT_TRUE(objects.seen.back().is_new_region);

@@ -629,6 +629,43 @@ TEST_F(SessionIdentityTest, AThingSeenAndThenFoundGoneCameAndLeft) {
   EXPECT_EQ(events[1].type, EventType::kRemoved);
 }
 
+TEST_F(SessionIdentityTest, AKnownThingThatLeavesInViewIsRemoved) {
+  const TrackedObject* known = PutKnown(0.0, -2);
+  SetScores(kEverywhere, -2, PutSeen(0.0));
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kRemoved);
+  EXPECT_EQ(events[0].object, known->id());
+}
+
+TEST_F(SessionIdentityTest, AKnownThingThatIsGoneWhenItsOtherSidesAreSeenIsRemoved) {
+  TrackedObject* known = PutKnown(0.0, -2);
+  {
+    ObjectEdit edit = map_.Edit(known);
+    for (LeafEvidence& leaf : edit.state().evidence.leaves) leaf.last_look = map_.now();
+  }
+  TrackedObject* seen = PutSeen(0.0);
+  {
+    ObjectEdit edit = map_.Edit(seen);
+    edit.state().last_seen = map_.now() - Duration::FromSeconds(5.0);
+  }
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kRemoved);
+  EXPECT_EQ(events[0].object, known->id());
+  EXPECT_EQ(map_.objects().size(), 1U);
+}
+
+TEST_F(SessionIdentityTest, AThingThatLeavesInViewForAnotherPlaceHasMoved) {
+  const TrackedObject* known = PutKnown(0.0, -2);
+  SetScores(kEverywhere, -2, PutSeen(0.0));
+  PutSeen(3.0);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kMoved);
+  EXPECT_EQ(events[0].object, known->id());
+}
+
 TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfTheBackgroundAndIsGoneWasAWrongLabel) {
   TrackedObject* sheet = PutSheet();
   SetScores(kEverywhere, -2, sheet);
