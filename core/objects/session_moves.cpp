@@ -50,7 +50,8 @@ class MoveSearch {
 };
 
 /// True if an object of the session that may be a known one in place rather is that one, displaced
-/// or turned: clearly more of its surface then agrees.
+/// or turned: clearly less of the surfaces is then in contradiction. What only one of them shows,
+/// as of a thing that is seen from the other side, contradicts nothing.
 bool MoveSearch::IsPushed(const SeenObject& seen,
                           const KnownObject& known,
                           const ShapeMatch& match) const {
@@ -62,7 +63,10 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
   }
   const MutualOverlap in_place =
       CompareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_, &free_space_);
-  return match.likely_share() >= in_place.likely_share() + parameters_.parts.shares.negligible;
+  const double known_share = std::min(in_place.reverse_overlap.possible_share(),
+                                      1.0 - DoubtOf(*known.object, *objects_, parameters_));
+  const double in_place_share = 0.5 * (in_place.overlap.possible_share() + known_share);
+  return match.possible_share() >= in_place_share + parameters_.parts.shares.negligible;
 }
 
 /// True if a known object is not where it was, or if it may have been pushed or turned to where an

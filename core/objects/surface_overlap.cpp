@@ -40,6 +40,12 @@ bool IsInFreeSpace(const Eigen::Vector3d& point_world,
          free_space.IsFree(point_world - step);
 }
 
+/// What is known of surface that lies behind another surface and faces another way.
+enum class HiddenSurface {
+  kDisagrees,
+  kIsUnknown,  ///< It was hidden from the looks at the other surface.
+};
+
 /// Compares the surface of an object with a volume. What the volume has not observed is known if
 /// `is_in_free_space(point, normal)` is true, in the frame of the volume.
 template <typename IsInFreeSpaceFunction>
@@ -47,6 +53,7 @@ SurfaceOverlap Compare(const TrackedObject& object,
                        const Eigen::Isometry3d& T_volume_object,
                        const SurfaceMatchParameters& parameters,
                        const IsInFreeSpaceFunction& is_in_free_space,
+                       HiddenSurface hidden,
                        TsdfSampler* sampler) {
   const VoxelScale& scale = sampler->scale();
   const double tolerance_m = parameters.contact_voxels * scale.voxel_size_m;
@@ -66,6 +73,10 @@ SurfaceOverlap Compare(const TrackedObject& object,
         if (is_in_free_space(position, normal)) ++known;
         continue;
       }
+      if (hidden == HiddenSurface::kIsUnknown && is_inner && distance_m <= close_m &&
+          !HasFace(position, normal, tolerance_m, min_cosine, sampler)) {
+        continue;
+      }
       ++known;
       if (std::abs(distance_m) > tolerance_m) continue;
       if (is_inner && !HasFace(position, normal, tolerance_m, min_cosine, sampler)) continue;
@@ -83,6 +94,22 @@ SurfaceOverlap Compare(const TrackedObject& object,
   return overlap;
 }
 
+SurfaceOverlap CompareObjects(const TrackedObject& object,
+                              const TrackedObject& other,
+                              const Eigen::Isometry3d& T_other_object,
+                              const SurfaceMatchParameters& parameters,
+                              const VoxelScale& scale,
+                              const FreeSpaceSince* free_space,
+                              HiddenSurface hidden) {
+  const Eigen::Isometry3d T_world_other = other.state().T_world_object.ToIsometry();
+  const auto is_in_free_space = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
+    return free_space != nullptr &&
+           IsInFreeSpace(T_world_other * point, T_world_other.linear() * normal, *free_space);
+  };
+  TsdfSampler sampler(other.volume(), scale);
+  return Compare(object, T_other_object, parameters, is_in_free_space, hidden, &sampler);
+}
+
 }  // namespace
 
 double SurfaceSigmaM(const SurfaceMatchParameters& parameters, const VoxelScale& scale) {
@@ -95,13 +122,8 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const SurfaceMatchParameters& parameters,
                                const VoxelScale& scale,
                                const FreeSpaceSince* free_space) {
-  const Eigen::Isometry3d T_world_other = other.state().T_world_object.ToIsometry();
-  const auto is_in_free_space = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-    return free_space != nullptr &&
-           IsInFreeSpace(T_world_other * point, T_world_other.linear() * normal, *free_space);
-  };
-  TsdfSampler sampler(other.volume(), scale);
-  return Compare(object, T_other_object, parameters, is_in_free_space, &sampler);
+  return CompareObjects(
+      object, other, T_other_object, parameters, scale, free_space, HiddenSurface::kDisagrees);
 }
 
 SurfaceOverlap CompareWithBackground(const TrackedObject& object,
@@ -112,8 +134,12 @@ SurfaceOverlap CompareWithBackground(const TrackedObject& object,
     return false;
   };
   TsdfSampler sampler(background, scale);
-  return Compare(
-      object, object.state().T_world_object.ToIsometry(), parameters, is_in_free_space, &sampler);
+  return Compare(object,
+                 object.state().T_world_object.ToIsometry(),
+                 parameters,
+                 is_in_free_space,
+                 HiddenSurface::kDisagrees,
+                 &sampler);
 }
 
 MutualOverlap CompareInPlace(const TrackedObject& a,
@@ -123,8 +149,14 @@ MutualOverlap CompareInPlace(const TrackedObject& a,
                              const FreeSpaceSince* free_space) {
   const Eigen::Isometry3d T_b_a =
       b.state().T_world_object.ToIsometry().inverse() * a.state().T_world_object.ToIsometry();
-  return {CompareSurfaces(a, b, T_b_a, parameters, scale),
-          CompareSurfaces(b, a, T_b_a.inverse(), parameters, scale, free_space)};
+  const auto compare = [&](const TrackedObject& object,
+                           const TrackedObject& other,
+                           const Eigen::Isometry3d& T_other_object,
+                           const FreeSpaceSince* around) {
+    return CompareObjects(
+        object, other, T_other_object, parameters, scale, around, HiddenSurface::kIsUnknown);
+  };
+  return {compare(a, b, T_b_a, nullptr), compare(b, a, T_b_a.inverse(), free_space)};
 }
 
 }  // namespace steadymap

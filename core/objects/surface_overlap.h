@@ -38,9 +38,9 @@ struct SurfaceOverlap {
   /// Returns the share of all points that are known to be on it within the error of two looks.
   double known_close_share() const { return known_share * close_share; }
 
-  /// Returns the expected share of all points on the surface within the error of two looks, if a
-  /// point of which nothing is known is on it with even odds.
-  double likely_share() const { return known_close_share() + 0.5 * (1.0 - known_share); }
+  /// Returns the share of all points that may be on it within the error of two looks: nothing known
+  /// of the other object contradicts them.
+  double possible_share() const { return known_close_share() + 1.0 - known_share; }
 };
 
 /// How the surfaces of two objects agree, each compared with the volume of the other one.
@@ -52,9 +52,9 @@ struct MutualOverlap {
   /// averaged over both surfaces, in [0, 1].
   double close_share() const { return 0.5 * (overlap.close_share + reverse_overlap.close_share); }
 
-  /// Returns the same of all of a surface, see `SurfaceOverlap::likely_share`.
-  double likely_share() const {
-    return 0.5 * (overlap.likely_share() + reverse_overlap.likely_share());
+  /// Returns the share of a surface that the other one does not contradict, averaged over both.
+  double possible_share() const {
+    return 0.5 * (overlap.possible_share() + reverse_overlap.possible_share());
   }
 };
 
@@ -81,6 +81,8 @@ SurfaceOverlap CompareWithBackground(const TrackedObject& object,
                                      const VoxelScale& scale);
 
 /// Compares the surfaces of two objects where they stand. `free_space` around `a`, if it is known.
+/// Surface behind that of the other one that faces another way is unknown: one thing is seen from
+/// two sides, and thinner than the truncation distance.
 MutualOverlap CompareInPlace(const TrackedObject& a,
                              const TrackedObject& b,
                              const SurfaceMatchParameters& parameters,
