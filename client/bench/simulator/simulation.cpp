@@ -36,10 +36,11 @@ Simulation::Simulation(Route route, SimulationOptions options)
         static_cast<std::size_t>(trajectory.duration_s / trajectory.frame_period_s) + 1;
     for (std::size_t i = 0; i < count; i += options_.stride) {
       const double time_s = static_cast<double>(i) * trajectory.frame_period_s;
+      const double stop_s = 2.0 * time_s < trajectory.duration_s ? 0.0 : trajectory.stop_s;
       frames_.push_back(
-          {sequence, time_s, Timestamp::FromNanoseconds(start_ns + Nanoseconds(time_s))});
+          {sequence, time_s, Timestamp::FromNanoseconds(start_ns + Nanoseconds(time_s + stop_s))});
     }
-    start_ns += Nanoseconds(trajectory.duration_s);
+    start_ns += Nanoseconds(trajectory.duration_s + trajectory.stop_s);
   }
 }
 

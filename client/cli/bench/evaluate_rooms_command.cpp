@@ -20,12 +20,12 @@ constexpr char kFooter[] =
     "change and one creation for each object, and has just the true objects; of shelf and table,\n"
     "which a drive may hardly see, none may be double. The first case of each change has the\n"
     "default setting: 5 cm voxels, 5 Hz, a level camera that goes around the things at 0.6 m,\n"
-    "class labels (of things that touch: instances), range noise of 0.5 %, true poses. In the\n"
-    "others, each property differs with a probability of a third. The column `cuboids` counts\n"
-    "exact cases in which every cuboid is within 3 cm, half a voxel and the pose error of the\n"
-    "truth; `poses` is the RMS error of the camera and of two points 2 m in front of it, without "
-    "a\n"
-    "motion common to all frames, for the claimed and the registered poses.\n\n"
+    "class labels (of things that touch: instances), range noise of 0.5 %, true poses, no stop\n"
+    "of 15 s half way on each drive. In the others, each property differs with a probability of a\n"
+    "third. The column `cuboids` counts exact cases in which every cuboid is within 3 cm, half a\n"
+    "voxel and the pose error of the truth; `poses` is the RMS error of the camera and of two\n"
+    "points 2 m in front of it, without a motion common to all frames, for the claimed and the\n"
+    "registered poses.\n\n"
     "Changes:";
 
 std::vector<std::string> ChangeNames() {

@@ -26,6 +26,7 @@ constexpr const char* kNoiseNames[] = {"noise-0", "noise-1%", "noise-2%"};
 constexpr const char* kPoseErrorNames[] = {
     "drift-2cm", "drift-5cm", "drift-8cm", "offset-2cm", "offset-5cm", "offset-8cm"};
 constexpr const char* kSensorNames[] = {"hard-sensor"};
+constexpr const char* kStopNames[] = {"stops"};
 
 constexpr std::span<const char* const> kAllNames[] = {kVoxelNames,
                                                       kLabelNames,
@@ -35,7 +36,8 @@ constexpr std::span<const char* const> kAllNames[] = {kVoxelNames,
                                                       kFloorNames,
                                                       kNoiseNames,
                                                       kPoseErrorNames,
-                                                      kSensorNames};
+                                                      kSensorNames,
+                                                      kStopNames};
 
 constexpr double kRadiansPerDegree = M_PI / 180.0;
 
@@ -214,6 +216,7 @@ std::vector<RoomCase> ListRoomCases(RoomChange change,
     VarySetting(&room_case.setting, &variation);
     VarySensor(&room_case.sensor, &variation);
     VaryKind(&room_case.sensor, &variation);
+    variation.Maybe(kStopNames, [&](std::size_t) { room_case.setting.stops = true; });
   }
   // A change may not allow a variation.
   std::erase_if(cases, [&](const RoomCase& room_case) {

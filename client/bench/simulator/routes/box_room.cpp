@@ -25,6 +25,9 @@ constexpr double kOrbitEndRad = 20.0 / 180.0 * M_PI;
 
 constexpr double kInViewPauseS = 0.2;
 
+// Longer than what a robot may pause within one session.
+constexpr double kStopS = 15.0;
+
 const Eigen::Vector3d kBoxSizeM(0.5, 0.35, 0.45);
 const Eigen::Vector3d kTallBoxSizeM(0.35, 0.3, 0.6);
 const Eigen::Vector3d kLargeBoxSizeM(0.7, 0.5, 0.8);
@@ -241,6 +244,13 @@ void RemoveInView(RoomStory* story) {
   story->pause_s = kInViewPauseS;
 }
 
+void RemoveKnownInView(RoomStory* story) {
+  const std::uint16_t thing = AddFirst(kBoxSizeM, kPlace, story);
+  story->Next();
+  story->Remove(thing);
+  story->pause_s = kInViewPauseS;
+}
+
 void AddOne(RoomStory* story) {
   AddFirst(kTallBoxSizeM, kOtherPlace, story);
   AddThing(&story->Next(), kBoxSizeM, kPlace);
@@ -327,6 +337,7 @@ constexpr NamedStory kStories[] = {
     {"neighbour-at-8cm-removed", [](RoomStory* story) { RemoveNeighbour(0.08, story); }},
     {"neighbour-at-15cm-removed", [](RoomStory* story) { RemoveNeighbour(0.15, story); }},
     {"neighbour-at-30cm-removed", [](RoomStory* story) { RemoveNeighbour(0.3, story); }},
+    {"known-removed-in-view", RemoveKnownInView},
 };
 
 RoomStory TellStory(RoomChange change) {
@@ -408,6 +419,7 @@ BoxRoom MakeBoxRoom(RoomChange change, const BoxRoomSetting& setting) {
     // Between two frames, so that rounding cannot add one.
     trajectory.duration_s = camera.duration_s() - 0.5 * setting.frame_period_s;
     trajectory.frame_period_s = setting.frame_period_s;
+    if (setting.stops && !(is_last && setting.path == RoomPath::kLook)) trajectory.stop_s = kStopS;
     trajectory.T_world_camera = [camera, T_world_room](double time_s) {
       return Eigen::Isometry3d(T_world_room * camera.PoseAt(time_s));
     };

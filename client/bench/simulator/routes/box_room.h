@@ -14,7 +14,7 @@ namespace steadymap {
 enum class RoomChange {
   kNothing,
   kRemoved,        ///< While nobody looks.
-  kRemovedInView,  ///< Between two frames of a drive.
+  kRemovedInView,  ///< Between two frames of the first drive.
   kAdded,
   kMoved5Cm,
   kMoved10Cm,
@@ -40,6 +40,7 @@ enum class RoomChange {
   kNeighbourAt8CmRemoved,
   kNeighbourAt15CmRemoved,
   kNeighbourAt30CmRemoved,
+  kKnownRemovedInView,  ///< Between two frames of the second drive.
 };
 
 /// All changes, in their order.
@@ -59,6 +60,7 @@ enum class RoomPath {
 struct BoxRoomSetting {
   RoomPath path = RoomPath::kOrbit;
   double frame_period_s = 0.2;
+  bool stops = false;            ///< For 15 s half way on each drive, unless it is a look.
   double camera_height_m = 0.6;  ///< Above the floor.
   bool looks_down = false;       ///< By 45 degrees instead of level.
   double floor_world_m = 0.0;    ///< Height of the floor.

@@ -12,6 +12,7 @@ namespace steadymap {
 struct Trajectory {
   double duration_s = 0.0;      ///< Length of the sequence, > 0.
   double frame_period_s = 0.1;  ///< Time between frames at stride 1, > 0.
+  double stop_s = 0.0;          ///< The camera stops half way for so long, and takes no frames.
   /// Returns the pose of the camera `time_s` seconds after the start, in [0, duration_s].
   std::function<Eigen::Isometry3d(double time_s)> T_world_camera;
 };

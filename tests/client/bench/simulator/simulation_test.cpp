@@ -65,6 +65,21 @@ TEST(MakeRoute, RefusesAnUnknownNameAndListsTheKnown) {
   }
 }
 
+TEST(Simulation, TakesNoFramesWhileTheCameraStops) {
+  Route route = RouteOf("baseline");
+  Trajectory& trajectory = route.sequences.front().trajectory;
+  trajectory.stop_s = 15.0;
+  Simulation simulation(route, {});
+  std::size_t stops = 0;
+  for (std::size_t i = 1; i < simulation.frame_count(); ++i) {
+    const Duration step = simulation.CaptureTimeOf(i) - simulation.CaptureTimeOf(i - 1);
+    if (step.seconds() < 15.0) continue;
+    ++stops;
+    EXPECT_NEAR(step.seconds(), 15.0 + trajectory.frame_period_s, 1e-6);
+  }
+  EXPECT_EQ(stops, 1U);
+}
+
 TEST(MakeRoute, EveryRouteShowsSomethingInEverySequence) {
   for (const std::string& name : RouteNames()) {
     SimulationOptions options;

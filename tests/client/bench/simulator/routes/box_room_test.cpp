@@ -28,6 +28,7 @@ TEST(MakeBoxRoom, ListsOneEventForEachChange) {
 
   for (const Expected& expected : {Expected{RoomChange::kNothing, 0, 0, 0},
                                    Expected{RoomChange::kRemoved, 1, 0, 0},
+                                   Expected{RoomChange::kKnownRemovedInView, 1, 0, 0},
                                    Expected{RoomChange::kMoved5Cm, 0, 1, 0},
                                    Expected{RoomChange::kTurned15Deg, 0, 1, 0},
                                    Expected{RoomChange::kSwappedShapes, 0, 2, 0},
@@ -49,7 +50,7 @@ TEST(MakeBoxRoom, EveryChangeHasANameOfItsOwn) {
   std::set<std::string_view> names;
   for (const RoomChange change : AllRoomChanges()) names.insert(NameOf(change));
   EXPECT_EQ(names.size(), AllRoomChanges().size());
-  EXPECT_EQ(NameOf(RoomChange::kNeighbourAt30CmRemoved), "neighbour-at-30cm-removed");
+  EXPECT_EQ(NameOf(RoomChange::kKnownRemovedInView), "known-removed-in-view");
 }
 
 /// Returns the number of pixels of a frame that show a surface of `object`.
@@ -99,6 +100,12 @@ TEST(MakeBoxRoom, ALookIsThreeFrames) {
     if (simulation.SequenceOf(i) == 1) ++frames;
   }
   EXPECT_EQ(frames, 3U);
+}
+
+TEST(MakeBoxRoom, TheCameraStopsHalfWayOnEachDriveThatIsNoLook) {
+  const BoxRoom room = MakeBoxRoom(RoomChange::kRemoved, {.path = RoomPath::kLook, .stops = true});
+  EXPECT_GT(room.route.sequences[0].trajectory.stop_s, 10.0);
+  EXPECT_EQ(room.route.sequences[1].trajectory.stop_s, 0.0);
 }
 
 TEST(MakeBoxRoom, TheWholeRoomStandsOnItsFloor) {
