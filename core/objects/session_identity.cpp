@@ -56,6 +56,7 @@ class SessionDecision {
     AddRestsToStructures();
     FindMoves();
     MatchDoubted();
+    SeparateGone();
     AddRest();
     EndGone();
     for (TrackedObject* object : map_->AllObjects()) {
@@ -87,6 +88,7 @@ class SessionDecision {
   void AddRest();
   bool IsPartOfKnown(const TrackedObject& seen);
   void EndGone();
+  bool HasGoneParts(const TrackedObject& object) const;
   void CutGoneParts(TrackedObject* object);
 
   const SessionIdentityParameters& parameters_;
@@ -334,15 +336,13 @@ void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
   }
 }
 
-/// Ends the regions of standing objects without a label that are gone.
+/// Ends the regions of standing objects that are gone: neighbours of one class may be one object.
 void SessionDecision::SeparateGone() {
   const std::size_t count = objects_.known.size();
   for (std::size_t i = 0; i < count; ++i) {
     TrackedObject* object = objects_.known[i].object;
-    if (objects_.known[i].standing != Standing::kStands || object->is_archived() ||
-        object->state().class_id != kNoClass) {
-      continue;
-    }
+    if (objects_.known[i].standing != Standing::kStands || object->is_archived()) continue;
+    if (object->state().class_id != kNoClass && !HasGoneParts(*object)) continue;
     if (IsStructure(*object, parameters_.parts.scene)) outcomes_.ConfirmStructure(object);
     for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
       objects_.AddKnown(region, Standing::kGone);
@@ -435,15 +435,17 @@ void SessionDecision::EndGone() {
   }
 }
 
+/// True if a part of an object that stands is gone.
+bool SessionDecision::HasGoneParts(const TrackedObject& object) const {
+  const LookCount looks = CountLooks(object);
+  return looks.gone >= parameters_.min_part_cells &&
+         static_cast<double>(looks.gone) >=
+             parameters_.parts.shares.negligible * static_cast<double>(looks.looked_at());
+}
+
 /// Takes the surface that is gone off an object that stands.
 void SessionDecision::CutGoneParts(TrackedObject* object) {
-  const LookCount looks = CountLooks(*object);
-  if (looks.gone < parameters_.min_part_cells ||
-      static_cast<double>(looks.gone) <
-          parameters_.parts.shares.negligible * static_cast<double>(looks.looked_at())) {
-    return;
-  }
-  CutGoneCells(object, map_);
+  if (HasGoneParts(*object)) CutGoneCells(object, map_);
 }
 
 }  // namespace

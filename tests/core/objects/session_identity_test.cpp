@@ -411,8 +411,11 @@ TEST_F(SessionIdentityTest, APartThatIsGoneIsNoMove) {
   TrackedObject* known = PutKnown(0.0, 2);
   SetScores(kFirstPart, -2, known);
   Put(ObjectStatus::kTentative, {2.0, 0.2, 0.0}, {0.4, 0.3, 0.6});
-  EXPECT_TRUE(Decide().empty());
-  ASSERT_EQ(map_.objects().size(), 1U);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kRemoved);
+  EXPECT_LT(events[0].center_world.y(), 0.2);
+  EXPECT_EQ(known->state().status, ObjectStatus::kPresent);
 }
 
 TEST_F(SessionIdentityTest, AThingInFrontOfAHiddenOneIsNew) {
@@ -664,6 +667,22 @@ TEST_F(SessionIdentityTest, AThingThatLeavesInViewForAnotherPlaceHasMoved) {
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].type, EventType::kMoved);
   EXPECT_EQ(events[0].object, known->id());
+}
+
+TEST_F(SessionIdentityTest, OneOfTwoNeighboursThatWereOneObjectIsRemoved) {
+  TrackedObject* pair = PutKnown(0.0, 2, {0.8, 0.4, 0.5});
+  const Box gone(Eigen::Vector3d(2.45, -0.1, -0.1), Eigen::Vector3d(3.0, 0.5, 0.6));
+  SetScores(gone, -2, pair);
+  PutSeen(0.0, {0.4, 0.4, 0.5});
+  MarkFree(Box(Eigen::Vector3d(2.5, -0.2, 0.0), Eigen::Vector3d(3.2, 0.6, 0.8)));
+  MarkFree(Box(Eigen::Vector3d(1.3, -0.2, 0.0), Eigen::Vector3d(1.9, 0.6, 0.8)));
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kRemoved);
+  EXPECT_NE(events[0].object, pair->id());
+  EXPECT_GT(events[0].center_world.x(), 2.45);
+  EXPECT_EQ(pair->state().status, ObjectStatus::kPresent);
+  EXPECT_LT(pair->cuboid().center_world.x(), 2.35);
 }
 
 TEST_F(SessionIdentityTest, WhatHasTheSurfaceOfTheBackgroundAndIsGoneWasAWrongLabel) {
