@@ -1,6 +1,7 @@
 #include "core/objects/session_identity.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -56,7 +57,6 @@ class SessionDecision {
     AddRestsToStructures();
     FindMoves();
     MatchDoubted();
-    SeparateGone();
     AddRest();
     EndGone();
     for (TrackedObject* object : map_->AllObjects()) {
@@ -72,6 +72,7 @@ class SessionDecision {
   void SeparateNew();
   void SeparateNewOn(KnownObject* structure, SeenObject* seen);
   void SeparateGone();
+  void SeparateGoneOf(TrackedObject* object);
   void AddRestsToStructures();
   void Align();
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
@@ -265,9 +266,13 @@ void SessionDecision::AddLeft() {
 
 /// Confirms the doubted matches in place that no move explains better.
 void SessionDecision::MatchDoubted() {
+  std::map<ObjectId, TrackedObject*> confirmed;
   for (const PlaceMatch& match : objects_.doubted) {
-    if (!match.seen->is_decided && !match.known->is_taken) Confirm(match.seen, match.known);
+    if (match.seen->is_decided || match.known->is_taken) continue;
+    Confirm(match.seen, match.known);
+    confirmed.emplace(match.known->object->id(), match.known->object);
   }
+  for (const auto& [id, object] : confirmed) SeparateGoneOf(object);
 }
 
 void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
@@ -336,17 +341,23 @@ void SessionDecision::SeparateNewOn(KnownObject* structure, SeenObject* seen) {
   }
 }
 
-/// Ends the regions of standing objects that are gone: neighbours of one class may be one object.
+/// Ends the regions of standing objects that are gone.
 void SessionDecision::SeparateGone() {
   const std::size_t count = objects_.known.size();
   for (std::size_t i = 0; i < count; ++i) {
     TrackedObject* object = objects_.known[i].object;
     if (objects_.known[i].standing != Standing::kStands || object->is_archived()) continue;
-    if (object->state().class_id != kNoClass && !HasGoneParts(*object)) continue;
     if (IsStructure(*object, parameters_.parts.scene)) outcomes_.ConfirmStructure(object);
-    for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
-      objects_.AddKnown(region, Standing::kGone);
-    }
+    SeparateGoneOf(object);
+  }
+}
+
+/// Ends the regions of one object that are gone. Neighbours of one class may be one object, but a
+/// few cells of an object with a label are errors.
+void SessionDecision::SeparateGoneOf(TrackedObject* object) {
+  if (object->state().class_id != kNoClass && !HasGoneParts(*object)) return;
+  for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
+    objects_.AddKnown(region, Standing::kGone);
   }
 }
 
