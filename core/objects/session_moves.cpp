@@ -1,6 +1,7 @@
 #include "core/objects/session_moves.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -49,9 +50,31 @@ class MoveSearch {
   SessionObjects* objects_;
 };
 
+/// True if a motion takes a cuboid to where it was, up to a distance: also by half a turn, or by a
+/// quarter of one if it is square.
+bool KeepsCuboid(const Eigen::Isometry3d& motion, const Cuboid& cuboid, double max_distance_m) {
+  const std::array<Eigen::Vector2d, 4> corners = cuboid.BaseCorners();
+  return std::all_of(corners.begin(), corners.end(), [&](const Eigen::Vector2d& corner) {
+    const Eigen::Vector3d corner_world(corner.x(), corner.y(), cuboid.lowest_m());
+    const Eigen::Vector2d moved = (motion * corner_world).head<2>();
+    return std::any_of(corners.begin(), corners.end(), [&](const Eigen::Vector2d& other) {
+      return (moved - other).norm() <= max_distance_m;
+    });
+  });
+}
+
+/// Returns the cuboid of what two objects are together.
+Cuboid JointCuboid(const TrackedObject& a, const TrackedObject& b) {
+  std::vector<Eigen::Vector3d> points_world = a.SurfaceInWorld();
+  const std::vector<Eigen::Vector3d> others_world = b.SurfaceInWorld();
+  points_world.insert(points_world.end(), others_world.begin(), others_world.end());
+  return FitCuboid(points_world);
+}
+
 /// True if an object of the session that may be a known one in place rather is that one, displaced
-/// or turned: clearly less of the surfaces is then in contradiction. What only one of them shows,
-/// as of a thing that is seen from the other side, contradicts nothing.
+/// or turned: clearly more of the surfaces then agrees. What only one of them shows agrees with
+/// even odds; if the cuboid stays in its place, as that of a table seen from its other side, it
+/// agrees.
 bool MoveSearch::IsPushed(const SeenObject& seen,
                           const KnownObject& known,
                           const ShapeMatch& match) const {
@@ -61,12 +84,15 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
       std::max(seen.pose_error_m, 0.5 * scale_.voxel_size_m)) {
     return false;
   }
+  const double contact_m = parameters_.parts.surface.contact_voxels * scale_.voxel_size_m;
+  const bool is_in_place = KeepsCuboid(motion, JointCuboid(*seen.object, *known.object), contact_m);
+  const double odds = is_in_place ? 1.0 : 0.5;
   const MutualOverlap in_place =
       CompareInPlace(*seen.object, *known.object, parameters_.parts.surface, scale_, &free_space_);
-  const double known_share = std::min(in_place.reverse_overlap.possible_share(),
+  const double known_share = std::min(in_place.reverse_overlap.expected_share(odds),
                                       1.0 - DoubtOf(*known.object, *objects_, parameters_));
-  const double in_place_share = 0.5 * (in_place.overlap.possible_share() + known_share);
-  return match.possible_share() >= in_place_share + parameters_.parts.shares.negligible;
+  const double in_place_share = 0.5 * (in_place.overlap.expected_share(odds) + known_share);
+  return match.expected_share(odds) >= in_place_share + parameters_.parts.shares.negligible;
 }
 
 /// True if a known object is not where it was, or if it may have been pushed or turned to where an

@@ -38,9 +38,11 @@ struct SurfaceOverlap {
   /// Returns the share of all points that are known to be on it within the error of two looks.
   double known_close_share() const { return known_share * close_share; }
 
-  /// Returns the share of all points that may be on it within the error of two looks: nothing known
-  /// of the other object contradicts them.
-  double possible_share() const { return known_close_share() + 1.0 - known_share; }
+  /// Returns the expected share of all points on the surface within the error of two looks, if a
+  /// point of which nothing is known is on it with a probability of `odds`.
+  double expected_share(double odds) const {
+    return known_close_share() + odds * (1.0 - known_share);
+  }
 };
 
 /// How the surfaces of two objects agree, each compared with the volume of the other one.
@@ -52,9 +54,9 @@ struct MutualOverlap {
   /// averaged over both surfaces, in [0, 1].
   double close_share() const { return 0.5 * (overlap.close_share + reverse_overlap.close_share); }
 
-  /// Returns the share of a surface that the other one does not contradict, averaged over both.
-  double possible_share() const {
-    return 0.5 * (overlap.possible_share() + reverse_overlap.possible_share());
+  /// Returns the same, averaged over both surfaces.
+  double expected_share(double odds) const {
+    return 0.5 * (overlap.expected_share(odds) + reverse_overlap.expected_share(odds));
   }
 };
 

@@ -68,7 +68,7 @@ TEST(CompareInPlace, SidesOfAThinThingDoNotContradictEachOther) {
   StateOf(&back).T_world_object.yaw_rad = M_PI;
   const MutualOverlap sides = CompareInPlace(front, back, kParameters, kScale);
   EXPECT_LT(sides.overlap.known_share, 0.15);
-  EXPECT_GT(sides.possible_share(), 0.9);
+  EXPECT_GT(sides.expected_share(1.0), 0.9);
   EXPECT_GT(Compare(front, back).known_share, 0.6);
 }
 
@@ -78,10 +78,11 @@ TEST(CompareSurfaces, KnowsOnlyThePartThatOverlaps) {
   EXPECT_NEAR(overlap.fit_share, 1.0, 1e-9);
 }
 
-TEST(CompareSurfaces, WhatIsNotKnownMayAgree) {
+TEST(CompareSurfaces, WhatIsNotKnownAgreesWithSomeOdds) {
   const SurfaceOverlap overlap = Compare(Front(1, 0.0, 3.2), Front(2, 1.6, 3.2));
-  EXPECT_NEAR(overlap.possible_share(), 1.0, 0.04);
-  EXPECT_NEAR(SurfaceOverlap().possible_share(), 1.0, 1e-9);
+  EXPECT_NEAR(overlap.expected_share(0.5), 0.75, 0.04);
+  EXPECT_NEAR(overlap.expected_share(1.0), 1.0, 1e-9);
+  EXPECT_NEAR(SurfaceOverlap().expected_share(0.5), 0.5, 1e-9);
 }
 
 TEST(CompareSurfaces, FitsNothingThatLiesTooFarInFront) {
