@@ -16,10 +16,12 @@ namespace steadymap {
 
 /// The type of an event.
 enum class EventType {
-  kCreated,     ///< An object became part of the map.
-  kUpdated,     ///< The background changed (policy `voxel_change`).
-  kMoved,       ///< An object moved; `related`, created at the new place, is this object.
-  kRemoved,     ///< An object was removed from its place.
+  kCreated,  ///< An object became part of the map.
+  kUpdated,  ///< The background changed (policy `voxel_change`).
+  kMoved,    ///< An object moved; `related`, created at the new place, is this object.
+  /// An object was removed from its place, or a part of the object `related`, which no event has
+  /// told to be an object of its own.
+  kRemoved,
   kReturned,    ///< A removed object is back at its former place.
   kMerged,      ///< An object proved to be part of another object, `related`.
   kSplit,       ///< A part of the object `related` became an object.
@@ -51,8 +53,8 @@ struct ObjectMove {
 };
 
 /// An entry of a map's history. A consumer that adds the object of each `kCreated`, `kReturned`,
-/// `kSplit` and `kMoved`, and then drops the object of each `kRemoved` and `kMerged` and the
-/// `related` object of each `kMoved`, obtains the set of present objects.
+/// `kSplit` and `kMoved`, and then drops the object of each `kRemoved` and `kMerged`, if it has it,
+/// and the `related` object of each `kMoved`, obtains the set of present objects.
 struct ObjectEvent {
   EventType type = EventType::kCreated;
   EventReason reason = EventReason::kNewSurface;
@@ -68,7 +70,7 @@ struct ObjectEvent {
   Belief after;
   std::uint64_t supporting_frames = 0;     ///< Number of frames that supported it.
   std::uint64_t contradicted_updates = 0;  ///< Number of belief updates with evidence against it.
-  ObjectId related;                        ///< The other object of a move, merge or split; else 0.
+  ObjectId related;                        ///< Of a move, merge, split or removed part; else 0.
   SensorName source;  ///< The sensor, for events of robots and `kContradicted`; else empty.
 
   /// True for an event of a robot.

@@ -357,7 +357,7 @@ void SessionDecision::SeparateGone() {
 void SessionDecision::SeparateGoneOf(TrackedObject* object) {
   if (object->state().class_id != kNoClass && !HasGoneParts(*object)) return;
   for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
-    objects_.AddKnown(region, Standing::kGone);
+    objects_.AddGonePart(region, *object);
   }
 }
 
@@ -442,7 +442,7 @@ void SessionDecision::EndGone() {
     if (known.object->is_archived()) continue;
     if (known.standing == Standing::kStands) CutGoneParts(known.object);
     if (known.standing == Standing::kContradicted) outcomes_.KeepContradicted(known.object);
-    if (known.standing == Standing::kGone) outcomes_.Remove(known.object);
+    if (known.standing == Standing::kGone) outcomes_.Remove(known.object, known.part_of);
   }
 }
 

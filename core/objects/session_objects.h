@@ -19,6 +19,8 @@ struct KnownObject {
   std::size_t index = 0;
   Standing standing = Standing::kUnknown;
   bool is_taken = false;  ///< By an object of the session.
+  /// The object of which it was a part until the session found this part gone; 0: none.
+  ObjectId part_of;
 };
 
 /// An object of the session.
@@ -63,7 +65,12 @@ struct SessionObjects {
   }
 
   void AddKnown(TrackedObject* object, Standing standing) {
-    known.push_back({object, known.size(), standing});
+    known.push_back({object, known.size(), standing, /*is_taken=*/false, ObjectId()});
+  }
+
+  /// Adds a part of a known object that is gone.
+  void AddGonePart(TrackedObject* part, const TrackedObject& whole) {
+    known.push_back({part, known.size(), Standing::kGone, /*is_taken=*/false, whole.id()});
   }
 };
 

@@ -83,11 +83,12 @@ void SessionOutcomes::Join(const ShapeMatch& match, TrackedObject* before, Track
   map_->Delete(after);
 }
 
-void SessionOutcomes::Remove(TrackedObject* known) {
+void SessionOutcomes::Remove(TrackedObject* known, ObjectId part_of) {
   const Belief before = known->state().belief;
   UpdateBeliefOf(parameters_.belief.max_change_m, known);
   ObjectEvent event = map_->MakeEvent(EventType::kRemoved, EventReason::kSeenThrough, *known);
   event.before = before;
+  event.related = part_of;
   map_->RecordEvent(event);
   ObjectEdit edit = map_->Edit(known);
   edit.state().status = ObjectStatus::kArchived;

@@ -33,8 +33,8 @@ class SessionOutcomes {
   /// and the history of the first one; deletes `after`.
   void Join(const ShapeMatch& match, TrackedObject* before, TrackedObject* after);
 
-  /// Archives a known object that is gone.
-  void Remove(TrackedObject* known);
+  /// Archives a known object that is gone. `part_of`: the object of which it was a part; 0: none.
+  void Remove(TrackedObject* known, ObjectId part_of);
 
   /// Takes in that the session found a known object gone. True if another sensor insists that it
   /// stands.

@@ -19,8 +19,9 @@ constexpr char kEventsFooter[] =
     "\"class\", \"class_name\", \"time\" (capture time), \"revision\", \"center\" [x, y, z];\n"
     "for moves also \"old_center\", \"new_center\", \"confidence\", and \"pose_before\" and\n"
     "\"pose_after\" of the object's frame if its shape was recognised; \"related\" for moves,\n"
-    "merges and splits, the other object: for a move, the object that was created at the new\n"
-    "place and is merged into this one; for robots \"robot\", for objects \"views\" and\n"
+    "merges, splits and removed parts, the other object: for a move, the object that was created\n"
+    "at the new place and is merged into this one; for robots \"robot\", for objects \"views\" "
+    "and\n"
     "\"absences\", the evidence so far, and \"before\" and \"after\", the belief}]}. `class`\n"
     "is the id in the map's class table. Lengths are metres in the world frame, times seconds\n"
     "since 1970.";

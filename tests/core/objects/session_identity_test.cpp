@@ -386,6 +386,33 @@ TEST_F(SessionIdentityTest, AThingThatSlidAlongItsPlaneHasMoved) {
   EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).y(), 0.2, 0.03);
 }
 
+TEST_F(SessionIdentityTest, AThingSeenFromItsOtherSideHasNotMoved) {
+  const Eigen::Vector3d low(-0.2, -0.25, 0.0);
+  const Eigen::Vector3d high(0.2, 0.25, 0.6);
+  const auto put_half = [&](ObjectStatus status, double side) {
+    TrackedObject* half = Put(status, {2.0, 0.0, 0.0}, high - low);
+    ObjectEdit edit = map_.Edit(half);
+    StoreVolume(MakeVolume(
+                    [&](const Eigen::Vector3d& point) {
+                      return testing::DistanceFrom({Box(low, high)}, point);
+                    },
+                    Grow(Box(low, high), map_.scale().truncation_m),
+                    map_.scale(),
+                    [&](const Eigen::Vector3d& point) {
+                      return side * point.y() > -0.05 && point.z() >= 0.0;
+                    }),
+                &edit);
+    edit.state().T_world_object.position_world = {2.0, 0.0, 0.0};
+    return half;
+  };
+  TrackedObject* known = put_half(ObjectStatus::kPresent, 1.0);
+  SetScores(kEverywhere, 2, known);
+  put_half(ObjectStatus::kTentative, -1.0);
+  EXPECT_TRUE(Decide().empty());
+  ASSERT_EQ(map_.objects().size(), 1U);
+  EXPECT_NEAR(known->cuboid().size_m.head<2>().maxCoeff(), 0.5, 0.05);
+}
+
 TEST_F(SessionIdentityTest, ATurnInPlaceIsAMoveAlthoughNoLookMissesTheThing) {
   const auto put = [this](ObjectStatus status, double yaw_rad) {
     TrackedObject* object = Put(status, {2.0, 0.0, 0.0}, {0.3, 0.5, 0.6});
@@ -680,6 +707,7 @@ TEST_F(SessionIdentityTest, OneOfTwoNeighboursThatWereOneObjectIsRemoved) {
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].type, EventType::kRemoved);
   EXPECT_NE(events[0].object, pair->id());
+  EXPECT_EQ(events[0].related, pair->id());
   EXPECT_GT(events[0].center_world.x(), 2.45);
   EXPECT_EQ(pair->state().status, ObjectStatus::kPresent);
   EXPECT_LT(pair->cuboid().center_world.x(), 2.35);

@@ -589,7 +589,7 @@ TEST_F(EvidenceMapperTest, ALittleTurnIsPoseError) {
   EXPECT_EQ(story_.events().size(), 1U);
 }
 
-TEST_F(EvidenceMapperTest, ThePartOfAPileThatWasTakenAwayIsCutOff) {
+TEST_F(EvidenceMapperTest, ThePartOfAPileThatWasTakenAwayIsRemoved) {
   const auto pile = [](double top_m) {
     return Body(kGoodsClass, {1.6, -0.4, -0.8}, {2.0, 0.4, top_m});
   };
@@ -599,6 +599,10 @@ TEST_F(EvidenceMapperTest, ThePartOfAPileThatWasTakenAwayIsCutOff) {
   ASSERT_EQ(story_.Present(kGoodsClass).size(), 1U);
   EXPECT_EQ(story_.Present(kGoodsClass).front()->id, id);
   EXPECT_NEAR(story_.Present(kGoodsClass).front()->cuboid.highest_m(), 0.2, 0.15);
+  const std::vector<ObjectEvent> removed = story_.EventsOf(EventType::kRemoved, kGoodsClass);
+  ASSERT_EQ(removed.size(), 1U);
+  EXPECT_EQ(removed.front().related, id);
+  EXPECT_GT(removed.front().center_world.z(), 0.2);
 }
 
 TEST_F(EvidenceMapperTest, TwinsAreNotGuessed) {

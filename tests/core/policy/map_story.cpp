@@ -143,7 +143,10 @@ void MapStory::Replay(const ObjectEvent& event) {
       break;
     case EventType::kRemoved:
     case EventType::kMerged:
-      EXPECT_EQ(present_by_events_.erase(event.object), 1U) << event.object.value();
+      // A part that was no object of its own is not present.
+      EXPECT_EQ(present_by_events_.erase(event.object),
+                event.type == EventType::kRemoved && event.related != kBackgroundId ? 0U : 1U)
+          << event.object.value();
       break;
     case EventType::kUpdated:
     case EventType::kRobotLost:
