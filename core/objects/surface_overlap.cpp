@@ -46,6 +46,12 @@ enum class HiddenSurface {
   kIsUnknown,  ///< It was hidden from the looks at the other surface.
 };
 
+/// What is known beside the surface of an object.
+struct Surroundings {
+  const FreeSpaceSince* free_space = nullptr;  ///< Around it; null: unknown.
+  HiddenSurface hidden = HiddenSurface::kDisagrees;
+};
+
 /// Compares the surface of an object with a volume. What the volume has not observed is known if
 /// `is_in_free_space(point, normal)` is true, in the frame of the volume.
 template <typename IsInFreeSpaceFunction>
@@ -99,15 +105,16 @@ SurfaceOverlap CompareObjects(const TrackedObject& object,
                               const Eigen::Isometry3d& T_other_object,
                               const SurfaceMatchParameters& parameters,
                               const VoxelScale& scale,
-                              const FreeSpaceSince* free_space,
-                              HiddenSurface hidden) {
+                              const Surroundings& surroundings) {
+  const FreeSpaceSince* free_space = surroundings.free_space;
   const Eigen::Isometry3d T_world_other = other.state().T_world_object.ToIsometry();
   const auto is_in_free_space = [&](const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
     return free_space != nullptr &&
            IsInFreeSpace(T_world_other * point, T_world_other.linear() * normal, *free_space);
   };
   TsdfSampler sampler(other.volume(), scale);
-  return Compare(object, T_other_object, parameters, is_in_free_space, hidden, &sampler);
+  return Compare(
+      object, T_other_object, parameters, is_in_free_space, surroundings.hidden, &sampler);
 }
 
 }  // namespace
@@ -122,8 +129,7 @@ SurfaceOverlap CompareSurfaces(const TrackedObject& object,
                                const SurfaceMatchParameters& parameters,
                                const VoxelScale& scale,
                                const FreeSpaceSince* free_space) {
-  return CompareObjects(
-      object, other, T_other_object, parameters, scale, free_space, HiddenSurface::kDisagrees);
+  return CompareObjects(object, other, T_other_object, parameters, scale, {free_space});
 }
 
 SurfaceOverlap CompareWithBackground(const TrackedObject& object,
@@ -149,14 +155,9 @@ MutualOverlap CompareInPlace(const TrackedObject& a,
                              const FreeSpaceSince* free_space) {
   const Eigen::Isometry3d T_b_a =
       b.state().T_world_object.ToIsometry().inverse() * a.state().T_world_object.ToIsometry();
-  const auto compare = [&](const TrackedObject& object,
-                           const TrackedObject& other,
-                           const Eigen::Isometry3d& T_other_object,
-                           const FreeSpaceSince* around) {
-    return CompareObjects(
-        object, other, T_other_object, parameters, scale, around, HiddenSurface::kIsUnknown);
-  };
-  return {compare(a, b, T_b_a, nullptr), compare(b, a, T_b_a.inverse(), free_space)};
+  const HiddenSurface hidden = HiddenSurface::kIsUnknown;
+  return {CompareObjects(a, b, T_b_a, parameters, scale, {nullptr, hidden}),
+          CompareObjects(b, a, T_b_a.inverse(), parameters, scale, {free_space, hidden})};
 }
 
 }  // namespace steadymap
