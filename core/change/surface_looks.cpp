@@ -103,8 +103,8 @@ std::size_t CountCells(const TrackedObject& object) {
   return count;
 }
 
-/// True if looks show that a whole object is gone. `gone`: of the cells that are gone, those that
-/// count.
+/// True if looks show that a whole object is gone. `gone`: the number of gone cells that may decide
+/// on the whole object.
 bool IsWholeGone(const LookParameters& parameters,
                  const LookCount& looks,
                  std::size_t gone,

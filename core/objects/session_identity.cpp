@@ -43,7 +43,7 @@ class SessionDecision {
   std::optional<PoseOffset> Run() {
     TakeSessionLooks();
     CompleteSessionObjects(parameters_.parts, source_, map_);
-    FindLeft();
+    FindDeparted();
     CutGone();
     ListObjects();
     Align();
@@ -51,7 +51,7 @@ class SessionDecision {
     if (is_of_past_) FindRemovedSince(*map_, &objects_);
     SeparateNew();
     MatchInPlace();
-    AddLeft();
+    AddDeparted();
     JudgeKnown();
     SeparateGone();
     AddRestsToStructures();
@@ -78,12 +78,12 @@ class SessionDecision {
   void Move(const Eigen::Isometry3d& motion, TrackedObject* object);
   void MatchInPlace();
   bool HasLeftPlace(const PlaceMatch& match) const;
-  void EndInPlace(const PlaceMatch& match);
-  void AddLeft();
+  void ConfirmDeparted(const PlaceMatch& match);
+  void AddDeparted();
   void MatchDoubted();
   void Confirm(SeenObject* seen, KnownObject* known);
   void JudgeKnown();
-  void FindLeft();
+  void FindDeparted();
   void CutGone();
   void FindMoves();
   void AddRest();
@@ -97,7 +97,8 @@ class SessionDecision {
   WorkingMap* map_;
   SessionOutcomes outcomes_;
   SessionObjects objects_;
-  std::set<const TrackedObject*> left_;  ///< Objects that later frames of the session found gone.
+  std::set<const TrackedObject*>
+      departed_;  ///< Objects that later frames of the session found gone.
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
   bool is_of_past_ = false;                                  ///< See `past_session.h`.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
@@ -123,7 +124,7 @@ void SessionDecision::TakeSessionLooks() {
 }
 
 /// Finds the objects that were seen and then found gone in the same session. Deletes wrong labels.
-void SessionDecision::FindLeft() {
+void SessionDecision::FindDeparted() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
     const LookCount looks = CountLooks(*object);
     if (looks.looked_at() < parameters_.parts.min_points ||
@@ -134,7 +135,7 @@ void SessionDecision::FindLeft() {
     if (HasSurfaceOfOther(*object, source_, parameters_.parts, *map_)) {
       map_->Delete(object);
     } else {
-      left_.insert(object);
+      departed_.insert(object);
     }
   }
 }
@@ -142,7 +143,7 @@ void SessionDecision::FindLeft() {
 /// Deletes what is gone of objects that stand, and what is too small without it.
 void SessionDecision::CutGone() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
-    if (left_.contains(object)) continue;
+    if (departed_.contains(object)) continue;
     CutGoneCells(object, map_);
     if (IsTooSmall(*object, parameters_.parts)) map_->Delete(object);
   }
@@ -152,7 +153,7 @@ void SessionDecision::ListObjects() {
   for (TrackedObject* object : map_->AllObjects()) {
     if (object->is_deleted()) continue;
     if (IsInSession(object->state(), source_)) {
-      objects_.AddSeen(object, left_.contains(object));
+      objects_.AddSeen(object, departed_.contains(object));
     } else if (object->state().status != ObjectStatus::kTentative) {
       objects_.AddKnown(object, Standing::kUnknown);
     }
@@ -189,7 +190,7 @@ void SessionDecision::MatchInPlace() {
     if (match.seen->is_decided) continue;
     const bool is_archived = match.known->object->is_archived();
     if (HasLeftPlace(match)) {
-      EndInPlace(match);
+      ConfirmDeparted(match);
       continue;
     }
     const double doubt = DoubtOf(*match.known->object, objects_, parameters_);
@@ -241,8 +242,9 @@ bool SessionDecision::HasLeftPlace(const PlaceMatch& match) const {
          GoneShareOf(*match.known->object) >= parameters_.parts.shares.majority;
 }
 
-/// Makes one object of a known one and of what a session saw in its place until it left.
-void SessionDecision::EndInPlace(const PlaceMatch& match) {
+/// Makes one object of a known one and of what the session saw in its place until it left. If
+/// another object of the session shows that the known one stands, what left is an error.
+void SessionDecision::ConfirmDeparted(const PlaceMatch& match) {
   if (match.known->standing == Standing::kStands) {
     match.seen->is_decided = true;
     map_->Delete(match.seen->object);
@@ -255,7 +257,7 @@ void SessionDecision::EndInPlace(const PlaceMatch& match) {
 }
 
 /// Makes known objects of those that were seen for the first time and then found gone.
-void SessionDecision::AddLeft() {
+void SessionDecision::AddDeparted() {
   for (SeenObject& seen : objects_.seen) {
     if (!seen.has_left || seen.is_decided) continue;
     seen.is_decided = true;

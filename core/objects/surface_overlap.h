@@ -83,8 +83,8 @@ SurfaceOverlap CompareWithBackground(const TrackedObject& object,
                                      const VoxelScale& scale);
 
 /// Compares the surfaces of two objects where they stand. `free_space` around `a`, if it is known.
-/// Surface behind that of the other one that faces another way is unknown: one thing is seen from
-/// two sides, and thinner than the truncation distance.
+/// Surface that lies behind that of the other object and faces another way counts as unknown: it
+/// may be the far side of a thing that is thinner than the truncation distance.
 MutualOverlap CompareInPlace(const TrackedObject& a,
                              const TrackedObject& b,
                              const SurfaceMatchParameters& parameters,

@@ -187,7 +187,8 @@ class Event:
             the pose of the object's frame before and after the move; else None.
         confidence: For moves: confidence in [0, 1] that it is the same object; else None.
         before, after: Beliefs before and after the event; None for events of robots.
-        related_object_id: The other object of a move, merge or split; None: none.
+        related_object_id: The other object of a move, merge or split, or that of which a removed
+            part was no object of its own; None: none.
         views: Number of supporting frames at the time of the event.
         absences: Number of updates with evidence of absence at the time of the event.
         robot, sensor: For events of robots: ids of the robot and its sensor. CONTRADICTED: of those

@@ -39,9 +39,9 @@ struct RoomCase {
 };
 
 /// Returns `count` cases of a change: first the default case, then ones in which each property
-/// (voxel, frame rate, path, height of the camera, floor, labels, noise, pose error) has another
-/// value with a probability of a third. With `variations`, every case has these and no others;
-/// there are no cases if the change does not allow them. Equal arguments give equal cases.
+/// (voxel, frame rate, path, height of the camera, floor, labels, noise, pose error, stops) has
+/// another value with a probability of a third. With `variations`, every case has these and no
+/// others; there are no cases if the change does not allow them. Equal arguments give equal cases.
 std::vector<RoomCase> ListRoomCases(RoomChange change,
                                     std::size_t count,
                                     std::uint64_t seed,
