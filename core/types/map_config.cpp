@@ -81,20 +81,21 @@ void CheckClasses(const std::vector<SemanticClass>& classes, Violations* violati
   }
 }
 
-void CheckParameters(const MapConfig& config, Violations* violations) {
-  for (const auto& [name, value] : config.parameters) {
-    // A name may be as long as a message.
-    const std::string field = "parameters[" + name.substr(0, kMaxParameterNameShown) + "]";
-    const PolicyParameter* parameter = FindParameter(config.policy, name);
-    if (parameter == nullptr) {
-      violations->Add(field,
-                      absl::StrCat(field,
-                                   " is not a parameter of the policy, which has: ",
-                                   ParameterNames(config.policy)));
-    } else if (violations->CheckRange(field.c_str(), value, parameter->min, parameter->max) &&
-               parameter->is_whole && value != std::floor(value)) {
-      violations->Add(field, absl::StrCat(field, " must be a whole number, got ", value));
-    }
+void CheckParameter(UpdatePolicy policy,
+                    const std::string& name,
+                    double value,
+                    Violations* violations) {
+  // A name may be as long as a message.
+  const std::string field = "parameters[" + name.substr(0, kMaxParameterNameShown) + "]";
+  const PolicyParameter* parameter = FindParameter(policy, name);
+  if (parameter == nullptr) {
+    violations->Add(
+        field,
+        absl::StrCat(
+            field, " is not a parameter of the policy, which has: ", ParameterNames(policy)));
+  } else if (violations->CheckRange(field.c_str(), value, parameter->min, parameter->max) &&
+             parameter->is_whole && value != std::floor(value)) {
+    violations->Add(field, absl::StrCat(field, " must be a whole number, got ", value));
   }
 }
 
@@ -178,8 +179,21 @@ absl::Status ValidateMapConfig(const MapConfig& config) {
                                 config.max_depth_m));
   }
   CheckClasses(config.classes, &violations);
-  CheckParameters(config, &violations);
+  for (const auto& [name, value] : config.parameters) {
+    CheckParameter(config.policy, name, value, &violations);
+  }
   return violations.ToStatus();
+}
+
+std::vector<std::string> RemoveInvalidParameters(MapConfig* config) {
+  std::vector<std::string> removed;
+  for (const auto& [name, value] : config->parameters) {
+    Violations violations;
+    CheckParameter(config->policy, name, value, &violations);
+    if (!violations.ToStatus().ok()) removed.push_back(name);
+  }
+  for (const std::string& name : removed) config->parameters.erase(name);
+  return removed;
 }
 
 }  // namespace steadymap

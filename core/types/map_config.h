@@ -112,4 +112,9 @@ class KnownLabels {
 /// the first ten violations.
 absl::Status ValidateMapConfig(const MapConfig& config);
 
+/// Removes the parameters that `ValidateMapConfig` rejects, so that their defaults apply. Returns
+/// their names in order. For a configuration that an earlier version wrote: parameters and ranges
+/// change with the engine.
+std::vector<std::string> RemoveInvalidParameters(MapConfig* config);
+
 }  // namespace steadymap

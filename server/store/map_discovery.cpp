@@ -12,6 +12,7 @@
 #include <absl/strings/str_format.h>
 #include <spdlog/spdlog.h>
 
+#include "core/types/map_config.h"
 #include "server/store/disk/posix_file.h"
 #include "server/store/store_catalog.h"
 
@@ -46,6 +47,11 @@ MapRecord LoadRecord(const MapFolder& folder, const StoreCatalog::Map& map) {
   }
   loaded.key = map.key;
   loaded.name = map.name;
+  for (const std::string& name : RemoveInvalidParameters(&loaded.config)) {
+    spdlog::warn("map {}: parameter {} is not valid in this version; its default is used",
+                 loaded.name.ToString(),
+                 name);
+  }
   return loaded;
 }
 

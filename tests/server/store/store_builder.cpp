@@ -21,6 +21,7 @@ MapRecord MakeMapRecord(const std::string& tenant, const std::string& map) {
   MapRecord record;
   record.name = {tenant, map};
   record.display_name = "The hall \"2\"\n";
+  record.config.policy = UpdatePolicy::kPocd;
   record.config.voxel_size_m = kScale.voxel_size_m;
   record.config.truncation_m = kScale.truncation_m;
   record.config.max_depth_m = 4.25;

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "core/types/error.h"
+#include "core/types/map_config.h"
 #include "tests/server/store/store_contract.h"
 #include "tests/support/thread_limit.h"
 
@@ -45,6 +46,20 @@ TEST_P(StoreContract, MapRecordSurvivesARestartFieldByField) {
   EXPECT_EQ(map.request_id, expected.request_id);
   EXPECT_EQ(map.version, expected.version);
   EXPECT_TRUE(map.condition.ok());
+}
+
+TEST_P(StoreContract, OpensAMapWhoseParametersAnEarlierVersionKnew) {
+  if (GetParam() == StoreKind::kMemory) GTEST_SKIP() << "does not outlive the version";
+  MapRecord record = MakeMapRecord("acme", "hall");
+  record.config.parameters = {
+      {"change_noise_m", -1.0}, {"max_evidence", 20.0}, {"removed_in_a_later_version", 3.0}};
+  ASSERT_TRUE(store_->CreateMap(record).ok());
+  Reopen();
+  const MapRecord map = store_->ListMaps().value().front();
+  EXPECT_TRUE(map.condition.ok());
+  EXPECT_TRUE(ValidateMapConfig(map.config).ok());
+  record.config.parameters = {{"max_evidence", 20.0}};
+  EXPECT_EQ(map.config, record.config);
 }
 
 TEST_P(StoreContract, ListsMapsInTheOrderOfTheirNames) {
