@@ -143,6 +143,10 @@ FrameSegment MakeSegment(const SampleGrid& samples, std::vector<std::size_t> ind
 
 }  // namespace
 
+bool IsLabelledBackground(const MapConfig& config, const SurfaceSample& sample) {
+  return sample.instance == 0 && config.IsInBackground(ClassId(sample.label));
+}
+
 std::vector<FrameSegment> FindFrameSegments(const SemanticCloud& cloud,
                                             const SampleGrid& samples,
                                             const std::vector<SampleUse>& uses,

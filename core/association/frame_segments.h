@@ -6,6 +6,7 @@
 
 #include "core/association/sample_grid.h"
 #include "core/integration/semantic_cloud.h"
+#include "core/types/map_config.h"
 
 namespace steadymap {
 
@@ -24,6 +25,10 @@ enum class SampleUse : std::uint8_t {
   kSurface,
   kNone,  ///< Its label contradicts the map.
 };
+
+/// True if a sample of a frame with labels or instances is of the background: it is of no instance
+/// and of a class in the background.
+bool IsLabelledBackground(const MapConfig& config, const SurfaceSample& sample);
 
 /// When two neighbouring samples are on one surface.
 struct ContinuityParameters {

@@ -67,6 +67,9 @@ struct ObjectState {
   Revision revision;             ///< Of the last frame that changed the object.
   ClassId class_id;              ///< The class with the most votes.
   std::vector<ClassVote> votes;  ///< By increasing class, without duplicates.
+  /// True if the labels or instances of frames gave its extent; false if shape alone divided it
+  /// from its surroundings. An older version has stored it for no object.
+  bool has_given_extent = false;
   UprightPose T_world_object;
   Cuboid cuboid;  ///< Around the surface, world frame; of status `kTentative`, with yaw 0.
   Belief belief;
@@ -88,6 +91,11 @@ struct ObjectState {
 
   friend bool operator==(const ObjectState&, const ObjectState&) = default;
 };
+
+/// True if labels or instances gave the extent of an object. Labels do so only with a class.
+inline bool HasGivenExtent(const ObjectState& state) {
+  return state.has_given_extent || state.class_id != kNoClass;
+}
 
 /// True if an object is of the session of a source.
 inline bool IsInSession(const ObjectState& state, const SensorName& source) {

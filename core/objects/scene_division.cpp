@@ -345,7 +345,7 @@ void GiveToBackground(const TrackedObject& object, WorkingMap* map) {
 }  // namespace
 
 bool IsStructure(const TrackedObject& object, const SceneDivisionParameters& parameters) {
-  return object.state().status == ObjectStatus::kPresent && object.state().class_id == kNoClass &&
+  return object.state().status == ObjectStatus::kPresent && !HasGivenExtent(object.state()) &&
          object.SurfaceAreaM2() >= parameters.min_plane_area_m2;
 }
 

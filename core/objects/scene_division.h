@@ -32,9 +32,9 @@ struct SceneDivisionParameters {
   friend bool operator==(const SceneDivisionParameters&, const SceneDivisionParameters&) = default;
 };
 
-/// True if an object is a structure: a present one without a label with as much surface as a wall,
-/// such as a row of cabinets. Later sessions fuse only what is not known of it, and what they see
-/// on it is apart from it.
+/// True if an object is a structure: a present one without a given extent with as much surface as a
+/// wall, such as a row of cabinets. Later sessions fuse only what is not known of it, and what they
+/// see on it is apart from it.
 bool IsStructure(const TrackedObject& object, const SceneDivisionParameters& parameters);
 
 /// Divides surface that was fused without labels into objects: connected surface apart from large

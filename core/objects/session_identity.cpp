@@ -284,7 +284,7 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   // A fragment does not tell where the rest is.
   known->is_taken = known->is_taken || !IsFragmentOf(*seen->object, *object, parameters_.parts);
   CutRemovedSince(*seen, map_);
-  if (object->state().class_id == kNoClass && !object->is_archived()) {
+  if (!HasGivenExtent(object->state()) && !object->is_archived()) {
     for (TrackedObject* region :
          SeparateNewRegions(parameters_.parts, *object, seen->object, map_)) {
       objects_.AddRegion(region, *seen);
@@ -318,7 +318,7 @@ void SessionDecision::SeparateNew() {
     const std::size_t count = objects_.seen.size();
     for (std::size_t i = 0; i < count; ++i) {
       SeenObject& seen = objects_.seen[i];
-      if (seen.object->state().class_id != kNoClass || seen.is_decided) continue;
+      if (HasGivenExtent(seen.object->state()) || seen.is_decided) continue;
       SeparateNewOn(&known, &seen);
     }
   }
@@ -357,7 +357,7 @@ void SessionDecision::SeparateGone() {
 /// Ends the regions of one object that are gone. Neighbours of one class may be one object, but a
 /// few cells of an object with a label are errors.
 void SessionDecision::SeparateGoneOf(TrackedObject* object) {
-  if (object->state().class_id != kNoClass && !HasGoneParts(*object)) return;
+  if (HasGivenExtent(object->state()) && !HasGoneParts(*object)) return;
   for (TrackedObject* region : SeparateGoneRegions(parameters_.parts, object, map_)) {
     objects_.AddGonePart(region, *object);
   }

@@ -93,8 +93,8 @@ class PartCompletion {
 /// Makes objects of surface that frames without labels have shown.
 void PartCompletion::DivideScenes() {
   for (TrackedObject* object : map_->TentativeObjectsOf(source_)) {
-    if (object->state().class_id == kNoClass)
-      DivideScene(parameters_.scene, parameters_.surface, object, map_);
+    if (HasGivenExtent(object->state())) continue;
+    DivideScene(parameters_.scene, parameters_.surface, object, map_);
   }
 }
 
@@ -148,7 +148,10 @@ bool PartCompletion::IsPieceOf(const TrackedObject& object, const TrackedObject&
   // Two things cannot have one surface, even if frames show them apart, as they do where noise or a
   // wrong label divides a thing. Of two classes, that of the larger object is right.
   if (overlap.known_close_share() > parameters_.shares.majority) return true;
-  if (!is_of_one_class || are_apart) return false;
+  // Of two instances without a class, frames alone tell whether they are one.
+  const bool may_be_one =
+      is_of_one_class && (object.state().class_id != kNoClass || !HasGivenExtent(object.state()));
+  if (!may_be_one || are_apart) return false;
   return overlap.known_fit_share() > parameters_.shares.substantial &&
          AreInContact(object, other, parameters_, map_->scale());
 }
@@ -198,7 +201,7 @@ bool IsTooSmall(const TrackedObject& object, const SessionPartParameters& parame
   if (object.SurfaceAreaM2() < parameters.min_area_m2 || object.surface().point_count() < 2) {
     return true;
   }
-  if (object.state().class_id != kNoClass) return false;
+  if (HasGivenExtent(object.state())) return false;
   const std::vector<double> weights = SurfaceWeightsOf(object);
   const double point_m2 = object.SurfaceAreaM2() / static_cast<double>(weights.size());
   return std::accumulate(weights.begin(), weights.end(), 0.0) * point_m2 <
@@ -266,6 +269,7 @@ void JoinSessionObjects(TrackedObject* object, TrackedObject* into, WorkingMap* 
     state.last_seen = std::max(state.last_seen, object->state().last_seen);
     state.supporting_frames = std::max(state.supporting_frames, object->state().supporting_frames);
     JoinVotes(object->state().votes, &state);
+    state.has_given_extent = state.has_given_extent || object->state().has_given_extent;
   }
   map->Delete(object);
 }

@@ -64,8 +64,8 @@ void AddVoxels(const TrackedObject& from, WorkingMap* map, TrackedObject* into);
 /// Deletes the surface of an object in cells that most looks found gone, or of another class.
 void CutGoneCells(TrackedObject* object, WorkingMap* map);
 
-/// True if an object has too little surface, or no shape: that of a single voxel. Without a label,
-/// the surface counts with its weight.
+/// True if an object has too little surface, or no shape: that of a single voxel. Without a
+/// given extent, the surface counts with its weight.
 bool IsTooSmall(const TrackedObject& object, const SessionPartParameters& parameters);
 
 bool IsOfOneClass(const TrackedObject& a, const TrackedObject& b);

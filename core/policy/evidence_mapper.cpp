@@ -69,20 +69,20 @@ void EvidenceMapper::Process(const Frame& frame, SemanticCloud* cloud, WorkingMa
   moving_.Record(frame.source, *cloud, map);
   stages_.Enter(MapperStage::kAssociation);
   FindObjects(frame.source);
-  has_labels_ = !frame.labels.empty() || !frame.instances.empty();
+  has_segments_ = !frame.labels.empty() || !frame.instances.empty();
   stages_.Enter(MapperStage::kLooks);
-  LookAtObjects(frame.source);
+  LookAtObjects(frame);
   stages_.Enter(MapperStage::kSegments);
   FindSurfaces();
-  segments_ = has_labels_ ? FindFrameSegments(*cloud, samples_, uses_, parameters_.continuity)
-                          : FindScene();
+  segments_ = has_segments_ ? FindFrameSegments(*cloud, samples_, uses_, parameters_.continuity)
+                            : FindScene();
   SegmentAssignment assignment(config_,
                                parameters_.assignment,
                                parameters_.identity,
                                {frame.source, *cloud, samples_, segments_, on_objects_, uses_},
                                &in_view_,
                                map);
-  if (has_labels_) {
+  if (has_segments_) {
     assignment.AssignSegments();
   } else {
     assignment.AssignScene();
@@ -162,11 +162,13 @@ void EvidenceMapper::EndSession(const SensorName& sensor, WorkingMap* map) {
   map->StoreRobot(sensor, robot);
 }
 
-void EvidenceMapper::LookAtObjects(const SensorName& source) {
+void EvidenceMapper::LookAtObjects(const Frame& frame) {
+  const SensorName& source = frame.source;
   LookParameters looks = parameters_.looks;
-  looks.labels_decide = looks.labels_decide && has_labels_;
   for (const ObjectInView& view : in_view_) {
     const ObjectState& state = view.object->state();
+    looks.labels_decide =
+        parameters_.looks.labels_decide && !frame.labels.empty() && state.class_id != kNoClass;
     const bool is_of_session = state.status == ObjectStatus::kTentative;
     ObjectEvidence evidence = state.evidence;
     if (!is_of_session) evidence.leaves = LooksOf(source, state.looks);
@@ -231,7 +233,7 @@ void EvidenceMapper::FindSurfaceOf(std::size_t place) {
 
 /// True if an object is a structure, of which frames without labels fuse only what is not known.
 bool EvidenceMapper::IsStructureInView(const TrackedObject& object) const {
-  return !has_labels_ && IsStructure(object, parameters_.identity.parts.scene);
+  return !has_segments_ && IsStructure(object, parameters_.identity.parts.scene);
 }
 
 /// Returns the weight with which the frame measures the surface at a sample.
@@ -250,7 +252,8 @@ void EvidenceMapper::FindSurfaces() {
   for (std::size_t place = 0; place < in_view_.size(); ++place) {
     const TrackedObject& object = *in_view_[place].object;
     const bool is_of_session = object.state().status == ObjectStatus::kTentative;
-    if (is_of_session ? !IsUnsegmented(object) : IsStructureInView(object)) {
+    if (is_of_session ? HasGivenExtent(object.state()) && !IsUnsegmented(object)
+                      : IsStructureInView(object)) {
       FindSurfaceOf(place);
     }
   }
@@ -260,26 +263,24 @@ void EvidenceMapper::FindSurfaces() {
   const auto min_frames = static_cast<double>(parameters_.identity.parts.min_doubted_frames);
   for (std::size_t index = 0; index < samples_.size(); ++index) {
     const SurfaceSample& sample = samples_[index];
-    if (!sample.is_valid() || (has_labels_ && config_.IsInBackground(ClassId(sample.label)))) {
-      continue;
-    }
+    if (!sample.is_valid() || (has_segments_ && IsLabelledBackground(config_, sample))) continue;
     const DistanceSample background = sampler.Sample(sample.position_world.cast<double>());
     const bool is_on_background =
         IsOnSurface(sample, background, sample.normal_world.cast<double>()) &&
-        (!has_labels_ || background.weight >= min_frames * WeightOf(index));
+        (!has_segments_ || background.weight >= min_frames * WeightOf(index));
     const Eigen::Vector3d to_camera =
         (camera_world - sample.position_world.cast<double>()).normalized();
     const bool is_flat = to_camera.dot(sample.normal_world.cast<double>()) <
                          parameters_.continuity.min_facing_cosine;
     if (is_on_background) {
       uses_[index] = SampleUse::kNone;
-    } else if (has_labels_ && is_flat) {
+    } else if (has_segments_ && is_flat) {
       uses_[index] = SampleUse::kSurface;
     }
   }
   for (const SampleOnObject& found : on_objects_) {
     const SurfaceSample& sample = samples_[found.sample];
-    if ((has_labels_ && config_.IsInBackground(ClassId(sample.label)) && sample.instance == 0) ||
+    if ((has_segments_ && IsLabelledBackground(config_, sample)) ||
         IsStructureInView(*in_view_[found.place].object)) {
       uses_[found.sample] = SampleUse::kNone;
     }

@@ -71,7 +71,7 @@ class EvidenceMapper final : public MapUpdater {
   void BeginSession(const Frame& frame);
   void CorrectPose(const Frame& frame);
   void FindObjects(const SensorName& source);
-  void LookAtObjects(const SensorName& source);
+  void LookAtObjects(const Frame& frame);
   double WeightOf(std::size_t index) const;
   void FindSurfaces();
   void FindSurfaceOf(std::size_t place);
@@ -95,7 +95,7 @@ class EvidenceMapper final : public MapUpdater {
   // The current frame.
   WorkingMap* map_ = nullptr;
   SemanticCloud* cloud_ = nullptr;
-  bool has_labels_ = true;  ///< Or instances.
+  bool has_segments_ = true;  ///< True if the frame has labels or instances.
   SampleGrid samples_;
   MinDepthGrid tiles_;
   std::vector<ObjectInView> in_view_;

@@ -25,12 +25,14 @@ bool IsUnresolved(const FrameSegment& segment, double min_width, const SampleGri
 
 }  // namespace
 
-/// Returns what segments and objects of the session have in common, the largest first.
-std::vector<SegmentAssignment::Claim> SegmentAssignment::FindClaims() const {
+/// Returns what segments and objects of the session have in common, without the samples that are
+/// marked, the largest first.
+std::vector<SegmentAssignment::Claim> SegmentAssignment::FindClaims(
+    const std::vector<char>& is_excluded) const {
   std::map<std::pair<std::size_t, std::size_t>, double> areas_m2;  // By place and segment.
   for (const SampleOnObject& found : frame_.on_objects) {
     const std::size_t segment = segment_of_[found.sample];
-    if (segment == 0) continue;
+    if (segment == 0 || is_excluded[found.sample] != 0) continue;
     areas_m2[{found.place, segment - 1}] +=
         static_cast<double>(frame_.samples[found.sample].area_m2);
   }
@@ -71,7 +73,7 @@ void SegmentAssignment::AssignScene() {
   if (frame_.segments.empty()) return;
   for (std::size_t place = 0; place < in_view_->size(); ++place) {
     const ObjectState& state = (*in_view_)[place].object->state();
-    if (state.status == ObjectStatus::kTentative && state.class_id == kNoClass) {
+    if (state.status == ObjectStatus::kTentative && !HasGivenExtent(state)) {
       owner_of_.front() = place + 1;
     }
   }
@@ -89,7 +91,7 @@ void SegmentAssignment::AssignSegments() {
     const TrackedObject& object = *(*in_view_)[place].object;
     if (IsUnsegmented(object)) unsegmented_.emplace(object.state().class_id, place);
   }
-  claims_ = FindClaims();
+  claims_ = FindClaims(std::vector<char>(frame_.samples.size(), 0));
   ChooseObjects();
   for (std::size_t i = 0; i < frame_.segments.size(); ++i) {
     if (segment_of_[frame_.segments[i].samples.front()] == 0) continue;
@@ -189,9 +191,21 @@ void SegmentAssignment::AddInView(TrackedObject* object, std::size_t segment) {
   segment_on_.push_back(segment + 1);
 }
 
-/// Votes on the objects that the frame shows connected, or apart.
+/// Marks the samples of instances on the surface of the object to which their segment is given.
+std::vector<char> SegmentAssignment::FindSamplesOnOwner() const {
+  std::vector<char> is_on_owner(frame_.samples.size(), 0);
+  for (const SampleOnObject& found : frame_.on_objects) {
+    const std::size_t segment = segment_of_[found.sample];
+    if (segment == 0 || frame_.segments[segment - 1].instance == 0) continue;
+    if (owner_of_[segment - 1] == found.place + 1) is_on_owner[found.sample] = 1;
+  }
+  return is_on_owner;
+}
+
+/// Votes on the objects that the frame shows connected, or apart. Where two instances touch,
+/// samples are on both; these tell nothing.
 void SegmentAssignment::Vote() {
-  for (const Claim& claim : claims_) {
+  for (const Claim& claim : FindClaims(FindSamplesOnOwner())) {
     const std::size_t owner = owner_of_[claim.segment];
     if (owner == 0 || owner == claim.place + 1 || segment_on_[claim.place] != 0) continue;
     TrackedObject* object = (*in_view_)[owner - 1].object;
@@ -294,8 +308,10 @@ void SegmentAssignment::GiveToConnected(const SampleOnObject& found) {
   if (IsOfOtherInstance(found)) return;
   const ClassId class_id = (*in_view_)[found.place].object->state().class_id;
   const std::uint32_t owner = association_.owner[found.sample];
+  const SurfaceSample& sample = frame_.samples[found.sample];
   const bool is_unassigned = frame_.uses[found.sample] != SampleUse::kSegment &&
-                             class_id.value() == frame_.samples[found.sample].label;
+                             !IsLabelledBackground(config_, sample) &&
+                             class_id.value() == sample.label;
   const bool is_connected = Association::IsObject(owner) && segment_on_[found.place] == 0 &&
                             (*in_view_)[owner - 1].object->state().class_id == class_id;
   if (!is_unassigned && !is_connected) return;
@@ -316,8 +332,7 @@ void SegmentAssignment::SetAside() {
     const SurfaceSample& sample = frame_.samples[index];
     const ClassId class_id(sample.label);
     if (!sample.is_valid() || association_.owner[index] != Association::kNone ||
-        frame_.uses[index] == SampleUse::kNone || class_id == kNoClass ||
-        (sample.instance == 0 && config_.IsInBackground(class_id))) {
+        frame_.uses[index] == SampleUse::kNone || IsLabelledBackground(config_, sample)) {
       continue;
     }
     segment_of_[index] = 0;
@@ -333,6 +348,7 @@ std::size_t SegmentAssignment::PlaceOfUnsegmented(ClassId class_id, const Surfac
     TrackedObject& object = map_->AddObject(sample.position_world.cast<double>());
     ObjectEdit edit = map_->Edit(&object);
     edit.state().class_id = class_id;
+    edit.state().has_given_extent = true;
     edit.state().source = frame_.source;
     in_view_->push_back({&object, 0, frame_.samples.width(), 0, frame_.samples.height()});
   }
@@ -351,6 +367,7 @@ void SegmentAssignment::AddSegmentAsObject(std::size_t index) {
   TrackedObject& object = map_->AddObject(mean_world / static_cast<double>(segment.samples.size()));
   ObjectEdit edit = map_->Edit(&object);
   edit.state().class_id = ClassId(segment.label);
+  edit.state().has_given_extent = segment.instance != 0 || segment.label != kNoClass.value();
   edit.state().source = frame_.source;
   edit.state().belief = InitialBelief(identity_.initial_stationarity);
   AddInView(&object, index);

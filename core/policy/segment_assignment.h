@@ -107,7 +107,8 @@ class SegmentAssignment {
   };
 
   void SeparateBackground();
-  std::vector<Claim> FindClaims() const;
+  std::vector<Claim> FindClaims(const std::vector<char>& is_excluded) const;
+  std::vector<char> FindSamplesOnOwner() const;
   bool IsOfObject(const Claim& claim) const;
   void ChooseObjects();
   void SeparateContested(std::size_t index);

@@ -191,6 +191,7 @@ storage::v1::ObjectState ToProto(const ObjectState& state) {
     added.set_class_id(vote.class_id.value());
     added.set_weight(vote.weight);
   }
+  proto.set_has_given_extent(state.has_given_extent);
   Add(state.T_world_object.position_world, proto.mutable_pose());
   proto.add_pose(state.T_world_object.yaw_rad);
   Add(state.cuboid.center_world, proto.mutable_cuboid());
@@ -244,6 +245,7 @@ absl::StatusOr<ObjectState> FromProto(ObjectId id, const storage::v1::ObjectStat
       return CorruptRecord("an object record contains a vote for an invalid class");
     state.votes.push_back({ClassId{static_cast<std::uint16_t>(vote.class_id())}, vote.weight()});
   }
+  state.has_given_extent = proto.has_given_extent();
   state.T_world_object = {VectorAt(proto.pose(), 0), proto.pose(3)};
   state.cuboid = {VectorAt(proto.cuboid(), 0), VectorAt(proto.cuboid(), 3), proto.cuboid(6)};
   state.belief = BeliefFromProto(proto.belief());

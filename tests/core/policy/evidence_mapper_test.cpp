@@ -692,14 +692,17 @@ TEST_F(EvidenceMapperTest, FlatAnglesDoNotConnectNeighbours) {
   }
 }
 
-TEST_F(EvidenceMapperTest, ThingsOfTwoInstancesThatTouchDoNotGrowIntoEachOther) {
-  // In one line, so that their sides and tops are one surface for a camera that looks along them.
-  std::vector<Frame> frames =
-      testing::LookAtScene({FarWall(),
-                            Body(kGoodsClass, {1.0, 0.3, -0.6}, {1.5, 0.7, -0.1}),
-                            Body(kGoodsClass, {1.5, 0.3, -0.6}, {2.0, 0.7, -0.1})},
-                           0,
-                           3 * kFrames);
+/// Returns two things that touch, in one line, so that their sides and tops are one surface for a
+/// camera that looks along them.
+Scene TwoInLine() {
+  return {FarWall(),
+          Body(kGoodsClass, {1.0, 0.3, -0.6}, {1.5, 0.7, -0.1}),
+          Body(kGoodsClass, {1.5, 0.3, -0.6}, {2.0, 0.7, -0.1})};
+}
+
+/// Returns frames of `TwoInLine` in which each thing has its own instance.
+std::vector<Frame> LookAtInstances() {
+  std::vector<Frame> frames = LookAtScene(TwoInLine(), 0, 3 * kFrames);
   for (Frame& frame : frames) {
     frame.instances = Image<std::uint16_t>(frame.camera.width_px, frame.camera.height_px);
     for (int v = 0; v < frame.camera.height_px; ++v) {
@@ -712,7 +715,11 @@ TEST_F(EvidenceMapperTest, ThingsOfTwoInstancesThatTouchDoNotGrowIntoEachOther) 
       }
     }
   }
-  story_.Play(frames);
+  return frames;
+}
+
+TEST_F(EvidenceMapperTest, ThingsOfTwoInstancesThatTouchDoNotGrowIntoEachOther) {
+  story_.Play(LookAtInstances());
   story_.EndSession();
   const auto things = story_.Present(kGoodsClass);
   ASSERT_EQ(things.size(), 2U);
@@ -744,6 +751,32 @@ TEST_F(EvidenceMapperTest, AThingInFrontOfAnotherOneShowsNoGap) {
               kFrames);
   EXPECT_GT(VotesOnGoods(story_.map()).occluded, 3U);
   EXPECT_EQ(VotesOnGoods(story_.map()).apart, 0U);
+}
+
+TEST_F(EvidenceMapperTest, InstancesWithoutLabelsTellWhatIsOneThing) {
+  std::vector<Frame> frames = LookAtInstances();
+  for (Frame& frame : frames) frame.labels = {};
+  story_.Play(frames);
+  story_.EndSession();
+  const auto things = story_.Present(kNoClass.value());
+  ASSERT_EQ(things.size(), 2U);
+  for (const auto& thing : things) {
+    EXPECT_TRUE(thing->has_given_extent);
+    EXPECT_LT(thing->cuboid.size_m.x(), 0.6);
+    EXPECT_LT(thing->cuboid.size_m.z(), 0.6) << "without the wall behind";
+  }
+}
+
+TEST_F(EvidenceMapperTest, AFrameOfInstancesDoesNotDoubtALabelledThing) {
+  Visit(TwoInLine());
+  std::vector<Frame> frames = LookAtInstances();
+  for (Frame& frame : frames) {
+    frame.labels = {};
+    frame.capture_time = frame.capture_time + Duration::FromSeconds(3600.0);
+  }
+  story_.Play(frames);
+  story_.EndSession();
+  EXPECT_TRUE(story_.EventsOf(EventType::kRemoved, kGoodsClass).empty());
 }
 
 TEST_F(EvidenceMapperTest, WithoutLabelsAThingComesAndGoes) {

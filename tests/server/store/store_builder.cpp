@@ -150,6 +150,7 @@ ObjectState MakeObject(std::uint64_t id, std::uint32_t seed) {
   state.first_seen = Timestamp::FromNanoseconds(-static_cast<std::int64_t>(random()));
   state.in_place_since = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
   state.last_seen = Timestamp::FromNanoseconds(static_cast<std::int64_t>(random()));
+  state.has_given_extent = true;
   state.supporting_frames = random();
   state.contradicted_updates = random();
   return state;
