@@ -1,6 +1,7 @@
 #include "core/objects/outline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -64,10 +65,10 @@ bool OutlineTest::IsOnStructure(const Eigen::Vector3d& point_world) const {
   return TsdfSampler(map_.background(), map_.scale()).IsMeasured(point_world);
 }
 
-double OutlineTest::SeenShareOf(std::span<const OrientedPoint> surface) const {
+double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const {
   std::set<Cell> cells;
   for (const OrientedPoint& point : surface) cells.insert(CellOf(point.position_world));
-  std::size_t seen = 0;
+  std::size_t unseen = 0;
   std::size_t outline = 0;
   for (const OrientedPoint& point : surface) {
     const Eigen::Vector3d along = point.normal_world.unitOrthogonal();
@@ -79,11 +80,15 @@ double OutlineTest::SeenShareOf(std::span<const OrientedPoint> surface) const {
         // Where it stands on or against something, it ends in any case.
         if (IsOnStructure(point.position_world + step)) continue;
         ++outline;
-        if (map_.free_space().IsFree(point.position_world + kBesideGrains * step)) ++seen;
+        if (!map_.free_space().IsFree(point.position_world + kBesideGrains * step)) ++unseen;
       }
     }
   }
-  return outline == 0 ? 1.0 : static_cast<double>(seen) / static_cast<double>(outline);
+  // Each point stands for the square of a voxel. The points within a cube of an edge are beside it.
+  const double point_m2 = map_.scale().voxel_size_m * map_.scale().voxel_size_m;
+  const double outline_m = static_cast<double>(outline) * point_m2 / grain_m_;
+  const double of_disc_m = 2.0 * std::sqrt(M_PI * point_m2 * static_cast<double>(surface.size()));
+  return static_cast<double>(unseen) * point_m2 / grain_m_ / std::max(outline_m, of_disc_m);
 }
 
 bool OutlineTest::HasUnseenEnd(std::span<const OrientedPoint> surface,

@@ -20,9 +20,10 @@ class OutlineTest {
   /// The map must outlive the test.
   OutlineTest(const WorkingMap& map, std::span<const Eigen::Vector3d> structure_world);
 
-  /// Returns the share of the outline of a surface beside which the space is free, in [0, 1]; 1 for
-  /// a surface without outline.
-  double SeenShareOf(std::span<const OrientedPoint> surface) const;
+  /// Returns the share of the outline of a surface beside which the space is not known to be free,
+  /// in [0, 1]. The outline counts as at least so long as that of a disc of the same area, the
+  /// shortest of a flat surface: one that was seen from all sides has hardly any.
+  double UnseenShareOf(std::span<const OrientedPoint> surface) const;
 
   /// True if a slender surface has an end that was not seen: what is beyond at least half of it is
   /// neither free space nor structure, or is one of `continuation_world`, points of what it may go

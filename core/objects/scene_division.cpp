@@ -274,7 +274,7 @@ class SceneDivision {
     for (const OrientedPoint& point : supports_) structure.push_back(point.position_world);
     const OutlineTest test(map, structure);
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      return test.SeenShareOf(PointsOf(part)) < 0.5;
+      return test.UnseenShareOf(PointsOf(part)) > 0.5;
     });
   }
 

@@ -3,6 +3,7 @@
 
 #include "core/objects/outline.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -72,6 +73,34 @@ class OutlineTestTest : public ::testing::Test {
 
   WorkingMap map_{MapConfig()};
 };
+
+TEST_F(OutlineTestTest, AFlatSurfaceInUnknownSpaceWasNotSeenToEnd) {
+  EXPECT_GT(OutlineTest(map_, {}).UnseenShareOf(UprightBetween(0.0, 0.5)), 0.9);
+}
+
+TEST_F(OutlineTestTest, AFlatSurfaceInFreeSpaceWasSeenToEnd) {
+  MarkFree(Box(Eigen::Vector3d(-0.4, 0.8, -0.4), Eigen::Vector3d(0.9, 1.2, 0.9)));
+  EXPECT_LT(OutlineTest(map_, {}).UnseenShareOf(UprightBetween(0.0, 0.5)), 0.1);
+}
+
+TEST_F(OutlineTestTest, AHoleInAClosedSurfaceIsASmallShareOfItsOutline) {
+  // A sphere, of which a cap with a radius of 10 cm was not seen.
+  std::vector<OrientedPoint> sphere;
+  constexpr double kStepRad = 0.15;
+  for (int ring = 2; ring * kStepRad < M_PI; ++ring) {
+    const double polar = ring * kStepRad;
+    const double around_rad = 2.0 * M_PI * std::sin(polar);
+    const int count = std::max(1, static_cast<int>(around_rad / kStepRad));
+    for (int i = 0; i < count; ++i) {
+      const double azimuth = 2.0 * M_PI * i / count;
+      const Eigen::Vector3d normal(std::sin(polar) * std::cos(azimuth),
+                                   std::sin(polar) * std::sin(azimuth),
+                                   std::cos(polar));
+      sphere.push_back({0.333 * normal, normal});
+    }
+  }
+  EXPECT_LT(OutlineTest(map_, {}).UnseenShareOf(sphere), 0.4);
+}
 
 TEST_F(OutlineTestTest, ASurfaceMayGoOnWhereNothingWasSeen) {
   EXPECT_TRUE(GoesOnAsRight(0.25));
