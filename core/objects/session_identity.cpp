@@ -282,7 +282,9 @@ void SessionDecision::Confirm(SeenObject* seen, KnownObject* known) {
   seen->is_decided = true;
   known->standing = Standing::kStands;
   // A fragment does not tell where the rest is.
-  known->is_taken = known->is_taken || !IsFragmentOf(*seen->object, *object, parameters_.parts);
+  known->is_taken =
+      known->is_taken ||
+      seen->object->SurfaceAreaM2() >= parameters_.parts.fragment_share * object->SurfaceAreaM2();
   CutRemovedSince(*seen, map_);
   if (!HasGivenExtent(object->state()) && !object->is_archived()) {
     for (TrackedObject* region :

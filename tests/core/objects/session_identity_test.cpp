@@ -469,6 +469,22 @@ TEST_F(SessionIdentityTest, AThingPushedInFrontOfItsOldPlaceHasMoved) {
   EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).x(), -0.3, 0.03);
 }
 
+TEST_F(SessionIdentityTest, AFewPointsOfAnUnlabelledThingLeaveTheRestToIt) {
+  TrackedObject* known = PutUnlabelled({2.0, 0.0, 0.0});
+  {
+    ObjectEdit edit = map_.Edit(known);
+    edit.state().status = ObjectStatus::kPresent;
+  }
+  TrackedObject* piece = Put(ObjectStatus::kTentative, {2.0, 0.0, 0.0}, {0.4, 0.02, 0.1});
+  {
+    ObjectEdit edit = map_.Edit(piece);
+    edit.state().class_id = kNoClass;
+    edit.state().has_given_extent = true;
+  }
+  PutUnlabelled({2.0, 0.0, 0.0});
+  EXPECT_TRUE(Decide().empty());
+}
+
 TEST_F(SessionIdentityTest, TheFrontOfAThingIsNoFragmentOfItsNeighbour) {
   PutSeen(0.0);
   PutSeen(0.8, {0.03, 0.5, 0.6});
