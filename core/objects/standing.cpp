@@ -5,6 +5,7 @@
 
 #include "core/change/surface_looks.h"
 #include "core/objects/session_alignment.h"
+#include "core/objects/surface_overlap.h"
 #include "core/objects/surface_relations.h"
 
 namespace steadymap {
@@ -22,17 +23,29 @@ std::size_t DecidingCells(const LookCount& looks,
   return std::max(parameters.parts.min_points, static_cast<std::size_t>(cells));
 }
 
+/// True if two surfaces, of each of which the volume of the other one tells a substantial share,
+/// hardly agree anywhere.
+bool HaveOtherSurfaces(const TrackedObject& a,
+                       const TrackedObject& b,
+                       const SessionPartParameters& parameters,
+                       const VoxelScale& scale) {
+  const MutualOverlap overlap = CompareInPlace(a, b, parameters.surface, scale);
+  return overlap.overlap.known_share >= parameters.shares.substantial &&
+         overlap.reverse_overlap.known_share >= parameters.shares.substantial &&
+         overlap.close_share() < parameters.shares.negligible;
+}
+
 /// True if another object is where the known one was, so that it cannot be there.
 bool Replaces(const TrackedObject& other,
               const TrackedObject& known,
               bool is_doubted,
               const SessionIdentityParameters& parameters,
               const VoxelScale& scale) {
-  if (is_doubted) {
-    const double smaller_m3 = std::min(other.cuboid().volume_m3(), known.cuboid().volume_m3());
-    return OverlapM3(other.cuboid(), known.cuboid()) >
-           parameters.parts.shares.substantial * smaller_m3;
-  }
+  const double smaller_m3 = std::min(other.cuboid().volume_m3(), known.cuboid().volume_m3());
+  const bool is_in_its_space =
+      OverlapM3(other.cuboid(), known.cuboid()) > parameters.parts.shares.substantial * smaller_m3;
+  if (is_doubted) return is_in_its_space;
+  if (is_in_its_space && HaveOtherSurfaces(other, known, parameters.parts, scale)) return true;
   const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
   return registration && registration->dissimilarity <= parameters.parts.shares.negligible &&
          registration->known_share >= parameters.parts.shares.most() &&

@@ -469,6 +469,18 @@ TEST_F(SessionIdentityTest, AThingPushedInFrontOfItsOldPlaceHasMoved) {
   EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).x(), -0.3, 0.03);
 }
 
+TEST_F(SessionIdentityTest, ALargerThingInThePlaceOfAKnownOneReplacesIt) {
+  // The looks found the surface of the larger one near that of the known one. Nobody sees the
+  // bottoms, so that these must not coincide.
+  TrackedObject* known = Put(ObjectStatus::kPresent, {2.1, 0.0, 0.1}, {0.4, 0.34, 0.28});
+  SetScores(kEverywhere, 2, known);
+  const TrackedObject* seen = Put(ObjectStatus::kTentative, {2.0, 0.06, 0.0}, {0.6, 0.22, 0.56});
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(map_.objects().at(known->id()).state().status, ObjectStatus::kArchived);
+  EXPECT_EQ(map_.objects().at(seen->id()).state().status, ObjectStatus::kPresent);
+}
+
 TEST_F(SessionIdentityTest, AFewPointsOfAnUnlabelledThingLeaveTheRestToIt) {
   TrackedObject* known = PutUnlabelled({2.0, 0.0, 0.0});
   {
