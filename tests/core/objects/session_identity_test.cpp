@@ -481,6 +481,18 @@ TEST_F(SessionIdentityTest, ALargerThingInThePlaceOfAKnownOneReplacesIt) {
   EXPECT_EQ(map_.objects().at(seen->id()).state().status, ObjectStatus::kPresent);
 }
 
+TEST_F(SessionIdentityTest, AThingThatCameDownHasMoved) {
+  // The sides of both places are in one plane.
+  TrackedObject* known = Put(ObjectStatus::kPresent, {2.0, 0.0, 0.4}, {0.3, 0.25, 0.3});
+  SetScores(kEverywhere, -2, known);
+  Put(ObjectStatus::kTentative, {2.0, 0.0, 0.15}, {0.3, 0.25, 0.3});
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kMoved);
+  EXPECT_EQ(events.front().object, known->id());
+  EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).z(), -0.25, 0.03);
+}
+
 TEST_F(SessionIdentityTest, AFewPointsOfAnUnlabelledThingLeaveTheRestToIt) {
   TrackedObject* known = PutUnlabelled({2.0, 0.0, 0.0});
   {
