@@ -103,7 +103,8 @@ double DisplacementOf(const Registration& registration, const TrackedObject& obj
 double DisplacementOf(const Eigen::Isometry3d& motion, const TrackedObject& object) {
   const Eigen::Vector3d& center_world = object.cuboid().center_world;
   const double yaw_rad = std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
-  return DisplacementOf(motion * center_world - center_world, yaw_rad, object);
+  const Eigen::Vector3d shift_world = motion * center_world - center_world;
+  return std::hypot(DisplacementOf(shift_world, yaw_rad, object), shift_world.z());
 }
 
 bool FitsAtRest(const Registration& registration,

@@ -23,7 +23,8 @@ std::optional<Registration> RegisterToKnown(const TrackedObject& seen,
 /// stands there does not rise or sink. Metres.
 double DisplacementOf(const Registration& registration, const TrackedObject& object);
 
-/// Returns the same of a motion of the world frame.
+/// Returns the largest displacement of an object by a motion of the world frame, also upwards and
+/// downwards: it may come down when what it stood on is taken away. Metres.
 double DisplacementOf(const Eigen::Isometry3d& motion, const TrackedObject& object);
 
 /// True if an object of a session fits a known one without the correction: with it, the mean square

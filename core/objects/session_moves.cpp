@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -81,9 +80,7 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
                           const ShapeMatch& match) const {
   const UprightPose& pose = known.object->state().T_world_object;
   const Eigen::Isometry3d motion = match.T_world_object * pose.ToIsometry().inverse();
-  const Eigen::Vector3d& center_world = known.object->cuboid().center_world;
-  const double lift_m = (motion * center_world - center_world).z();
-  if (std::hypot(DisplacementOf(motion, *known.object), lift_m) <=
+  if (DisplacementOf(motion, *known.object) <=
       std::max(seen.pose_error_m, 0.5 * scale_.voxel_size_m)) {
     return false;
   }
