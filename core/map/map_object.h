@@ -68,7 +68,7 @@ struct ObjectState {
   ClassId class_id;              ///< The class with the most votes.
   std::vector<ClassVote> votes;  ///< By increasing class, without duplicates.
   /// True if the labels or instances of frames gave its extent; false if shape alone divided it
-  /// from its surroundings. An older version has stored it for no object.
+  /// from its surroundings. False for all objects that were stored before there was this field.
   bool has_given_extent = false;
   UprightPose T_world_object;
   Cuboid cuboid;  ///< Around the surface, world frame; of status `kTentative`, with yaw 0.

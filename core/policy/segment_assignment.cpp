@@ -25,14 +25,14 @@ bool IsUnresolved(const FrameSegment& segment, double min_width, const SampleGri
 
 }  // namespace
 
-/// Returns what segments and objects of the session have in common, without the samples that are
-/// marked, the largest first.
+/// Returns what segments and objects of the session have in common, the largest first. Samples that
+/// are marked in `is_excluded`, if it is not empty, do not count.
 std::vector<SegmentAssignment::Claim> SegmentAssignment::FindClaims(
-    const std::vector<char>& is_excluded) const {
+    std::span<const char> is_excluded) const {
   std::map<std::pair<std::size_t, std::size_t>, double> areas_m2;  // By place and segment.
   for (const SampleOnObject& found : frame_.on_objects) {
     const std::size_t segment = segment_of_[found.sample];
-    if (segment == 0 || is_excluded[found.sample] != 0) continue;
+    if (segment == 0 || (!is_excluded.empty() && is_excluded[found.sample] != 0)) continue;
     areas_m2[{found.place, segment - 1}] +=
         static_cast<double>(frame_.samples[found.sample].area_m2);
   }
@@ -91,7 +91,7 @@ void SegmentAssignment::AssignSegments() {
     const TrackedObject& object = *(*in_view_)[place].object;
     if (IsUnsegmented(object)) unsegmented_.emplace(object.state().class_id, place);
   }
-  claims_ = FindClaims(std::vector<char>(frame_.samples.size(), 0));
+  claims_ = FindClaims({});
   ChooseObjects();
   for (std::size_t i = 0; i < frame_.segments.size(); ++i) {
     if (segment_of_[frame_.segments[i].samples.front()] == 0) continue;
@@ -191,21 +191,33 @@ void SegmentAssignment::AddInView(TrackedObject* object, std::size_t segment) {
   segment_on_.push_back(segment + 1);
 }
 
-/// Marks the samples of instances on the surface of the object to which their segment is given.
+/// Marks the samples on the surface of the object to which their segment is given.
 std::vector<char> SegmentAssignment::FindSamplesOnOwner() const {
   std::vector<char> is_on_owner(frame_.samples.size(), 0);
   for (const SampleOnObject& found : frame_.on_objects) {
     const std::size_t segment = segment_of_[found.sample];
-    if (segment == 0 || frame_.segments[segment - 1].instance == 0) continue;
-    if (owner_of_[segment - 1] == found.place + 1) is_on_owner[found.sample] = 1;
+    if (segment != 0 && owner_of_[segment - 1] == found.place + 1) is_on_owner[found.sample] = 1;
   }
   return is_on_owner;
 }
 
-/// Votes on the objects that the frame shows connected, or apart. Where two instances touch,
-/// samples are on both; these tell nothing.
+/// Takes the samples that are also on the object of their own segment out of the claims of
+/// instances: where two instances touch, these tell nothing.
+void SegmentAssignment::ExcludeContactsOfInstances() {
+  const std::vector<FrameSegment>& segments = frame_.segments;
+  const auto is_instance = [](const FrameSegment& segment) { return segment.instance != 0; };
+  if (std::none_of(segments.begin(), segments.end(), is_instance)) return;
+  std::vector<char> is_excluded = FindSamplesOnOwner();
+  for (std::size_t i = 0; i < is_excluded.size(); ++i) {
+    if (segment_of_[i] != 0 && !is_instance(segments[segment_of_[i] - 1])) is_excluded[i] = 0;
+  }
+  claims_ = FindClaims(is_excluded);
+}
+
+/// Votes on the objects that the frame shows connected, or apart.
 void SegmentAssignment::Vote() {
-  for (const Claim& claim : FindClaims(FindSamplesOnOwner())) {
+  ExcludeContactsOfInstances();
+  for (const Claim& claim : claims_) {
     const std::size_t owner = owner_of_[claim.segment];
     if (owner == 0 || owner == claim.place + 1 || segment_on_[claim.place] != 0) continue;
     TrackedObject* object = (*in_view_)[owner - 1].object;
@@ -286,10 +298,7 @@ void SegmentAssignment::SetOwners() {
       association_.owner[index] = static_cast<std::uint32_t>(owner_of_[i]);
     }
   }
-  std::vector<char> is_on_owner(frame_.samples.size(), 0);
-  for (const SampleOnObject& found : frame_.on_objects) {
-    if (association_.owner[found.sample] == found.place + 1) is_on_owner[found.sample] = 1;
-  }
+  const std::vector<char> is_on_owner = FindSamplesOnOwner();
   // The last one to take a sample keeps it: an object whose observed surface the sample is on
   // prevails over one that merely ends beside it.
   for (const bool is_observed : {false, true}) {

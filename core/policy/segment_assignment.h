@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -107,7 +108,7 @@ class SegmentAssignment {
   };
 
   void SeparateBackground();
-  std::vector<Claim> FindClaims(const std::vector<char>& is_excluded) const;
+  std::vector<Claim> FindClaims(std::span<const char> is_excluded) const;
   std::vector<char> FindSamplesOnOwner() const;
   bool IsOfObject(const Claim& claim) const;
   void ChooseObjects();
@@ -115,6 +116,7 @@ class SegmentAssignment {
   std::vector<std::pair<std::size_t, std::size_t>> FindSeeds(std::size_t index) const;
   void AddSegmentAsObject(std::size_t index);
   void AddInView(TrackedObject* object, std::size_t segment);
+  void ExcludeContactsOfInstances();
   void Vote();
   BorderCounts CountBorders() const;
   void CountBordersOn(const SampleLine& line, BorderCounts* borders) const;
