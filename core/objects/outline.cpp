@@ -65,11 +65,10 @@ bool OutlineTest::IsOnStructure(const Eigen::Vector3d& point_world) const {
   return TsdfSampler(map_.background(), map_.scale()).IsMeasured(point_world);
 }
 
-double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const {
+OutlineTest::Outline OutlineTest::OutlineOf(std::span<const OrientedPoint> surface) const {
   std::set<Cell> cells;
   for (const OrientedPoint& point : surface) cells.insert(CellOf(point.position_world));
-  std::size_t unseen = 0;
-  std::size_t outline = 0;
+  Outline outline;
   for (const OrientedPoint& point : surface) {
     const Eigen::Vector3d along = point.normal_world.unitOrthogonal();
     const Eigen::Vector3d across = point.normal_world.cross(along);
@@ -77,18 +76,44 @@ double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const 
       for (const double sign : {-1.0, 1.0}) {
         const Eigen::Vector3d step = sign * grain_m_ * direction;
         if (HasNeighbour(cells, CellOf(point.position_world + kNextGrains * step))) continue;
-        // Where it stands on or against something, it ends in any case.
-        if (IsOnStructure(point.position_world + step)) continue;
-        ++outline;
-        if (!map_.free_space().IsFree(point.position_world + kBesideGrains * step)) ++unseen;
+        if (MeetsStructure(point.position_world, step)) {
+          ++outline.at_structure;
+        } else if (map_.free_space().IsFree(point.position_world + kBesideGrains * step)) {
+          ++outline.beside_free_space;
+        } else {
+          ++outline.unseen;
+        }
       }
     }
   }
+  return outline;
+}
+
+/// True if structure is beside a place of an outline, or a little further: it may stand closely in
+/// front of a wall.
+bool OutlineTest::MeetsStructure(const Eigen::Vector3d& point_world,
+                                 const Eigen::Vector3d& step) const {
+  for (double grains = 1.0; grains <= kBesideGrains; grains += 1.0) {
+    if (IsOnStructure(point_world + grains * step)) return true;
+  }
+  return false;
+}
+
+double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const {
+  const Outline outline = OutlineOf(surface);
   // Each point stands for the square of a voxel. The points within a cube of an edge are beside it.
   const double point_m2 = map_.scale().voxel_size_m * map_.scale().voxel_size_m;
-  const double outline_m = static_cast<double>(outline) * point_m2 / grain_m_;
+  const double unseen_m = static_cast<double>(outline.unseen) * point_m2 / grain_m_;
+  const double seen_m = static_cast<double>(outline.beside_free_space) * point_m2 / grain_m_;
   const double of_disc_m = 2.0 * std::sqrt(M_PI * point_m2 * static_cast<double>(surface.size()));
-  return static_cast<double>(unseen) * point_m2 / grain_m_ / std::max(outline_m, of_disc_m);
+  return unseen_m / std::max(unseen_m + seen_m, of_disc_m);
+}
+
+double OutlineTest::FreeShareOf(std::span<const OrientedPoint> surface) const {
+  const Outline outline = OutlineOf(surface);
+  const std::size_t length = outline.at_structure + outline.beside_free_space + outline.unseen;
+  if (length == 0) return 0.0;
+  return static_cast<double>(outline.beside_free_space) / static_cast<double>(length);
 }
 
 bool OutlineTest::HasUnseenEnd(std::span<const OrientedPoint> surface,

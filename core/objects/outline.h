@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <set>
 #include <span>
 
@@ -25,6 +26,10 @@ class OutlineTest {
   /// shortest of a flat surface: one that was seen from all sides has hardly any.
   double UnseenShareOf(std::span<const OrientedPoint> surface) const;
 
+  /// Returns the share of the outline of a surface beside which the space is free, in [0, 1]; 0 if
+  /// it has no outline.
+  double FreeShareOf(std::span<const OrientedPoint> surface) const;
+
   /// True if a slender surface has an end that was not seen: what is beyond at least half of it is
   /// neither free space nor structure, or is one of `continuation_world`, points of what it may go
   /// on as, metres. Points that are not beyond the end tell nothing.
@@ -39,6 +44,16 @@ class OutlineTest {
 
  private:
   using Cell = std::array<int, 3>;
+
+  /// Places of an outline, by what is beside them.
+  struct Outline {
+    std::size_t at_structure = 0;  ///< It ends there in any case.
+    std::size_t beside_free_space = 0;
+    std::size_t unseen = 0;
+  };
+
+  Outline OutlineOf(std::span<const OrientedPoint> surface) const;
+  bool MeetsStructure(const Eigen::Vector3d& point_world, const Eigen::Vector3d& step) const;
 
   Cell CellOf(const Eigen::Vector3d& point_world) const;
   std::set<Cell> CellsOf(std::span<const Eigen::Vector3d> points_world) const;

@@ -83,6 +83,27 @@ TEST_F(OutlineTestTest, AFlatSurfaceInFreeSpaceWasSeenToEnd) {
   EXPECT_LT(OutlineTest(map_, {}).UnseenShareOf(UprightBetween(0.0, 0.5)), 0.1);
 }
 
+TEST_F(OutlineTestTest, AThingCloselyBeforeAWallEndsThere) {
+  const std::vector<OrientedPoint> side = UprightBetween(0.0, 0.5);
+  std::vector<Eigen::Vector3d> floor_and_walls;
+  for (int i = 0; i <= 10; ++i) {
+    const double along_m = i * kUprightSpacingM;
+    floor_and_walls.emplace_back(along_m, kSurfaceY, -0.15);
+    floor_and_walls.emplace_back(-0.15, kSurfaceY, along_m);
+    floor_and_walls.emplace_back(0.65, kSurfaceY, along_m);
+  }
+  EXPECT_LT(OutlineTest(map_, floor_and_walls).UnseenShareOf(side), 0.4);
+}
+
+TEST_F(OutlineTestTest, TheFreeShareIsThatOfAllOfTheOutline) {
+  const std::vector<OrientedPoint> surface = UprightBetween(0.0, 0.5);
+  EXPECT_EQ(OutlineTest(map_, {}).FreeShareOf({}), 0.0);
+  EXPECT_EQ(OutlineTest(map_, {}).FreeShareOf(surface), 0.0);
+  // One side of the square.
+  MarkFree(Box(Eigen::Vector3d(0.55, 0.8, -0.4), Eigen::Vector3d(0.9, 1.2, 0.9)));
+  EXPECT_NEAR(OutlineTest(map_, {}).FreeShareOf(surface), 0.25, 0.05);
+}
+
 TEST_F(OutlineTestTest, AHoleInAClosedSurfaceIsASmallShareOfItsOutline) {
   // A sphere, of which a cap with a radius of 10 cm was not seen.
   std::vector<OrientedPoint> sphere;
