@@ -56,25 +56,20 @@ class SceneDivision {
   std::size_t part_count() const { return parts_.size(); }
 
  private:
-  using Planes = std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>;  ///< Normal, a point.
-
-  /// Marks the points on planes of at least that area, and lists the planes.
-  std::vector<char> FindPlanes(const std::vector<OrientedPoint>& points,
-                               double min_area_m2,
-                               Planes* planes) const {
-    return FindLargePlanes(points,
-                           voxel_m_ * voxel_m_,
-                           kPlaneReachVoxels * voxel_m_,
-                           {min_area_m2, voxel_m_, parameters_.min_plane_cosine},
-                           planes);
+  /// Finds the plane parts of that area.
+  std::vector<PlanePart> FindPlanes(const std::vector<OrientedPoint>& points,
+                                    double min_area_m2) const {
+    return FindPlaneParts(points,
+                          voxel_m_ * voxel_m_,
+                          kPlaneReachVoxels * voxel_m_,
+                          {min_area_m2, voxel_m_, parameters_.min_plane_cosine});
   }
 
   /// Marks the points on large planes and on known background. Noise makes points on the back of a
   /// wall, too.
   void FindStructure(const WorkingMap& map) {
-    Planes planes;
-    is_structure_ = FindPlanes(points_, parameters_.min_plane_area_m2, &planes);
-    MarkFloor(planes);
+    is_structure_.assign(points_.size(), 0);
+    MarkLargePlanes(map);
     TsdfSampler sampler(map.background(), map.scale());
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DistanceSample sample = sampler.Sample(points_[i].position_world);
@@ -86,18 +81,51 @@ class SceneDivision {
     ExtendStructure(&sampler);
   }
 
-  /// Marks all points on the lowest of the large level planes: things divide a floor into pieces,
-  /// each of which may be small.
-  void MarkFloor(const Planes& planes) {
+  /// Marks the points on large planes, except those that end in free space, such as the top of a
+  /// table or the front of a cabinet.
+  void MarkLargePlanes(const WorkingMap& map) {
+    const OutlineTest test(map, {});
     std::optional<OrientedPoint> floor;
-    for (const auto& [normal, point] : planes) {
-      if (normal.z() < parameters_.min_plane_cosine) continue;
-      if (!floor || point.z() < floor->position_world.z()) floor = OrientedPoint{point, normal};
+    for (const PlanePart& plane : JoinPieces(FindPlanes(points_, 0.0))) {
+      if (AreaOf(plane) < parameters_.min_plane_area_m2 ||
+          test.FreeShareOf(PointsOf(plane.points)) > 0.5) {
+        continue;
+      }
+      for (const std::size_t point : plane.points) is_structure_[point] = 1;
+      if (plane.normal_world.z() < parameters_.min_plane_cosine) continue;
+      if (!floor || plane.center_world.z() < floor->position_world.z()) {
+        floor = OrientedPoint{plane.center_world, plane.normal_world};
+      }
     }
     if (!floor) return;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (IsOnPlane(points_[i], *floor)) is_structure_[i] = 1;
     }
+  }
+
+  /// Joins the pieces of each plane: things divide a floor or a wall into pieces, each of which may
+  /// be small. The largest piece tells where the plane is.
+  std::vector<PlanePart> JoinPieces(std::vector<PlanePart> pieces) const {
+    std::stable_sort(pieces.begin(), pieces.end(), [](const PlanePart& a, const PlanePart& b) {
+      return a.points.size() > b.points.size();
+    });
+    std::vector<PlanePart> planes;
+    for (PlanePart& piece : pieces) {
+      const auto plane = std::find_if(planes.begin(), planes.end(), [&](const PlanePart& other) {
+        return IsOnPlane({piece.center_world, piece.normal_world},
+                         {other.center_world, other.normal_world});
+      });
+      if (plane == planes.end()) {
+        planes.push_back(std::move(piece));
+      } else {
+        plane->points.insert(plane->points.end(), piece.points.begin(), piece.points.end());
+      }
+    }
+    return planes;
+  }
+
+  double AreaOf(const PlanePart& plane) const {
+    return static_cast<double>(plane.points.size()) * voxel_m_ * voxel_m_;
   }
 
   /// Adds the surface of known structures to the supports.
@@ -166,15 +194,13 @@ class SceneDivision {
   void SeparateStanding(std::size_t index, double contact_m) {
     const std::vector<std::size_t> part = parts_[index];
     const std::vector<OrientedPoint> points = PointsOf(part);
-    Planes planes;
-    const std::vector<char> is_on_plane =
-        FindPlanes(points, parameters_.min_support_area_m2, &planes);
     std::vector<char> is_support(points.size(), 0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (is_on_plane[i] == 0 || points[i].normal_world.z() <= parameters_.min_plane_cosine)
-        continue;
-      is_support[i] = 1;
-      supports_.push_back(points[i]);
+    for (const PlanePart& plane : FindPlanes(points, parameters_.min_support_area_m2)) {
+      for (const std::size_t i : plane.points) {
+        if (points[i].normal_world.z() <= parameters_.min_plane_cosine) continue;
+        is_support[i] = 1;
+        supports_.push_back(points[i]);
+      }
     }
     std::vector<char> is_separate(points.size(), 0);
     for (const std::vector<std::size_t>& region :

@@ -9,7 +9,8 @@ namespace steadymap {
 
 /// The constants of `DivideScene`.
 struct SceneDivisionParameters {
-  /// Smallest area of a large plane, such as a floor or a wall, square metres.
+  /// Smallest area of a large plane, such as a floor or a wall, square metres, in all of its
+  /// pieces together.
   double min_plane_area_m2 = 1.5;
   /// Largest angle between the normals of one plane, as a cosine; also between the vertical and
   /// the normal of surface that faces up.

@@ -284,18 +284,16 @@ std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,
   return part_of;
 }
 
-std::vector<char> FindLargePlanes(
-    std::span<const OrientedPoint> points,
-    double point_area_m2,
-    double reach_m,
-    const PlaneParameters& parameters,
-    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>* planes) {
+std::vector<PlanePart> FindPlaneParts(std::span<const OrientedPoint> points,
+                                      double point_area_m2,
+                                      double reach_m,
+                                      const PlaneParameters& parameters) {
   const PointGrid grid(points, reach_m);
   std::vector<char> is_visited(points.size(), 0);
-  std::vector<char> is_on_plane(points.size(), 0);
+  std::vector<PlanePart> planes;
   for (std::size_t seed = 0; seed < points.size(); ++seed) {
     if (is_visited[seed] != 0) continue;
-    const std::vector<std::size_t> region = GrowPlane(points, grid, seed, parameters, &is_visited);
+    std::vector<std::size_t> region = GrowPlane(points, grid, seed, parameters, &is_visited);
     if (region.size() < kMinSeedPoints) {
       // A noisy normal grows nothing; the point may be part of a plane that another seed grows.
       for (const std::size_t index : region) is_visited[index] = index == seed ? 1 : 0;
@@ -305,14 +303,13 @@ std::vector<char> FindLargePlanes(
     Eigen::Vector3d normal_sum = Eigen::Vector3d::Zero();
     Eigen::Vector3d position_sum = Eigen::Vector3d::Zero();
     for (const std::size_t index : region) {
-      is_on_plane[index] = 1;
       normal_sum += points[index].normal_world;
       position_sum += points[index].position_world;
     }
-    planes->emplace_back(normal_sum.normalized(),
-                         position_sum / static_cast<double>(region.size()));
+    const Eigen::Vector3d center = position_sum / static_cast<double>(region.size());
+    planes.push_back({normal_sum.normalized(), center, std::move(region)});
   }
-  return is_on_plane;
+  return planes;
 }
 
 std::vector<TrackedObject*> DivideVoxels(TrackedObject* object,

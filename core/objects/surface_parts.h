@@ -61,13 +61,19 @@ struct PlaneParameters {
   double min_cosine = 0.9;
 };
 
-/// Marks the points on large planes, and lists the unit normal and the centre of each plane. Each
-/// point stands for `point_area_m2`; neighbours on a plane are at most `reach_m` apart.
-std::vector<char> FindLargePlanes(std::span<const OrientedPoint> points,
-                                  double point_area_m2,
-                                  double reach_m,
-                                  const PlaneParameters& parameters,
-                                  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>>* planes);
+/// A connected plane part of a surface.
+struct PlanePart {
+  Eigen::Vector3d normal_world = Eigen::Vector3d::UnitZ();  ///< Of unit length.
+  Eigen::Vector3d center_world = Eigen::Vector3d::Zero();   ///< Metres.
+  std::vector<std::size_t> points;                          ///< Indices.
+};
+
+/// Finds the plane parts of a surface with enough area. Each point stands for `point_area_m2`;
+/// neighbours on a plane are at most `reach_m` apart.
+std::vector<PlanePart> FindPlaneParts(std::span<const OrientedPoint> points,
+                                      double point_area_m2,
+                                      double reach_m,
+                                      const PlaneParameters& parameters);
 
 /// Divides the voxels of an object between itself and new objects of the same state: `part_of` has
 /// for each of its surface points, in the order of `OrientedSurfaceOf`, the number of its part, and

@@ -164,6 +164,26 @@ TEST_F(SceneDivisionTest, ABoxAgainstAWallIsAnObject) {
   EXPECT_EQ(Divide({FloorSlab(), WallSlab(), StandingBox(1.25, 0.0)}).size(), 1U);
 }
 
+TEST_F(SceneDivisionTest, ACabinetWithALargeFrontIsAnObject) {
+  const Box cabinet(Eigen::Vector3d(1.25, -0.6, -0.2), Eigen::Vector3d(1.7, 0.6, 1.6));
+  const std::vector<TrackedObject*> objects = Divide({FloorSlab(), WallSlab(), cabinet});
+  ASSERT_EQ(objects.size(), 1U);
+  // With its front and top, at least.
+  EXPECT_GT(objects.front()->SurfaceAreaM2(), 2.0);
+}
+
+TEST_F(SceneDivisionTest, AWallThatAThingDividesIsBackground) {
+  // On both sides of the box, 1.3 square metres of the wall were seen.
+  const Box box(Eigen::Vector3d(1.2, -0.2, -0.2), Eigen::Vector3d(1.7, 0.2, 0.6));
+  const auto is_observed = [](const Eigen::Vector3d& point) {
+    return point.z() > -0.12 && point.z() < 0.8 && (point.x() < 1.55 || std::abs(point.y()) > 0.2);
+  };
+  const std::vector<TrackedObject*> objects =
+      DivideSeen({FloorSlab(), WallSlab(), box}, is_observed);
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_LT(objects.front()->BoundsInWorld().sizes().y(), 0.6);
+}
+
 TEST_F(SceneDivisionTest, AThingOnATableIsAnObjectOfItsOwn) {
   const Box top(Eigen::Vector3d(-0.6, -0.5, 0.5), Eigen::Vector3d(0.6, 0.5, 0.7));
   const Box leg(Eigen::Vector3d(-0.3, -0.3, -0.2), Eigen::Vector3d(0.3, 0.3, 0.6));

@@ -92,21 +92,19 @@ TEST(SpreadParts, WhatNoSeedReachesStaysInPartZero) {
   EXPECT_EQ(std::count(part_of.begin(), part_of.end(), 1U), 36);
 }
 
-TEST(FindLargePlanes, AFloorIsLargeAndABoxTopOnItIsNot) {
+TEST(FindPlaneParts, AFloorIsLargeAndABoxTopOnItIsNot) {
   const std::vector<OrientedPoint> floor = Square(40, 0.0, 0.0);
   const std::vector<OrientedPoint> points = Both(floor, Square(10, 0.5, 0.4));
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> planes;
-  const std::vector<char> is_on_plane = FindLargePlanes(points,
-                                                        kPointSpacingM * kPointSpacingM,
-                                                        1.75 * kPointSpacingM,
-                                                        {.min_area_m2 = 1.5},
-                                                        &planes);
-  const auto on_floor = std::count(
-      is_on_plane.begin(), is_on_plane.begin() + static_cast<std::ptrdiff_t>(floor.size()), 1);
-  EXPECT_EQ(on_floor, static_cast<std::ptrdiff_t>(floor.size()));
-  EXPECT_EQ(std::count(is_on_plane.begin(), is_on_plane.end(), 1), on_floor);
+  const std::vector<PlanePart> planes = FindPlaneParts(
+      points, kPointSpacingM * kPointSpacingM, 1.75 * kPointSpacingM, {.min_area_m2 = 1.5});
   ASSERT_EQ(planes.size(), 1U);
-  EXPECT_NEAR(planes.front().first.z(), 1.0, 1e-9);
+  std::vector<std::size_t> on_plane = planes.front().points;
+  std::sort(on_plane.begin(), on_plane.end());
+  std::vector<std::size_t> on_floor(floor.size());
+  std::iota(on_floor.begin(), on_floor.end(), std::size_t{0});
+  EXPECT_EQ(on_plane, on_floor);
+  EXPECT_NEAR(planes.front().normal_world.z(), 1.0, 1e-9);
+  EXPECT_NEAR(planes.front().center_world.z(), 0.0, 1e-9);
 }
 
 class DivideVoxelsTest : public ::testing::Test {
