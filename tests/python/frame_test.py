@@ -46,6 +46,18 @@ class FrameChecks(unittest.TestCase):
                 with self.assertRaisesRegex(ValueError, f"^{name}: expected shape"):
                     wall_frame(**{name: wrong})
 
+    def test_refuses_pixels_of_a_wrong_type(self):
+        size = (48, 64)
+        for changes, message in (
+            ({"depth": np.zeros(size, np.int32)}, "depth: expected uint16 or floating"),
+            ({"depth": np.zeros(size, np.uint8)}, "depth: expected uint16 or floating"),
+            ({"labels": np.zeros(size)}, "labels: expected integers"),
+            ({"instances": np.zeros(size, bool)}, "instances: expected integers"),
+            ({"color": np.zeros((*size, 3))}, "color: expected uint8"),
+        ):
+            with self.subTest(message=message), self.assertRaisesRegex(ValueError, message):
+                wall_frame(**changes)
+
     def test_refuses_lists_and_times_in_seconds(self):
         with self.assertRaisesRegex(TypeError, "depth"):
             wall_frame(depth=[[1, 2]])
@@ -55,12 +67,8 @@ class FrameChecks(unittest.TestCase):
     def test_refuses_what_no_pixel_can_be(self):
         size = (48, 64)
         for changes, message in (
-            ({"depth": np.zeros(size, np.int32)}, "depth: expected uint16 or floating"),
-            ({"depth": np.zeros(size, np.uint8)}, "depth: expected uint16 or floating"),
-            ({"labels": np.zeros(size)}, "labels: expected integers"),
             ({"labels": np.full(size, -1)}, "labels: expected ids"),
             ({"instances": np.full(size, 65536)}, "instances: expected ids"),
-            ({"color": np.zeros((*size, 3))}, "color: expected uint8"),
             ({"depth": b"GIF89a"}, "depth: expected the bytes of a PNG file"),
             ({"color": b""}, "color: expected the bytes of a PNG file"),
         ):

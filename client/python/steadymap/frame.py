@@ -49,7 +49,8 @@ class Intrinsics:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Frame:
-    """A frame to upload. ValueError for images that do not match the size of the intrinsics.
+    """A frame to upload. ValueError for images of another size than the intrinsics say, or of a
+    wrong type.
 
     All other errors (e.g. a non-finite pose or a label without a class) are detected by the
     service: it refuses that frame alone, and the upload's summary names it.

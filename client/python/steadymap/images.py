@@ -53,7 +53,8 @@ def default_encoding() -> PixelEncoding:
 
 
 def check_image(value: Any, name: str, height_px: int, width_px: int, channels: int = 1) -> None:
-    """Raises ValueError or TypeError unless the value is an image of this size or bytes."""
+    """Raises ValueError or TypeError unless the value is bytes, or the image `name` of a frame in
+    this size."""
     if isinstance(value, bytes):
         return
     if not isinstance(value, np.ndarray):
@@ -64,18 +65,32 @@ def check_image(value: Any, name: str, height_px: int, width_px: int, channels: 
             f"{name}: expected shape {expected} (rows, columns) as the intrinsics say, "
             f"got {value.shape}"
         )
+    _check_pixel_type(value.dtype, name)
+
+
+def _check_pixel_type(dtype: Any, name: str) -> None:
+    """Raises ValueError unless the pixels of the image `name` may be of this type."""
+    if name == "depth":
+        expected = "uint16 or floating point metres"
+        is_valid = dtype.kind == "f" or (dtype.kind == "u" and dtype.itemsize == 2)
+    elif name == "color":
+        expected = "uint8"
+        is_valid = dtype == np.uint8
+    else:
+        expected = "integers"
+        is_valid = dtype.kind in "ui"
+    if not is_valid:
+        raise ValueError(f"{name}: expected {expected}, got {dtype}")
 
 
 def depth_in_units(depth: np.ndarray, metres_per_unit: float) -> np.ndarray:
-    """Converts depth to little-endian uint16.
+    """Converts depth, uint16 or floating point, to little-endian uint16.
 
     Floats are metres: values that are not finite, not above 0 or too large for 16 bits become 0,
     which means no return.
     """
-    if depth.dtype.kind == "u" and depth.dtype.itemsize == 2:
+    if depth.dtype.kind == "u":
         return np.ascontiguousarray(depth, dtype="<u2")
-    if depth.dtype.kind != "f":
-        raise ValueError(f"depth: expected uint16 or floating point metres, got {depth.dtype}")
     units = depth * np.float32(1.0 / metres_per_unit) + np.float32(0.5)
     with np.errstate(invalid="ignore"):
         is_return = (units >= 1.0) & (units < _MAX_DEPTH_UNITS + 1.0)
@@ -86,8 +101,6 @@ def labels_as_unsigned(labels: np.ndarray, name: str) -> np.ndarray:
     """Converts class or instance ids to uint8, or to little-endian uint16 if needed."""
     if labels.dtype == np.uint8:
         return np.ascontiguousarray(labels)
-    if labels.dtype.kind not in "ui":
-        raise ValueError(f"{name}: expected integers, got {labels.dtype}")
     low, high = int(labels.min()), int(labels.max())
     if low < 0 or high > 65535:
         raise ValueError(f"{name}: expected ids in [0, 65535], got {low} to {high}")
@@ -141,8 +154,6 @@ def encode_labels(
 def encode_color(color: Union[np.ndarray, bytes]) -> frame_pb2.ColorImage:
     """Encodes a colour image; an array becomes a PNG, as the wire format has no raw colour."""
     if not isinstance(color, bytes):
-        if color.dtype != np.uint8:
-            raise ValueError(f"color: expected uint8, got {color.dtype}")
         color = encode_png(color)
     if color.startswith(_JPEG_SIGNATURE):
         kind = frame_pb2.COLOR_ENCODING_JPEG
