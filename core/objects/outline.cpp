@@ -76,24 +76,31 @@ OutlineTest::Outline OutlineTest::OutlineOf(std::span<const OrientedPoint> surfa
       for (const double sign : {-1.0, 1.0}) {
         const Eigen::Vector3d step = sign * grain_m_ * direction;
         if (HasNeighbour(cells, CellOf(point.position_world + kNextGrains * step))) continue;
-        if (MeetsStructure(point.position_world, step)) {
-          ++outline.at_structure;
-        } else if (map_.free_space().IsFree(point.position_world + kBesideGrains * step)) {
-          ++outline.beside_free_space;
-        } else {
-          ++outline.unseen;
-        }
+        AddPlace(point.position_world, step, &outline);
       }
     }
   }
   return outline;
 }
 
+/// Adds a place of an outline, by what is beside it: one step away, or a few.
+void OutlineTest::AddPlace(const Eigen::Vector3d& point_world,
+                           const Eigen::Vector3d& step,
+                           Outline* outline) const {
+  if (MeetsStructure(point_world, step)) {
+    ++outline->at_structure;
+  } else if (map_.free_space().IsFree(point_world + kBesideGrains * step)) {
+    ++outline->beside_free_space;
+  } else {
+    ++outline->unseen;
+  }
+}
+
 /// True if structure is beside a place of an outline, or a little further: it may stand closely in
 /// front of a wall.
 bool OutlineTest::MeetsStructure(const Eigen::Vector3d& point_world,
                                  const Eigen::Vector3d& step) const {
-  for (double grains = 1.0; grains <= kBesideGrains; grains += 1.0) {
+  for (int grains = 1; grains <= static_cast<int>(kBesideGrains); ++grains) {
     if (IsOnStructure(point_world + grains * step)) return true;
   }
   return false;

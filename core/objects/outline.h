@@ -53,6 +53,9 @@ class OutlineTest {
   };
 
   Outline OutlineOf(std::span<const OrientedPoint> surface) const;
+  void AddPlace(const Eigen::Vector3d& point_world,
+                const Eigen::Vector3d& step,
+                Outline* outline) const;
   bool MeetsStructure(const Eigen::Vector3d& point_world, const Eigen::Vector3d& step) const;
 
   Cell CellOf(const Eigen::Vector3d& point_world) const;
