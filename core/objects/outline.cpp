@@ -18,7 +18,7 @@ constexpr double kMinGrainM = 0.04;
 // A surface goes on in a direction if there is more of it so many cubes away. The space beside its
 // outline is looked at one cube further.
 constexpr double kNextGrains = 2.0;
-constexpr double kBesideGrains = 3.0;
+constexpr int kBesideGrains = 3;
 
 /// The way from a point of one surface to the nearest one of another.
 struct Gap {
@@ -83,7 +83,7 @@ OutlineTest::Outline OutlineTest::OutlineOf(std::span<const OrientedPoint> surfa
   return outline;
 }
 
-/// Adds a place of an outline, by what is beside it: one step away, or a few.
+/// Counts a place of an outline by what is beside it, in the direction of `step`.
 void OutlineTest::AddPlace(const Eigen::Vector3d& point_world,
                            const Eigen::Vector3d& step,
                            Outline* outline) const {
@@ -96,11 +96,11 @@ void OutlineTest::AddPlace(const Eigen::Vector3d& point_world,
   }
 }
 
-/// True if structure is beside a place of an outline, or a little further: it may stand closely in
-/// front of a wall.
+/// True if structure is beside a place of an outline, or a few steps away: nobody looks into the
+/// gap between a thing and a wall closely behind it.
 bool OutlineTest::MeetsStructure(const Eigen::Vector3d& point_world,
                                  const Eigen::Vector3d& step) const {
-  for (int grains = 1; grains <= static_cast<int>(kBesideGrains); ++grains) {
+  for (int grains = 1; grains <= kBesideGrains; ++grains) {
     if (IsOnStructure(point_world + grains * step)) return true;
   }
   return false;

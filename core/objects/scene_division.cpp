@@ -56,7 +56,7 @@ class SceneDivision {
   std::size_t part_count() const { return parts_.size(); }
 
  private:
-  /// Finds the plane parts of that area.
+  /// Finds the plane parts of at least that area.
   std::vector<PlanePart> FindPlanes(const std::vector<OrientedPoint>& points,
                                     double min_area_m2) const {
     return FindPlaneParts(points,
@@ -69,7 +69,11 @@ class SceneDivision {
   /// wall, too.
   void FindStructure(const WorkingMap& map) {
     is_structure_.assign(points_.size(), 0);
-    MarkLargePlanes(map);
+    const std::vector<PlanePart> planes = FindLargePlanes(map);
+    for (const PlanePart& plane : planes) {
+      for (const std::size_t point : plane.points) is_structure_[point] = 1;
+    }
+    MarkFloor(planes);
     TsdfSampler sampler(map.background(), map.scale());
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DistanceSample sample = sampler.Sample(points_[i].position_world);
@@ -81,17 +85,23 @@ class SceneDivision {
     ExtendStructure(&sampler);
   }
 
-  /// Marks the points on large planes, except those that end in free space, such as the top of a
-  /// table or the front of a cabinet.
-  void MarkLargePlanes(const WorkingMap& map) {
+  /// Finds large planes, except those that end in free space, such as the top of a table or the
+  /// front of a cabinet.
+  std::vector<PlanePart> FindLargePlanes(const WorkingMap& map) const {
     const OutlineTest test(map, {});
+    std::vector<PlanePart> planes = JoinPieces(FindPlanes(points_, 0.0));
+    std::erase_if(planes, [&](const PlanePart& plane) {
+      return AreaOf(plane) < parameters_.min_plane_area_m2 ||
+             test.FreeShareOf(PointsOf(plane.points)) > 0.5;
+    });
+    return planes;
+  }
+
+  /// Marks all points on the lowest of the large level planes: a piece of a floor may be too small
+  /// to be found as a plane.
+  void MarkFloor(const std::vector<PlanePart>& planes) {
     std::optional<OrientedPoint> floor;
-    for (const PlanePart& plane : JoinPieces(FindPlanes(points_, 0.0))) {
-      if (AreaOf(plane) < parameters_.min_plane_area_m2 ||
-          test.FreeShareOf(PointsOf(plane.points)) > 0.5) {
-        continue;
-      }
-      for (const std::size_t point : plane.points) is_structure_[point] = 1;
+    for (const PlanePart& plane : planes) {
       if (plane.normal_world.z() < parameters_.min_plane_cosine) continue;
       if (!floor || plane.center_world.z() < floor->position_world.z()) {
         floor = OrientedPoint{plane.center_world, plane.normal_world};
