@@ -73,6 +73,7 @@ Json RowJson(const MethodScore& row, bool has_history) {
   json["trail"] = ShareJson(row.map.trail);
   json["brier"] = row.brier;
   json["registered_poses_rms_m"] = row.registered_poses.rms_m();
+  json["registered_poses_rms_sigmas"] = row.registered_poses.rms_sigmas();
   json["memory_bytes"] = row.cost.memory_bytes;
   json["bytes_per_object"] = row.cost.bytes_per_object;
   json["delta_bytes_per_frame"] = row.cost.delta_bytes_per_frame;

@@ -208,7 +208,7 @@ std::string PercentText(const Share& share) {
 
 std::string RowText(const std::string& name, const CompositeScore& score) {
   const std::uint64_t false_claims = score.events.right.whole - score.events.right.part;
-  return absl::StrFormat("%-22s | %10s | %5d | %8s | %8s | %8s | %8s | %7s\n",
+  return absl::StrFormat("%-22s | %10s | %5d | %8s | %8s | %8s | %8s | %7s | %6s\n",
                          name,
                          CountText(score.events.found),
                          false_claims,
@@ -216,7 +216,8 @@ std::string RowText(const std::string& name, const CompositeScore& score) {
                          CountText(score.cuboids),
                          PercentText(score.ghosts),
                          PercentText(score.kept),
-                         MillimetreText(score.poses));
+                         MillimetreText(score.poses),
+                         SigmaText(score.poses));
 }
 
 }  // namespace
@@ -236,7 +237,7 @@ absl::StatusOr<std::vector<CompositeResult>> EvaluateComposite(
 }
 
 std::string CompositeTable(const std::vector<CompositeResult>& results, bool with_faults) {
-  std::string text = absl::StrFormat("%-22s | %10s | %5s | %8s | %8s | %8s | %8s | %7s\n",
+  std::string text = absl::StrFormat("%-22s | %10s | %5s | %8s | %8s | %8s | %8s | %7s | %6s\n",
                                      "case",
                                      "changes",
                                      "false",
@@ -244,7 +245,8 @@ std::string CompositeTable(const std::vector<CompositeResult>& results, bool wit
                                      "cuboids",
                                      "ghosts",
                                      "kept",
-                                     "pose mm");
+                                     "pose mm",
+                                     "sigmas");
   std::map<std::string, CompositeScore> by_method;
   for (const CompositeResult& result : results) {
     const std::string name =

@@ -76,8 +76,9 @@ void MethodRun::NoteRegisteredPose(const Frame& frame) {
   const RobotState* robot = mapper_->FindRobot(frame.source);
   if (robot == nullptr || !robot->pose_error) return;
   if (robot->pose_error->time != frame.capture_time) return;
+  const PoseError error = robot->pose_error->Combined();
   registered_.push_back(
-      {frame.capture_time, robot->pose_error->Combined().Correct(frame.T_world_camera)});
+      {frame.capture_time, error.Correct(frame.T_world_camera), error.covariance});
 }
 
 void MethodRun::EndSequence() {

@@ -100,6 +100,8 @@ std::string PoseLine(const Evaluation& evaluation) {
     if (row.registered_poses.points == 0) continue;
     absl::StrAppend(
         &registered, ", ", row.name, " registered ", MillimetreText(row.registered_poses));
+    if (row.registered_poses.stated_poses == 0) continue;
+    absl::StrAppend(&registered, " (", SigmaText(row.registered_poses), " sigmas)");
   }
   if (registered.empty() || evaluation.claimed_poses.points == 0) return {};
   return absl::StrCat("poses                | RMS error, mm: claimed ",

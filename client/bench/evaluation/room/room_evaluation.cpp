@@ -89,20 +89,24 @@ struct RoomCounts {
 };
 
 std::string RowText(std::string_view name, const RoomCounts& counts) {
-  return absl::StrFormat("%-26s | %12s | %12s | %12s | %7s %10s\n",
+  return absl::StrFormat("%-26s | %12s | %12s | %12s | %7s %10s %6s\n",
                          Absl(name),
                          CountText(counts.labelled),
                          CountText(counts.unlabelled),
                          CountText(counts.cuboids),
                          MillimetreText(counts.claimed),
-                         MillimetreText(counts.registered));
+                         MillimetreText(counts.registered),
+                         SigmaText(counts.registered));
 }
 
 std::string FaultText(const RoomResult& result) {
   std::string text = std::string(NameOf(result.room_case.change));
   for (const std::string& variation : result.room_case.variations) text += " " + variation;
   text += result.score.is_exact() ? ": exact" : ":";
-  text += absl::StrFormat(", cuboids within %.0f mm\n", 1e3 * result.score.worst_cuboid_m);
+  text += absl::StrFormat(", cuboids within %.0f mm, poses within %s of %s mm\n",
+                          1e3 * result.score.worst_cuboid_m,
+                          MillimetreText(result.registered_poses),
+                          MillimetreText(result.claimed_poses));
   for (const auto* faults :
        {&result.score.event_faults, &result.score.object_faults, &result.score.cuboid_faults}) {
     for (const std::string& fault : *faults) text += "  " + fault + "\n";
@@ -146,19 +150,20 @@ std::string RoomTable(const std::vector<RoomResult>& results, bool with_faults) 
     }
     all.Add(result);
   }
-  text +=
-      absl::StrFormat("%-26s | %12s | %12s | %12s | %s\n%-26s | %12s | %12s | %12s | %7s %10s\n",
-                      "",
-                      "",
-                      "",
-                      "",
-                      "poses, mm RMS",
-                      "exact",
-                      "labelled",
-                      "unlabelled",
-                      "cuboids",
-                      "claimed",
-                      "registered");
+  text += absl::StrFormat(
+      "%-26s | %12s | %12s | %12s | %s\n%-26s | %12s | %12s | %12s | %7s %10s %6s\n",
+      "",
+      "",
+      "",
+      "",
+      "poses, mm RMS",
+      "exact",
+      "labelled",
+      "unlabelled",
+      "cuboids",
+      "claimed",
+      "registered",
+      "sigmas");
   for (const auto& [name, counts] : by_change) text += RowText(name, counts);
   for (const auto& [name, counts] : by_variation) text += RowText("with " + name, counts);
   return text + RowText("all", all);

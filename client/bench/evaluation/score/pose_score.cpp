@@ -1,8 +1,13 @@
 #include "client/bench/evaluation/score/pose_score.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include <Eigen/Cholesky>
 #include <absl/strings/str_format.h>
+
+#include "core/map/pose_error.h"
 
 namespace steadymap {
 namespace {
@@ -20,13 +25,29 @@ Eigen::Matrix3d PointsOf(const Eigen::Isometry3d& T_world_camera) {
   return (T_world_camera.linear() * points_camera).colwise() + T_world_camera.translation();
 }
 
+/// Returns the square of the Mahalanobis distance of a pose from the true one.
+double SquareDistanceSigmas2(const Eigen::Isometry3d& T_world_camera,
+                             const Eigen::Isometry3d& T_world_true,
+                             const Eigen::Matrix<double, 6, 6>& covariance) {
+  const Eigen::AngleAxisd turn(T_world_true.linear() * T_world_camera.linear().transpose());
+  PoseErrorVector error;
+  error << T_world_true.translation() - T_world_camera.translation(), turn.angle() * turn.axis();
+  return error.dot(covariance.llt().solve(error));
+}
+
 }  // namespace
 
 double PoseScore::rms_m() const { return std::sqrt(square_sum_m2 / static_cast<double>(points)); }
 
+double PoseScore::rms_sigmas() const {
+  return std::sqrt(square_sum_sigmas2 / static_cast<double>(6 * stated_poses));
+}
+
 PoseScore& PoseScore::operator+=(const PoseScore& other) {
   square_sum_m2 += other.square_sum_m2;
   points += other.points;
+  square_sum_sigmas2 += other.square_sum_sigmas2;
+  stated_poses += other.stated_poses;
   return *this;
 }
 
@@ -34,11 +55,16 @@ std::string MillimetreText(const PoseScore& score) {
   return score.points == 0 ? "-" : absl::StrFormat("%.1f", 1e3 * score.rms_m());
 }
 
+std::string SigmaText(const PoseScore& score) {
+  return score.stated_poses == 0 ? "-" : absl::StrFormat("%.1f", score.rms_sigmas());
+}
+
 PoseScore ScorePoses(const CameraPath& truth, const CameraPath& poses) {
   const auto most = kPointsAPose * static_cast<Eigen::Index>(poses.size());
   Eigen::Matrix3Xd points(3, most);
   Eigen::Matrix3Xd true_points(3, most);
   Eigen::Index count = 0;
+  std::vector<std::pair<const StampedPose*, const StampedPose*>> stated;  // The true one second.
   auto true_pose = truth.begin();
   for (const StampedPose& pose : poses) {
     while (true_pose != truth.end() && true_pose->time < pose.time) ++true_pose;
@@ -47,14 +73,22 @@ PoseScore ScorePoses(const CameraPath& truth, const CameraPath& poses) {
     points.middleCols<kPointsAPose>(count) = PointsOf(pose.T_world_camera);
     true_points.middleCols<kPointsAPose>(count) = PointsOf(true_pose->T_world_camera);
     count += kPointsAPose;
+    if (pose.covariance) stated.emplace_back(&pose, &*true_pose);
   }
   if (count == 0) return {};
   points.conservativeResize(Eigen::NoChange, count);
   true_points.conservativeResize(Eigen::NoChange, count);
   const Eigen::Isometry3d motion(Eigen::umeyama(points, true_points, /*with_scaling=*/false));
   const Eigen::Matrix3Xd moved = (motion.linear() * points).colwise() + motion.translation();
-  return {.square_sum_m2 = (moved - true_points).squaredNorm(),
-          .points = static_cast<std::size_t>(count)};
+  PoseScore score;
+  score.square_sum_m2 = (moved - true_points).squaredNorm();
+  score.points = static_cast<std::size_t>(count);
+  score.stated_poses = stated.size();
+  for (const auto& [pose, true_stated] : stated) {
+    score.square_sum_sigmas2 += SquareDistanceSigmas2(
+        motion * pose->T_world_camera, true_stated->T_world_camera, *pose->covariance);
+  }
+  return score;
 }
 
 }  // namespace steadymap

@@ -85,9 +85,13 @@ TEST(ScoreTable, TheLastLineHoldsTheErrorsOfThePoses) {
   evaluation.claimed_poses = {.square_sum_m2 = 0.03 * 0.03, .points = 1};
   EXPECT_EQ(ScoreTable(evaluation), ScoreTable(Example())) << "no method registers frames";
   evaluation.rows[1].name = "pocd";
-  evaluation.rows[1].registered_poses = {.square_sum_m2 = 4 * 0.012 * 0.012, .points = 4};
-  EXPECT_EQ(LinesOf(ScoreTable(evaluation)).back(),
-            "poses                | RMS error, mm: claimed 30.0, pocd registered 12.0");
+  evaluation.rows[1].registered_poses = {.square_sum_m2 = 4 * 0.012 * 0.012,
+                                         .points = 4,
+                                         .square_sum_sigmas2 = 2 * 6 * 1.5 * 1.5,
+                                         .stated_poses = 2};
+  EXPECT_EQ(
+      LinesOf(ScoreTable(evaluation)).back(),
+      "poses                | RMS error, mm: claimed 30.0, pocd registered 12.0 (1.5 sigmas)");
 }
 
 TEST(EvaluationJson, HoldsTheCounts) {

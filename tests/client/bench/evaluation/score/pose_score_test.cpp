@@ -52,6 +52,27 @@ TEST(ScorePoses, ATurnedCameraCountsByWhatItSees) {
   EXPECT_NEAR(ScorePoses(truth, turned).rms_m(), kTurnRad / std::numbers::sqrt3, 1e-4);
 }
 
+TEST(ScorePoses, ErrorsCountInTheStandardDeviationsStatedForThem) {
+  const CameraPath truth = Arc(200);
+  CameraPath estimated = truth;
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
+  covariance.topLeftCorner<3, 3>() *= 0.01 * 0.01;
+  covariance.bottomRightCorner<3, 3>() *= 0.002 * 0.002;
+  for (std::size_t i = 0; i < estimated.size(); ++i) {
+    // Two standard deviations in each coordinate: of the shift, and of the turn about each axis.
+    const double sign = i % 2 == 0 ? 1.0 : -1.0;
+    const Eigen::Vector3d turn = sign * 0.004 * Eigen::Vector3d::Ones();
+    Eigen::Isometry3d& pose = estimated[i].T_world_camera;
+    pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * pose.linear();
+    pose.translation() += sign * 0.02 * Eigen::Vector3d::Ones();
+    estimated[i].covariance = covariance;
+  }
+  const PoseScore score = ScorePoses(truth, estimated);
+  EXPECT_EQ(score.stated_poses, 200U);
+  EXPECT_NEAR(score.rms_sigmas(), 2.0, 0.02);
+  EXPECT_EQ(SigmaText(score), "2.0");
+}
+
 TEST(ScorePoses, OnlyPosesWithTheTimesOfTheTruthCount) {
   const CameraPath truth = Arc(20);
   const auto far_off = [](double time_s) {
@@ -68,6 +89,7 @@ TEST(ScorePoses, WithoutPosesThereIsNoScore) {
   const PoseScore score = ScorePoses(Arc(3), {});
   EXPECT_TRUE(std::isnan(score.rms_m()));
   EXPECT_EQ(MillimetreText(score), "-");
+  EXPECT_EQ(SigmaText(score), "-");
 }
 
 TEST(PoseScore, TheSumOfRunsWeighsThemByTheirPoints) {
