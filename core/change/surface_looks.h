@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include "core/association/sample_grid.h"
@@ -57,6 +58,12 @@ struct LookCount {
   std::size_t gone = 0;   ///< More looks found none, or surface of another class.
 
   std::size_t looked_at() const { return found + gone; }
+
+  /// Returns how many cells tell of the whole object: `min_cells`, or of a small object half of its
+  /// cells, since a camera sees no more of them at once; at least one.
+  std::size_t DecidingCells(std::size_t min_cells) const {
+    return std::min(min_cells, std::max<std::size_t>((cells + 1) / 2, 1));
+  }
 };
 
 /// Adds one look of a frame at each evidence cell of an object that faces the camera and is not

@@ -236,7 +236,7 @@ bool SessionDecision::HasLeftPlace(const PlaceMatch& match) const {
   if (match.seen->has_left) return true;
   if (match.known->object->is_archived()) return false;
   const LookCount looks = CountLooks(*match.known->object, match.seen->object->state().last_seen);
-  return looks.gone >= parameters_.parts.min_points &&
+  return looks.gone >= looks.DecidingCells(parameters_.parts.min_points) &&
          static_cast<double>(looks.gone) >=
              parameters_.parts.shares.most() * static_cast<double>(looks.looked_at()) &&
          GoneShareOf(*match.known->object) >= parameters_.parts.shares.majority;

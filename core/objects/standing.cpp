@@ -20,7 +20,8 @@ std::size_t DecidingCells(const LookCount& looks,
   const double cells =
       std::min(parameters.min_looked_at_area_m2 / (cell_m * cell_m),
                parameters.parts.shares.substantial * static_cast<double>(looks.cells));
-  return std::max(parameters.parts.min_points, static_cast<std::size_t>(cells));
+  return std::max(looks.DecidingCells(parameters.parts.min_points),
+                  static_cast<std::size_t>(cells));
 }
 
 /// True if two surfaces, of each of which the volume of the other one tells a substantial share,
@@ -92,7 +93,7 @@ Standing JudgeStanding(const TrackedObject& known,
       })) {
     return Standing::kGone;
   }
-  const bool is_verified = verified >= parameters.parts.min_points;
+  const bool is_verified = verified >= looks.DecidingCells(parameters.parts.min_points);
   return !is_verified && any_other([&](const TrackedObject* other) {
     return Hides(*other, known, parameters, scale);
   })

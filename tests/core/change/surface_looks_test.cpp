@@ -170,6 +170,14 @@ TEST_F(SurfaceLooksTest, CountsWhatWasLookedAtAfterATime) {
   EXPECT_GT(CountLooks(wall_, Timestamp::FromSeconds(0.9)).found, 50U);
 }
 
+TEST(LookCount, HalfOfTheCellsOfASmallObjectTellOfIt) {
+  EXPECT_EQ(LookCount{.cells = 100}.DecidingCells(3), 3U);
+  EXPECT_EQ(LookCount{.cells = 5}.DecidingCells(3), 3U);
+  EXPECT_EQ(LookCount{.cells = 4}.DecidingCells(3), 2U);
+  EXPECT_EQ(LookCount{.cells = 1}.DecidingCells(3), 1U);
+  EXPECT_EQ(LookCount{.cells = 0}.DecidingCells(3), 1U) << "no cells tell nothing";
+}
+
 TEST_F(SurfaceLooksTest, AFewLooksOutweighAnyNumberOfOlderOnes) {
   for (int i = 0; i < 50; ++i) Look(2.0, i);
   for (int i = 0; i <= parameters_.confirming_looks; ++i) Look(3.0, 100.0 + i);

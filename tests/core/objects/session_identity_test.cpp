@@ -561,6 +561,19 @@ TEST_F(SessionIdentityTest, TwoUnlikeShapesThatChangedPlacesHaveBothMoved) {
   EXPECT_NEAR(tall->cuboid().center_world.y(), 0.15, 0.05);
 }
 
+TEST_F(SessionIdentityTest, ASmallThingIsGoneIfTheHalfOfItThatFacesTheCameraIs) {
+  TrackedObject* const mug =
+      Put(ObjectStatus::kPresent, {2.01, 0.01, 0.0}, Eigen::Vector3d(0.05, 0.05, 0.1));
+  SetScores(Box(Eigen::Vector3d(-10.0, -10.0, 0.06), Eigen::Vector3d(10.0, 10.0, 10.0)), -2, mug);
+  const LookCount looks = CountLooks(*mug);
+  ASSERT_GT(looks.gone, 0U);
+  ASSERT_LT(looks.gone, SessionIdentityParameters().parts.min_points);
+  ASSERT_LT(looks.gone, looks.cells);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kRemoved);
+}
+
 TEST_F(SessionIdentityTest, ARemovedObjectBackInItsPlaceReturns) {
   TrackedObject* removed = PutKnown(0.0, 0);
   {
