@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -102,6 +103,10 @@ using PlanPoints = Eigen::Array<float, 2, Eigen::Dynamic, Eigen::RowMajor>;
 constexpr std::size_t kMaxHeadingPoints = 1024;
 constexpr std::size_t kMaxCoarsePoints = 256;
 
+// So many of the points, and none farther than the margin, are beyond a side of the box by which a
+// heading is judged. That is cheaper than to find the sides themselves, and as good.
+constexpr double kShareBeyondHeading = 0.04;
+
 // A point that is farther beyond a side does not tell the heading, as a share of the margin.
 constexpr float kShareOfMarginBeyond = 0.25F;
 
@@ -117,17 +122,96 @@ PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world, std::
   return points;
 }
 
-/// Returns the side of a cuboid in direction `sign` (1 or -1), as a multiple of `sign`. Reorders
-/// the points, which are given by their positions along an axis, metres.
-template <typename Number>
-Number HighSide(Number sign, const CuboidMargin& margin, std::span<Number> along_m) {
+/// Positions of points along an axis, metres, seen from one end of the axis: greater ones are
+/// nearer to it.
+class PositionsFromEnd {
+ public:
+  /// `sign`: 1 for the high end of the axis, -1 for the low one.
+  PositionsFromEnd(double sign, std::span<const double> along_m) : sign_(sign), along_m_(along_m) {}
+
+  /// Returns the greatest position below a limit; minus infinity if there is none.
+  double FarthestBelow(double limit_m) const {
+    double farthest_m = -std::numeric_limits<double>::infinity();
+    for (const double position_m : along_m_) {
+      const double signed_m = sign_ * position_m;
+      if (signed_m < limit_m && signed_m > farthest_m) farthest_m = signed_m;
+    }
+    return farthest_m;
+  }
+
+  std::size_t CountWithin(double low_m, double high_m) const {
+    std::size_t count = 0;
+    for (const double position_m : along_m_) {
+      const double signed_m = sign_ * position_m;
+      if (signed_m >= low_m && signed_m <= high_m) ++count;
+    }
+    return count;
+  }
+
+  /// Returns the positions from `low_m` to `high_m`, the greatest first.
+  std::vector<double> Within(double low_m, double high_m) const {
+    std::vector<double> within_m;
+    for (const double position_m : along_m_) {
+      const double signed_m = sign_ * position_m;
+      if (signed_m >= low_m && signed_m <= high_m) within_m.push_back(signed_m);
+    }
+    std::sort(within_m.begin(), within_m.end(), std::greater<>());
+    return within_m;
+  }
+
+ private:
+  double sign_;
+  std::span<const double> along_m_;
+};
+
+bool IsFewBeside(std::size_t count, std::size_t others, const CuboidMargin& margin) {
+  return static_cast<double>(count) <= margin.max_share * static_cast<double>(others);
+}
+
+/// Returns the farthest position that is not in an outer layer of a few stray points.
+double FarthestButStrays(const PositionsFromEnd& positions, const CuboidMargin& margin) {
+  const double max_m = margin.max_m;
+  double farthest_m = positions.FarthestBelow(std::numeric_limits<double>::infinity());
+  while (margin.max_share > 0.0) {
+    const double next_m = positions.FarthestBelow(farthest_m - max_m);
+    const std::size_t layer = positions.CountWithin(farthest_m - max_m, farthest_m);
+    const std::size_t next_layer = positions.CountWithin(next_m - max_m, next_m);
+    if (!IsFewBeside(layer, next_layer, margin)) break;
+    farthest_m = next_m;
+  }
+  return farthest_m;
+}
+
+/// Returns the side of a cuboid in direction `sign` (1 or -1), as a multiple of `sign`, from the
+/// positions of the points along an axis, metres.
+double HighSide(double sign, const CuboidMargin& margin, std::span<const double> along_m) {
+  const PositionsFromEnd positions(sign, along_m);
+  const double farthest_m = FarthestButStrays(positions, margin);
+  if (margin.max_share <= 0.0) return farthest_m;
+  const double max_m = margin.max_m;
+  const std::vector<double> outer_m = positions.Within(farthest_m - 2 * max_m, farthest_m);
+  double side_m = farthest_m;
+  std::size_t end = 0;  // Of the points within the margin inside the side.
+  for (std::size_t beyond = 0; beyond < outer_m.size(); ++beyond) {
+    const double candidate_m = outer_m[beyond];
+    if (candidate_m < farthest_m - max_m) break;
+    while (end < outer_m.size() && outer_m[end] >= candidate_m - max_m) ++end;
+    if (IsFewBeside(beyond, end - beyond, margin)) side_m = candidate_m;
+  }
+  return side_m;
+}
+
+/// Returns the side of a box by which a heading is judged, in direction `sign` (1 or -1), as a
+/// multiple of `sign`. Reorders the points, which are given by their positions along an axis,
+/// metres.
+float HighHeadingSide(float sign, float max_m, std::span<float> along_m) {
   const auto beyond =
-      static_cast<std::ptrdiff_t>(margin.max_share * static_cast<double>(along_m.size() - 1));
+      static_cast<std::ptrdiff_t>(kShareBeyondHeading * static_cast<double>(along_m.size() - 1));
   const auto side = along_m.begin() + beyond;
-  const auto is_farther = [sign](Number a, Number b) { return sign * a > sign * b; };
+  const auto is_farther = [sign](float a, float b) { return sign * a > sign * b; };
   std::nth_element(along_m.begin(), side, along_m.end(), is_farther);
-  const Number farthest_m = sign * *std::min_element(along_m.begin(), side + 1, is_farther);
-  return std::max(sign * *side, farthest_m - static_cast<Number>(margin.max_m));
+  const float farthest_m = sign * *std::min_element(along_m.begin(), side + 1, is_farther);
+  return std::max(sign * *side, farthest_m - max_m);
 }
 
 /// Two parallel sides, by their positions along the axis across them, metres.
@@ -136,19 +220,20 @@ struct Sides {
   float high_m = 0.0F;
 };
 
-/// Returns the sides of points, given by their positions along an axis.
-Sides FindSides(const Eigen::ArrayXf& along_m, const CuboidMargin& margin) {
+/// Returns the sides by which a heading is judged, from the positions of points along an axis.
+Sides FindHeadingSides(const Eigen::ArrayXf& along_m, const CuboidMargin& margin) {
   if (margin.max_share <= 0.0) return {along_m.minCoeff(), along_m.maxCoeff()};
   Eigen::ArrayXf reordered = along_m;
   const std::span<float> span(reordered.data(), static_cast<std::size_t>(reordered.size()));
-  const float high_m = HighSide(1.0F, margin, span);
-  return {-HighSide(-1.0F, margin, span), high_m};
+  const auto max_m = static_cast<float>(margin.max_m);
+  const float high_m = HighHeadingSide(1.0F, max_m, span);
+  return {-HighHeadingSide(-1.0F, max_m, span), high_m};
 }
 
 /// Returns the distances of points, given by their positions along an axis, from the nearer one of
 /// the two sides across it, metres.
 Eigen::ArrayXf DistancesFromSides(const Eigen::ArrayXf& along_m, const CuboidMargin& margin) {
-  const Sides sides = FindSides(along_m, margin);
+  const Sides sides = FindHeadingSides(along_m, margin);
   return (along_m - sides.low_m).abs().min((sides.high_m - along_m).abs());
 }
 
@@ -180,8 +265,8 @@ PlanPoints WithoutPointsBeyond(const PlanPoints& points,
   const float limit_m = kShareOfMarginBeyond * static_cast<float>(margin.max_m);
   const PlanPoints turned = TurnBack(points, yaw_rad);
   const PlanPoints turned_coarse = TurnBack(coarse, yaw_rad);
-  const Sides x = FindSides(turned_coarse.row(0), margin);
-  const Sides y = FindSides(turned_coarse.row(1), margin);
+  const Sides x = FindHeadingSides(turned_coarse.row(0), margin);
+  const Sides y = FindHeadingSides(turned_coarse.row(1), margin);
   PlanPoints kept(2, points.cols());
   Eigen::Index count = 0;
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
@@ -296,8 +381,9 @@ Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world,
     for (std::size_t i = 0; i < points_world.size(); ++i) {
       offsets_m[i] = R_world_cuboid.col(axis).dot(points_world[i] - reference_world);
     }
-    low_m[axis] = -HighSide(-1.0, margin, std::span<double>(offsets_m));
-    high_m[axis] = HighSide(1.0, margin, std::span<double>(offsets_m));
+    const CuboidMargin low_margin = axis < 2 ? margin : CuboidMargin();
+    low_m[axis] = -HighSide(-1.0, low_margin, offsets_m);
+    high_m[axis] = HighSide(1.0, margin, offsets_m);
   }
   cuboid.center_world = reference_world + R_world_cuboid * (0.5 * (low_m + high_m));
   cuboid.size_m = (high_m - low_m).cwiseMax(0.0);

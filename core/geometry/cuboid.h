@@ -40,11 +40,16 @@ double DistanceBetween(const Cuboid& a, const Cuboid& b);
 /// Returns the volume of the intersection of two boxes, cubic metres; 0 if either has no thickness.
 double OverlapM3(const Cuboid& a, const Cuboid& b);
 
-/// The points that a cuboid may leave out, beyond each of its sides: those that errors of labels
-/// and of depth have put beside a surface. By default, none.
+/// The points that a cuboid may leave out, beyond each of its sides but the lower one: those that
+/// errors of labels and of depth have put beside a surface. They are few beside those just inside
+/// the side, unlike the points of legs or of the edge of a board. Below a thing is what it stands
+/// on. By default, none.
 struct CuboidMargin {
-  double max_share = 0.0;  ///< Of all points, in [0, 1].
-  double max_m = 0.0;      ///< Their distance from the side, metres, >= 0.
+  /// Of the points within `max_m` inside the side, in [0, 1).
+  double max_share = 0.0;
+  /// Thickness of a layer of points that is left out, metres, >= 0. Farther out there may be
+  /// others, each of the same share of the next one inside it.
+  double max_m = 0.0;
 };
 
 /// Fits a cuboid to points of a surface: of all headings, the heading with the smallest mean
@@ -59,8 +64,8 @@ struct CuboidMargin {
 ///
 /// Points must be finite. No points give zero size at the origin, a single point zero size at the
 /// point. For points without a heading (coincident, or a circle) rounding determines the heading,
-/// equally for equal points in equal order. Cost: 50 us for 1024 points; of larger sets, at most
-/// 1024 points determine the heading.
+/// equally for equal points in equal order. Cost: 50 us for 1024 points, with a margin 170 us; of
+/// larger sets, at most 1024 points determine the heading.
 Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world, const CuboidMargin& margin = {});
 
 /// Fits the smallest cuboid of heading `yaw_rad` to finite points. No points give zero size at the

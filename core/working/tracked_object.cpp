@@ -6,9 +6,9 @@ namespace steadymap {
 namespace {
 
 // A label that is wrong by a pixel at the border of an object, or a ray at a flat angle, such as to
-// the floor at its foot, puts voxels beside the object: within two voxels, and a small share of the
-// surface.
-constexpr double kMaxShareBeyond = 0.04;
+// the floor at its foot, puts voxels beside the object: within two voxels, and few beside those of
+// a face.
+constexpr double kMaxShareBeyond = 0.1;
 constexpr double kMaxVoxelsBeyond = 2.0;
 
 Cuboid CuboidOf(const Box& box_world) {

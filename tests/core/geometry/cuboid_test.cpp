@@ -313,11 +313,11 @@ TEST(FitCuboid, MayLeaveOutAFewPointsBeyondASide) {
   for (int y = 0; y < 7; ++y) points.emplace_back(0.45, 0.05 * y, 0.0);
   const Cuboid enclosing = FitCuboid(points, 0.0);
   EXPECT_NEAR(enclosing.size_m.x(), clean.size_m.x() + 0.05, 1e-12);
-  const Cuboid fit = FitCuboid(points, 0.0, {.max_share = 0.04, .max_m = 0.05});
+  const Cuboid fit = FitCuboid(points, 0.0, {.max_share = 0.1, .max_m = 0.06});
   EXPECT_TRUE(fit.size_m.isApprox(clean.size_m, 1e-12));
   EXPECT_TRUE(fit.center_world.isApprox(clean.center_world, 1e-12));
   // More than the share is part of the object.
-  const Cuboid whole = FitCuboid(points, 0.0, {.max_share = 0.01, .max_m = 0.05});
+  const Cuboid whole = FitCuboid(points, 0.0, {.max_share = 0.05, .max_m = 0.06});
   EXPECT_TRUE(whole.size_m.isApprox(enclosing.size_m, 1e-12));
 }
 
@@ -341,37 +341,96 @@ TEST(FitCuboid, PointsBeyondTheSidesDoNotTurnTheHeading) {
   EXPECT_NEAR(fit.size_m.y(), 0.5, 0.02);
 }
 
-TEST(FitCuboid, ASideLeavesOutTheShareOfTheFarthestPoints) {
-  constexpr CuboidMargin kMargin = {.max_share = 0.04, .max_m = 0.1};
+std::size_t CountWithin(const std::vector<double>& along_m, double low_m, double high_m) {
+  return static_cast<std::size_t>(std::count_if(along_m.begin(), along_m.end(), [&](double at_m) {
+    return at_m >= low_m && at_m <= high_m;
+  }));
+}
+
+/// Returns the side at the high end of positions, metres: without outer layers of few points, the
+/// lowest one that leaves out a share of the points just inside it.
+double HighSideOf(std::vector<double> along_m, const CuboidMargin& margin) {
+  const auto is_few = [&](std::size_t count, std::size_t others) {
+    return static_cast<double>(count) <= margin.max_share * static_cast<double>(others);
+  };
+  std::sort(along_m.begin(), along_m.end());
+  while (true) {
+    const double layer_m = along_m.back() - margin.max_m;
+    std::vector<double> rest_m = along_m;
+    std::erase_if(rest_m, [&](double at_m) { return at_m >= layer_m; });
+    if (rest_m.empty()) break;
+    const std::size_t next = CountWithin(rest_m, rest_m.back() - margin.max_m, rest_m.back());
+    if (!is_few(along_m.size() - rest_m.size(), next)) break;
+    along_m = rest_m;
+  }
+  const double farthest_m = along_m.back();
+  for (const double candidate_m : along_m) {
+    if (candidate_m < farthest_m - margin.max_m) continue;
+    const std::size_t inside = CountWithin(along_m, candidate_m - margin.max_m, candidate_m);
+    const std::size_t all = CountWithin(along_m, candidate_m, farthest_m);
+    const std::size_t here = CountWithin(along_m, candidate_m, candidate_m);
+    if (is_few(all - here, inside)) return candidate_m;
+  }
+  return farthest_m;
+}
+
+TEST(FitCuboid, ASideLeavesOutAShareOfThePointsJustInsideIt) {
+  constexpr CuboidMargin kMargin = {.max_share = 0.1, .max_m = 0.1};
   std::mt19937 random(1);
   std::normal_distribution<double> place(0.0, 0.2);
   for (const std::size_t count : {5U, 100U, 590U, 620U, 2000U}) {
     std::vector<Eigen::Vector3d> points;
     std::vector<double> x;
+    std::vector<double> minus_x;
+    std::vector<double> z;
     for (std::size_t i = 0; i < count; ++i) {
       points.emplace_back(place(random), place(random), place(random));
       x.push_back(points.back().x());
+      minus_x.push_back(-points.back().x());
+      z.push_back(points.back().z());
     }
-    std::sort(x.begin(), x.end());
-    const auto beyond =
-        static_cast<std::size_t>(kMargin.max_share * static_cast<double>(count - 1));
     const Cuboid fit = FitCuboid(points, 0.0, kMargin);
-    EXPECT_NEAR(fit.center_world.x() + 0.5 * fit.size_m.x(),
-                std::max(x[count - 1 - beyond], x.back() - kMargin.max_m),
-                1e-12)
-        << count;
-    EXPECT_NEAR(fit.center_world.x() - 0.5 * fit.size_m.x(),
-                std::min(x[beyond], x.front() + kMargin.max_m),
-                1e-12)
-        << count;
+    const double high_x_m = fit.center_world.x() + 0.5 * fit.size_m.x();
+    const double low_x_m = fit.center_world.x() - 0.5 * fit.size_m.x();
+    EXPECT_NEAR(high_x_m, HighSideOf(x, kMargin), 1e-12) << count;
+    EXPECT_NEAR(low_x_m, -HighSideOf(minus_x, kMargin), 1e-12) << count;
+    EXPECT_NEAR(fit.highest_m(), HighSideOf(z, kMargin), 1e-12) << count;
+    EXPECT_NEAR(fit.lowest_m(), *std::min_element(z.begin(), z.end()), 1e-12) << count;
   }
 }
 
-TEST(FitCuboid, LeavesOutNothingBeyondTheMarginInMetres) {
+TEST(FitCuboid, LeavesOutAStrayPointFarFromTheSide) {
   std::vector<Eigen::Vector3d> points = GridPoints(9, 7, 5);
   points.emplace_back(1.0, 0.0, 0.0);
-  const Cuboid fit = FitCuboid(points, 0.0, {.max_share = 0.04, .max_m = 0.05});
-  EXPECT_NEAR(fit.center_world.x() + 0.5 * fit.size_m.x(), 0.95, 1e-12);
+  const Cuboid fit = FitCuboid(points, 0.0, {.max_share = 0.1, .max_m = 0.1});
+  EXPECT_NEAR(fit.center_world.x() + 0.5 * fit.size_m.x(), 0.4, 1e-12);
+}
+
+TEST(FitCuboid, KeepsAPoleThatIsLongerThanTheMargin) {
+  std::vector<Eigen::Vector3d> points = GridPoints(9, 7, 5);
+  for (int i = 1; i <= 8; ++i) points.emplace_back(0.2, 0.15, 0.2 + 0.05 * i);
+  const Cuboid fit = FitCuboid(points, 0.0, {.max_share = 0.1, .max_m = 0.1});
+  EXPECT_NEAR(fit.highest_m(), 0.6, 1e-12);
+}
+
+// The ends of a board are few of its points, and as many as anywhere along it.
+TEST(FitCuboid, WithAMarginALongBoardKeepsItsEnds) {
+  const Cuboid fit = FitCuboid(GridPoints(61, 7, 1), {.max_share = 0.1, .max_m = 0.1});
+  EXPECT_NEAR(fit.size_m.x(), 3.0, 1e-6);
+  EXPECT_NEAR(fit.size_m.y(), 0.3, 1e-6);
+}
+
+TEST(FitCuboid, WithAMarginATableReachesTheFloor) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i <= 20; ++i) {
+    for (int k = 0; k <= 12; ++k) points.emplace_back(0.05 * i, 0.05 * k, 0.7);
+  }
+  for (int level = 0; level < 14; ++level) {
+    for (const double x : {0.0, 1.0}) points.emplace_back(x, 0.0, 0.05 * level);
+  }
+  const Cuboid fit = FitCuboid(points, {.max_share = 0.04, .max_m = 0.1});
+  EXPECT_NEAR(fit.lowest_m(), 0.0, 1e-12);
+  EXPECT_NEAR(fit.highest_m(), 0.7, 1e-12);
 }
 
 TEST(FitCuboid, WithAMarginFewPointsHaveNoNegativeSize) {
