@@ -101,6 +101,12 @@ class DepthInUnits(unittest.TestCase):
         self.assertEqual(units.dtype, np.dtype("<u2"))
         self.assertEqual(units.tolist(), [[0, 0, 0, 0], [1000, 1001, 65534, 0]])
 
+    def test_warns_of_floats_that_are_no_metres(self):
+        with self.assertWarnsRegex(UserWarning, "floats are metres, at most 65.534 .* is 1200"):
+            images.depth_in_units(np.array([[1200.0, 2500.0], [np.nan, 0.0]], np.float32), 0.001)
+        nothing = np.array([[np.inf, np.nan], [-1.0, 0.0]], np.float32)
+        self.assertFalse(images.depth_in_units(nothing, 0.001).any())
+
     def test_gives_back_what_was_in_units(self):
         units = np.arange(65535, dtype=np.uint16).reshape(255, 257)
         for dtype in (np.float32, np.float64):

@@ -3,6 +3,7 @@
 import unittest
 
 from daemon_process import DaemonTest
+from wall_frame import wall_frame
 
 import steadymap
 from steadymap import errors
@@ -79,8 +80,15 @@ class Maps(DaemonTest):
             self.client.get_map(7)
 
     def test_of_an_unknown_policy_are_refused_here(self):
-        with self.assertRaises(ValueError):
+        with self.assertRaisesRegex(
+            ValueError, "'hopeful' is no UpdatePolicy: expected one of 'static', .*'pocd_paper'$"
+        ):
             steadymap.MapOptions(policy="hopeful")
+
+    def test_take_frames_from_an_iterable(self):
+        self.client.create_map("one-frame")
+        with self.assertRaisesRegex(TypeError, "expected an iterable of frames"):
+            self.client.upload("one-frame", wall_frame())
 
 
 class AClient(DaemonTest):

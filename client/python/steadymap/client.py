@@ -186,6 +186,8 @@ class Client:
         it is listed in `refused` of the summary. If the service loses frames that it had
         acknowledged, frames from a sequence, such as a list, are sent again.
         """
+        if isinstance(frames, Frame):
+            raise TypeError("frames: expected an iterable of frames, such as a list, got one frame")
         if isinstance(frames, Sequence) and options.read_again is None:
             options = dataclasses.replace(options, read_again=frames.__getitem__)
         with self.uploader(map_name, options) as uploader:

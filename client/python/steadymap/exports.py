@@ -1,18 +1,18 @@
 """Exports of a map to a file."""
 
 import dataclasses
-import enum
 import os
 from pathlib import Path
 from typing import Any, Callable, Optional, Sequence, Union
 
 from steadymap._generated.v1 import query_service_pb2
 from steadymap.checksum import extend_crc32c
+from steadymap.choices import Choice
 from steadymap.errors import DataLossError
 from steadymap.geometry import box_to_proto
 
 
-class ExportFormat(str, enum.Enum):
+class ExportFormat(Choice):
     """File formats: PLY and GLB contain the surface, VDB the volumes."""
 
     PLY = "ply"

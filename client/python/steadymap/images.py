@@ -1,13 +1,14 @@
 """Image encodings of the wire format."""
 
-import enum
 import struct
+import warnings
 import zlib
 from typing import Any, Union
 
 import numpy as np
 
 from steadymap._generated.v1 import frame_pb2
+from steadymap.choices import Choice
 
 try:
     import zstandard
@@ -24,7 +25,7 @@ _ZLIB_LEVEL = 1
 _ZSTD_LEVEL = 1
 
 
-class PixelEncoding(str, enum.Enum):
+class PixelEncoding(Choice):
     """Wire encoding of depth and label arrays. Encoded files are sent unchanged.
 
     ZSTD takes about a quarter of the bytes of RAW and is the fastest overall, since every byte also
@@ -37,7 +38,7 @@ class PixelEncoding(str, enum.Enum):
     PNG = "png"
 
 
-class DepthSensor(str, enum.Enum):
+class DepthSensor(Choice):
     """Principle by which a camera measures depth. It determines the noise that the map assumes."""
 
     UNSPECIFIED = "unspecified"
@@ -87,13 +88,20 @@ def depth_in_units(depth: np.ndarray, metres_per_unit: float) -> np.ndarray:
     """Converts depth, uint16 or floating point, to little-endian uint16.
 
     Floats are metres: values that are not finite, not above 0 or too large for 16 bits become 0,
-    which means no return.
+    which means no return. Warns if all that are finite and above 0 are too large.
     """
     if depth.dtype.kind == "u":
         return np.ascontiguousarray(depth, dtype="<u2")
     units = depth * np.float32(1.0 / metres_per_unit) + np.float32(0.5)
     with np.errstate(invalid="ignore"):
         is_return = (units >= 1.0) & (units < _MAX_DEPTH_UNITS + 1.0)
+        if not is_return.any():
+            too_far = depth[np.isfinite(depth) & (units >= 1.0)]
+            if too_far.size > 0:
+                warnings.warn(
+                    f"depth: floats are metres, at most {_MAX_DEPTH_UNITS * metres_per_unit:g} in "
+                    f"units of {metres_per_unit:g} m; the least of this frame is {too_far.min():g}"
+                )
     return np.where(is_return, units, _NO_RETURN).astype("<u2")
 
 

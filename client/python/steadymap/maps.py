@@ -1,14 +1,14 @@
 """Maps and their configuration."""
 
 import dataclasses
-import enum
 from typing import Mapping, Optional, Sequence, Tuple, Union
 
 from steadymap._generated.v1 import map_pb2
+from steadymap.choices import Choice
 from steadymap.timestamps import time_ns_from_proto
 
 
-class UpdatePolicy(str, enum.Enum):
+class UpdatePolicy(Choice):
     """Policy that updates a map from frames. Fixed when the map is created.
 
     STATIC fuses every frame; surface that rays pass through disappears gradually. POCD keeps a
@@ -23,7 +23,7 @@ class UpdatePolicy(str, enum.Enum):
     POCD_PAPER = "pocd_paper"
 
 
-class ClassMotion(str, enum.Enum):
+class ClassMotion(Choice):
     """Motion of the objects of a class.
 
     STATIC: only moved by a reconstruction of the place. SEMI_STATIC: moved within hours or days.
@@ -56,7 +56,7 @@ class SemanticClass:
         object.__setattr__(self, "motion", ClassMotion(self.motion))
 
 
-class MapCondition(str, enum.Enum):
+class MapCondition(Choice):
     """Condition of a map, independent of other maps.
 
     OPENING: is being read from disk. READY: accepts frames and answers queries. READ_ONLY: answers

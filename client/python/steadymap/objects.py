@@ -1,17 +1,17 @@
 """Objects of a map, their beliefs and their events."""
 
 import dataclasses
-import enum
 from typing import Dict, Optional, Tuple
 
 import numpy as np
 
 from steadymap._generated.v1 import event_pb2, object_pb2
+from steadymap.choices import Choice
 from steadymap.geometry import read_only, vector_from_proto
 from steadymap.timestamps import time_ns_from_proto
 
 
-class ObjectStanding(str, enum.Enum):
+class ObjectStanding(Choice):
     """Status of an object.
 
     TENTATIVE: too few observations to be confirmed. PRESENT: part of the map. ARCHIVED: removed
@@ -24,7 +24,7 @@ class ObjectStanding(str, enum.Enum):
     ARCHIVED = "archived"
 
 
-class EventType(str, enum.Enum):
+class EventType(Choice):
     """Type of an event. ROBOT_LOST and ROBOT_FOUND concern robots, all others objects.
 
     UNSPECIFIED: a type of a newer server, unknown to this package.
@@ -43,7 +43,7 @@ class EventType(str, enum.Enum):
     CONTRADICTED = "contradicted"
 
 
-class EventReason(str, enum.Enum):
+class EventReason(Choice):
     """Reason of an event; see `EventReason` in proto/steadymap/v1/event.proto."""
 
     UNSPECIFIED = "unspecified"
