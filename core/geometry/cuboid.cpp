@@ -103,8 +103,8 @@ using PlanPoints = Eigen::Array<float, 2, Eigen::Dynamic, Eigen::RowMajor>;
 constexpr std::size_t kMaxHeadingPoints = 1024;
 constexpr std::size_t kMaxCoarsePoints = 256;
 
-// So many of the points, and none farther than the margin, are beyond a side of the box by which a
-// heading is judged. That is cheaper than to find the sides themselves, and as good.
+// Share of the points beyond a side of the box by which a heading is judged, none of them farther
+// than the margin. To find the sides themselves for each heading costs ten times as much.
 constexpr double kShareBeyondHeading = 0.04;
 
 // A point that is farther beyond a side does not tell the heading, as a share of the margin.
@@ -122,80 +122,53 @@ PlanPoints ChoosePlanPoints(std::span<const Eigen::Vector3d> points_world, std::
   return points;
 }
 
-/// Positions of points along an axis, metres, seen from one end of the axis: greater ones are
-/// nearer to it.
-class PositionsFromEnd {
- public:
-  /// `sign`: 1 for the high end of the axis, -1 for the low one.
-  PositionsFromEnd(double sign, std::span<const double> along_m) : sign_(sign), along_m_(along_m) {}
-
-  /// Returns the greatest position below a limit; minus infinity if there is none.
-  double FarthestBelow(double limit_m) const {
-    double farthest_m = -std::numeric_limits<double>::infinity();
-    for (const double position_m : along_m_) {
-      const double signed_m = sign_ * position_m;
-      if (signed_m < limit_m && signed_m > farthest_m) farthest_m = signed_m;
-    }
-    return farthest_m;
+/// Returns the greatest of the positions below a limit; minus infinity if there is none.
+double GreatestBelow(std::span<const double> positions_m, double limit_m) {
+  double greatest_m = -std::numeric_limits<double>::infinity();
+  for (const double at_m : positions_m) {
+    if (at_m < limit_m && at_m > greatest_m) greatest_m = at_m;
   }
+  return greatest_m;
+}
 
-  std::size_t CountWithin(double low_m, double high_m) const {
-    std::size_t count = 0;
-    for (const double position_m : along_m_) {
-      const double signed_m = sign_ * position_m;
-      if (signed_m >= low_m && signed_m <= high_m) ++count;
-    }
-    return count;
-  }
-
-  /// Returns the positions from `low_m` to `high_m`, the greatest first.
-  std::vector<double> Within(double low_m, double high_m) const {
-    std::vector<double> within_m;
-    for (const double position_m : along_m_) {
-      const double signed_m = sign_ * position_m;
-      if (signed_m >= low_m && signed_m <= high_m) within_m.push_back(signed_m);
-    }
-    std::sort(within_m.begin(), within_m.end(), std::greater<>());
-    return within_m;
-  }
-
- private:
-  double sign_;
-  std::span<const double> along_m_;
-};
+std::size_t CountWithin(std::span<const double> positions_m, double low_m, double high_m) {
+  const auto is_within = [=](double at_m) { return at_m >= low_m && at_m <= high_m; };
+  return static_cast<std::size_t>(std::count_if(positions_m.begin(), positions_m.end(), is_within));
+}
 
 bool IsFewBeside(std::size_t count, std::size_t others, const CuboidMargin& margin) {
   return static_cast<double>(count) <= margin.max_share * static_cast<double>(others);
 }
 
-/// Returns the farthest position that is not in an outer layer of a few stray points.
-double FarthestButStrays(const PositionsFromEnd& positions, const CuboidMargin& margin) {
-  const double max_m = margin.max_m;
-  double farthest_m = positions.FarthestBelow(std::numeric_limits<double>::infinity());
+/// Returns the greatest of the positions that is not in an outer layer of a few stray points.
+double GreatestButStrays(std::span<const double> positions_m, const CuboidMargin& margin) {
+  double greatest_m = GreatestBelow(positions_m, std::numeric_limits<double>::infinity());
   while (margin.max_share > 0.0) {
-    const double next_m = positions.FarthestBelow(farthest_m - max_m);
-    const std::size_t layer = positions.CountWithin(farthest_m - max_m, farthest_m);
-    const std::size_t next_layer = positions.CountWithin(next_m - max_m, next_m);
+    const double next_m = GreatestBelow(positions_m, greatest_m - margin.max_m);
+    const std::size_t layer = CountWithin(positions_m, greatest_m - margin.max_m, greatest_m);
+    const std::size_t next_layer = CountWithin(positions_m, next_m - margin.max_m, next_m);
     if (!IsFewBeside(layer, next_layer, margin)) break;
-    farthest_m = next_m;
+    greatest_m = next_m;
   }
-  return farthest_m;
+  return greatest_m;
 }
 
-/// Returns the side of a cuboid in direction `sign` (1 or -1), as a multiple of `sign`, from the
-/// positions of the points along an axis, metres.
-double HighSide(double sign, const CuboidMargin& margin, std::span<const double> along_m) {
-  const PositionsFromEnd positions(sign, along_m);
-  const double farthest_m = FarthestButStrays(positions, margin);
-  if (margin.max_share <= 0.0) return farthest_m;
-  const double max_m = margin.max_m;
-  const std::vector<double> outer_m = positions.Within(farthest_m - 2 * max_m, farthest_m);
-  double side_m = farthest_m;
+/// Returns the side of a cuboid at the high end of an axis, from the positions of the points along
+/// it, metres.
+double HighSide(std::span<const double> positions_m, const CuboidMargin& margin) {
+  const double greatest_m = GreatestButStrays(positions_m, margin);
+  if (margin.max_share <= 0.0) return greatest_m;
+  std::vector<double> outer_m;
+  for (const double at_m : positions_m) {
+    if (at_m <= greatest_m && at_m >= greatest_m - 2 * margin.max_m) outer_m.push_back(at_m);
+  }
+  std::sort(outer_m.begin(), outer_m.end(), std::greater<>());
+  double side_m = greatest_m;
   std::size_t end = 0;  // Of the points within the margin inside the side.
   for (std::size_t beyond = 0; beyond < outer_m.size(); ++beyond) {
     const double candidate_m = outer_m[beyond];
-    if (candidate_m < farthest_m - max_m) break;
-    while (end < outer_m.size() && outer_m[end] >= candidate_m - max_m) ++end;
+    if (candidate_m < greatest_m - margin.max_m) break;
+    while (end < outer_m.size() && outer_m[end] >= candidate_m - margin.max_m) ++end;
     if (IsFewBeside(beyond, end - beyond, margin)) side_m = candidate_m;
   }
   return side_m;
@@ -381,9 +354,9 @@ Cuboid FitCuboid(std::span<const Eigen::Vector3d> points_world,
     for (std::size_t i = 0; i < points_world.size(); ++i) {
       offsets_m[i] = R_world_cuboid.col(axis).dot(points_world[i] - reference_world);
     }
-    const CuboidMargin low_margin = axis < 2 ? margin : CuboidMargin();
-    low_m[axis] = -HighSide(-1.0, low_margin, offsets_m);
-    high_m[axis] = HighSide(1.0, margin, offsets_m);
+    high_m[axis] = HighSide(offsets_m, margin);
+    for (double& offset_m : offsets_m) offset_m = -offset_m;
+    low_m[axis] = -HighSide(offsets_m, axis < 2 ? margin : CuboidMargin());
   }
   cuboid.center_world = reference_world + R_world_cuboid * (0.5 * (low_m + high_m));
   cuboid.size_m = (high_m - low_m).cwiseMax(0.0);
