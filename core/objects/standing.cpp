@@ -13,9 +13,9 @@ namespace {
 
 /// Returns how many looked-at cells decide on an object: of small voxels more, since noise and pose
 /// errors let looks pass the outline of an object by centimetres.
-std::size_t DecidingCells(const LookCount& looks,
-                          const SessionIdentityParameters& parameters,
-                          const VoxelScale& scale) {
+std::size_t MinLookedAtCells(const LookCount& looks,
+                             const SessionIdentityParameters& parameters,
+                             const VoxelScale& scale) {
   const double cell_m = kEvidenceSide * scale.voxel_size_m;
   const double cells =
       std::min(parameters.min_looked_at_area_m2 / (cell_m * cell_m),
@@ -76,7 +76,7 @@ Standing JudgeStanding(const TrackedObject& known,
                        const SessionIdentityParameters& parameters,
                        const VoxelScale& scale) {
   const LookCount looks = CountLooks(known);
-  if (looks.looked_at() < DecidingCells(looks, parameters, scale)) return Standing::kUnknown;
+  if (looks.looked_at() < MinLookedAtCells(looks, parameters, scale)) return Standing::kUnknown;
   const bool is_doubted = GoneShareOf(known) >= parameters.parts.shares.negligible;
   const double contact_m = parameters.parts.surface.contact_voxels * scale.voxel_size_m;
   const std::size_t verified =
