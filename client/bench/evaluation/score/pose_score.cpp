@@ -84,9 +84,12 @@ PoseScore ScorePoses(const CameraPath& truth, const CameraPath& poses) {
   score.square_sum_m2 = (moved - true_points).squaredNorm();
   score.points = static_cast<std::size_t>(count);
   score.stated_poses = stated.size();
+  if (stated.empty()) return score;
+  const Eigen::Isometry3d T_map_world =
+      stated.front().first->T_world_camera * stated.front().second->T_world_camera.inverse();
   for (const auto& [pose, true_stated] : stated) {
     score.square_sum_sigmas2 += SquareDistanceSigmas2(
-        motion * pose->T_world_camera, true_stated->T_world_camera, *pose->covariance);
+        pose->T_world_camera, T_map_world * true_stated->T_world_camera, *pose->covariance);
   }
   return score;
 }

@@ -18,7 +18,8 @@ struct PoseScore {
   double rms_m() const;
 
   /// Root mean square error of a coordinate of a pose, in standard deviations that its covariance
-  /// states; 1 if the covariances are right, NaN without any.
+  /// states; 1 if the covariances are right, NaN without any. The first pose has no error: it
+  /// defines the world frame of the map.
   double rms_sigmas() const;
 
   PoseScore& operator+=(const PoseScore& other);

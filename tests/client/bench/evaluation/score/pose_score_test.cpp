@@ -58,7 +58,8 @@ TEST(ScorePoses, ErrorsCountInTheStandardDeviationsStatedForThem) {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   covariance.topLeftCorner<3, 3>() *= 0.01 * 0.01;
   covariance.bottomRightCorner<3, 3>() *= 0.002 * 0.002;
-  for (std::size_t i = 0; i < estimated.size(); ++i) {
+  estimated[0].covariance = covariance;
+  for (std::size_t i = 1; i < estimated.size(); ++i) {
     // Two standard deviations in each coordinate: of the shift, and of the turn about each axis.
     const double sign = i % 2 == 0 ? 1.0 : -1.0;
     const Eigen::Vector3d turn = sign * 0.004 * Eigen::Vector3d::Ones();
