@@ -58,10 +58,10 @@ struct SessionObjects {
     seen.push_back({object, seen.size(), /*is_new_region=*/false, has_left});
   }
 
-  /// Adds a new region of `whole`, which has the pose error of the rest.
+  /// Adds a new region of `whole`, which has the pose error of the rest and left with it.
   void AddRegion(TrackedObject* region, const SeenObject& whole) {
     seen.push_back(
-        {region, seen.size(), /*is_new_region=*/true, /*has_left=*/false, whole.pose_error_m});
+        {region, seen.size(), /*is_new_region=*/true, whole.has_left, whole.pose_error_m});
   }
 
   void AddKnown(TrackedObject* object, Standing standing) {

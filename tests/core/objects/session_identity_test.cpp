@@ -721,6 +721,22 @@ TEST_F(SessionIdentityTest, AKnownThingThatLeavesInViewIsRemoved) {
   EXPECT_EQ(events[0].object, known->id());
 }
 
+TEST_F(SessionIdentityTest, AThingWithoutALabelThatLeavesInViewIsRemoved) {
+  MarkFree(kAboveSlab);
+  PutStructure({kOnSlab, kOnSlab + kSizeM}, false);
+  TrackedObject* known = PutUnlabelled({3.2, 1.2, 0.3});
+  {
+    ObjectEdit edit = map_.Edit(known);
+    edit.state().status = ObjectStatus::kPresent;
+  }
+  SetScores(kEverywhere, -2, known);
+  SetScores(kEverywhere, -2, PutUnlabelled({3.2, 1.2, 0.3}));
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].type, EventType::kRemoved);
+  EXPECT_EQ(events[0].object, known->id());
+}
+
 TEST_F(SessionIdentityTest, AKnownThingThatIsGoneWhenItsOtherSidesAreSeenIsRemoved) {
   TrackedObject* known = PutKnown(0.0, -2);
   {
