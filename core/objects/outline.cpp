@@ -20,6 +20,9 @@ constexpr double kMinGrainM = 0.04;
 constexpr double kNextGrains = 2.0;
 constexpr int kBesideGrains = 3;
 
+// A surface that is thinner is flat, cubes: noise and the rounding of voxels explain its thickness.
+constexpr double kFlatGrains = 2.0;
+
 /// The way from a point of one surface to the nearest one of another.
 struct Gap {
   const OrientedPoint* from = nullptr;
@@ -107,13 +110,21 @@ bool OutlineTest::MeetsStructure(const Eigen::Vector3d& point_world,
 }
 
 double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const {
+  if (surface.empty()) return 0.0;
   const Outline outline = OutlineOf(surface);
   // Each point stands for the square of a voxel. The points within a cube of an edge are beside it.
   const double point_m2 = map_.scale().voxel_size_m * map_.scale().voxel_size_m;
-  const double unseen_m = static_cast<double>(outline.unseen) * point_m2 / grain_m_;
-  const double seen_m = static_cast<double>(outline.beside_free_space) * point_m2 / grain_m_;
-  const double of_disc_m = 2.0 * std::sqrt(M_PI * point_m2 * static_cast<double>(surface.size()));
-  return unseen_m / std::max(unseen_m + seen_m, of_disc_m);
+  const auto length_of = [&](std::size_t places) {
+    return static_cast<double>(places) * point_m2 / grain_m_;
+  };
+  const double unseen_m = length_of(outline.unseen);
+  const double seen_m = length_of(outline.beside_free_space);
+  double shortest_m = 2.0 * std::sqrt(M_PI * point_m2 * static_cast<double>(surface.size()));
+  if (PrincipalAxesOf(surface).lengths_m.z() < kFlatGrains * grain_m_) {
+    shortest_m -= length_of(outline.at_structure);
+  }
+  const double length_m = std::max(unseen_m + seen_m, shortest_m);
+  return length_m > 0.0 ? unseen_m / length_m : 0.0;
 }
 
 double OutlineTest::FreeShareOf(std::span<const OrientedPoint> surface) const {

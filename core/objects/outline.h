@@ -22,8 +22,10 @@ class OutlineTest {
   OutlineTest(const WorkingMap& map, std::span<const Eigen::Vector3d> structure_world);
 
   /// Returns the share of the outline of a surface beside which the space is not known to be free,
-  /// in [0, 1]. The outline counts as at least so long as that of a disc of the same area, the
-  /// shortest of a flat surface: one that was seen from all sides has hardly any.
+  /// in [0, 1]; what ends at structure does not count. The outline counts as at least so long as
+  /// that of a disc of the same area, the shortest of a flat surface: a surface that was seen from
+  /// all sides has hardly any. Where a flat surface ends at structure, that much of the disc's does
+  /// not count either.
   double UnseenShareOf(std::span<const OrientedPoint> surface) const;
 
   /// Returns the share of the outline of a surface beside which the space is free, in [0, 1]; 0 if
