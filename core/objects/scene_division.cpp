@@ -4,24 +4,23 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <optional>
+#include <map>
 #include <utility>
 #include <vector>
 
 #include "core/objects/gap_planes.h"
 #include "core/objects/outline.h"
 #include "core/objects/point_grid.h"
+#include "core/objects/scene_structure.h"
 #include "core/objects/surface_parts.h"
-#include "core/volume/tsdf_sample.h"
 
 namespace steadymap {
 namespace {
 
-// Where the continuation of a surface is looked for along an axis in its plane, voxels.
-constexpr double kContinuationVoxels[] = {2.0, -2.0, 4.0, -4.0, 6.0, -6.0};
-
-// Neighbours on a plane, voxels: the diagonal of a voxel.
-constexpr double kPlaneReachVoxels = 1.75;
+/// True if two points of surfaces face each other, as across the gap between two things.
+bool FaceEachOther(const OrientedPoint& a, const OrientedPoint& b) {
+  return InwardTurn(a, b) > 0.5;
+}
 
 /// The division of one scene.
 class SceneDivision {
@@ -35,7 +34,7 @@ class SceneDivision {
         voxel_m_(map->scale().voxel_size_m),
         points_(OrientedSurfaceOf(scene)),
         weights_(SurfaceWeightsOf(scene)) {
-    FindStructure(*map);
+    kinds_ = FindSceneStructure(parameters, surface, points_, *map);
     FindKnownStructures(map);
     FindParts();
     DivideAtGaps(scene.state().gaps);
@@ -56,88 +55,6 @@ class SceneDivision {
   std::size_t part_count() const { return parts_.size(); }
 
  private:
-  /// Finds the plane parts of at least that area.
-  std::vector<PlanePart> FindPlanes(const std::vector<OrientedPoint>& points,
-                                    double min_area_m2) const {
-    return FindPlaneParts(points,
-                          voxel_m_ * voxel_m_,
-                          kPlaneReachVoxels * voxel_m_,
-                          {min_area_m2, voxel_m_, parameters_.min_plane_cosine});
-  }
-
-  /// Marks the points on large planes and on known background. Noise makes points on the back of a
-  /// wall, too.
-  void FindStructure(const WorkingMap& map) {
-    is_structure_.assign(points_.size(), 0);
-    const std::vector<PlanePart> planes = FindLargePlanes(map);
-    for (const PlanePart& plane : planes) {
-      for (const std::size_t point : plane.points) is_structure_[point] = 1;
-    }
-    MarkFloor(planes);
-    TsdfSampler sampler(map.background(), map.scale());
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const DistanceSample sample = sampler.Sample(points_[i].position_world);
-      if (sample.known && std::abs(sample.distance_m) <= surface_.contact_voxels * voxel_m_ &&
-          std::abs(sample.gradient.dot(points_[i].normal_world)) >= surface_.min_normal_cosine) {
-        is_structure_[i] = 1;
-      }
-    }
-    ExtendStructure(&sampler);
-  }
-
-  /// Finds large planes, except those that end in free space, such as the top of a table or the
-  /// front of a cabinet.
-  std::vector<PlanePart> FindLargePlanes(const WorkingMap& map) const {
-    const OutlineTest test(map, {});
-    std::vector<PlanePart> planes = JoinPieces(FindPlanes(points_, 0.0));
-    std::erase_if(planes, [&](const PlanePart& plane) {
-      return AreaOf(plane) < parameters_.min_plane_area_m2 ||
-             test.FreeShareOf(PointsOf(plane.points)) > 0.5;
-    });
-    return planes;
-  }
-
-  /// Marks all points on the lowest of the large level planes: a piece of a floor may be too small
-  /// to be found as a plane.
-  void MarkFloor(const std::vector<PlanePart>& planes) {
-    std::optional<OrientedPoint> floor;
-    for (const PlanePart& plane : planes) {
-      if (plane.normal_world.z() < parameters_.min_plane_cosine) continue;
-      if (!floor || plane.center_world.z() < floor->position_world.z()) {
-        floor = OrientedPoint{plane.center_world, plane.normal_world};
-      }
-    }
-    if (!floor) return;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (IsOnPlane(points_[i], *floor)) is_structure_[i] = 1;
-    }
-  }
-
-  /// Joins the pieces of each plane: things divide a floor or a wall into pieces, each of which may
-  /// be small. The largest piece tells where the plane is.
-  std::vector<PlanePart> JoinPieces(std::vector<PlanePart> pieces) const {
-    std::stable_sort(pieces.begin(), pieces.end(), [](const PlanePart& a, const PlanePart& b) {
-      return a.points.size() > b.points.size();
-    });
-    std::vector<PlanePart> planes;
-    for (PlanePart& piece : pieces) {
-      const auto plane = std::find_if(planes.begin(), planes.end(), [&](const PlanePart& other) {
-        return IsOnPlane({piece.center_world, piece.normal_world},
-                         {other.center_world, other.normal_world});
-      });
-      if (plane == planes.end()) {
-        planes.push_back(std::move(piece));
-      } else {
-        plane->points.insert(plane->points.end(), piece.points.begin(), piece.points.end());
-      }
-    }
-    return planes;
-  }
-
-  double AreaOf(const PlanePart& plane) const {
-    return static_cast<double>(plane.points.size()) * voxel_m_ * voxel_m_;
-  }
-
   /// Adds the surface of known structures to the supports.
   void FindKnownStructures(WorkingMap* map) {
     for (const TrackedObject* object : map->AllObjects()) {
@@ -147,41 +64,37 @@ class SceneDivision {
     }
   }
 
-  /// Marks the points that continue known background in its plane: floor that was hidden until now.
-  void ExtendStructure(TsdfSampler* background) {
-    const PointGrid grid(points_, kPlaneReachVoxels * voxel_m_);
-    for (std::size_t seed = 0; seed < points_.size(); ++seed) {
-      if (is_structure_[seed] == 0 && ContinuesAt(points_[seed], background)) {
-        MarkPlane(points_[seed], seed, grid);
-      }
-    }
-  }
-
-  /// Marks the points that are connected with `seed` on a plane.
-  void MarkPlane(const OrientedPoint& plane, std::size_t seed, const PointGrid& grid) {
-    is_structure_[seed] = 1;
-    std::vector<std::size_t> region = {seed};
-    for (std::size_t next = 0; next < region.size(); ++next) {
-      grid.ForEachNeighbour(region[next], [&](std::size_t other) {
-        if (is_structure_[other] != 0 || !IsOnPlane(points_[other], plane)) return;
-        is_structure_[other] = 1;
-        region.push_back(other);
-      });
-    }
-  }
-
-  bool IsOnPlane(const OrientedPoint& point, const OrientedPoint& plane) const {
-    const double distance_m = plane.normal_world.dot(point.position_world - plane.position_world);
-    return std::abs(distance_m) <= voxel_m_ &&
-           plane.normal_world.dot(point.normal_world) >= parameters_.min_plane_cosine;
-  }
-
   void FindParts() {
     const double contact_m = surface_.contact_voxels * voxel_m_;
-    parts_ = FindConnectedParts(points_, is_structure_, contact_m);
+    std::vector<char> is_excluded(points_.size(), 0);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (kinds_[i] != ScenePointKind::kThing) is_excluded[i] = 1;
+    }
+    parts_ = FindConnectedParts(points_, is_excluded, contact_m);
+    // Also to what is dropped afterwards: noise beside a thing is no part of its foot.
+    AddFeet(contact_m);
     DropHardlySeenParts();
     JoinNearParts(parameters_.near_voxels * voxel_m_);
     for (std::size_t i = parts_.size(); i-- > 0;) SeparateStanding(i, contact_m);
+  }
+
+  /// Adds to each part the feet that it reaches first, in steps of at most `reach_m`.
+  void AddFeet(double reach_m) {
+    std::vector<std::size_t> part_of = PartOfPoints();
+    std::vector<std::size_t> reached;
+    for (const std::vector<std::size_t>& part : parts_) {
+      reached.insert(reached.end(), part.begin(), part.end());
+    }
+    const PointGrid grid(points_, reach_m);
+    for (std::size_t next = 0; next < reached.size(); ++next) {
+      const std::size_t part = part_of[reached[next]];
+      grid.ForEachNeighbour(reached[next], [&](std::size_t other) {
+        if (part_of[other] != 0 || kinds_[other] != ScenePointKind::kFoot) return;
+        part_of[other] = part;
+        parts_[part - 1].push_back(other);
+        reached.push_back(other);
+      });
+    }
   }
 
   /// Divides parts at the gaps between things beside each other.
@@ -205,7 +118,8 @@ class SceneDivision {
     const std::vector<std::size_t> part = parts_[index];
     const std::vector<OrientedPoint> points = PointsOf(part);
     std::vector<char> is_support(points.size(), 0);
-    for (const PlanePart& plane : FindPlanes(points, parameters_.min_support_area_m2)) {
+    for (const PlanePart& plane :
+         FindScenePlanes(parameters_, points, parameters_.min_support_area_m2, voxel_m_)) {
       for (const std::size_t i : plane.points) {
         if (points[i].normal_world.z() <= parameters_.min_plane_cosine) continue;
         is_support[i] = 1;
@@ -253,45 +167,36 @@ class SceneDivision {
     return false;
   }
 
-  /// Joins parts that are closer than `reach_m`, each of which is large enough for an object.
+  /// Joins parts that are closer than `reach_m`, except where they face each other across a gap.
+  /// Their feet do not tell.
   void JoinNearParts(double reach_m) {
     constexpr std::size_t kNone = ~std::size_t{0};
     const PointGrid grid(points_, reach_m);
     std::vector<std::size_t> part_of(points_.size(), kNone);
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      for (const std::size_t point : parts_[i]) part_of[point] = i;
+      for (const std::size_t point : parts_[i]) {
+        if (kinds_[point] == ScenePointKind::kThing) part_of[point] = i;
+      }
     }
     for (std::size_t i = parts_.size(); i-- > 0;) {
-      std::size_t into = i;
+      // By part: how many more pairs of near points do not face each other than do.
+      std::map<std::size_t, std::ptrdiff_t> balance;
       for (const std::size_t point : parts_[i]) {
+        if (part_of[point] == kNone) continue;
         grid.ForEachNeighbour(point, [&](std::size_t other) {
-          if (part_of[other] < into) into = part_of[other];
+          if (part_of[other] >= i) return;
+          balance[part_of[other]] += FaceEachOther(points_[point], points_[other]) ? -1 : 1;
         });
       }
-      if (into == i) continue;
-      for (const std::size_t point : parts_[i]) part_of[point] = into;
+      const auto found = std::find_if(
+          balance.begin(), balance.end(), [](const auto& entry) { return entry.second >= 0; });
+      if (found == balance.end()) continue;
+      const std::size_t into = found->first;
+      for (const std::size_t point : parts_[i]) {
+        if (part_of[point] != kNone) part_of[point] = into;
+      }
       Join(i, into);
     }
-  }
-
-  /// True if the background continues a surface at a point: along two axes in its tangent plane, a
-  /// few voxels away, it has surface that faces alike. Along an edge, it has some along one axis.
-  bool ContinuesAt(const OrientedPoint& point, TsdfSampler* background) const {
-    const Eigen::Vector3d along = point.normal_world.unitOrthogonal();
-    return ContinuesAlong(along, point, background) &&
-           ContinuesAlong(point.normal_world.cross(along), point, background);
-  }
-
-  bool ContinuesAlong(const Eigen::Vector3d& axis,
-                      const OrientedPoint& point,
-                      TsdfSampler* background) const {
-    return std::any_of(
-        std::begin(kContinuationVoxels), std::end(kContinuationVoxels), [&](double voxels) {
-          const DistanceSample sample =
-              background->Sample(point.position_world + voxels * voxel_m_ * axis);
-          return sample.known && std::abs(sample.distance_m) <= voxel_m_ &&
-                 sample.gradient.dot(point.normal_world) > parameters_.min_plane_cosine;
-        });
   }
 
   std::vector<OrientedPoint> PointsOf(const std::vector<std::size_t>& part) const {
@@ -305,7 +210,7 @@ class SceneDivision {
   void DropIncompleteParts(const WorkingMap& map) {
     std::vector<Eigen::Vector3d> structure;
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (is_structure_[i] != 0) structure.push_back(points_[i].position_world);
+      if (kinds_[i] == ScenePointKind::kStructure) structure.push_back(points_[i].position_world);
     }
     for (const OrientedPoint& point : supports_) structure.push_back(point.position_world);
     const OutlineTest test(map, structure);
@@ -348,8 +253,8 @@ class SceneDivision {
   const SurfaceMatchParameters& surface_;
   double voxel_m_;
   std::vector<OrientedPoint> points_;
-  std::vector<double> weights_;  ///< Of the voxels of the points.
-  std::vector<char> is_structure_;
+  std::vector<double> weights_;          ///< Of the voxels of the points.
+  std::vector<ScenePointKind> kinds_;    ///< Of the points.
   std::vector<OrientedPoint> supports_;  ///< On which things stand, besides structure.
   std::vector<std::vector<std::size_t>> parts_;
 };

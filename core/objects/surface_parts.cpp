@@ -170,13 +170,6 @@ void DropScoresWithoutSurface(TrackedObject* object, WorkingMap* map) {
   }
 }
 
-/// Returns by how much a surface turns inwards from one point to another: 1 for a right angle, 0 if
-/// it is flat or turns outwards.
-double InwardTurn(const OrientedPoint& from, const OrientedPoint& to) {
-  const Eigen::Vector3d way = (to.position_world - from.position_world).normalized();
-  return std::max(0.0, way.dot(from.normal_world - to.normal_world)) / M_SQRT2;
-}
-
 }  // namespace
 
 std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object) {
@@ -250,6 +243,11 @@ std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const Oriente
   std::stable_sort(
       parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
   return parts;
+}
+
+double InwardTurn(const OrientedPoint& from, const OrientedPoint& to) {
+  const Eigen::Vector3d way = (to.position_world - from.position_world).normalized();
+  return std::max(0.0, way.dot(from.normal_world - to.normal_world)) / M_SQRT2;
 }
 
 std::vector<std::size_t> SpreadParts(std::span<const OrientedPoint> points,

@@ -44,6 +44,10 @@ std::vector<std::vector<std::size_t>> FindConnectedParts(std::span<const Oriente
                                                          const std::vector<char>& is_excluded,
                                                          double reach_m);
 
+/// Returns by how much a surface turns inwards from one point to another: 1 for a right angle, 0 if
+/// it is flat or turns outwards.
+double InwardTurn(const OrientedPoint& from, const OrientedPoint& to);
+
 /// Extends parts along a surface: `seeds` are points with their part, and every other point gets
 /// the part of the seed from which the shortest way in steps of at most `reach_m` leads to it; 0 if
 /// there is none. A way is longer by `concave_cost_m` for a right angle that it turns inwards, as

@@ -107,10 +107,19 @@ TEST_F(SceneDivisionTest, BoxesApartAreTwoObjects) {
 }
 
 TEST_F(SceneDivisionTest, PiecesWithASmallGapAreOneObject) {
-  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.5)}).size(), 1U);
+  // Two pieces of one box: nothing was seen between y = 0.4 and y = 0.5.
+  const Box box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.4, 0.9, 0.4));
+  const auto is_observed = [](const Eigen::Vector3d& point) {
+    return point.z() > -0.12 && (point.z() < 0.12 || std::abs(point.y() - 0.45) > 0.04);
+  };
+  EXPECT_EQ(DivideSeen({FloorSlab(), box}, is_observed).size(), 1U);
 }
 
-TEST_F(SceneDivisionTest, BoxesWithASmallGapThatFramesLookThroughAreTwoObjects) {
+TEST_F(SceneDivisionTest, BoxesOfWhichTheSidesFaceEachOtherAreTwoObjects) {
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.5)}).size(), 2U);
+}
+
+TEST_F(SceneDivisionTest, ABoxThatFramesLookThroughIsTwoObjects) {
   // From the front, from above and from behind.
   for (int i = 0; i < 15; ++i) {
     const double x_m = i < 5 ? 0.0 : i < 10 ? (i - 5) * 0.1 : 0.4;
@@ -123,9 +132,15 @@ TEST_F(SceneDivisionTest, BoxesWithASmallGapThatFramesLookThroughAreTwoObjects) 
                      .middle_world = middle,
                      .view_sum_world = {100.0, 0.0}});
   }
-  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), StandingBox(0.0, 0.5)}).size(), 2U);
+  const Box box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.4, 0.9, 0.4));
+  EXPECT_EQ(Divide({FloorSlab(), box}).size(), 2U);
   // A single box beside the gap remains one.
   EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0)}).size(), 3U);
+}
+
+TEST_F(SceneDivisionTest, NoiseOnTheFloorDoesNotConnectThings) {
+  const Box noise(Eigen::Vector3d(0.0, 0.3, -0.2), Eigen::Vector3d(0.4, 0.9, 0.03));
+  EXPECT_EQ(Divide({FloorSlab(), StandingBox(0.0, 0.0), noise, StandingBox(0.0, 0.8)}).size(), 2U);
 }
 
 TEST_F(SceneDivisionTest, ABoxOfWhichTwoSidesWereNotSeenIsAnObject) {
