@@ -17,9 +17,13 @@
 namespace steadymap {
 namespace {
 
+// Surfaces face each other if their normals turn inwards from one to the other by more than this
+// share of a right angle.
+constexpr double kFacingTurn = 0.5;
+
 /// True if two points of surfaces face each other, as across the gap between two things.
 bool FaceEachOther(const OrientedPoint& a, const OrientedPoint& b) {
-  return InwardTurn(a, b) > 0.5;
+  return InwardTurn(a, b) > kFacingTurn;
 }
 
 /// The division of one scene.
@@ -71,7 +75,7 @@ class SceneDivision {
       if (kinds_[i] != ScenePointKind::kThing) is_excluded[i] = 1;
     }
     parts_ = FindConnectedParts(points_, is_excluded, contact_m);
-    // Also to what is dropped afterwards: noise beside a thing is no part of its foot.
+    // Noise on the floor takes its own feet before it is dropped, so that no thing takes them.
     AddFeet(contact_m);
     DropHardlySeenParts();
     JoinNearParts(parameters_.near_voxels * voxel_m_);
@@ -168,7 +172,7 @@ class SceneDivision {
   }
 
   /// Joins parts that are closer than `reach_m`, except where they face each other across a gap.
-  /// Their feet do not tell.
+  /// The distance between their feet does not count.
   void JoinNearParts(double reach_m) {
     constexpr std::size_t kNone = ~std::size_t{0};
     const PointGrid grid(points_, reach_m);
@@ -200,10 +204,7 @@ class SceneDivision {
   }
 
   std::vector<OrientedPoint> PointsOf(const std::vector<std::size_t>& part) const {
-    std::vector<OrientedPoint> points;
-    points.reserve(part.size());
-    for (const std::size_t i : part) points.push_back(points_[i]);
-    return points;
+    return PointsAt(points_, part);
   }
 
   /// Drops parts of which most of the outline was not seen.

@@ -22,13 +22,6 @@ constexpr double kContinuationVoxels[] = {2.0, -2.0, 4.0, -4.0, 6.0, -6.0};
 // Neighbours on a plane, voxels: the diagonal of a voxel.
 constexpr double kPlaneReachVoxels = 1.75;
 
-std::vector<OrientedPoint> PointsOf(const PlanePart& plane, std::span<const OrientedPoint> points) {
-  std::vector<OrientedPoint> of_plane;
-  of_plane.reserve(plane.points.size());
-  for (const std::size_t i : plane.points) of_plane.push_back(points[i]);
-  return of_plane;
-}
-
 /// The search for the structure of one scene.
 class StructureSearch {
  public:
@@ -110,7 +103,7 @@ std::vector<PlanePart> StructureSearch::FindLargePlanes() const {
   std::erase_if(planes, [&](const PlanePart& plane) {
     const double area_m2 = static_cast<double>(plane.points.size()) * voxel_m_ * voxel_m_;
     return area_m2 < parameters_.min_plane_area_m2 ||
-           test.FreeShareOf(PointsOf(plane, points_)) > 0.5;
+           test.FreeShareOf(PointsAt(points_, plane.points)) > 0.5;
   });
   return planes;
 }

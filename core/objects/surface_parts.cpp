@@ -185,6 +185,14 @@ std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object) {
   return points;
 }
 
+std::vector<OrientedPoint> PointsAt(std::span<const OrientedPoint> points,
+                                    std::span<const std::size_t> indices) {
+  std::vector<OrientedPoint> chosen;
+  chosen.reserve(indices.size());
+  for (const std::size_t i : indices) chosen.push_back(points[i]);
+  return chosen;
+}
+
 std::vector<double> SurfaceWeightsOf(const TrackedObject& object) {
   std::vector<double> weights;
   weights.reserve(object.surface().point_count());

@@ -21,6 +21,10 @@ struct OrientedPoint {
 /// Returns the surface points of an object, in the order of `ObjectSurface::leaves()`.
 std::vector<OrientedPoint> OrientedSurfaceOf(const TrackedObject& object);
 
+/// Returns the points with the given indices.
+std::vector<OrientedPoint> PointsAt(std::span<const OrientedPoint> points,
+                                    std::span<const std::size_t> indices);
+
 /// Returns the weights of the voxels of the surface points of an object, in the same order: 1 for
 /// one measurement from 1 m at normal incidence (`kWeightUnit`).
 std::vector<double> SurfaceWeightsOf(const TrackedObject& object);
