@@ -12,13 +12,15 @@ namespace steadymap {
 namespace {
 
 /// The surface of other objects beside a leg, world frame, metres.
-struct Surroundings {
+struct SurfaceBesideLeg {
   std::vector<Eigen::Vector3d> supports;       ///< Of other classes: the leg ends there.
   std::vector<Eigen::Vector3d> continuations;  ///< Of its class, in no segment.
 };
 
-Surroundings FindSurroundings(const TrackedObject& leg, double reach_m, const WorkingMap& map) {
-  Surroundings surroundings;
+SurfaceBesideLeg FindSurfaceBeside(const TrackedObject& leg,
+                                   double reach_m,
+                                   const WorkingMap& map) {
+  SurfaceBesideLeg beside;
   const Box reach_world = Grow(leg.BoundsInWorld(), reach_m);
   for (const TrackedObject* other : map.ObjectsNear(reach_world)) {
     // What another session saw is not decided.
@@ -28,13 +30,12 @@ Surroundings FindSurroundings(const TrackedObject& leg, double reach_m, const Wo
     }
     const bool is_of_class = IsOfOneClass(*other, leg);
     if (is_of_class && !IsUnsegmented(*other)) continue;
-    std::vector<Eigen::Vector3d>& points =
-        is_of_class ? surroundings.continuations : surroundings.supports;
+    std::vector<Eigen::Vector3d>& points = is_of_class ? beside.continuations : beside.supports;
     for (const Eigen::Vector3d& point : other->SurfaceInWorld()) {
       if (reach_world.contains(point)) points.push_back(point);
     }
   }
-  return surroundings;
+  return beside;
 }
 
 double LengthOf(const TrackedObject& object) { return object.cuboid().size_m.maxCoeff(); }
@@ -73,9 +74,9 @@ bool IsOpenLeg(const TrackedObject& object,
       std::min(parameters.max_leg_width_m, parameters.scene.max_leg_share * lengths_m.x())) {
     return false;
   }
-  const Surroundings surroundings = FindSurroundings(object, parameters.max_gap_m, map);
-  return OutlineTest(map, surroundings.supports)
-      .HasUnseenEnd(OrientedSurfaceOf(object), surroundings.continuations);
+  const SurfaceBesideLeg beside = FindSurfaceBeside(object, parameters.max_gap_m, map);
+  return OutlineTest(map, beside.supports)
+      .HasUnseenEnd(OrientedSurfaceOf(object), beside.continuations);
 }
 
 bool MayBeLegOf(const TrackedObject& leg,

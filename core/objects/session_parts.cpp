@@ -74,7 +74,7 @@ class PartCompletion {
     DropFragments();
     JoinLegs(parameters_, source_, map_);
     JoinPieces();
-    AddUnsegmentedSurface(parameters_.surface.contact_voxels, source_, map_);
+    AddUnsegmentedSurface(parameters_, source_, map_);
   }
 
  private:

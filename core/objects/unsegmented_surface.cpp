@@ -1,25 +1,39 @@
 #include "core/objects/unsegmented_surface.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "core/objects/session_parts.h"
+#include "core/change/surface_looks.h"
+#include "core/objects/legs.h"
 #include "core/objects/surface_parts.h"
 
 namespace steadymap {
 namespace {
 
-/// Adds the parts of unsegmented surface to the objects that they continue.
-void AddToObjects(TrackedObject* surface,
-                  const std::vector<TrackedObject*>& objects,
-                  double reach_m,
-                  WorkingMap* map) {
-  std::vector<OrientedPoint> points = OrientedSurfaceOf(*surface);
-  const std::size_t own_count = points.size();
-  const Box reach_world = Grow(surface->BoundsInWorld(), reach_m);
+/// Returns the objects of the session of a source that have the class of unsegmented surface.
+std::vector<TrackedObject*> FindObjectsOfClass(const TrackedObject& surface,
+                                               const SensorName& source,
+                                               WorkingMap* map) {
+  std::vector<TrackedObject*> objects;
+  for (TrackedObject* object : map->TentativeObjectsOf(source)) {
+    if (!IsUnsegmented(*object) && IsOfOneClass(*object, surface)) objects.push_back(object);
+  }
+  return objects;
+}
+
+/// Returns for each point of unsegmented surface the number of the object that it continues,
+/// counted from 1; 0 if it continues none.
+std::vector<std::size_t> FindContinued(std::span<const OrientedPoint> surface,
+                                       const Box& surface_bounds_world,
+                                       const std::vector<TrackedObject*>& objects,
+                                       double reach_m) {
+  std::vector<OrientedPoint> points(surface.begin(), surface.end());
+  const Box reach_world = Grow(surface_bounds_world, reach_m);
   std::vector<std::pair<std::size_t, std::size_t>> seeds;
   for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (!objects[i]->BoundsInWorld().intersects(reach_world)) continue;
     for (const OrientedPoint& point : OrientedSurfaceOf(*objects[i])) {
       if (!reach_world.contains(point.position_world)) continue;
       seeds.emplace_back(points.size(), i + 1);
@@ -27,10 +41,67 @@ void AddToObjects(TrackedObject* surface,
     }
   }
   std::vector<std::size_t> part_of = SpreadParts(points, seeds, reach_m);
-  part_of.resize(own_count);
-  const std::vector<TrackedObject*> parts = DivideVoxels(surface, part_of, objects.size(), map);
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    AddVoxels(*parts[i], map, objects[i]);
+  part_of.resize(surface.size());
+  return part_of;
+}
+
+/// Numbers the connected parts of the points that have no number, from `next` on. Returns the
+/// number after the last.
+std::size_t NumberRest(std::span<const OrientedPoint> points,
+                       double reach_m,
+                       std::size_t next,
+                       std::vector<std::size_t>* part_of) {
+  std::vector<char> is_numbered(points.size(), 0);
+  std::transform(part_of->begin(), part_of->end(), is_numbered.begin(), [](std::size_t part) {
+    return part == 0 ? '\0' : '\1';
+  });
+  for (const std::vector<std::size_t>& rest : FindConnectedParts(points, is_numbered, reach_m)) {
+    for (const std::size_t index : rest) (*part_of)[index] = next;
+    ++next;
+  }
+  return next;
+}
+
+/// True if the looks at a part find it gone at least as often as in place: a wrong label.
+bool IsDoubted(const TrackedObject& part) {
+  const LookCount looks = CountLooks(part);
+  return looks.gone > 0 && looks.gone >= looks.found;
+}
+
+/// Returns the nearest object of which a part is an open leg; null if there is none.
+TrackedObject* FindWhole(const TrackedObject& part,
+                         const std::vector<TrackedObject*>& objects,
+                         const SessionPartParameters& parameters,
+                         const WorkingMap& map) {
+  if (IsTooSmall(part, parameters) || IsDoubted(part) || !IsOpenLeg(part, parameters, map)) {
+    return nullptr;
+  }
+  TrackedObject* nearest = nullptr;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (TrackedObject* object : objects) {
+    const double distance_m = DistanceBetween(part.cuboid(), object->cuboid());
+    if (distance_m >= nearest_m || !MayBeLegOf(part, *object, parameters)) continue;
+    nearest = object;
+    nearest_m = distance_m;
+  }
+  return nearest;
+}
+
+/// Adds the parts of unsegmented surface to the objects to which they belong.
+void AddToObjects(const SessionPartParameters& parameters,
+                  const std::vector<TrackedObject*>& objects,
+                  TrackedObject* surface,
+                  WorkingMap* map) {
+  const double reach_m = parameters.surface.contact_voxels * map->scale().voxel_size_m;
+  const std::vector<OrientedPoint> points = OrientedSurfaceOf(*surface);
+  std::vector<std::size_t> part_of =
+      FindContinued(points, surface->BoundsInWorld(), objects, reach_m);
+  const std::size_t end = NumberRest(points, reach_m, objects.size() + 1, &part_of);
+  const std::vector<TrackedObject*> parts = DivideVoxels(surface, part_of, end - 1, map);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    TrackedObject* whole =
+        i < objects.size() ? objects[i] : FindWhole(*parts[i], objects, parameters, *map);
+    if (whole != nullptr) AddVoxels(*parts[i], map, whole);
     map->Delete(parts[i]);
   }
 }
@@ -41,18 +112,12 @@ bool IsUnsegmented(const TrackedObject& object) {
   return object.state().status == ObjectStatus::kTentative && object.state().supporting_frames == 0;
 }
 
-void AddUnsegmentedSurface(double contact_voxels, const SensorName& source, WorkingMap* map) {
-  const double reach_m = contact_voxels * map->scale().voxel_size_m;
+void AddUnsegmentedSurface(const SessionPartParameters& parameters,
+                           const SensorName& source,
+                           WorkingMap* map) {
   for (TrackedObject* surface : map->TentativeObjectsOf(source)) {
     if (!IsUnsegmented(*surface)) continue;
-    std::vector<TrackedObject*> objects;
-    for (TrackedObject* object : map->TentativeObjectsOf(source)) {
-      if (!IsUnsegmented(*object) && IsOfOneClass(*object, *surface) &&
-          object->BoundsInWorld().intersects(Grow(surface->BoundsInWorld(), reach_m))) {
-        objects.push_back(object);
-      }
-    }
-    AddToObjects(surface, objects, reach_m, map);
+    AddToObjects(parameters, FindObjectsOfClass(*surface, source, map), surface, map);
     map->Delete(surface);
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/objects/session_parts.h"
 #include "core/working/working_map.h"
 
 /// Surface of a session that no frame shows connected with an object: seen only at flat angles, or
@@ -12,7 +13,11 @@ bool IsUnsegmented(const TrackedObject& object);
 
 /// Adds the unsegmented surface of the session of a source to the objects of its class. Each part
 /// goes to the object from which the shortest way along the surface, in steps of at most
-/// `contact_voxels`, leads to it. What is connected with none is deleted.
-void AddUnsegmentedSurface(double contact_voxels, const SensorName& source, WorkingMap* map);
+/// `surface.contact_voxels`, leads to it. What is connected with none may be an open leg of which
+/// the upper end is hidden: it goes to the nearest object that it may belong to (`legs.h`). The
+/// rest is deleted.
+void AddUnsegmentedSurface(const SessionPartParameters& parameters,
+                           const SensorName& source,
+                           WorkingMap* map);
 
 }  // namespace steadymap

@@ -15,7 +15,9 @@ namespace {
 using ::steadymap::testing::MakeVolume;
 using ::steadymap::testing::StoreVolume;
 
-constexpr double kReachVoxels = 1.5;
+// A table 0.7 m high, 1 m long, and the lower end of its leg: the top hides the upper end.
+const Box kTableTop(Eigen::Vector3d(0.0, 0.0, 0.6), Eigen::Vector3d(1.0, 0.5, 0.7));
+const Box kLeg(Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.05, 0.05, 0.4));
 
 class UnsegmentedSurfaceTest : public ::testing::Test {
  protected:
@@ -27,12 +29,15 @@ class UnsegmentedSurfaceTest : public ::testing::Test {
                      double high_x_m,
                      std::uint64_t frames,
                      ClassId class_id = ClassId(7)) {
-    const Eigen::Vector3d place(low_x_m, 0.0, 0.0);
-    TrackedObject& object = map_.AddObject(place);
-    const Eigen::Vector3d low = place - object.state().T_world_object.position_world;
-    const Eigen::Vector3d size_m(high_x_m - low_x_m, 0.5, 0.5);
+    const Box box_world(Eigen::Vector3d(low_x_m, 0.0, 0.0), Eigen::Vector3d(high_x_m, 0.5, 0.5));
+    return PutBox(box_world, frames, class_id);
+  }
+
+  TrackedObject* PutBox(const Box& box_world, std::uint64_t frames, ClassId class_id = ClassId(7)) {
+    TrackedObject& object = map_.AddObject(box_world.min());
+    const Eigen::Vector3d low = box_world.min() - object.state().T_world_object.position_world;
     ObjectEdit edit = map_.Edit(&object);
-    StoreVolume(MakeVolume({Box(low, low + size_m)}, map_.scale()), &edit);
+    StoreVolume(MakeVolume({Box(low, low + box_world.sizes())}, map_.scale()), &edit);
     edit.state().class_id = class_id;
     edit.state().supporting_frames = frames;
     return &object;
@@ -43,7 +48,7 @@ class UnsegmentedSurfaceTest : public ::testing::Test {
   }
 
   void Add() {
-    AddUnsegmentedSurface(kReachVoxels, {}, &map_);
+    AddUnsegmentedSurface(SessionPartParameters(), {}, &map_);
     for (const TrackedObject* object : map_.TentativeObjects()) {
       EXPECT_FALSE(IsUnsegmented(*object));
     }
@@ -87,6 +92,39 @@ TEST_F(UnsegmentedSurfaceTest, BeyondAGapIsOfNoObject) {
   Add();
   EXPECT_NEAR(object->cuboid().size_m.x(), 0.5, 0.05);
   EXPECT_EQ(map_.TentativeObjects().size(), 1U);
+}
+
+TEST_F(UnsegmentedSurfaceTest, ALegOfWhichTheUpperEndIsHiddenBelongsToItsTable) {
+  const TrackedObject* table = PutBox(kTableTop, 10);
+  PutBox(kLeg, 0);
+  Add();
+  EXPECT_NEAR(table->cuboid().lowest_m(), 0.0, 0.05);
+  EXPECT_EQ(map_.TentativeObjects().size(), 1U);
+}
+
+TEST_F(UnsegmentedSurfaceTest, ALegThatWasSeenFromEndToEndIsOfNoObject) {
+  const TrackedObject* table = PutBox(kTableTop, 10);
+  PutBox(kLeg, 0);
+  for (int x = -4; x <= 4; ++x) {
+    for (int y = -4; y <= 4; ++y) {
+      map_.MarkFree({0.05 * x, 0.05 * y, -0.4}, {0.05 * x, 0.05 * y, 0.59}, map_.now());
+    }
+  }
+  Add();
+  EXPECT_NEAR(table->cuboid().lowest_m(), 0.6, 0.05);
+}
+
+TEST_F(UnsegmentedSurfaceTest, ALegThatLooksFindGoneWasAWrongLabel) {
+  const TrackedObject* table = PutBox(kTableTop, 10);
+  TrackedObject* leg = PutBox(kLeg, 0);
+  {
+    ObjectEdit edit = map_.Edit(leg);
+    for (const SurfaceLeaf& leaf : leg->surface().leaves()) {
+      edit.state().evidence.MutableLeaf(leaf.origin).score.fill(-2);
+    }
+  }
+  Add();
+  EXPECT_NEAR(table->cuboid().lowest_m(), 0.6, 0.05);
 }
 
 TEST_F(UnsegmentedSurfaceTest, OfAnotherClassIsOfNoObject) {
