@@ -203,14 +203,16 @@ Eigen::Vector3d OutlineTest::Behind(const OrientedPoint& point) const {
   return point.position_world - map_.free_space().cell_size_m() * sideways;
 }
 
-/// True if a part of the way between two points of surfaces is free space.
+/// True if on the way between two points of surfaces, free space was seen, or structure: a floor
+/// between two things shows that they end there.
 bool OutlineTest::IsSeenThrough(const Eigen::Vector3d& from_world,
                                 const Eigen::Vector3d& to_world) const {
   const double length_m = (to_world - from_world).norm();
   const Eigen::Vector3d direction = (to_world - from_world) / length_m;
   const int grains = static_cast<int>(length_m / grain_m_);
   for (int i = 1; i < grains; ++i) {
-    if (map_.free_space().IsFree(from_world + i * grain_m_ * direction)) return true;
+    const Eigen::Vector3d point_world = from_world + i * grain_m_ * direction;
+    if (map_.free_space().IsFree(point_world) || IsOnStructure(point_world)) return true;
   }
   return false;
 }

@@ -142,6 +142,13 @@ TEST_F(OutlineTestTest, FreeSpaceInFrontTellsNothingOfWhatIsBehind) {
   EXPECT_TRUE(GoesOnAsRight(0.25));
 }
 
+TEST_F(OutlineTestTest, ASurfaceEndsWhereTheFloorBesideItWasSeen) {
+  StoreBackground({0.4, kSurfaceY, 0.0}, 1);
+  EXPECT_TRUE(GoesOnAsRight(0.25)) << "extrapolated";
+  StoreBackground({0.4, kSurfaceY, 0.0}, 2);
+  EXPECT_FALSE(GoesOnAsRight(0.25));
+}
+
 TEST_F(OutlineTestTest, APostHasAnUnseenEndUnlessTheSpaceBeyondIsFree) {
   const std::vector<OrientedPoint> post = UprightBetween(0.0, 0.05);
   EXPECT_TRUE(OutlineTest(map_, {}).HasUnseenEnd(post, {}));
