@@ -62,7 +62,7 @@ struct LookCount {
   /// Returns how many cells tell of the whole object: `min_cells`, or of a small object half of its
   /// cells, since a camera sees no more of them at once; at least one.
   std::size_t DecidingCells(std::size_t min_cells) const {
-    return std::min(min_cells, std::max<std::size_t>((cells + 1) / 2, 1));
+    return std::min(min_cells, std::max<std::size_t>(cells / 2, 1));
   }
 };
 

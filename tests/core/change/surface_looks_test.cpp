@@ -172,7 +172,8 @@ TEST_F(SurfaceLooksTest, CountsWhatWasLookedAtAfterATime) {
 
 TEST(LookCount, HalfOfTheCellsOfASmallObjectTellOfIt) {
   EXPECT_EQ(LookCount{.cells = 100}.DecidingCells(3), 3U);
-  EXPECT_EQ(LookCount{.cells = 5}.DecidingCells(3), 3U);
+  EXPECT_EQ(LookCount{.cells = 6}.DecidingCells(3), 3U);
+  EXPECT_EQ(LookCount{.cells = 5}.DecidingCells(3), 2U) << "a camera sees no more than half";
   EXPECT_EQ(LookCount{.cells = 4}.DecidingCells(3), 2U);
   EXPECT_EQ(LookCount{.cells = 1}.DecidingCells(3), 1U);
   EXPECT_EQ(LookCount{.cells = 0}.DecidingCells(3), 1U) << "no cells tell nothing";
