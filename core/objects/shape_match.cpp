@@ -103,8 +103,11 @@ ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
                        const FreeSpaceSince& free_space,
                        const SurfaceMatchParameters& parameters,
-                       const VoxelScale& scale) {
+                       const VoxelScale& scale,
+                       double max_step_m) {
   const std::vector<Eigen::Vector3d> points_world = after.SurfaceInWorld();
+  const double foot_m =
+      before.cuboid().lowest_m() - before.state().T_world_object.position_world.z();
   const Eigen::Isometry3d T_world_after = after.state().T_world_object.ToIsometry();
   ShapeMatch best;
   for (const Eigen::Isometry3d& T_world_guess :
@@ -113,6 +116,9 @@ ShapeMatch MatchShapes(const TrackedObject& before,
         RegisterPoints(points_world, before.volume(), scale, UprightPoseOf(T_world_guess));
     ShapeMatch match;
     match.T_world_object = registration.T_correction.inverse() * T_world_guess;
+    const double step_m =
+        match.T_world_object.translation().z() + foot_m - after.cuboid().lowest_m();
+    if (std::abs(step_m) > max_step_m) continue;
     match.overlap = CompareSurfaces(
         after, before, match.T_world_object.inverse() * T_world_after, parameters, scale);
     if (match.overlap.known_close_share() > best.overlap.known_close_share()) best = match;

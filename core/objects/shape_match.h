@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include <Eigen/Geometry>
 
 #include "core/objects/surface_overlap.h"
@@ -21,12 +23,14 @@ UprightPose UprightPoseOf(const Eigen::Isometry3d& T_world_object);
 
 /// Places the shape of `before` at the surface of `after`: by their cuboids, turned by each quarter
 /// turn and with any sides in common, since a frame shows a part of the sides only. Registers those
-/// from which the surfaces are closest, and returns the best. `free_space`: seen together with
-/// `after`; the placed shape has no surface there.
+/// from which the surfaces are closest, and returns the best; an empty match if there is none.
+/// `free_space`: seen together with `after`; the placed shape has no surface there. `max_step_m`:
+/// by how much the lowest points of both may differ in height.
 ShapeMatch MatchShapes(const TrackedObject& before,
                        const TrackedObject& after,
                        const FreeSpaceSince& free_space,
                        const SurfaceMatchParameters& parameters,
-                       const VoxelScale& scale);
+                       const VoxelScale& scale,
+                       double max_step_m = std::numeric_limits<double>::infinity());
 
 }  // namespace steadymap

@@ -1,5 +1,6 @@
 #include "core/objects/shape_match.h"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -59,6 +60,20 @@ TEST(MatchShapes, TellsABoxFromOneThatIsLargerByTenCentimetres) {
   const TrackedObject large = StandingBox(2, {0.5, 0.32, 0.45}, {0.0, 1.0, 0.0}, 0.0);
   const TrackedObject after = StandingBox(3, {0.4, 0.3, 0.3}, {1.0, 0.5, 0.0}, 0.4);
   EXPECT_GT(Match(small, after).close_share(), Match(large, after).close_share() + 0.2);
+}
+
+// With its top at that of a low box, a high one would be 40 cm in the floor.
+TEST(MatchShapes, ThingsOfWhichTheBottomIsKnownStandAtOneHeight) {
+  const TrackedObject high = StandingBox(1, {0.4, 0.3, 0.8}, {0.0, 0.0, 0.0}, 0.0);
+  const TrackedObject low = StandingBox(2, {0.4, 0.3, 0.4}, {1.0, 0.5, 0.0}, 0.0);
+  const FreeSpace unknown(kFreeCellM);
+  const FreeSpaceSince free_space(unknown, Timestamp());
+  const SurfaceMatchParameters parameters;
+  const auto height_of = [](const ShapeMatch& match) {
+    return std::abs(match.T_world_object.translation().z());
+  };
+  EXPECT_GT(height_of(MatchShapes(high, low, free_space, parameters, kScale)), 0.3);
+  EXPECT_LT(height_of(MatchShapes(high, low, free_space, parameters, kScale, 0.1)), 0.1);
 }
 
 TEST(MatchShapes, PlacesNoSurfaceInFreeSpace) {
