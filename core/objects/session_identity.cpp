@@ -56,6 +56,7 @@ class SessionDecision {
     SeparateGone();
     AddRestsToStructures();
     FindMoves();
+    if (FindReplaced()) FindMoves();
     MatchDoubted();
     AddRest();
     EndGone();
@@ -86,6 +87,7 @@ class SessionDecision {
   void FindDeparted();
   void CutGone();
   void FindMoves();
+  bool FindReplaced();
   void AddRest();
   bool IsPartOfKnown(const TrackedObject& seen);
   void EndGone();
@@ -99,6 +101,7 @@ class SessionDecision {
   SessionObjects objects_;
   std::set<const TrackedObject*>
       departed_;  ///< Objects that later frames of the session found gone.
+  std::vector<const TrackedObject*> moved_;  ///< Known objects that are at a new place.
   std::vector<std::pair<SeenObject*, KnownObject*>> rests_;  ///< Parts of structures.
   bool is_of_past_ = false;                                  ///< See `past_session.h`.
   std::optional<PoseOffset> offset_;                         ///< Of the poses of the session.
@@ -380,8 +383,7 @@ void SessionDecision::AddRestsToStructures() {
 /// Joins objects of the session with the gone, pushed or archived objects whose shape they have.
 void SessionDecision::FindMoves() {
   const FreeSpaceSince free_space(map_->free_space(), StartOfSession());
-  for (const SessionMove& move :
-       FindSessionMoves(parameters_, free_space, map_->scale(), &objects_)) {
+  for (const SessionMove& move : FindSessionMoves(parameters_, free_space, *map_, &objects_)) {
     KnownObject& known = *move.known;
     const bool is_outdated = IsOlderThanLastLook(*move.seen, known);
     // `JudgeKnown` has asked whether what is gone is contradicted. The past contradicts nothing.
@@ -402,7 +404,32 @@ void SessionDecision::FindMoves() {
     outcomes_.Join(move.match, known.object, move.seen->object);
     known.standing = Standing::kStands;
     known.is_taken = true;
+    moved_.push_back(known.object);
   }
+}
+
+/// Finds the known objects that cannot stand where an object of their class is that was moved
+/// there: what the looks found of them is its surface. Without a class, one may be in the hollow of
+/// the other. Returns false if there are none.
+bool SessionDecision::FindReplaced() {
+  bool has_found = false;
+  for (KnownObject& known : objects_.known) {
+    const bool may_stand =
+        known.standing == Standing::kStands || known.standing == Standing::kUnverified;
+    if (!may_stand || known.is_taken || known.object->is_archived() ||
+        known.object->state().class_id == kNoClass) {
+      continue;
+    }
+    const bool is_replaced =
+        std::any_of(moved_.begin(), moved_.end(), [&](const TrackedObject* moved) {
+          return IsOfOneClass(*moved, *known.object) &&
+                 ShareSpace(*moved, *known.object, parameters_.parts.shares);
+        });
+    if (!is_replaced || outcomes_.IsContradicted(known.object)) continue;
+    known.standing = Standing::kGone;
+    has_found = true;
+  }
+  return has_found;
 }
 
 /// True if an object of the session continues a known one that stands, or that the session hardly

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "core/geometry/assignment.h"
 #include "core/geometry/cuboid.h"
 #include "core/objects/session_alignment.h"
+#include "core/objects/support.h"
 #include "core/objects/surface_overlap.h"
 #include "core/objects/surface_relations.h"
 #include "core/types/parallel.h"
@@ -20,16 +24,20 @@ class MoveSearch {
  public:
   MoveSearch(const SessionIdentityParameters& parameters,
              const FreeSpaceSince& free_space,
-             const VoxelScale& scale,
+             const WorkingMap& map,
              SessionObjects* objects)
-      : parameters_(parameters), free_space_(free_space), scale_(scale), objects_(objects) {}
+      : parameters_(parameters),
+        free_space_(free_space),
+        map_(map),
+        scale_(map.scale()),
+        objects_(objects) {}
 
   std::vector<SessionMove> Run() {
     std::vector<SessionMove> candidates = ListMoves();
     std::erase_if(candidates,
                   [&](const SessionMove& candidate) { return IsOfStanding(candidate); });
     DropPushed(candidates);
-    return FindClearMoves(candidates);
+    return FindClearMoves(DropRefuted(candidates));
   }
 
  private:
@@ -37,15 +45,20 @@ class MoveSearch {
   bool MayHaveMoved(const SeenObject& seen, const KnownObject& known) const;
   bool MayStand(const SeenObject& seen, const KnownObject& known) const;
   bool AreOfOneSize(const TrackedObject& seen, const TrackedObject& known) const;
+  double MaxStepM(const SessionMove& candidate) const;
+  double MinCloseShare(const SessionMove& candidate) const;
   bool IsDoubtedMatch(const SeenObject& seen, const KnownObject& known) const;
   std::vector<SessionMove> ListMoves() const;
   bool IsOfStanding(const SessionMove& candidate) const;
+  bool IsRefuted(const SessionMove& candidate, const std::vector<SessionMove>& candidates) const;
+  std::vector<SessionMove> DropRefuted(const std::vector<SessionMove>& candidates) const;
   void DropPushed(const std::vector<SessionMove>& candidates);
   double LikelihoodOf(const SessionMove& candidate) const;
   std::vector<SessionMove> FindClearMoves(const std::vector<SessionMove>& candidates) const;
 
   const SessionIdentityParameters& parameters_;
   const FreeSpaceSince& free_space_;
+  const WorkingMap& map_;
   const VoxelScale& scale_;
   SessionObjects* objects_;
 };
@@ -99,7 +112,8 @@ bool MoveSearch::IsPushed(const SeenObject& seen,
 /// object of the session is.
 bool MoveSearch::MayHaveMoved(const SeenObject& seen, const KnownObject& known) const {
   if (known.object->is_archived()) return !IsOlderThanRemoval(seen, known);
-  return known.standing == Standing::kGone || IsDoubtedMatch(seen, known) ||
+  return known.standing == Standing::kGone || known.standing == Standing::kUnverified ||
+         IsDoubtedMatch(seen, known) ||
          DistanceBetween(known.object->cuboid(), seen.object->cuboid()) <= 0.0;
 }
 
@@ -122,6 +136,28 @@ bool MoveSearch::IsDoubtedMatch(const SeenObject& seen, const KnownObject& known
       objects_->doubted.begin(), objects_->doubted.end(), [&](const PlaceMatch& match) {
         return match.seen == &seen && match.known == &known;
       });
+}
+
+/// Returns the share of two surfaces that must agree if they are of one object: most, less the
+/// standard deviation of a share that so few points tell.
+double MoveSearch::MinCloseShare(const SessionMove& candidate) const {
+  const double most = parameters_.parts.shares.most();
+  const auto points =
+      static_cast<double>(std::min(candidate.seen->object->surface().point_count(),
+                                   candidate.known->object->surface().point_count()));
+  return most - std::sqrt(most * (1.0 - most) / points);
+}
+
+/// Returns by how much the lowest points of a known object may differ in height from those of an
+/// object of the session that it is: if both stand on the background, by no more than the errors.
+double MoveSearch::MaxStepM(const SessionMove& candidate) const {
+  if (!StandsOnBackground(*candidate.known->object, parameters_.parts, map_) ||
+      !StandsOnBackground(*candidate.seen->object, parameters_.parts, map_)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const SurfaceMatchParameters& surface = parameters_.parts.surface;
+  return surface.contact_voxels * scale_.voxel_size_m +
+         surface.max_sigmas * SurfaceSigmaM(surface, scale_);
 }
 
 /// Returns the known objects that each undecided object of the session may be, at a new place.
@@ -147,12 +183,13 @@ std::vector<SessionMove> MoveSearch::ListMoves() const {
                                     *candidate.seen->object,
                                     free_space_,
                                     parameters_.parts.surface,
-                                    scale_);
+                                    scale_,
+                                    MaxStepM(candidate));
     }
   });
   std::erase_if(candidates, [&](const SessionMove& candidate) {
     return candidate.match.overlap.known_share < parameters_.parts.shares.majority ||
-           candidate.match.close_share() < parameters_.parts.shares.most() ||
+           candidate.match.close_share() < MinCloseShare(candidate) ||
            (MayStand(*candidate.seen, *candidate.known) &&
             !IsPushed(*candidate.seen, *candidate.known, candidate.match));
   });
@@ -171,6 +208,29 @@ bool MoveSearch::IsOfStanding(const SessionMove& candidate) const {
                DoubtOf(*match.known->object, *objects_, parameters_) <
                    parameters_.parts.shares.majority;
       });
+}
+
+/// True if both objects clearly have the shape of another one: the surface in which they differ is
+/// no error, even if one was close to where the other one is.
+bool MoveSearch::IsRefuted(const SessionMove& candidate,
+                           const std::vector<SessionMove>& candidates) const {
+  const double clearly_better = candidate.match.close_share() + parameters_.parts.shares.negligible;
+  const auto any_better = [&](const auto& shares_object) {
+    return std::any_of(candidates.begin(), candidates.end(), [&](const SessionMove& other) {
+      return shares_object(other) && other.match.close_share() > clearly_better;
+    });
+  };
+  return any_better([&](const SessionMove& other) { return other.seen == candidate.seen; }) &&
+         any_better([&](const SessionMove& other) { return other.known == candidate.known; });
+}
+
+std::vector<SessionMove> MoveSearch::DropRefuted(const std::vector<SessionMove>& candidates) const {
+  std::vector<SessionMove> likely;
+  std::copy_if(candidates.begin(),
+               candidates.end(),
+               std::back_inserter(likely),
+               [&](const SessionMove& candidate) { return !IsRefuted(candidate, candidates); });
+  return likely;
 }
 
 /// Gives up matches in place that a push explains better, also if several objects may be pushed.
@@ -220,9 +280,9 @@ std::vector<SessionMove> MoveSearch::FindClearMoves(
 
 std::vector<SessionMove> FindSessionMoves(const SessionIdentityParameters& parameters,
                                           const FreeSpaceSince& free_space,
-                                          const VoxelScale& scale,
+                                          const WorkingMap& map,
                                           SessionObjects* objects) {
-  return MoveSearch(parameters, free_space, scale, objects).Run();
+  return MoveSearch(parameters, free_space, map, objects).Run();
 }
 
 }  // namespace steadymap

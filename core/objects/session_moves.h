@@ -5,7 +5,7 @@
 #include "core/objects/session_objects.h"
 #include "core/objects/session_parameters.h"
 #include "core/objects/shape_match.h"
-#include "core/volume/tsdf_grid.h"
+#include "core/working/working_map.h"
 
 /// Which known object an object of a session is if that one is at a new place.
 namespace steadymap {
@@ -22,7 +22,7 @@ struct SessionMove {
 /// the doubted matches in place that a push explains better.
 std::vector<SessionMove> FindSessionMoves(const SessionIdentityParameters& parameters,
                                           const FreeSpaceSince& free_space,
-                                          const VoxelScale& scale,
+                                          const WorkingMap& map,
                                           SessionObjects* objects);
 
 }  // namespace steadymap

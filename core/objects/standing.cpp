@@ -42,9 +42,7 @@ bool Replaces(const TrackedObject& other,
               bool is_doubted,
               const SessionIdentityParameters& parameters,
               const VoxelScale& scale) {
-  const double smaller_m3 = std::min(other.cuboid().volume_m3(), known.cuboid().volume_m3());
-  const bool is_in_its_space =
-      OverlapM3(other.cuboid(), known.cuboid()) > parameters.parts.shares.substantial * smaller_m3;
+  const bool is_in_its_space = ShareSpace(other, known, parameters.parts.shares);
   if (is_doubted) return is_in_its_space;
   if (is_in_its_space && HaveOtherSurfaces(other, known, parameters.parts, scale)) return true;
   const std::optional<Registration> registration = RegisterToKnown(other, known, scale);
@@ -64,6 +62,11 @@ bool Hides(const TrackedObject& other,
 }
 
 }  // namespace
+
+bool ShareSpace(const TrackedObject& a, const TrackedObject& b, const SurfaceShares& shares) {
+  const double smaller_m3 = std::min(a.cuboid().volume_m3(), b.cuboid().volume_m3());
+  return OverlapM3(a.cuboid(), b.cuboid()) > shares.substantial * smaller_m3;
+}
 
 double GoneShareOf(const TrackedObject& object) {
   const LookCount looks = CountLooks(object);

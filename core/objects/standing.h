@@ -17,6 +17,9 @@ enum class Standing {
   kContradicted,  ///< It is gone for this sensor, and stands for another one.
 };
 
+/// True if the cuboids of two objects have a substantial share of the smaller one in common.
+bool ShareSpace(const TrackedObject& a, const TrackedObject& b, const SurfaceShares& shares);
+
 /// Returns the share of the looked-at surface that is gone; 0 without looks.
 double GoneShareOf(const TrackedObject& object);
 

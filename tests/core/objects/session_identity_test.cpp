@@ -561,6 +561,35 @@ TEST_F(SessionIdentityTest, TwoUnlikeShapesThatChangedPlacesHaveBothMoved) {
   EXPECT_NEAR(tall->cuboid().center_world.y(), 0.15, 0.05);
 }
 
+TEST_F(SessionIdentityTest, AShapeThatBothObjectsHaveElsewhereIsNoPush) {
+  // Of two unlike boxes that changed places, each was close to where the other one is now.
+  const Eigen::Vector3d long_size_m(0.4, 0.6, 0.5);
+  const Eigen::Vector3d short_size_m(0.4, 0.48, 0.5);
+  const TrackedObject* one = PutKnown(0.0, -2, long_size_m);
+  const TrackedObject* other = PutKnown(2.0, -2, short_size_m);
+  PutSeen(0.1, short_size_m);
+  PutSeen(2.1, long_size_m);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  EXPECT_NEAR(one->cuboid().center_world.y(), 2.4, 0.05);
+  EXPECT_NEAR(other->cuboid().center_world.y(), 0.325, 0.05);
+}
+
+TEST_F(SessionIdentityTest, AThingInThePlaceOfAnotherOneShowsThatThatOneHasMoved) {
+  // Of a box, looks found the sides that it has in common with the larger one in its place.
+  const Eigen::Vector3d large_size_m(0.6, 0.7, 0.9);
+  const TrackedObject* small = PutKnown(0.0, 2);
+  const TrackedObject* large = PutKnown(3.0, -2, large_size_m);
+  PutSeen(-0.1, large_size_m);
+  PutSeen(6.0);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 2U);
+  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  EXPECT_NEAR(small->cuboid().center_world.y(), 6.25, 0.05);
+  EXPECT_NEAR(large->cuboid().center_world.y(), 0.25, 0.05);
+}
+
 TEST_F(SessionIdentityTest, ASmallThingIsGoneIfTheHalfOfItThatFacesTheCameraIs) {
   TrackedObject* const mug =
       Put(ObjectStatus::kPresent, {2.01, 0.01, 0.0}, Eigen::Vector3d(0.05, 0.05, 0.1));
