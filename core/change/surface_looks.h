@@ -59,6 +59,9 @@ struct LookCount {
 
   std::size_t looked_at() const { return found + gone; }
 
+  /// True if at least as much was found gone as in place.
+  bool is_doubtful() const { return gone > 0 && gone >= found; }
+
   /// Returns how many cells tell of the whole object: `min_cells`, or of a small object half of its
   /// cells, since a camera sees no more of them at once; at least one.
   std::size_t DecidingCells(std::size_t min_cells) const {

@@ -40,30 +40,6 @@ SurfaceBesideLeg FindSurfaceBeside(const TrackedObject& leg,
 
 double LengthOf(const TrackedObject& object) { return object.cuboid().size_m.maxCoeff(); }
 
-/// An object of the session.
-struct Part {
-  TrackedObject* object = nullptr;
-  bool is_open_leg = false;
-};
-
-/// Returns the place in `parts` of the nearest object that a leg may belong to, and its distance;
-/// the place of the leg if there is none.
-std::pair<std::size_t, double> FindWhole(const std::vector<Part>& parts,
-                                         std::size_t leg,
-                                         const SessionPartParameters& parameters) {
-  std::size_t nearest = leg;
-  double nearest_m = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (i == leg || !MayBeLegOf(*parts[leg].object, *parts[i].object, parameters)) continue;
-    const double distance_m =
-        DistanceBetween(parts[leg].object->cuboid(), parts[i].object->cuboid());
-    if (distance_m >= nearest_m) continue;
-    nearest = i;
-    nearest_m = distance_m;
-  }
-  return {nearest, nearest_m};
-}
-
 }  // namespace
 
 bool IsOpenLeg(const TrackedObject& object,
@@ -87,26 +63,46 @@ bool MayBeLegOf(const TrackedObject& leg,
   return IsOfOneClass(leg, other) && DistanceBetween(leg.cuboid(), other.cuboid()) < reach_m;
 }
 
+TrackedObject* FindWholeOfLeg(const TrackedObject& leg,
+                              const std::vector<TrackedObject*>& objects,
+                              const SessionPartParameters& parameters) {
+  TrackedObject* nearest = nullptr;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (TrackedObject* object : objects) {
+    if (object == &leg || !MayBeLegOf(leg, *object, parameters)) continue;
+    const double distance_m = DistanceBetween(leg.cuboid(), object->cuboid());
+    if (distance_m >= nearest_m) continue;
+    nearest = object;
+    nearest_m = distance_m;
+  }
+  return nearest;
+}
+
 void JoinLegs(const SessionPartParameters& parameters, const SensorName& source, WorkingMap* map) {
-  std::vector<Part> parts;
+  std::vector<TrackedObject*> objects;
+  std::vector<TrackedObject*> legs;
   for (TrackedObject* object : map->TentativeObjectsOf(source)) {
-    if (!IsUnsegmented(*object)) parts.push_back({object, IsOpenLeg(*object, parameters, *map)});
+    if (IsUnsegmented(*object)) continue;
+    objects.push_back(object);
+    if (IsOpenLeg(*object, parameters, *map)) legs.push_back(object);
   }
   while (true) {
-    std::size_t leg = parts.size();
-    std::size_t whole = parts.size();
-    double nearest_m = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (!parts[i].is_open_leg) continue;
-      const auto [place, distance_m] = FindWhole(parts, i, parameters);
-      if (place == i || distance_m >= nearest_m) continue;
-      leg = i;
-      whole = place;
+    TrackedObject* leg = nullptr;
+    TrackedObject* whole = nullptr;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (TrackedObject* candidate : legs) {
+      TrackedObject* found = FindWholeOfLeg(*candidate, objects, parameters);
+      if (found == nullptr) continue;
+      const double distance_m = DistanceBetween(candidate->cuboid(), found->cuboid());
+      if (distance_m >= nearest_m) continue;
+      leg = candidate;
+      whole = found;
       nearest_m = distance_m;
     }
-    if (leg == parts.size()) return;
-    JoinSessionObjects(parts[leg].object, parts[whole].object, map);
-    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(leg));
+    if (leg == nullptr) return;
+    JoinSessionObjects(leg, whole, map);
+    std::erase(objects, leg);
+    std::erase(legs, leg);
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/objects/session_parts.h"
 #include "core/working/tracked_object.h"
 #include "core/working/working_map.h"
@@ -18,6 +20,12 @@ bool IsOpenLeg(const TrackedObject& object,
 bool MayBeLegOf(const TrackedObject& leg,
                 const TrackedObject& other,
                 const SessionPartParameters& parameters);
+
+/// Returns the nearest of the objects, other than the leg, that an open leg may belong to; null if
+/// there is none.
+TrackedObject* FindWholeOfLeg(const TrackedObject& leg,
+                              const std::vector<TrackedObject*>& objects,
+                              const SessionPartParameters& parameters);
 
 /// Joins the open legs of a session, each with the nearest object that it may belong to.
 void JoinLegs(const SessionPartParameters& parameters, const SensorName& source, WorkingMap* map);

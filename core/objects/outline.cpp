@@ -188,8 +188,8 @@ bool OutlineTest::MayGoOnAs(std::span<const OrientedPoint> surface,
     if (gap.width_m > smallest_m + kNextGrains * grain_m_) continue;
     ++count;
     // Cells of free space that touch a surface reach behind it.
-    if (IsSeenThrough(gap.from->position_world, gap.to->position_world) &&
-        IsSeenThrough(Behind(*gap.from), Behind(*gap.to))) {
+    if (IsSeenBetween(gap.from->position_world, gap.to->position_world) &&
+        IsSeenBetween(Behind(*gap.from), Behind(*gap.to))) {
       ++seen;
     }
   }
@@ -205,7 +205,7 @@ Eigen::Vector3d OutlineTest::Behind(const OrientedPoint& point) const {
 
 /// True if on the way between two points of surfaces, free space was seen, or structure: a floor
 /// between two things shows that they end there.
-bool OutlineTest::IsSeenThrough(const Eigen::Vector3d& from_world,
+bool OutlineTest::IsSeenBetween(const Eigen::Vector3d& from_world,
                                 const Eigen::Vector3d& to_world) const {
   const double length_m = (to_world - from_world).norm();
   const Eigen::Vector3d direction = (to_world - from_world) / length_m;

@@ -39,7 +39,7 @@ class OutlineTest {
                     std::span<const Eigen::Vector3d> continuation_world) const;
 
   /// True if a surface may go on as `other`: most of what is nearest to it, within `max_gap_m`, has
-  /// no free space in between.
+  /// neither free space nor structure in between.
   bool MayGoOnAs(std::span<const OrientedPoint> surface,
                  std::span<const OrientedPoint> other,
                  double max_gap_m) const;
@@ -64,7 +64,7 @@ class OutlineTest {
   std::set<Cell> CellsOf(std::span<const Eigen::Vector3d> points_world) const;
   static bool HasNeighbour(const std::set<Cell>& cells, const Cell& cell);
   Eigen::Vector3d Behind(const OrientedPoint& point) const;
-  bool IsSeenThrough(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) const;
+  bool IsSeenBetween(const Eigen::Vector3d& from_world, const Eigen::Vector3d& to_world) const;
   bool IsOnStructure(const Eigen::Vector3d& point_world) const;
 
   const WorkingMap& map_;

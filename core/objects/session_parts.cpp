@@ -119,7 +119,7 @@ void PartCompletion::DropFragments() {
     const LookCount looks = CountLooks(*object);
     const std::uint64_t frames = object->state().supporting_frames;
     if (frames < parameters_.min_frames ||
-        (looks.gone > 0 && looks.gone >= looks.found && frames < parameters_.min_doubted_frames) ||
+        (looks.is_doubtful() && frames < parameters_.min_doubted_frames) ||
         IsTooSmall(*object, parameters_)) {
       map_->Delete(object);
     }

@@ -6,9 +6,9 @@
 
 namespace steadymap {
 
-/// True if the session saw an object down to where it stands: beside its lowest surface there is
-/// level background of that height. The bottom of the object is then known, and stays its bottom
-/// wherever it stands.
+/// True if an object was seen down to the level background that it stands on: there is background
+/// of the height of its lowest surface beside it. The bottom of the object is then known, also for
+/// any other place where it stands.
 bool StandsOnBackground(const TrackedObject& object,
                         const SessionPartParameters& parameters,
                         const WorkingMap& map);

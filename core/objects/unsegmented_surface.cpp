@@ -1,7 +1,7 @@
 #include "core/objects/unsegmented_surface.h"
 
 #include <algorithm>
-#include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -62,29 +62,17 @@ std::size_t NumberRest(std::span<const OrientedPoint> points,
   return next;
 }
 
-/// True if the looks at a part find it gone at least as often as in place: a wrong label.
-bool IsDoubted(const TrackedObject& part) {
-  const LookCount looks = CountLooks(part);
-  return looks.gone > 0 && looks.gone >= looks.found;
-}
-
-/// Returns the nearest object of which a part is an open leg; null if there is none.
-TrackedObject* FindWhole(const TrackedObject& part,
-                         const std::vector<TrackedObject*>& objects,
-                         const SessionPartParameters& parameters,
-                         const WorkingMap& map) {
-  if (IsTooSmall(part, parameters) || IsDoubted(part) || !IsOpenLeg(part, parameters, map)) {
+/// Returns the nearest object of which a part is an open leg; null if there is none, or if the
+/// label of the part was wrong.
+TrackedObject* FindWholeOf(const TrackedObject& part,
+                           const std::vector<TrackedObject*>& objects,
+                           const SessionPartParameters& parameters,
+                           const WorkingMap& map) {
+  if (IsTooSmall(part, parameters) || CountLooks(part).is_doubtful() ||
+      !IsOpenLeg(part, parameters, map)) {
     return nullptr;
   }
-  TrackedObject* nearest = nullptr;
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (TrackedObject* object : objects) {
-    const double distance_m = DistanceBetween(part.cuboid(), object->cuboid());
-    if (distance_m >= nearest_m || !MayBeLegOf(part, *object, parameters)) continue;
-    nearest = object;
-    nearest_m = distance_m;
-  }
-  return nearest;
+  return FindWholeOfLeg(part, objects, parameters);
 }
 
 /// Adds the parts of unsegmented surface to the objects to which they belong.
@@ -100,7 +88,7 @@ void AddToObjects(const SessionPartParameters& parameters,
   const std::vector<TrackedObject*> parts = DivideVoxels(surface, part_of, end - 1, map);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     TrackedObject* whole =
-        i < objects.size() ? objects[i] : FindWhole(*parts[i], objects, parameters, *map);
+        i < objects.size() ? objects[i] : FindWholeOf(*parts[i], objects, parameters, *map);
     if (whole != nullptr) AddVoxels(*parts[i], map, whole);
     map->Delete(parts[i]);
   }

@@ -219,6 +219,11 @@ class CoarseSessionIdentityTest : public SessionIdentityTest {
   }
 };
 
+void ExpectTwoMoves(const std::vector<ObjectEvent>& events) {
+  EXPECT_EQ(events.size(), 2U);
+  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+}
+
 TEST_F(SessionIdentityTest, WhatNoKnownObjectExplainsIsNew) {
   PutKnown(0.0, 2);
   const ObjectId seen = PutSeen(2.0, kOtherSizeM)->id();
@@ -538,9 +543,7 @@ TEST_F(SessionIdentityTest, TwinsThatWereBothPushedAreToldApartByTheirPlaces) {
   const TrackedObject* other = PutKnown(2.0, -2);
   PutSeen(0.25);
   PutSeen(2.25);
-  const std::vector<ObjectEvent> events = Decide();
-  ASSERT_EQ(events.size(), 2U);
-  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  ExpectTwoMoves(Decide());
   EXPECT_NEAR(other->cuboid().center_world.y() - one->cuboid().center_world.y(), 2.0, 0.05);
 }
 
@@ -552,9 +555,7 @@ TEST_F(SessionIdentityTest, TwoUnlikeShapesThatChangedPlacesHaveBothMoved) {
   const TrackedObject* tall = PutKnown(2.0, -2, tall_size_m);
   PutSeen(0.0, tall_size_m);
   PutSeen(2.0, low_size_m);
-  const std::vector<ObjectEvent> events = Decide();
-  ASSERT_EQ(events.size(), 2U);
-  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  ExpectTwoMoves(Decide());
   EXPECT_NEAR(low->cuboid().size_m.z(), low_size_m.z(), 0.05);
   EXPECT_NEAR(low->cuboid().center_world.y(), 2.175, 0.05);
   EXPECT_NEAR(tall->cuboid().size_m.z(), tall_size_m.z(), 0.05);
@@ -569,23 +570,19 @@ TEST_F(SessionIdentityTest, AShapeThatBothObjectsHaveElsewhereIsNoPush) {
   const TrackedObject* other = PutKnown(2.0, -2, short_size_m);
   PutSeen(0.1, short_size_m);
   PutSeen(2.1, long_size_m);
-  const std::vector<ObjectEvent> events = Decide();
-  ASSERT_EQ(events.size(), 2U);
-  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  ExpectTwoMoves(Decide());
   EXPECT_NEAR(one->cuboid().center_world.y(), 2.4, 0.05);
   EXPECT_NEAR(other->cuboid().center_world.y(), 0.325, 0.05);
 }
 
-TEST_F(SessionIdentityTest, AThingInThePlaceOfAnotherOneShowsThatThatOneHasMoved) {
+TEST_F(SessionIdentityTest, AThingWhosePlaceAnotherOneTookHasMoved) {
   // Of a box, looks found the sides that it has in common with the larger one in its place.
   const Eigen::Vector3d large_size_m(0.6, 0.7, 0.9);
   const TrackedObject* small = PutKnown(0.0, 2);
   const TrackedObject* large = PutKnown(3.0, -2, large_size_m);
   PutSeen(-0.1, large_size_m);
   PutSeen(6.0);
-  const std::vector<ObjectEvent> events = Decide();
-  ASSERT_EQ(events.size(), 2U);
-  for (const ObjectEvent& event : events) EXPECT_EQ(event.type, EventType::kMoved);
+  ExpectTwoMoves(Decide());
   EXPECT_NEAR(small->cuboid().center_world.y(), 6.25, 0.05);
   EXPECT_NEAR(large->cuboid().center_world.y(), 0.25, 0.05);
 }
