@@ -44,6 +44,7 @@ class SceneDivision {
     DivideAtGaps(scene.state().gaps);
     DropHardlySeenParts();
     DropSlenderParts();
+    SeparateStanding();
     DropIncompleteParts(*map);
   }
 
@@ -69,17 +70,15 @@ class SceneDivision {
   }
 
   void FindParts() {
-    const double contact_m = surface_.contact_voxels * voxel_m_;
     std::vector<char> is_excluded(points_.size(), 0);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (kinds_[i] != ScenePointKind::kThing) is_excluded[i] = 1;
     }
-    parts_ = FindConnectedParts(points_, is_excluded, contact_m);
+    parts_ = FindConnectedParts(points_, is_excluded, ContactM());
     // Noise on the floor takes its own feet before it is dropped, so that no thing takes them.
-    AddFeet(contact_m);
+    AddFeet(ContactM());
     DropHardlySeenParts();
-    JoinNearParts(parameters_.near_voxels * voxel_m_);
-    for (std::size_t i = parts_.size(); i-- > 0;) SeparateStanding(i, contact_m);
+    JoinNearParts(0);
   }
 
   /// Adds to each part the feet that it reaches first, in steps of at most `reach_m`.
@@ -117,8 +116,14 @@ class SceneDivision {
     }
   }
 
-  /// Makes parts of what stands on level surface of a part, such as on a table.
-  void SeparateStanding(std::size_t index, double contact_m) {
+  /// Makes parts of what stands on level surface of other parts, such as on a table.
+  void SeparateStanding() {
+    const std::size_t first = parts_.size();
+    for (std::size_t i = first; i-- > 0;) SeparateStandingOn(i);
+    JoinNearParts(first);
+  }
+
+  void SeparateStandingOn(std::size_t index) {
     const std::vector<std::size_t> part = parts_[index];
     const std::vector<OrientedPoint> points = PointsOf(part);
     std::vector<char> is_support(points.size(), 0);
@@ -132,11 +137,14 @@ class SceneDivision {
     }
     std::vector<char> is_separate(points.size(), 0);
     for (const std::vector<std::size_t>& region :
-         FindConnectedParts(points, is_support, contact_m)) {
+         FindConnectedParts(points, is_support, ContactM())) {
       std::vector<std::size_t> standing;
       standing.reserve(region.size());
       for (const std::size_t i : region) standing.push_back(part[i]);
-      if (IsHardlySeen(standing) || !StandsOn(points, region, is_support)) continue;
+      if (IsHardlySeen(standing) || IsLegShaped(standing) ||
+          !StandsOn(points, region, is_support)) {
+        continue;
+      }
       for (const std::size_t i : region) is_separate[i] = 1;
       parts_.push_back(std::move(standing));
     }
@@ -147,12 +155,17 @@ class SceneDivision {
     parts_[index] = std::move(rest);
   }
 
-  /// True if a region of a part ends, at its lowest points, beside level surface of the part.
+  /// True if a region of a part ends, at its lowest points, beside level surface of the part, and
+  /// rises above that by more than the resolution of the map.
   bool StandsOn(const std::vector<OrientedPoint>& points,
                 const std::vector<std::size_t>& region,
                 const std::vector<char>& is_support) const {
     double lowest_m = std::numeric_limits<double>::max();
-    for (const std::size_t i : region) lowest_m = std::min(lowest_m, points[i].position_world.z());
+    double highest_m = std::numeric_limits<double>::lowest();
+    for (const std::size_t i : region) {
+      lowest_m = std::min(lowest_m, points[i].position_world.z());
+      highest_m = std::max(highest_m, points[i].position_world.z());
+    }
     std::vector<std::size_t> foot;
     std::copy_if(region.begin(), region.end(), std::back_inserter(foot), [&](std::size_t i) {
       return points[i].position_world.z() <= lowest_m + voxel_m_;
@@ -160,8 +173,11 @@ class SceneDivision {
     const double reach_m = parameters_.near_voxels * voxel_m_;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (is_support[i] == 0) continue;
-      const double height_m = lowest_m - points[i].position_world.z();
-      if (height_m < -voxel_m_ || height_m > reach_m) continue;
+      const double support_m = points[i].position_world.z();
+      if (lowest_m < support_m - voxel_m_ || lowest_m > support_m + reach_m ||
+          highest_m <= support_m + voxel_m_) {
+        continue;
+      }
       if (std::any_of(foot.begin(), foot.end(), [&](std::size_t j) {
             return (points[i].position_world - points[j].position_world).norm() <= reach_m;
           })) {
@@ -171,18 +187,18 @@ class SceneDivision {
     return false;
   }
 
-  /// Joins parts that are closer than `reach_m`, except where they face each other across a gap.
-  /// The distance between their feet does not count.
-  void JoinNearParts(double reach_m) {
+  /// Joins the parts from index `first` on that are near each other, except where they face each
+  /// other across a gap. The distance between their feet does not count.
+  void JoinNearParts(std::size_t first) {
     constexpr std::size_t kNone = ~std::size_t{0};
-    const PointGrid grid(points_, reach_m);
+    const PointGrid grid(points_, parameters_.near_voxels * voxel_m_);
     std::vector<std::size_t> part_of(points_.size(), kNone);
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
+    for (std::size_t i = first; i < parts_.size(); ++i) {
       for (const std::size_t point : parts_[i]) {
         if (kinds_[point] == ScenePointKind::kThing) part_of[point] = i;
       }
     }
-    for (std::size_t i = parts_.size(); i-- > 0;) {
+    for (std::size_t i = parts_.size(); i-- > first;) {
       // By part: how many more pairs of near points do not face each other than do.
       std::map<std::size_t, std::ptrdiff_t> balance;
       for (const std::size_t point : parts_[i]) {
@@ -202,6 +218,8 @@ class SceneDivision {
       Join(i, into);
     }
   }
+
+  double ContactM() const { return surface_.contact_voxels * voxel_m_; }
 
   std::vector<OrientedPoint> PointsOf(const std::vector<std::size_t>& part) const {
     return PointsAt(points_, part);
@@ -232,16 +250,19 @@ class SceneDivision {
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) { return IsHardlySeen(part); });
   }
 
-  /// Drops parts that the voxels are too coarse for.
+  /// True if a part is narrow and long. Points on the outside of a leg alone are farther apart than
+  /// in a box full of points, so that the extents count.
+  bool IsLegShaped(const std::vector<std::size_t>& part) const {
+    const Eigen::Vector3d extents_m = PrincipalAxesOf(PointsOf(part)).extents_m;
+    return extents_m.y() < parameters_.min_width_voxels * voxel_m_ &&
+           extents_m.y() < parameters_.max_leg_share * extents_m.x();
+  }
+
+  /// Drops parts that the voxels are too coarse for: what is left of the legs of a table, or noise.
   void DropSlenderParts() {
     const double min_width_m = parameters_.min_width_voxels * voxel_m_;
     std::erase_if(parts_, [&](const std::vector<std::size_t>& part) {
-      const PrincipalAxes axes = PrincipalAxesOf(PointsOf(part));
-      if (axes.lengths_m.y() < min_width_m) return true;
-      // Points on the outside of a leg alone are farther apart than in a box full of points.
-      const Eigen::Vector3d& extents_m = axes.extents_m;
-      return extents_m.y() < min_width_m &&
-             extents_m.y() < parameters_.max_leg_share * extents_m.x();
+      return PrincipalAxesOf(PointsOf(part)).lengths_m.y() < min_width_m || IsLegShaped(part);
     });
   }
 

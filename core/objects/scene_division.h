@@ -23,8 +23,8 @@ struct SceneDivisionParameters {
   /// Parts that are closer are one object, voxels: narrow surface, such as the edge of a table, has
   /// gaps.
   double near_voxels = 2.25;
-  /// What is smaller is not resolved, voxels. Narrower parts, such as the legs of a table, do not
-  /// become objects of their own.
+  /// What is narrower is not resolved on the floor, voxels: it may be what is left of the legs of a
+  /// table. On level surface of another part, only what has the shape of a leg is none.
   double min_width_voxels = 3.0;
   /// Largest share of the width of a leg in its length.
   double max_leg_share = 0.3;

@@ -210,6 +210,53 @@ TEST_F(SceneDivisionTest, AThingOnATableIsAnObjectOfItsOwn) {
   EXPECT_NEAR(objects[1]->BoundsInWorld().max().z(), 1.0, 0.06);
 }
 
+TEST_F(SceneDivisionTest, ANarrowThingOnATableIsAnObjectOfItsOwn) {
+  weight_ = 10.0F;
+  const Box top(Eigen::Vector3d(-0.6, -0.5, 0.5), Eigen::Vector3d(0.6, 0.5, 0.7));
+  const Box leg(Eigen::Vector3d(-0.3, -0.3, -0.2), Eigen::Vector3d(0.3, 0.3, 0.6));
+  const Box mug(Eigen::Vector3d(0.0, 0.0, 0.6), Eigen::Vector3d(0.1, 0.1, 0.82));
+  const std::vector<TrackedObject*> objects = Divide({FloorSlab(), top, leg, mug});
+  ASSERT_EQ(objects.size(), 2U);
+  EXPECT_LT(objects[0]->BoundsInWorld().max().z(), 0.75);
+  EXPECT_NEAR(objects[1]->BoundsInWorld().max().z(), 0.82, 0.05);
+  EXPECT_LT(objects[1]->BoundsInWorld().sizes().x(), 0.2);
+}
+
+TEST_F(SceneDivisionTest, APostOnATableIsAPartOfIt) {
+  weight_ = 10.0F;
+  const Box top(Eigen::Vector3d(-0.6, -0.5, 0.5), Eigen::Vector3d(0.6, 0.5, 0.7));
+  const Box leg(Eigen::Vector3d(-0.3, -0.3, -0.2), Eigen::Vector3d(0.3, 0.3, 0.6));
+  const Box post(Eigen::Vector3d(0.0, 0.0, 0.6), Eigen::Vector3d(0.1, 0.1, 1.4));
+  const std::vector<TrackedObject*> objects = Divide({FloorSlab(), top, leg, post});
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_NEAR(objects[0]->BoundsInWorld().max().z(), 1.4, 0.05);
+}
+
+TEST_F(SceneDivisionTest, TheUpperEdgeOfATableIsAPartOfIt) {
+  weight_ = 10.0F;
+  const Box table(Eigen::Vector3d(-0.6, -0.5, -0.2), Eigen::Vector3d(0.6, 0.5, 0.7));
+  // Of the side at x = 0.6, only a patch below the top was seen.
+  const auto is_observed = [](const Eigen::Vector3d& point) {
+    if (point.x() < 0.5) return point.z() > -0.12;
+    return point.z() > 0.67 || (point.z() > 0.62 && std::abs(point.y()) < 0.08);
+  };
+  const std::vector<TrackedObject*> objects = DivideSeen({FloorSlab(), table}, is_observed);
+  ASSERT_EQ(objects.size(), 1U);
+  EXPECT_NEAR(objects.front()->BoundsInWorld().max().x(), 0.6, 0.05);
+}
+
+TEST_F(SceneDivisionTest, PiecesOfAThingOnATableAreOneObject) {
+  weight_ = 10.0F;
+  const Box top(Eigen::Vector3d(-0.6, -0.5, 0.5), Eigen::Vector3d(0.6, 0.5, 0.7));
+  const Box leg(Eigen::Vector3d(-0.3, -0.3, -0.2), Eigen::Vector3d(0.3, 0.3, 0.6));
+  const Box thing(Eigen::Vector3d(-0.15, -0.25, 0.6), Eigen::Vector3d(0.15, 0.25, 0.95));
+  // Nothing was seen of it between y = -0.04 and y = 0.04.
+  const auto is_observed = [](const Eigen::Vector3d& point) {
+    return point.z() > -0.12 && (point.z() < 0.72 || std::abs(point.y()) > 0.04);
+  };
+  EXPECT_EQ(DivideSeen({FloorSlab(), top, leg, thing}, is_observed).size(), 2U);
+}
+
 TEST_F(SceneDivisionTest, AThingNarrowerThanAFewVoxelsIsBackground) {
   EXPECT_TRUE(
       Divide({FloorSlab(), Box(Eigen::Vector3d(0.0, 0.0, -0.2), Eigen::Vector3d(0.05, 0.05, 0.8))})
