@@ -11,6 +11,9 @@
 namespace steadymap {
 namespace {
 
+// Nearer surfaces are not told apart, voxels.
+constexpr double kResolvedVoxels = 1.0;
+
 /// What is known of a surface point.
 enum class Change { kUnknown, kSame, kChanged };
 
@@ -104,10 +107,12 @@ class EarlierMap {
  public:
   EarlierMap(const SessionPartParameters& parameters,
              const TrackedObject& known,
+             double same_voxels,
              const WorkingMap& map)
       : parameters_(parameters),
         map_(map),
         voxel_m_(map.scale().voxel_size_m),
+        same_m_(same_voxels * voxel_m_),
         T_known_world_(known.state().T_world_object.ToIsometry().inverse()),
         of_known_(known.volume(), map.scale()),
         of_background_(map.background(), map.scale()) {}
@@ -127,10 +132,9 @@ class EarlierMap {
   Change CompareWith(TsdfSampler* sampler, const OrientedPoint& point) const {
     const DistanceSample sample = sampler->Sample(point.position_world);
     if (!sample.known) return Change::kUnknown;
-    const double same_m = parameters_.surface.contact_voxels * voxel_m_;
-    if (sample.distance_m > same_m) return Change::kChanged;
-    const bool is_same = sample.distance_m < -same_m || sample.gradient.dot(point.normal_world) >=
-                                                            parameters_.surface.min_normal_cosine;
+    if (sample.distance_m > same_m_) return Change::kChanged;
+    const bool is_same = sample.distance_m < -same_m_ || sample.gradient.dot(point.normal_world) >=
+                                                             parameters_.surface.min_normal_cosine;
     return is_same ? Change::kSame : Change::kUnknown;
   }
 
@@ -161,18 +165,20 @@ class EarlierMap {
   const SessionPartParameters& parameters_;
   const WorkingMap& map_;
   double voxel_m_;
+  double same_m_;  ///< Surface that is closer may be the same.
   Eigen::Isometry3d T_known_world_;
   TsdfSampler of_known_;
   TsdfSampler of_background_;
 };
 
 /// Tells which surface of an object of the session was not there when a known object and the
-/// background were seen.
+/// background were seen. Surface within `same_voxels` of theirs may be the same.
 std::vector<Change> FindNewSurface(const SessionPartParameters& parameters,
                                    const TrackedObject& known,
                                    const TrackedObject& seen,
+                                   double same_voxels,
                                    const WorkingMap& map) {
-  EarlierMap earlier(parameters, known, map);
+  EarlierMap earlier(parameters, known, same_voxels, map);
   std::vector<Change> changes;
   for (const OrientedPoint& point : OrientedSurfaceOf(seen)) {
     changes.push_back(earlier.Compare(point));
@@ -205,7 +211,22 @@ std::vector<TrackedObject*> SeparateNewRegions(const SessionPartParameters& para
                                                const TrackedObject& known,
                                                TrackedObject* seen,
                                                WorkingMap* map) {
-  return SeparateChanged(parameters, FindNewSurface(parameters, known, *seen, *map), seen, map);
+  const std::vector<Change> changes =
+      FindNewSurface(parameters, known, *seen, parameters.surface.contact_voxels, *map);
+  return SeparateChanged(parameters, changes, seen, map);
+}
+
+double NewShareOf(const SessionPartParameters& parameters,
+                  const TrackedObject& known,
+                  const TrackedObject& seen,
+                  const WorkingMap& map) {
+  std::size_t changed = 0;
+  std::size_t compared = 0;
+  for (const Change change : FindNewSurface(parameters, known, seen, kResolvedVoxels, map)) {
+    if (change != Change::kUnknown) ++compared;
+    if (change == Change::kChanged) ++changed;
+  }
+  return compared == 0 ? 0.0 : static_cast<double>(changed) / static_cast<double>(compared);
 }
 
 }  // namespace steadymap

@@ -25,4 +25,11 @@ std::vector<TrackedObject*> SeparateNewRegions(const SessionPartParameters& para
                                                TrackedObject* seen,
                                                WorkingMap* map);
 
+/// Returns the share of the surface of `seen`, an object of a session, where nothing was when
+/// `known` and the background were seen, in [0, 1]; what they do not tell of does not count.
+double NewShareOf(const SessionPartParameters& parameters,
+                  const TrackedObject& known,
+                  const TrackedObject& seen,
+                  const WorkingMap& map);
+
 }  // namespace steadymap

@@ -19,8 +19,8 @@
 #include "core/objects/session_parts.h"
 #include "core/objects/standing.h"
 #include "core/objects/surface_overlap.h"
-#include "core/objects/surface_relations.h"
 #include "core/objects/wrong_labels.h"
+#include "core/volume/free_space.h"
 
 namespace steadymap {
 namespace {
@@ -445,9 +445,11 @@ bool SessionDecision::IsPartOfKnown(const TrackedObject& seen) {
         !AreInContact(seen, *known.object, parameters_.parts, map_->scale())) {
       continue;
     }
-    // What hides a surface that was seen was not there then.
-    if (HiddenShare(*known.object, seen, map_->scale()) >= parameters_.parts.shares.substantial)
+    // Where free space was seen before, the known one has no surface.
+    if (NewShareOf(parameters_.parts, *known.object, seen, *map_) >=
+        parameters_.parts.shares.majority) {
       continue;
+    }
     AddVoxels(seen, map_, known.object);
     return true;
   }

@@ -113,6 +113,17 @@ TEST_F(ChangedRegionsTest, ABoxThatCameIsARegion) {
   EXPECT_LT(seen->BoundsInWorld().max().z(), 0.12);
 }
 
+TEST_F(ChangedRegionsTest, ABoxHigherThanAVoxelIsNewWhereASlabWasSeen) {
+  const TrackedObject* without_box = Add({kSlab});
+  const Box low(Eigen::Vector3d(-0.15, -0.15, -0.2), Eigen::Vector3d(0.15, 0.15, 0.07));
+  const TrackedObject* with_box = Add({kSlab, low});
+  const TrackedObject* seen = AddSeen({kSlab, low}, [](const Eigen::Vector3d& point) {
+    return point.z() > 0.02 && point.head<2>().lpNorm<Eigen::Infinity>() < 0.22;
+  });
+  EXPECT_GT(NewShareOf(parameters_, *without_box, *seen, map_), 0.5);
+  EXPECT_EQ(NewShareOf(parameters_, *with_box, *seen, map_), 0.0);
+}
+
 TEST_F(ChangedRegionsTest, SurfaceInSpaceThatWasNotSeenIsNotNew) {
   const TrackedObject* known = Add({kSlab}, -0.5);
   TrackedObject* seen = Add({kSlab, kBox});

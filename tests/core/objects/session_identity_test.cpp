@@ -124,20 +124,24 @@ class SessionIdentityTest : public ::testing::Test {
     return strip;
   }
 
+  /// Adds boxes as one object without a label.
+  TrackedObject* PutBoxes(ObjectStatus status, const std::vector<Box>& boxes) {
+    TrackedObject* object = Put(status, boxes.front().min(), boxes.front().sizes());
+    const Eigen::Vector3d origin_world = object->state().T_world_object.position_world;
+    Solid bodies;
+    for (const Box& box : boxes) {
+      bodies.push_back(Box(box.min() - origin_world, box.max() - origin_world));
+    }
+    ObjectEdit edit = map_.Edit(object);
+    edit.state().class_id = kNoClass;
+    StoreVolume(MakeVolume(bodies, map_.scale()), &edit);
+    return object;
+  }
+
   /// Adds a large slab with a box on it, known as one object without a label, of which looks found
   /// all but the box if that is gone.
   TrackedObject* PutStructure(const Box& box, bool is_box_gone) {
-    TrackedObject* known = Put(ObjectStatus::kPresent, kSupportSlab.min(), kSupportSlab.sizes());
-    {
-      const Eigen::Vector3d origin_world = known->state().T_world_object.position_world;
-      ObjectEdit edit = map_.Edit(known);
-      edit.state().class_id = kNoClass;
-      StoreVolume(
-          MakeVolume({Box(kSupportSlab.min() - origin_world, kSupportSlab.max() - origin_world),
-                      Box(box.min() - origin_world, box.max() - origin_world)},
-                     map_.scale()),
-          &edit);
-    }
+    TrackedObject* known = PutBoxes(ObjectStatus::kPresent, {kSupportSlab, box});
     SetScores(kEverywhere, 2, known);
     const Eigen::Vector3d above_foot(0.0, 0.0, 0.15);
     if (is_box_gone) SetScores({box.min() + above_foot, box.max() * 1.1}, -2, known);
@@ -145,8 +149,8 @@ class SessionIdentityTest : public ::testing::Test {
   }
 
   /// Adds a box without a label.
-  TrackedObject* PutUnlabelled(const Eigen::Vector3d& place) {
-    TrackedObject* seen = Put(ObjectStatus::kTentative, place, kSizeM);
+  TrackedObject* PutUnlabelled(const Eigen::Vector3d& place, const Eigen::Vector3d& size = kSizeM) {
+    TrackedObject* seen = Put(ObjectStatus::kTentative, place, size);
     ObjectEdit edit = map_.Edit(seen);
     edit.state().class_id = kNoClass;
     return seen;
@@ -161,6 +165,21 @@ class SessionIdentityTest : public ::testing::Test {
         const Eigen::Vector3d low = bounds_world.min() + step_m * Eigen::Vector3d(x, y, 0.0);
         map_.MarkFree(low, {low.x(), low.y(), bounds_world.max().z()}, map_.now());
       }
+    }
+  }
+
+  /// Marks the space beside a box and above it as seen through.
+  void MarkFreeAround(const Box& box_world) {
+    const Eigen::Vector3d gap = Eigen::Vector3d::Constant(map_.scale().voxel_size_m);
+    const Box inner(box_world.min() - gap, box_world.max() + gap);
+    const Box outer = Grow(box_world, 0.3);
+    for (int axis = 0; axis < 3; ++axis) {
+      Box before = outer;
+      before.max()[axis] = inner.min()[axis];
+      Box after = outer;
+      after.min()[axis] = inner.max()[axis];
+      if (axis < 2) MarkFree(before);
+      MarkFree(after);
     }
   }
 
@@ -496,6 +515,20 @@ TEST_F(SessionIdentityTest, AThingThatCameDownHasMoved) {
   EXPECT_EQ(events.front().type, EventType::kMoved);
   EXPECT_EQ(events.front().object, known->id());
   EXPECT_NEAR((events.front().center_world - *events.front().old_center_world).z(), -0.25, 0.03);
+}
+
+TEST_F(SessionIdentityTest, AMugOnATableWithoutLabelsIsNew) {
+  const Box table(Eigen::Vector3d(2.0, 0.0, 0.0), Eigen::Vector3d(2.8, 1.0, 0.3));
+  const Box mug(Eigen::Vector3d(2.4, 0.4, 0.3), Eigen::Vector3d(2.55, 0.55, 0.5));
+  const TrackedObject* known = PutBoxes(ObjectStatus::kPresent, {table});
+  PutBoxes(ObjectStatus::kTentative, {table, mug});
+  MarkFreeAround(mug);
+  const std::vector<ObjectEvent> events = Decide();
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events.front().type, EventType::kCreated);
+  EXPECT_NE(events.front().object, known->id());
+  EXPECT_LT((events.front().center_world - mug.center()).norm(), 0.1);
+  EXPECT_NEAR(known->BoundsInWorld().max().z(), 0.3, 0.03);
 }
 
 TEST_F(SessionIdentityTest, AFewPointsOfAnUnlabelledThingLeaveTheRestToIt) {
