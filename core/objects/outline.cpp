@@ -68,9 +68,12 @@ bool OutlineTest::IsOnStructure(const Eigen::Vector3d& point_world) const {
   return TsdfSampler(map_.background(), map_.scale()).IsMeasured(point_world);
 }
 
-OutlineTest::Outline OutlineTest::OutlineOf(std::span<const OrientedPoint> surface) const {
+/// Finds the outline of a surface. The space beside it is looked at `behind_m` behind the surface.
+OutlineTest::Outline OutlineTest::OutlineOf(std::span<const OrientedPoint> surface,
+                                            double behind_m) const {
   std::set<Cell> cells;
   for (const OrientedPoint& point : surface) cells.insert(CellOf(point.position_world));
+  const bool is_flat = IsFlat(surface);
   Outline outline;
   for (const OrientedPoint& point : surface) {
     const Eigen::Vector3d along = point.normal_world.unitOrthogonal();
@@ -78,21 +81,42 @@ OutlineTest::Outline OutlineTest::OutlineOf(std::span<const OrientedPoint> surfa
     for (const Eigen::Vector3d& direction : {along, across}) {
       for (const double sign : {-1.0, 1.0}) {
         const Eigen::Vector3d step = sign * grain_m_ * direction;
-        if (HasNeighbour(cells, CellOf(point.position_world + kNextGrains * step))) continue;
-        AddPlace(point.position_world, step, &outline);
+        if (GoesOn(cells, is_flat, point, step)) continue;
+        const Eigen::Vector3d beside_world =
+            point.position_world + kBesideGrains * step - behind_m * point.normal_world;
+        AddPlace(point.position_world, step, beside_world, &outline);
       }
     }
   }
   return outline;
 }
 
+/// True if a surface goes on from a point in the direction of `step`. A flat one does so straight
+/// ahead: beside that, it has cells along a slanting outline, too.
+bool OutlineTest::GoesOn(const std::set<Cell>& cells,
+                         bool is_flat,
+                         const OrientedPoint& point,
+                         const Eigen::Vector3d& step) const {
+  if (!is_flat) return HasNeighbour(cells, CellOf(point.position_world + kNextGrains * step));
+  for (int ahead = 1; ahead <= kBesideGrains; ++ahead) {
+    for (int above = -1; above <= 1; ++above) {
+      if (cells.contains(CellOf(point.position_world + ahead * step +
+                                above * grain_m_ * point.normal_world))) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 /// Counts a place of an outline by what is beside it, in the direction of `step`.
 void OutlineTest::AddPlace(const Eigen::Vector3d& point_world,
                            const Eigen::Vector3d& step,
+                           const Eigen::Vector3d& beside_world,
                            Outline* outline) const {
   if (MeetsStructure(point_world, step)) {
     ++outline->at_structure;
-  } else if (map_.free_space().IsFree(point_world + kBesideGrains * step)) {
+  } else if (map_.free_space().IsFree(beside_world)) {
     ++outline->beside_free_space;
   } else {
     ++outline->unseen;
@@ -109,9 +133,13 @@ bool OutlineTest::MeetsStructure(const Eigen::Vector3d& point_world,
   return false;
 }
 
+bool OutlineTest::IsFlat(std::span<const OrientedPoint> surface) const {
+  return PrincipalAxesOf(surface).lengths_m.z() < kFlatGrains * grain_m_;
+}
+
 double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const {
   if (surface.empty()) return 0.0;
-  const Outline outline = OutlineOf(surface);
+  const Outline outline = OutlineOf(surface, 0.0);
   // Each point stands for the square of a voxel. The points within a cube of an edge are beside it.
   const double point_m2 = map_.scale().voxel_size_m * map_.scale().voxel_size_m;
   const auto length_of = [&](std::size_t places) {
@@ -120,7 +148,7 @@ double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const 
   const double unseen_m = length_of(outline.unseen);
   const double seen_m = length_of(outline.beside_free_space);
   double shortest_m = 2.0 * std::sqrt(M_PI * point_m2 * static_cast<double>(surface.size()));
-  if (PrincipalAxesOf(surface).lengths_m.z() < kFlatGrains * grain_m_) {
+  if (IsFlat(surface)) {
     shortest_m -= length_of(outline.at_structure);
   }
   const double length_m = std::max(unseen_m + seen_m, shortest_m);
@@ -128,7 +156,8 @@ double OutlineTest::UnseenShareOf(std::span<const OrientedPoint> surface) const 
 }
 
 double OutlineTest::FreeShareOf(std::span<const OrientedPoint> surface) const {
-  const Outline outline = OutlineOf(surface);
+  // Cells of free space that touch a floor or a wall reach behind it.
+  const Outline outline = OutlineOf(surface, map_.free_space().cell_size_m());
   const std::size_t length = outline.at_structure + outline.beside_free_space + outline.unseen;
   if (length == 0) return 0.0;
   return static_cast<double>(outline.beside_free_space) / static_cast<double>(length);

@@ -28,8 +28,8 @@ class OutlineTest {
   /// not count either.
   double UnseenShareOf(std::span<const OrientedPoint> surface) const;
 
-  /// Returns the share of the outline of a surface beside which the space is free, in [0, 1]; 0 if
-  /// it has no outline.
+  /// Returns the share of the outline of a surface beside which the space is free, also behind the
+  /// surface, in [0, 1]; 0 if it has no outline.
   double FreeShareOf(std::span<const OrientedPoint> surface) const;
 
   /// True if a slender surface has an end that was not seen: what is beyond at least half of it is
@@ -54,10 +54,16 @@ class OutlineTest {
     std::size_t unseen = 0;
   };
 
-  Outline OutlineOf(std::span<const OrientedPoint> surface) const;
+  Outline OutlineOf(std::span<const OrientedPoint> surface, double behind_m) const;
+  bool GoesOn(const std::set<Cell>& cells,
+              bool is_flat,
+              const OrientedPoint& point,
+              const Eigen::Vector3d& step) const;
   void AddPlace(const Eigen::Vector3d& point_world,
                 const Eigen::Vector3d& step,
+                const Eigen::Vector3d& beside_world,
                 Outline* outline) const;
+  bool IsFlat(std::span<const OrientedPoint> surface) const;
   bool MeetsStructure(const Eigen::Vector3d& point_world, const Eigen::Vector3d& step) const;
 
   Cell CellOf(const Eigen::Vector3d& point_world) const;

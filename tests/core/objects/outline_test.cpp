@@ -107,6 +107,35 @@ TEST_F(OutlineTestTest, TheFreeShareIsThatOfAllOfTheOutline) {
   EXPECT_NEAR(OutlineTest(map_, {}).FreeShareOf(surface), 0.25, 0.05);
 }
 
+TEST_F(OutlineTestTest, ASlantingEdgeOfAWallIsAPartOfItsOutline) {
+  // A triangle on the floor, beside another wall: the camera did not see what is above.
+  std::vector<OrientedPoint> wall = UprightBetween(0.0, 0.5);
+  std::erase_if(wall, [](const OrientedPoint& point) {
+    return point.position_world.z() > point.position_world.x() + 0.01;
+  });
+  std::vector<Eigen::Vector3d> floor_and_wall;
+  for (int i = 0; i <= 10; ++i) {
+    const double along_m = i * kUprightSpacingM;
+    floor_and_wall.emplace_back(along_m, kSurfaceY, -0.05);
+    floor_and_wall.emplace_back(0.55, kSurfaceY, along_m);
+  }
+  EXPECT_GT(OutlineTest(map_, floor_and_wall).UnseenShareOf(wall), 0.9);
+}
+
+TEST_F(OutlineTestTest, FreeSpaceAboveAFloorIsNotBesideIt) {
+  std::vector<OrientedPoint> floor;
+  for (int x = 0; x <= 10; ++x) {
+    for (int y = 0; y <= 10; ++y) {
+      floor.push_back({kUprightSpacingM * Eigen::Vector3d(x, y, 0.0), Eigen::Vector3d::UnitZ()});
+    }
+  }
+  MarkFree(Box(Eigen::Vector3d(-0.4, -0.4, 0.02), Eigen::Vector3d(0.9, 0.9, 0.9)));
+  EXPECT_EQ(OutlineTest(map_, {}).FreeShareOf(floor), 0.0);
+  // The top of a table: space below it is free, too.
+  MarkFree(Box(Eigen::Vector3d(-0.4, -0.4, -0.5), Eigen::Vector3d(0.9, 0.9, 0.9)));
+  EXPECT_EQ(OutlineTest(map_, {}).FreeShareOf(floor), 1.0);
+}
+
 TEST_F(OutlineTestTest, AHoleInAClosedSurfaceIsASmallShareOfItsOutline) {
   // A sphere, of which a cap with a radius of 10 cm was not seen.
   std::vector<OrientedPoint> sphere;
